@@ -1,0 +1,238 @@
+use std::f64::consts::PI;
+
+use crate::materials::{Material, effective_modulus};
+
+/// Elastic law of one tooth contact: force from approach.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum ContactLaw {
+    /// Two cylinders in line contact, approach of points at depth 2 r_p in each body (Johnson 1985, §4.6 and §5.6).
+    #[default]
+    LineHertz,
+    /// F = k δ with the stiffness in N/m per pin.
+    Linear { stiffness: f64 },
+    /// δ = 3.84e-5 Q^0.9 / l^0.8 (mm, N): Palmgren's line contact of steel bodies.
+    Palmgren,
+    /// Eq. (6) of Tao2024 with the Hertz half-width; both lengths under the logarithm and R_eq equal to the pin radius.
+    Tao2024,
+    /// F = k δ^e with k in N/m^e: the elastic part of the impact function of Tao2024's multibody model.
+    Impact { stiffness: f64, exponent: f64 },
+}
+
+/// Damping of one contact: c STEP(δ, 0, 0, d, 1) δ̇, where the cubic step lets it grow from zero over the depth d.
+///
+/// The sum of elastic and damping force is never allowed to pull.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Damping {
+    /// c in N·s/m.
+    pub coefficient: f64,
+    /// d in m.
+    pub ramp_depth: f64,
+}
+
+/// A [`ContactLaw`] bound to the two materials, the face width and the pin radius of one ring.
+///
+/// For the line-contact laws the approach is δ(F) = F (α − β ln(F R_eq)) with constants of the pairing, from
+/// δ = Σ_m F (1−ν_m²)/(π B E_m) [2 ln(2 h_m/b) − ν_m/(1−ν_m)] and b² = 4 F R_eq/(π B E*).
+#[derive(Debug, Clone, PartialEq)]
+pub struct LineContact {
+    law: ContactLaw,
+    /// α in m/N (for R_eq F in N·m) and β in m/N.
+    alpha: f64,
+    beta: f64,
+    /// Face width B in m.
+    pub width: f64,
+    /// E* in Pa.
+    pub effective_modulus: f64,
+    /// Installed pin radius in m.
+    pub pin_radius: f64,
+    pub damping: Option<Damping>,
+}
+
+impl LineContact {
+    /// Binds `law` to disc and pin materials, face width B and pin radius r_p; the reference depth is h = 2 r_p in both bodies.
+    pub fn new(law: ContactLaw, disc: &Material, pin: &Material, width: f64, pin_radius: f64) -> LineContact {
+        LineContact::with_disc_depth(law, disc, pin, width, pin_radius, 2.0 * pin_radius)
+    }
+
+    /// As [`LineContact::new`], with the approach of the disc read at `disc_depth` (m) below its surface: the depth at which
+    /// a finite element displacement is added, so that nothing is counted twice.
+    pub fn with_disc_depth(law: ContactLaw, disc: &Material, pin: &Material, width: f64, pin_radius: f64, disc_depth: f64) -> LineContact {
+        let effective_modulus = effective_modulus(disc, pin);
+        let b2_per_fr = 4.0 / (PI * width * effective_modulus);
+        let (mut alpha, mut beta) = (0.0, 0.0);
+        for (material, depth) in [(disc, disc_depth), (pin, 2.0 * pin_radius)] {
+            let a = material.plane_strain_compliance() / (PI * width);
+            let nu = material.poisson_ratio;
+            match law {
+                // 2F a (1/3 + ln(4 r/b)) = F a (2/3 + ln(16 r²) − ln b²), R_eq = r.
+                ContactLaw::Tao2024 => alpha += a * (2.0 / 3.0 + (16.0 * pin_radius / b2_per_fr).ln()),
+                _ => alpha += a * ((4.0 * depth * depth / b2_per_fr).ln() - nu / (1.0 - nu)),
+            }
+            beta += a;
+        }
+        LineContact { law, alpha, beta, width, effective_modulus, pin_radius, damping: None }
+    }
+
+    pub fn law(&self) -> ContactLaw {
+        self.law
+    }
+
+    /// Elastic force in N and stiffness dF/dδ in N/m at approach δ (m, positive) for the equivalent radius R_eq in m.
+    #[inline]
+    pub fn force(&self, approach: f64, equivalent_radius: f64) -> (f64, f64) {
+        if approach <= 0.0 {
+            return (0.0, 0.0);
+        }
+        match self.law {
+            ContactLaw::LineHertz => self.line_force(approach, self.alpha - self.beta * equivalent_radius.ln()),
+            ContactLaw::Tao2024 => self.line_force(approach, self.alpha),
+            ContactLaw::Linear { stiffness } => (stiffness * approach, stiffness),
+            ContactLaw::Palmgren => {
+                // δ[mm] = 3.84e-5 Q^0.9 l[mm]^-0.8
+                let coefficient = 3.84e-8 * (self.width * 1e3).powf(-0.8);
+                let force = (approach / coefficient).powf(1.0 / 0.9);
+                (force, force / (0.9 * approach))
+            }
+            ContactLaw::Impact { stiffness, exponent } => {
+                let force = stiffness * approach.powf(exponent);
+                (force, exponent * force / approach)
+            }
+        }
+    }
+
+    /// Approach in m under the force F (N) for the equivalent radius R_eq (m): the inverse of [`LineContact::force`].
+    pub fn approach(&self, force: f64, equivalent_radius: f64) -> f64 {
+        if force <= 0.0 {
+            return 0.0;
+        }
+        match self.law {
+            ContactLaw::LineHertz => force * (self.alpha - self.beta * (equivalent_radius * force).ln()),
+            ContactLaw::Tao2024 => force * (self.alpha - self.beta * force.ln()),
+            ContactLaw::Linear { stiffness } => force / stiffness,
+            ContactLaw::Palmgren => 3.84e-8 * force.powf(0.9) * (self.width * 1e3).powf(-0.8),
+            ContactLaw::Impact { stiffness, exponent } => (force / stiffness).powf(1.0 / exponent),
+        }
+    }
+
+    /// Solves δ = F (α′ − β ln F) for F by Newton's method; returns (F, dF/dδ).
+    ///
+    /// δ(F) rises until ln F = α′/β − 1, where the half-width equals the reference depth and the formula has long lost its
+    /// meaning. From ln F = α′/β − 3 on (half-width h/e, far beyond any steel) the law goes on with constant stiffness.
+    #[inline]
+    fn line_force(&self, approach: f64, alpha: f64) -> (f64, f64) {
+        let limit_ln = alpha / self.beta - 3.0;
+        let limit_approach = 3.0 * self.beta * limit_ln.exp();
+        if approach >= limit_approach {
+            let stiffness = 1.0 / (2.0 * self.beta);
+            return (limit_ln.exp() + stiffness * (approach - limit_approach), stiffness);
+        }
+        // The compliance hardly varies: start from its value at δ/α′, then two or three steps.
+        let first = approach / alpha;
+        let mut force = approach / (alpha - self.beta * (first * 1.1).ln()).max(3.0 * self.beta);
+        for _ in 0..20 {
+            let compliance = alpha - self.beta * force.ln();
+            let step = (approach - force * compliance) / (compliance - self.beta);
+            // δ(F) is concave: Newton from below stays below; from above it can only fall short, never below zero twice.
+            force = (force + step).max(0.1 * force);
+            if step.abs() <= 1e-8 * force {
+                break;
+            }
+        }
+        (force, 1.0 / (alpha - self.beta * force.ln() - self.beta))
+    }
+
+    /// Contact force with damping: (F, ∂F/∂δ, ∂F/∂δ̇) at approach δ in m and rate δ̇ in m/s.
+    #[inline]
+    pub fn damped_force(&self, approach: f64, rate: f64, equivalent_radius: f64) -> (f64, f64, f64) {
+        if approach <= 0.0 {
+            return (0.0, 0.0, 0.0);
+        }
+        let (elastic, stiffness) = self.force(approach, equivalent_radius);
+        let Some(Damping { coefficient, ramp_depth }) = self.damping else {
+            return (elastic, stiffness, 0.0);
+        };
+        let x = (approach / ramp_depth).min(1.0);
+        let damping = coefficient * x * x * (3.0 - 2.0 * x);
+        let damping_slope = if x < 1.0 { coefficient * 6.0 * x * (1.0 - x) / ramp_depth } else { 0.0 };
+        let force = elastic + damping * rate;
+        if force > 0.0 { (force, stiffness + damping_slope * rate, damping) } else { (0.0, 0.0, 0.0) }
+    }
+
+    /// Hertz half-width b = √(4 F R_eq/(π B E*)) in m.
+    pub fn half_width(&self, force: f64, equivalent_radius: f64) -> f64 {
+        (4.0 * force.max(0.0) * equivalent_radius / (PI * self.width * self.effective_modulus)).sqrt()
+    }
+
+    /// Largest Hertz pressure p0 = 2F/(π b B) in Pa.
+    pub fn pressure(&self, force: f64, equivalent_radius: f64) -> f64 {
+        if force <= 0.0 { 0.0 } else { 2.0 * force / (PI * self.half_width(force, equivalent_radius) * self.width) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn steel() -> Material {
+        Material::by_name("GCr15").unwrap()
+    }
+
+    fn all_laws() -> [ContactLaw; 5] {
+        [
+            ContactLaw::LineHertz,
+            ContactLaw::Linear { stiffness: 2.85e8 },
+            ContactLaw::Palmgren,
+            ContactLaw::Tao2024,
+            ContactLaw::Impact { stiffness: 1e10, exponent: 1.2 },
+        ]
+    }
+
+    #[test]
+    fn force_and_approach_are_inverse_and_stiffness_is_the_derivative_for_every_law() {
+        for law in all_laws() {
+            let contact = LineContact::new(law, &steel(), &steel(), 8.75e-3, 3e-3);
+            for force in [1e-3, 1.0, 50.0, 447.0, 5e3, 2e4] {
+                for radius in [1e-3, 3e-3, 5e-2] {
+                    let approach = contact.approach(force, radius);
+                    let (back, stiffness) = contact.force(approach, radius);
+                    assert!((back / force - 1.0).abs() < 1e-9, "{law:?} {force} {back}");
+                    let h = 1e-6 * approach;
+                    let slope = (contact.force(approach + h, radius).0 - contact.force(approach - h, radius).0) / (2.0 * h);
+                    assert!((slope / stiffness - 1.0).abs() < 1e-5, "{law:?}");
+                }
+            }
+        }
+    }
+
+    /// Secant 2.99e8 N/m and exponent 1.099 at 447 N and the largest lever (cos φ = K1): computed by two other programs.
+    #[test]
+    fn val_secant_and_exponent_of_the_line_contact() {
+        let profile = crate::geometry::Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
+        let radius = 1.0 / profile.relative_curvature(profile.short_width_coefficient(), 3e-3);
+        let approach = contact.approach(447.0, radius);
+        let (force, stiffness) = contact.force(approach, radius);
+        assert!((force / approach / 2.99e8 - 1.0).abs() < 2e-3, "{}", force / approach);
+        assert!((stiffness * approach / force - 1.099).abs() < 1e-3);
+    }
+
+    #[test]
+    fn damping_never_pulls() {
+        let mut contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
+        contact.damping = Some(Damping { coefficient: 2e3, ramp_depth: 1e-6 });
+        assert_eq!(contact.damped_force(1e-6, -10.0, 3e-3).0, 0.0);
+        let (force, _, _) = contact.damped_force(1e-6, 1e-3, 3e-3);
+        assert!(force > contact.force(1e-6, 3e-3).0);
+    }
+
+    #[test]
+    fn far_beyond_validity_the_force_stays_finite_and_rising() {
+        let contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
+        let mut last = 0.0;
+        for i in 1..2000 {
+            let force = contact.force(1e-5 * i as f64, 3e-3).0;
+            assert!(force.is_finite() && force > last);
+            last = force;
+        }
+    }
+}

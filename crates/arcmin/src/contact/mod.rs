@@ -1,0 +1,7 @@
+//! Contact of cycloid flank and pins: force laws and the ring of contacts on one disc.
+
+mod law;
+mod ring;
+
+pub use law::{ContactLaw, Damping, LineContact};
+pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction};

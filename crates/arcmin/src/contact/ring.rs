@@ -1,0 +1,368 @@
+use super::LineContact;
+use crate::geometry::{DepthSample, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
+use crate::units::wrap_angle;
+
+/// One installed pin, in the housing frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pin {
+    /// Centre in m, errors included.
+    pub centre: Vec2,
+    /// Radius in m, errors included.
+    pub radius: f64,
+}
+
+/// Place of a disc in the housing frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiscPose {
+    /// Centre in m.
+    pub centre: Vec2,
+    /// Rotation of the flank, θ_j, in rad: 0 puts the lobe root of τ = 0 on the x axis.
+    pub angle: f64,
+}
+
+/// Rates of a [`DiscPose`] in m/s and rad/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiscVelocity {
+    pub centre: Vec2,
+    pub angle: f64,
+}
+
+impl DiscVelocity {
+    pub const REST: DiscVelocity = DiscVelocity { centre: Vec2::new(0.0, 0.0), angle: 0.0 };
+
+    fn as_array(&self) -> [f64; 3] {
+        [self.centre.x, self.centre.y, self.angle]
+    }
+}
+
+/// State of one pin's contact. Vectors are in the housing frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PinContact {
+    /// Index of the pin, 0…z_p−1.
+    pub pin: usize,
+    /// Parameter τ of the foot on the trace in rad.
+    pub tau: f64,
+    /// Meshing angle of the point of closest approach in rad, (−π, π]; positive angles push the disc clockwise.
+    pub meshing_angle: f64,
+    /// Gap in m; negative is penetration (elastic approach).
+    pub gap: f64,
+    /// Rate of approach in m/s.
+    pub approach_rate: f64,
+    /// Normal force in N.
+    pub force: f64,
+    /// ∂F/∂δ in N/m.
+    pub stiffness: f64,
+    /// ∂F/∂δ̇ in N·s/m.
+    pub damping: f64,
+    /// Outward normal of the flank (from disc to pin).
+    pub normal: Vec2,
+    /// Pin centre relative to the disc centre in m; the line of action passes through it.
+    pub arm: Vec2,
+    /// Relative curvature 1/R_eq in 1/m, worn flank included.
+    pub relative_curvature: f64,
+    /// ∂(gap)/∂(x, y, θ) of the disc.
+    pub gradient: [f64; 3],
+}
+
+/// Sum of the contact forces on one disc, about its centre, with its tangents.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Reaction {
+    /// (F_x, F_y, M) on the disc in N, N, N·m.
+    pub force: [f64; 3],
+    /// −∂(F_x, F_y, M)/∂(x, y, θ).
+    pub stiffness: [[f64; 3]; 3],
+    /// −∂(F_x, F_y, M)/∂(ẋ, ẏ, θ̇).
+    pub damping: [[f64; 3]; 3],
+}
+
+/// All pins against one disc.
+#[derive(Debug, Clone)]
+pub struct PinContacts {
+    profile: Profile,
+    pins: Vec<Pin>,
+    /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
+    directions: Vec<Vec2>,
+    relief: Relief,
+    shallowest_relief: f64,
+    contact: LineContact,
+}
+
+impl PinContacts {
+    pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
+        let count = profile.pin_count as f64;
+        let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
+        let mut contacts = PinContacts { profile, pins, directions, relief: Relief::uniform(0.0), shallowest_relief: 0.0, contact };
+        contacts.set_relief(relief);
+        contacts
+    }
+
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    pub fn pins(&self) -> &[Pin] {
+        &self.pins
+    }
+
+    pub fn contact(&self) -> &LineContact {
+        &self.contact
+    }
+
+    pub fn relief(&self) -> &Relief {
+        &self.relief
+    }
+
+    /// Replaces the metal removed from the flanks (modifications and wear together).
+    pub fn set_relief(&mut self, relief: Relief) {
+        // A spline may undershoot its samples a little; half the sample range is a safe margin for culling.
+        let (low, high) = relief.samples().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
+        self.shallowest_relief = low - 0.5 * (high - low);
+        self.relief = relief;
+    }
+
+    /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
+    pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
+        let mut reaction = Reaction::default();
+        self.visit(pose, velocity, false, |contact| reaction.add(contact, velocity, &self.profile));
+        reaction
+    }
+
+    /// State of every pin, touching or not, in the order of the pins.
+    pub fn contacts(&self, pose: DiscPose, velocity: DiscVelocity) -> Vec<PinContact> {
+        let mut all = Vec::with_capacity(self.pins.len());
+        self.visit(pose, velocity, true, |contact| all.push(*contact));
+        all
+    }
+
+    /// Calls `visit` for every pin (`all`) or for every pin that may touch.
+    pub fn visit(&self, pose: DiscPose, velocity: DiscVelocity, all: bool, mut visit: impl FnMut(&PinContact)) {
+        let rotation = unit(pose.angle);
+        let back = Vec2::new(rotation.x, -rotation.y);
+        // z_p β_i is a whole number of turns, so all pins share e(z τ) at the start of their search.
+        let ez = unit(-(self.profile.pin_count as f64) * pose.angle);
+        for (index, pin) in self.pins.iter().enumerate() {
+            let arm = pin.centre - pose.centre;
+            let p = turned(arm, back);
+            let e = turned(self.directions[index], back);
+            let extra = self.profile.pin_radius - pin.radius;
+            if !all && self.is_clear(p, e, ez, extra) {
+                continue;
+            }
+            let tau0 = std::f64::consts::TAU * index as f64 / self.pins.len() as f64 - pose.angle;
+            visit(&self.contact_of(index, arm, p, tau0, e, ez, rotation, velocity));
+        }
+    }
+
+    /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the curvature can take back.
+    #[inline]
+    fn is_clear(&self, p: Vec2, e: Vec2, ez: Vec2, extra: f64) -> bool {
+        let (c, c1, c2) = self.profile.trace_derivatives(e, ez);
+        let off = p - c;
+        let speed2 = c1.norm_squared();
+        let speed = speed2.sqrt();
+        let height = cross(off, c1) / speed;
+        let along = off.dot(&c1) / speed;
+        let curvature = cross(c1, c2).abs() / (speed2 * speed);
+        // Only where the curvature cannot change its size on the way to the foot.
+        curvature * (height.abs() + along.abs()) < 0.3 && height + extra + self.shallowest_relief > 2.0 * curvature * along * along + 1e-6
+    }
+
+    #[inline]
+    fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, tau0: f64, e: Vec2, ez: Vec2, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
+        let radius = self.pins[pin].radius;
+        let foot = self.profile.foot_from(p, tau0, e, ez);
+        let flank_curvature = foot.trace_curvature / (1.0 + self.profile.pin_radius * foot.trace_curvature);
+        let unworn_curvature = 1.0 / radius - flank_curvature;
+        let lobes = self.profile.lobe_count() as f64;
+        let foot_angle = wrap_angle(-lobes * foot.tau);
+        let DepthSample { depth, slope, bend } = self.relief.at(foot_angle);
+        let mut gap = foot.distance + (self.profile.pin_radius - radius) + depth;
+        let mut relative_curvature = unworn_curvature;
+        let mut meshing_angle = foot_angle;
+        if slope != 0.0 || bend != 0.0 {
+            // On a flank worn unevenly the closest point lies where unworn gap x²/(2 R_eq) and depth w + w_s x + w_ss x²/2 are
+            // least together. x runs along the flank; φ falls where τ rises, but only squares and products matter here.
+            let length = self.profile.pin_circle_radius
+                * self.profile.speed_factor(foot.cos_meshing)
+                * (1.0 + self.profile.pin_radius * foot.trace_curvature).abs()
+                / lobes;
+            let (w_s, w_ss) = (slope / length, bend / (length * length));
+            // A hollow sharper than the pin would touch at two places; a tenth of the unworn curvature keeps the single contact
+            // that this model has (it enters the force only under a logarithm).
+            relative_curvature = (unworn_curvature + w_ss).max(0.1 * unworn_curvature);
+            gap -= 0.5 * w_s * w_s / relative_curvature;
+            meshing_angle = wrap_angle(foot_angle - w_s / relative_curvature / length);
+        }
+        let normal = turned(foot.normal, rotation);
+        let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
+        let v = velocity.as_array();
+        let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
+        let (force, stiffness, damping) = self.contact.damped_force(-gap, approach_rate, 1.0 / relative_curvature);
+        PinContact { pin, tau: foot.tau, meshing_angle, gap, approach_rate, force, stiffness, damping, normal, arm, relative_curvature, gradient }
+    }
+}
+
+impl Reaction {
+    /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included:
+    /// ∂²g/∂q² = −T Tᵀ/(ρ0 − d) plus the turning of the arm, with T = (t_x, t_y, t·(k × arm)).
+    #[inline]
+    fn add(&mut self, contact: &PinContact, velocity: DiscVelocity, profile: &Profile) {
+        if contact.force <= 0.0 {
+            return;
+        }
+        let g = contact.gradient;
+        let n = contact.normal;
+        let t = quarter_turn(n);
+        let along = [t.x, t.y, t.dot(&quarter_turn(contact.arm))];
+        let cos = contact.meshing_angle.cos();
+        let turn = profile.trace_curvature(cos);
+        let distance = contact.gap;
+        let turning = -turn / (1.0 - turn * distance);
+        let mut hessian = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                hessian[i][j] = turning * along[i] * along[j];
+            }
+        }
+        hessian[0][2] += n.y;
+        hessian[2][0] += n.y;
+        hessian[1][2] -= n.x;
+        hessian[2][1] -= n.x;
+        hessian[2][2] -= n.dot(&contact.arm);
+        let v = velocity.as_array();
+        for i in 0..3 {
+            self.force[i] += contact.force * g[i];
+            let rate_slope = hessian[i][0] * v[0] + hessian[i][1] * v[1] + hessian[i][2] * v[2];
+            for j in 0..3 {
+                self.stiffness[i][j] += contact.stiffness * g[i] * g[j] - contact.force * hessian[i][j];
+                self.damping[i][j] += contact.damping * g[i] * g[j];
+            }
+            for j in 0..3 {
+                self.stiffness[j][i] += contact.damping * rate_slope * g[j];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Damping, LineContact};
+    use crate::units::{ARCMIN, UM};
+
+    fn machine() -> crate::machine::Machine {
+        crate::templates::rv_40e_81()
+    }
+
+    fn worn(phi: f64) -> f64 {
+        12.0 * UM * (0.5 - 0.5 * (2.0 * phi).cos())
+    }
+
+    #[test]
+    fn nominal_pose_touches_every_pin_with_zero_gap() {
+        let machine = machine();
+        let contacts = machine.pin_contacts(&Relief::uniform(0.0));
+        let kinematics = machine.kinematics();
+        for disc in 0..2 {
+            for step in 0..50 {
+                let crank = 0.3 + 0.1 * step as f64;
+                let pose = kinematics.disc_pose(disc, crank, kinematics.nominal_output_angle(crank));
+                for contact in contacts.contacts(pose, DiscVelocity::REST) {
+                    assert!(contact.gap.abs() < 1e-15);
+                    let eccentric = crank + kinematics.phases[disc];
+                    let expected = std::f64::consts::TAU * contact.pin as f64 / 40.0 - eccentric;
+                    assert!(wrap_angle(contact.meshing_angle - expected).abs() < 1e-7);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pins_at_positive_meshing_angle_push_the_disc_clockwise() {
+        let machine = machine();
+        let contacts = machine.pin_contacts(&Relief::uniform(0.0));
+        let pose = machine.kinematics().disc_pose(0, 0.0, 5e-5);
+        contacts.visit(pose, DiscVelocity::REST, false, |contact| {
+            if contact.force > 0.0 {
+                assert!(contact.gradient[2] * contact.meshing_angle < 0.0);
+            }
+        });
+    }
+
+    #[test]
+    fn stiffness_and_damping_are_the_derivatives_of_the_force() {
+        let machine = machine();
+        let mut line = machine.line_contact();
+        line.damping = Some(Damping { coefficient: 2e3, ramp_depth: 1e-6 });
+        let contacts = PinContacts::new(machine.profile(), machine.pins(), Relief::uniform(0.0), line);
+        let kinematics = machine.kinematics();
+        let base = kinematics.disc_pose(0, 1.234, kinematics.nominal_output_angle(1.234) - 0.1 * ARCMIN);
+        let velocity = DiscVelocity { centre: Vec2::new(1e-4, -2e-4), angle: 3e-3 };
+        let shifted = |axis: usize, h: f64| {
+            let mut pose = base;
+            match axis {
+                0 => pose.centre.x += h,
+                1 => pose.centre.y += h,
+                _ => pose.angle += h / 0.05,
+            }
+            contacts.react(pose, velocity).force
+        };
+        let reaction = contacts.react(base, velocity);
+        let size = reaction.stiffness[0][0].abs();
+        for axis in 0..3 {
+            let h = 1e-10;
+            let (a, b) = (shifted(axis, -h), shifted(axis, h));
+            let scale = if axis == 2 { 1.0 / 0.05 } else { 1.0 };
+            for row in 0..3 {
+                let difference = -(b[row] - a[row]) / (2.0 * h);
+                let tangent = reaction.stiffness[row][axis] * scale;
+                assert!((difference - tangent).abs() < 2e-4 * size, "{row} {axis}: {difference} {tangent}");
+            }
+        }
+    }
+
+    /// The closed second-order form against the exact distance of the pin centre from the worn flank, by golden section.
+    #[test]
+    fn gap_on_an_unevenly_worn_flank_agrees_with_the_exact_distance() {
+        let machine = machine();
+        let relief = Relief::from_samples(Relief::grid(720).map(worn).collect());
+        let contacts = machine.pin_contacts(&relief);
+        let profile = machine.profile();
+        let kinematics = machine.kinematics();
+        let pose = kinematics.disc_pose(0, 0.4, kinematics.nominal_output_angle(0.4) - 0.2 * ARCMIN);
+        let surface = |tau: f64| {
+            let normal = profile.outward_normal(tau);
+            profile.flank_point(tau) - relief.at(profile.meshing_angle(tau)).depth * normal
+        };
+        let back = unit(-pose.angle);
+        let mut worst: f64 = 0.0;
+        for contact in contacts.contacts(pose, DiscVelocity::REST) {
+            let p = turned(contact.arm, back);
+            let distance = |tau: f64| (p - surface(tau)).norm();
+            let (mut a, mut b) = (contact.tau - 2e-3, contact.tau + 2e-3);
+            for _ in 0..200 {
+                let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
+                if distance(c) < distance(d) { b = d } else { a = c }
+            }
+            let exact = distance(0.5 * (a + b)) - 3e-3;
+            worst = worst.max((contact.gap - exact).abs());
+        }
+        assert!(worst < 0.05 * UM, "{worst:e}");
+    }
+
+    #[test]
+    fn culling_never_drops_a_pin_that_carries() {
+        let machine = machine();
+        let contacts = machine.pin_contacts(&Relief::uniform(10.0 * UM));
+        let kinematics = machine.kinematics();
+        for step in 0..400 {
+            let crank = 0.011 * step as f64;
+            let turn = (step as f64 * 0.7).sin() * ARCMIN;
+            let pose = kinematics.disc_pose(1, crank, kinematics.nominal_output_angle(crank) + turn);
+            let all: f64 = contacts.contacts(pose, DiscVelocity::REST).iter().map(|c| c.force).sum();
+            let mut culled = 0.0;
+            contacts.visit(pose, DiscVelocity::REST, false, |c| culled += c.force);
+            assert_eq!(all, culled);
+        }
+    }
+}

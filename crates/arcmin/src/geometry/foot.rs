@@ -1,0 +1,218 @@
+use super::{Profile, Vec2, cross, unit};
+
+/// The point of the trace nearest to a pin centre, on the flank that the pin can touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foot {
+    /// Parameter of the trace in rad.
+    pub tau: f64,
+    /// Signed distance (p − c(τ))·n_out of the pin centre from the trace in m; negative inside the metal.
+    pub distance: f64,
+    /// Outward unit normal in the disc frame.
+    pub normal: Vec2,
+    /// cos φ of the foot.
+    pub cos_meshing: f64,
+    /// sin φ of the foot.
+    pub sin_meshing: f64,
+    /// Curvature of the trace 1/ρ0 at the foot in 1/m, positive where concave.
+    pub trace_curvature: f64,
+}
+
+/// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10 µm off
+/// its nominal place sees two flanks, and Newton's method may settle on the far one. There the search brackets.
+const ROOT_ZONE_COS: f64 = 0.94;
+/// Newton is converged when the next step would move the foot by less than this (rad); the distance is stationary
+/// in τ, so its error is of second order: 64 mm × 1e-10² / 0.07 mm ≪ 1e-15 m.
+const STEP_TOLERANCE: f64 = 1e-10;
+
+/// Unit vectors e(τ), e(z τ), carried along so that small steps need no new sine or cosine.
+#[derive(Clone, Copy)]
+struct Place {
+    tau: f64,
+    e: Vec2,
+    ez: Vec2,
+}
+
+impl Place {
+    fn moved(self, step: f64, z: f64) -> Place {
+        Place { tau: self.tau + step, e: super::turned(self.e, small_unit(step)), ez: super::turned(self.ez, small_unit(z * step)) }
+    }
+}
+
+/// e(x); for small x from its series, whose error is below 1e-16 for |x| ≤ 0.1.
+fn small_unit(x: f64) -> Vec2 {
+    if x.abs() > 0.1 {
+        return unit(x);
+    }
+    let q = x * x;
+    let sin = x * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0))));
+    let cos = 1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0))));
+    Vec2::new(cos, sin)
+}
+
+impl Profile {
+    /// Foot of the pin centre `p` (disc frame, m) on the trace, started at parameter `guess`.
+    ///
+    /// Solves (p − c(τ))·c′(τ) = 0. Away from the roots this is Newton's method; near a root, and wherever Newton does not
+    /// contract, the foot is bracketed on the half lobe on whose side of the root's axis the pin stands. On that half lobe the
+    /// solution is unique: the evolute of its concave part lies on the other side of the axis, that of its convex part
+    /// millimetres deep in the metal.
+    pub fn foot(&self, p: Vec2, guess: f64) -> Foot {
+        self.foot_from(p, guess, unit(guess), unit(self.pin_count as f64 * guess))
+    }
+
+    /// [`Profile::foot`] with e(guess) and e(z·guess) already at hand; the ring of pins shares the latter.
+    #[inline]
+    pub fn foot_from(&self, p: Vec2, guess: f64, e: Vec2, ez: Vec2) -> Foot {
+        let z = self.pin_count as f64;
+        let mut place = Place { tau: guess, e, ez };
+        // A third of the angle between inflection and tip: larger first steps are not to be trusted.
+        let trust = 0.35 / z;
+        for _ in 0..6 {
+            if e_dot(&place) > ROOT_ZONE_COS {
+                break;
+            }
+            let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
+            let off = p - c;
+            let slope = off.dot(&c2) - c1.norm_squared();
+            let step = -off.dot(&c1) / slope;
+            // `slope` is negative at every minimum of the distance; the comparison is false for NaN, too.
+            if !(slope < 0.0 && step.abs() < trust) {
+                break;
+            }
+            if step.abs() < STEP_TOLERANCE {
+                return self.foot_at(p, place);
+            }
+            place = place.moved(step, z);
+            if step.abs() < 1e-5 {
+                // Quadratic convergence: the error left is of order (z step)² ≲ 1e-7 of the step.
+                return if e_dot(&place) > ROOT_ZONE_COS { self.bracketed_foot(p, place.tau) } else { self.foot_at(p, place) };
+            }
+        }
+        self.bracketed_foot(p, place.tau)
+    }
+
+    /// Safe search: Newton kept inside a shrinking bracket on the half lobe nearest to the pin.
+    fn bracketed_foot(&self, p: Vec2, guess: f64) -> Foot {
+        let z = self.pin_count as f64;
+        let pitch = std::f64::consts::TAU / self.lobe_count() as f64;
+        let derivative = |tau: f64| {
+            let place = Place { tau, e: unit(tau), ez: unit(z * tau) };
+            let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
+            let off = p - c;
+            (off.dot(&c1), off.dot(&c2) - c1.norm_squared(), place)
+        };
+        let root = pitch * (guess / pitch).round();
+        let (side, _, root_place) = derivative(root);
+        if side == 0.0 {
+            return self.foot_at(p, root_place);
+        }
+        // `low` holds a positive derivative, `high` a negative one.
+        let (mut low, mut high) = if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
+        let mut tau = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
+        let mut place = root_place;
+        for _ in 0..80 {
+            let (value, slope, here) = derivative(tau);
+            place = here;
+            if value > 0.0 {
+                low = tau;
+            } else {
+                high = tau;
+            }
+            let newton = tau - value / slope;
+            let next = if slope < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - tau).abs() < STEP_TOLERANCE {
+                place = place.moved(next - tau, z);
+                break;
+            }
+            tau = next;
+        }
+        self.foot_at(p, place)
+    }
+
+    fn foot_at(&self, p: Vec2, place: Place) -> Foot {
+        let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
+        let speed = c1.norm();
+        let normal = Vec2::new(c1.y, -c1.x) / speed;
+        let (cos_meshing, sin_meshing) = Profile::meshing_cos_sin(place.e, place.ez);
+        Foot {
+            tau: place.tau,
+            distance: (p - c).dot(&normal),
+            normal,
+            cos_meshing,
+            sin_meshing,
+            trace_curvature: -cross(c1, c2) / (speed * speed * speed),
+        }
+    }
+}
+
+fn e_dot(place: &Place) -> f64 {
+    place.e.dot(&place.ez)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rv_40e() -> Profile {
+        Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+    }
+
+    /// Smallest |p − c(τ)| over the half lobe on the pin's side, by dense sampling and golden section: slow and independent.
+    fn nearest_by_sampling(profile: &Profile, p: Vec2, root: f64, side: f64) -> f64 {
+        let half = std::f64::consts::PI / 39.0;
+        let distance = |tau: f64| (p - profile.trace(tau)).norm();
+        let best = (0..=4000).map(|i| root + side * half * i as f64 / 4000.0).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap();
+        let (mut a, mut b) = (best - half / 4000.0, best + half / 4000.0);
+        for _ in 0..100 {
+            let (c, d) = (b - 0.618 * (b - a), a + 0.618 * (b - a));
+            if distance(c) < distance(d) { b = d } else { a = c }
+        }
+        0.5 * (a + b)
+    }
+
+    #[test]
+    fn foot_of_a_point_put_off_the_trace_is_recovered_everywhere() {
+        let profile = rv_40e();
+        for i in 0..2000 {
+            let tau = 1.0 + i as f64 * 1e-4;
+            for distance in [-6e-5, -1e-6, 0.0, 2e-6, 5e-5] {
+                let p = profile.trace(tau) + distance * profile.outward_normal(tau);
+                for error in [-0.02, -0.003, 0.0, 0.004, 0.02] {
+                    let foot = profile.foot(p, tau + error);
+                    assert!((foot.distance - distance).abs() < 1e-13, "{tau} {distance} {error}: {}", foot.distance);
+                }
+            }
+        }
+    }
+
+    /// A pin 60 µm beside the axis of a root, as at no load with 60 µm of wear: plain Newton, started at the nominal foot, ends on the
+    /// far flank (or nowhere) for some displacements; the safe search agrees with sampling.
+    #[test]
+    fn trap_plain_newton_takes_the_wrong_flank_at_the_root() {
+        let profile = rv_40e();
+        let z = profile.pin_count as f64;
+        let mut newton_failures = 0;
+        for i in 0..120 {
+            let root_angle = std::f64::consts::TAU / 39.0 * 3.0;
+            // φ of the nominal place within ±12°, displaced along the tangent of the ring by up to 73 µm.
+            let tau = root_angle + (i as f64 - 60.0) / 60.0 * 12.0 * crate::units::DEG / 39.0;
+            for shift in [-73e-6, -60e-6, 60e-6, 73e-6] {
+                let p = profile.trace(tau) + shift * super::super::quarter_turn(unit(tau));
+                let foot = profile.foot(p, tau);
+                let axis = super::super::quarter_turn(unit(root_angle));
+                let side = (p - profile.trace(root_angle)).dot(&axis).signum();
+                let nearest = nearest_by_sampling(&profile, p, root_angle, side);
+                assert!((foot.distance.abs() - (p - profile.trace(nearest)).norm()).abs() < 1e-11, "{i} {shift}");
+                let mut plain = tau;
+                for _ in 0..50 {
+                    let (c, c1, c2) = profile.trace_derivatives(unit(plain), unit(z * plain));
+                    plain -= (p - c).dot(&c1) / ((p - c).dot(&c2) - c1.norm_squared());
+                }
+                if !((plain - foot.tau).abs() < 1e-6) {
+                    newton_failures += 1;
+                }
+            }
+        }
+        assert!(newton_failures > 10, "the trap has gone: {newton_failures}");
+    }
+}

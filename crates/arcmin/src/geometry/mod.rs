@@ -1,0 +1,36 @@
+//! Tooth geometry of the cycloid disc: the exact flank, its foot points, and metal removed from it.
+//!
+//! Frame of this module: the disc's own, origin at the disc centre, angles counter-clockwise. The flank is described by the
+//! path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin radius.
+
+mod foot;
+mod profile;
+mod relief;
+
+pub use foot::Foot;
+pub use profile::Profile;
+pub use relief::{DepthSample, Relief};
+
+/// A point or a vector in the plane, in metres unless stated otherwise.
+pub type Vec2 = nalgebra::Vector2<f64>;
+
+/// (cos x, sin x).
+pub fn unit(angle: f64) -> Vec2 {
+    let (sin, cos) = angle.sin_cos();
+    Vec2::new(cos, sin)
+}
+
+/// The vector turned by +90°.
+pub fn quarter_turn(v: Vec2) -> Vec2 {
+    Vec2::new(-v.y, v.x)
+}
+
+/// The vector turned by the angle whose cosine and sine are `rotation`.
+pub fn turned(v: Vec2, rotation: Vec2) -> Vec2 {
+    Vec2::new(v.x * rotation.x - v.y * rotation.y, v.x * rotation.y + v.y * rotation.x)
+}
+
+/// z component of the cross product.
+pub fn cross(a: Vec2, b: Vec2) -> f64 {
+    a.x * b.y - a.y * b.x
+}

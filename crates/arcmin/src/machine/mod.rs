@@ -1,0 +1,102 @@
+//! The reducer in SI units, with the invariants every solver relies on.
+//!
+//! Frames: the housing is at rest, ring of `z_p` pins with pin i at angle 2π i/z_p; sun (input) θ_s, carrier (output) θ_o, crankshafts θ_k, discs θ_j.
+//! All angles are absolute and counter-clockwise positive.
+
+mod bearings;
+mod kinematics;
+mod parts;
+
+pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness};
+pub use kinematics::Kinematics;
+pub use parts::{
+    Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage, Lubrication, PinMounting, PinRing,
+    RunningIn, WearCoefficient, WearLaw,
+};
+
+use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
+use crate::geometry::{Profile, Relief, unit};
+
+/// A complete RV reducer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    pub name: String,
+    pub ring: PinRing,
+    /// All discs are alike; they differ by the phase of their eccentric only.
+    pub disc: CycloidDisc,
+    pub disc_count: usize,
+    pub crankshafts: Crankshafts,
+    pub gear_stage: GearStage,
+    pub carrier: Carrier,
+    pub fixed_member: FixedMember,
+    pub bearings: BearingSet,
+    pub friction: Friction,
+    pub contact_law: ContactLaw,
+    pub contact_damping: Damping,
+    /// Rated operating point: output torque in N·m, input speed in rad/s.
+    pub rated: DutyPoint,
+    /// Load spectrum for wear; one point with the share 1 where only the rated point is known.
+    pub duty: Vec<DutyPoint>,
+    pub wear: WearLaw,
+    pub limits: Limits,
+}
+
+/// What the user still accepts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Lost motion at the output in rad.
+    pub lost_motion: f64,
+    /// Largest contact pressure in Pa.
+    pub contact_pressure: f64,
+    /// Planned service life in s.
+    pub service_life: f64,
+}
+
+impl Machine {
+    /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of the modification.
+    pub fn profile(&self) -> Profile {
+        let cut = &self.disc.modification;
+        Profile {
+            pin_count: self.ring.pin_count,
+            pin_circle_radius: self.ring.pin_circle_radius + cut.radial_offset,
+            eccentricity: self.crankshafts.eccentricity,
+            pin_radius: self.ring.pin_radius + cut.equidistant_offset,
+        }
+    }
+
+    /// Nominal pin places.
+    pub fn pins(&self) -> Vec<Pin> {
+        let count = self.ring.pin_count;
+        (0..count)
+            .map(|i| Pin {
+                centre: self.ring.pin_circle_radius * unit(std::f64::consts::TAU * i as f64 / count as f64),
+                radius: self.ring.pin_radius,
+            })
+            .collect()
+    }
+
+    /// The contact of disc and pins under the machine's law, without damping.
+    pub fn line_contact(&self) -> LineContact {
+        LineContact::new(self.contact_law, &self.disc.material, &self.ring.material, self.disc.width, self.ring.pin_radius)
+    }
+
+    /// All contacts of one disc whose flanks have lost `wear` on top of the designed relief.
+    pub fn pin_contacts(&self, wear: &Relief) -> PinContacts {
+        PinContacts::new(self.profile(), self.pins(), self.designed_relief().plus(wear), self.line_contact())
+    }
+
+    /// Relief ground on purpose beyond the two offsets: rotation and free form.
+    pub fn designed_relief(&self) -> Relief {
+        let cut = &self.disc.modification;
+        if cut.rotation == 0.0 && cut.free_form.is_none() {
+            return Relief::uniform(0.0);
+        }
+        let profile = self.profile();
+        let rotation = Relief::from_samples(Relief::grid(720).map(|phi| cut.rotation * profile.lever_arm(phi).abs()).collect());
+        cut.free_form.as_ref().map_or(rotation.clone(), |free| rotation.plus(free))
+    }
+
+    pub fn kinematics(&self) -> Kinematics {
+        Kinematics::new(self)
+    }
+}

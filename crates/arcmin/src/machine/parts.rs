@@ -1,0 +1,225 @@
+use crate::geometry::Relief;
+use crate::materials::Material;
+
+/// The ring of pins in the housing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PinRing {
+    pub pin_count: usize,
+    /// R_p in m.
+    pub pin_circle_radius: f64,
+    /// Installed pin radius r_p in m.
+    pub pin_radius: f64,
+    pub material: Material,
+    pub mounting: PinMounting,
+    /// Radial compliance of a pin in its seat in m/N; 0 for a rigid seat. Enters with bearings, not with ideal joints.
+    pub seat_compliance: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PinMounting {
+    /// Pins do not turn: they slide on the flank and wear along their own circumference.
+    #[default]
+    Fixed,
+    /// Pins turn freely in their seats.
+    Spinning,
+}
+
+/// One of the identical discs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CycloidDisc {
+    /// Face width B in m.
+    pub width: f64,
+    pub material: Material,
+    pub modification: FlankModification,
+    /// Bores for the turning-arm bearings, one per crankshaft, on the circle of the crankshafts: radius in m.
+    pub crank_bore_radius: f64,
+    /// Centre hole radius in m; 0 without one.
+    pub centre_hole_radius: f64,
+    /// Further holes (windows for carrier pillars, lightening).
+    pub holes: Vec<Bore>,
+    /// Mass in kg and moment of inertia about the centre in kg·m², from the solid or given.
+    pub mass: f64,
+    pub inertia: f64,
+}
+
+/// A round hole: centre in polar coordinates of the disc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bore {
+    /// m.
+    pub radius: f64,
+    /// m.
+    pub centre_radius: f64,
+    /// rad.
+    pub centre_angle: f64,
+}
+
+/// What is ground off the theoretical flank on purpose. Both a positive equidistant and a negative radial offset open the gap.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FlankModification {
+    /// Δr_p in m: cut with a larger pin.
+    pub equidistant_offset: f64,
+    /// ΔR_p in m: cut on another circle.
+    pub radial_offset: f64,
+    /// Each flank turned into the metal by this angle in rad: depth = angle × lever arm.
+    pub rotation: f64,
+    pub free_form: Option<Relief>,
+}
+
+/// The crankshafts, each with its planet gear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crankshafts {
+    pub count: usize,
+    /// Eccentricity a in m.
+    pub eccentricity: f64,
+    /// Angle γ_0 of the first crankshaft on the carrier in rad; the others follow equally spaced.
+    pub first_angle: f64,
+    /// Mass of one crankshaft with planet in kg.
+    pub mass: f64,
+    /// Moment of inertia of one crankshaft with planet about its axis in kg·m².
+    pub inertia: f64,
+    /// Shaft diameter between the supports in m (bending and torsion).
+    pub shaft_diameter: f64,
+    pub material: Material,
+}
+
+/// Sun and planets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GearStage {
+    pub sun_teeth: usize,
+    pub planet_teeth: usize,
+    /// Module in m.
+    pub module: f64,
+    /// Transverse pressure angle in rad.
+    pub pressure_angle: f64,
+    /// Mean mesh stiffness per planet in N/m along the line of action.
+    pub mesh_stiffness: f64,
+    /// Relative amplitude of the stiffness variation over the mesh cycle (first harmonic), 0 for constant.
+    pub mesh_stiffness_variation: f64,
+    /// Mesh damping per planet in N·s/m.
+    pub mesh_damping: f64,
+    /// Backlash along the line of action in m.
+    pub backlash: f64,
+    /// Moment of inertia of sun and input shaft in kg·m².
+    pub sun_inertia: f64,
+    /// Moment of inertia of the motor at the input in kg·m².
+    pub motor_inertia: f64,
+    /// Face width in m (wear of the gear flanks).
+    pub face_width: f64,
+}
+
+impl GearStage {
+    pub fn sun_pitch_radius(&self) -> f64 {
+        0.5 * self.module * self.sun_teeth as f64
+    }
+
+    pub fn planet_pitch_radius(&self) -> f64 {
+        0.5 * self.module * self.planet_teeth as f64
+    }
+
+    /// Radius R_c of the crankshaft circle: the centre distance of the gear stage, in m.
+    pub fn centre_distance(&self) -> f64 {
+        self.sun_pitch_radius() + self.planet_pitch_radius()
+    }
+
+    pub fn sun_base_radius(&self) -> f64 {
+        self.sun_pitch_radius() * self.pressure_angle.cos()
+    }
+
+    pub fn planet_base_radius(&self) -> f64 {
+        self.planet_pitch_radius() * self.pressure_angle.cos()
+    }
+}
+
+/// Carrier: rigid disc and output shaft in one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Carrier {
+    /// kg.
+    pub mass: f64,
+    /// kg·m², about the machine's axis, without the crankshafts.
+    pub inertia: f64,
+    pub material: Material,
+    /// Torsional stiffness between crank supports and output flange in N·m/rad; infinite where not given.
+    pub torsional_stiffness: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FixedMember {
+    /// Housing at rest, carrier is the output.
+    #[default]
+    Housing,
+    /// Carrier at rest, housing is the output.
+    Carrier,
+}
+
+/// Friction coefficients and losses; all zero for the frictionless machine.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Friction {
+    /// Coulomb coefficient between flank and pin.
+    pub flank: f64,
+    /// Coulomb coefficient between pin and seat.
+    pub pin_seat: f64,
+    /// Rolling friction coefficient of the bearings, on the mean bearing radius.
+    pub bearing: f64,
+    /// Coulomb coefficient of the gear meshes.
+    pub gear_mesh: f64,
+    /// Constant drag torque of seals at the output in N·m.
+    pub seal_drag: f64,
+    /// Viscous drag at the input in N·m·s/rad.
+    pub oil_drag: f64,
+    /// Sliding speed over which Coulomb friction is regularised in m/s.
+    pub regularisation_speed: f64,
+}
+
+/// An operating point with its share of the running time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DutyPoint {
+    /// Output torque in N·m, positive against positive (counter-clockwise) output motion.
+    pub torque: f64,
+    /// Input speed in rad/s, signed.
+    pub input_speed: f64,
+    /// Share of the running time, the shares of a spectrum sum to 1.
+    pub share: f64,
+}
+
+/// Archard's law as depth per pass, Δh = k (F/B) ξ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WearLaw {
+    /// Coefficient of the coupled prediction.
+    pub coupled: WearCoefficient,
+    /// Coefficient of the paper's uniform-depth study.
+    pub paper: WearCoefficient,
+    pub running_in: Option<RunningIn>,
+    /// Pin wear coefficient relative to that of the disc.
+    pub pin_ratio: f64,
+    pub lubrication: Option<Lubrication>,
+}
+
+/// How k is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WearCoefficient {
+    /// k in 1/Pa.
+    Given(f64),
+    /// k such that the deepest point has lost `depth` (m) after `time` (s) at the machine's duty.
+    Calibrated { time: f64, depth: f64 },
+    /// k such that the lost motion has grown by `increase` (rad) after `time` (s).
+    CalibratedLostMotion { time: f64, increase: f64 },
+}
+
+/// k(t) = k (1 + (factor − 1) e^(−t/duration)): faster wear while the surfaces run in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunningIn {
+    pub factor: f64,
+    /// s.
+    pub duration: f64,
+}
+
+/// Mixed lubrication: k falls with the film ratio λ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubrication {
+    /// Dynamic viscosity at running temperature in Pa·s.
+    pub viscosity: f64,
+    /// Pressure–viscosity coefficient in 1/Pa.
+    pub pressure_viscosity: f64,
+    /// Combined RMS roughness of flank and pin in m.
+    pub roughness: f64,
+}
