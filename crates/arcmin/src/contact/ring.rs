@@ -289,9 +289,17 @@ mod tests {
         });
     }
 
+    /// Exact for a law without curvature; the line contact leaves out how R_eq changes while the foot travels (0.3 % of the stiffness).
     #[test]
-    fn stiffness_and_damping_are_the_derivatives_of_the_force() {
-        let machine = machine();
+    fn stiffness_is_the_derivative_of_the_force() {
+        use crate::contact::ContactLaw;
+        for (law, tolerance) in [(ContactLaw::Linear { stiffness: 2.85e8 }, 2e-6), (ContactLaw::LineHertz, 5e-3)] {
+            check_tangent(law, tolerance);
+        }
+    }
+
+    fn check_tangent(law: crate::contact::ContactLaw, tolerance: f64) {
+        let machine = crate::machine::Machine { contact_law: law, ..machine() };
         let mut line = machine.line_contact();
         line.damping = Some(Damping { coefficient: 2e3, ramp_depth: 1e-6 });
         let contacts = PinContacts::new(machine.profile(), machine.pins(), Relief::uniform(0.0), line);
@@ -316,7 +324,7 @@ mod tests {
             for row in 0..3 {
                 let difference = -(b[row] - a[row]) / (2.0 * h);
                 let tangent = reaction.stiffness[row][axis] * scale;
-                assert!((difference - tangent).abs() < 2e-4 * size, "{row} {axis}: {difference} {tangent}");
+                assert!((difference - tangent).abs() < tolerance * size, "{row} {axis}: {difference} {tangent}");
             }
         }
     }
