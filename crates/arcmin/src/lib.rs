@@ -7,6 +7,7 @@
 
 pub mod contact;
 pub mod geometry;
+pub mod load;
 pub mod machine;
 pub mod materials;
 pub mod templates;

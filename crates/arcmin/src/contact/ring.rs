@@ -247,7 +247,7 @@ impl Reaction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Damping, LineContact};
+    use crate::contact::Damping;
     use crate::units::{ARCMIN, UM};
 
     fn machine() -> crate::machine::Machine {

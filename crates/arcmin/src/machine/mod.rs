@@ -3,10 +3,12 @@
 //! Frames: the housing is at rest, ring of `z_p` pins with pin i at angle 2π i/z_p; sun (input) θ_s, carrier (output) θ_o, crankshafts θ_k, discs θ_j.
 //! All angles are absolute and counter-clockwise positive.
 
+mod angles;
 mod bearings;
 mod kinematics;
 mod parts;
 
+pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness};
 pub use kinematics::Kinematics;
 pub use parts::{

@@ -1,0 +1,130 @@
+use super::{LoadError, LoadSharing, Meshing};
+use crate::machine::{CrankAngle, OutputAngle};
+
+/// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads from it.
+#[derive(Debug, Clone)]
+pub struct Cycle {
+    /// Solutions at equidistant crank angles in [0, pattern period).
+    pub positions: Vec<LoadSharing>,
+    /// One-sided play of the output at no load with the input locked towards the flank of the torque, per position: positive.
+    pub play: Vec<OutputAngle>,
+    /// Total free travel of the output, per position.
+    pub free_travel: Vec<OutputAngle>,
+    /// Crank angle over which the pattern repeats, in rad.
+    pub period: f64,
+}
+
+/// Force at one place of the flank.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlankForce {
+    /// Meshing angle in rad, signed.
+    pub meshing_angle: f64,
+    /// N.
+    pub force: f64,
+    /// Relative curvature 1/R_eq in 1/m.
+    pub relative_curvature: f64,
+}
+
+/// One harmonic of the loaded transmission error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HarmonicError {
+    /// Order per turn of the output.
+    pub order: f64,
+    /// Amplitude in rad.
+    pub amplitude: f64,
+}
+
+impl Meshing {
+    /// Solves the load sharing at `count` crank angles over one turn of the pattern (2π/z_p of the crankshaft).
+    ///
+    /// # Errors
+    /// [`LoadError`] of the first position that has no solution.
+    pub fn cycle(&self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        let period = self.kinematics().pattern_period();
+        let mut cycle = Cycle { positions: Vec::with_capacity(count), play: Vec::new(), free_travel: Vec::new(), period };
+        for index in 0..count {
+            let crank = CrankAngle::from_radians(period * index as f64 / count as f64);
+            let travel = self.free_travel(crank)?;
+            let toward = if torque < 0.0 { travel.lead } else { travel.lag };
+            cycle.play.push(OutputAngle::from_radians(toward.radians().abs()));
+            cycle.free_travel.push(OutputAngle::from_radians(travel.lead.radians() - travel.lag.radians()));
+            cycle.positions.push(match cycle.positions.last() {
+                Some(last) => self.load_sharing_near(crank, torque, last.output_error)?,
+                None => self.load_sharing(crank, torque)?,
+            });
+        }
+        Ok(cycle)
+    }
+}
+
+fn mean(angles: impl ExactSizeIterator<Item = OutputAngle>) -> OutputAngle {
+    let count = angles.len().max(1) as f64;
+    OutputAngle::from_radians(angles.map(OutputAngle::radians).sum::<f64>() / count)
+}
+
+impl Cycle {
+    /// Largest contact force in N.
+    pub fn max_force(&self) -> f64 {
+        self.positions.iter().map(LoadSharing::max_force).fold(0.0, f64::max)
+    }
+
+    /// Largest Hertz pressure in Pa under the contact law of `meshing`.
+    pub fn max_pressure(&self, meshing: &Meshing) -> f64 {
+        let contact = meshing.contacts().contact();
+        self.positions.iter().flat_map(LoadSharing::contacts).map(|c| contact.pressure(c.force, 1.0 / c.relative_curvature)).fold(0.0, f64::max)
+    }
+
+    /// Mean number of loaded pairs of one disc.
+    pub fn loaded_pairs(&self) -> f64 {
+        self.positions.iter().map(LoadSharing::loaded_pairs).sum::<f64>() / self.positions.len() as f64
+    }
+
+    /// Mean output error under load.
+    pub fn mean_error(&self) -> OutputAngle {
+        mean(self.positions.iter().map(|position| position.output_error))
+    }
+
+    /// Peak-to-peak output error under load.
+    pub fn peak_to_peak_error(&self) -> OutputAngle {
+        let errors = || self.positions.iter().map(|position| position.output_error.radians());
+        OutputAngle::from_radians(errors().fold(f64::NEG_INFINITY, f64::max) - errors().fold(f64::INFINITY, f64::min))
+    }
+
+    /// Mean one-sided play.
+    pub fn mean_play(&self) -> OutputAngle {
+        mean(self.play.iter().copied())
+    }
+
+    /// Mean total free travel.
+    pub fn mean_free_travel(&self) -> OutputAngle {
+        mean(self.free_travel.iter().copied())
+    }
+
+    /// Forces on one flank of a tooth as it passes through the mesh, sorted by meshing angle, from all positions and discs.
+    pub fn flank_forces(&self) -> Vec<FlankForce> {
+        let mut forces: Vec<FlankForce> = self
+            .positions
+            .iter()
+            .flat_map(LoadSharing::contacts)
+            .map(|c| FlankForce { meshing_angle: c.meshing_angle, force: c.force, relative_curvature: c.relative_curvature })
+            .collect();
+        forces.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
+        forces
+    }
+
+    /// Harmonics of the loaded transmission error within the pattern: order per output turn is z_c z_p times the harmonic.
+    pub fn harmonics(&self, lobe_count: f64, pin_count: f64) -> Vec<HarmonicError> {
+        let n = self.positions.len();
+        (1..n.div_ceil(2))
+            .map(|harmonic| {
+                let (mut real, mut imaginary) = (0.0, 0.0);
+                for (index, position) in self.positions.iter().enumerate() {
+                    let (sin, cos) = (std::f64::consts::TAU * (harmonic * index % n) as f64 / n as f64).sin_cos();
+                    real += position.output_error.radians() * cos;
+                    imaginary += position.output_error.radians() * sin;
+                }
+                HarmonicError { order: harmonic as f64 * lobe_count * pin_count, amplitude: 2.0 / n as f64 * real.hypot(imaginary) }
+            })
+            .collect()
+    }
+}

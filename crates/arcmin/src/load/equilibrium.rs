@@ -1,0 +1,266 @@
+use crate::contact::{DiscVelocity, PinContact, PinContacts};
+use crate::geometry::{Relief, Vec2, quarter_turn, unit};
+use crate::machine::{CrankAngle, Kinematics, Machine, OutputAngle};
+
+/// Why no load sharing could be found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LoadError {
+    #[error(
+        "load sharing did not converge at crank angle {crank_angle_deg:.4}°: torque residual {residual:.3e} N·m of {torque} N·m after {iterations} iterations"
+    )]
+    NotConverged { crank_angle_deg: f64, torque: f64, residual: f64, iterations: usize },
+    #[error("no pin can touch the disc within half a tooth pitch at crank angle {crank_angle_deg:.4}° (gap too large)")]
+    NoContact { crank_angle_deg: f64 },
+    #[error("the torque must be a finite number, not {0} N·m")]
+    BadTorque(f64),
+}
+
+/// Cycloid discs and pins with ideal crank joints and the input locked.
+///
+/// One coordinate is left: the output error ε = θ_o − θ_s/i. It turns the discs by ε and the crankshafts by ε (z_1+z_2)/z_2, so that the
+/// contact forces (F_j, M_j) on the discs do the work Q δε with
+/// Q = Σ_j [M_j + (z_1+z_2)/z_2 F_j·∂C_j/∂θ_k]. Equilibrium is Q(ε) = T. Two equal discs then carry 0.4815 T each of an RV-40E-81: the rest
+/// goes through the gear stage.
+#[derive(Debug, Clone)]
+pub struct Meshing {
+    kinematics: Kinematics,
+    contacts: PinContacts,
+}
+
+/// Play of the output with the input locked at no load, from the nominal position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeTravel {
+    /// Output error at which the flank that carries positive torque touches first: zero or negative (lagging) for a disc with clearance.
+    pub lag: OutputAngle,
+    /// The same for negative torque: zero or positive.
+    pub lead: OutputAngle,
+}
+
+/// State of all contacts in equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadSharing {
+    pub crank_angle: CrankAngle,
+    /// Torque shared, in N·m.
+    pub torque: f64,
+    /// Output error ε: elastic wind-up and play; negative under positive torque.
+    pub output_error: OutputAngle,
+    /// Q(ε) − T in N·m.
+    pub residual: f64,
+    /// dQ/dε: torsional stiffness at the output in N·m/rad.
+    pub stiffness: f64,
+    /// Contacts per disc, in the order of the pins.
+    pub discs: Vec<Vec<PinContact>>,
+}
+
+impl LoadSharing {
+    pub fn contacts(&self) -> impl Iterator<Item = &PinContact> {
+        self.discs.iter().flatten()
+    }
+
+    /// Largest contact force in N.
+    pub fn max_force(&self) -> f64 {
+        self.contacts().map(|contact| contact.force).fold(0.0, f64::max)
+    }
+
+    /// Number of pins of one disc that carry force, the mean over the discs.
+    pub fn loaded_pairs(&self) -> f64 {
+        self.contacts().filter(|contact| contact.force > 0.0).count() as f64 / self.discs.len() as f64
+    }
+}
+
+const MAX_ITERATIONS: usize = 60;
+/// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls much below.
+const RESIDUAL_FLOOR: f64 = 1e-9;
+/// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the wind-up, N·m/rad.
+const EXPECTED_STIFFNESS: f64 = 5000.0 / crate::units::ARCMIN;
+
+impl Machine {
+    /// The meshing of this machine after its flanks have lost `wear`.
+    pub fn meshing(&self, wear: &Relief) -> Meshing {
+        Meshing { kinematics: self.kinematics(), contacts: self.pin_contacts(wear) }
+    }
+
+    /// Load sharing of the unworn machine at one crank angle under an output torque in N·m.
+    ///
+    /// # Errors
+    /// [`LoadError`] when no pin can touch or the iteration does not settle.
+    pub fn load_sharing(&self, crank_angle: CrankAngle, torque: f64) -> Result<LoadSharing, LoadError> {
+        self.meshing(&Relief::uniform(0.0)).load_sharing(crank_angle, torque)
+    }
+}
+
+impl Meshing {
+    pub fn kinematics(&self) -> &Kinematics {
+        &self.kinematics
+    }
+
+    pub fn contacts(&self) -> &PinContacts {
+        &self.contacts
+    }
+
+    /// Replaces the metal removed (designed relief included).
+    pub fn set_relief(&mut self, relief: Relief) {
+        self.contacts.set_relief(relief);
+    }
+
+    /// Motion of a disc per unit of output error: (dC/dε, dθ_j/dε = 1).
+    fn disc_motion(&self, disc: usize, crank_angle: f64) -> Vec2 {
+        let k = &self.kinematics;
+        k.crank_per_output_locked() * k.eccentricity * quarter_turn(unit(crank_angle + k.phases[disc]))
+    }
+
+    fn crank_angle_at(&self, nominal: f64, error: f64) -> f64 {
+        nominal + self.kinematics.crank_per_output_locked() * error
+    }
+
+    /// Q(ε) and −dQ/dε.
+    fn generalised_torque(&self, nominal_crank: f64, error: f64) -> (f64, f64) {
+        let k = &self.kinematics;
+        let crank = self.crank_angle_at(nominal_crank, error);
+        let output = k.nominal_output_angle(nominal_crank) + error;
+        let (mut torque, mut stiffness) = (0.0, 0.0);
+        for disc in 0..k.phases.len() {
+            let reaction = self.contacts.react(k.disc_pose(disc, crank, output), DiscVelocity::REST);
+            let motion = self.disc_motion(disc, crank);
+            let j = [motion.x, motion.y, 1.0];
+            for row in 0..3 {
+                torque += reaction.force[row] * j[row];
+                for column in 0..3 {
+                    stiffness += j[row] * reaction.stiffness[row][column] * j[column];
+                }
+            }
+            // The crank circle bends the path: d²C/dε² = −(dθ_k/dε)² C.
+            let bend = k.crank_per_output_locked().powi(2) * k.eccentricity * unit(crank + k.phases[disc]);
+            stiffness += reaction.force[0] * bend.x + reaction.force[1] * bend.y;
+        }
+        (torque, stiffness)
+    }
+
+    /// Contacts of every disc at the output error ε.
+    fn contacts_at(&self, nominal_crank: f64, error: f64) -> Vec<Vec<PinContact>> {
+        let k = &self.kinematics;
+        let crank = self.crank_angle_at(nominal_crank, error);
+        let output = k.nominal_output_angle(nominal_crank) + error;
+        (0..k.phases.len()).map(|disc| self.contacts.contacts(k.disc_pose(disc, crank, output), DiscVelocity::REST)).collect()
+    }
+
+    /// Output error at which the first pin touches when the output turns in `direction` (−1 lag, +1 lead) from ε = `from`.
+    ///
+    /// Each step goes to the first contact predicted by gaps and their slopes; gaps are smooth in ε, so this converges like Newton's method.
+    fn first_touch(&self, nominal_crank: f64, direction: f64, from: f64) -> Result<f64, LoadError> {
+        let k = &self.kinematics;
+        let no_contact = LoadError::NoContact { crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees() };
+        let half_pitch = std::f64::consts::PI / k.lobe_count;
+        let mut error = from;
+        for _ in 0..MAX_ITERATIONS {
+            let crank = self.crank_angle_at(nominal_crank, error);
+            let output = k.nominal_output_angle(nominal_crank) + error;
+            let mut step = f64::INFINITY;
+            for disc in 0..k.phases.len() {
+                let motion = self.disc_motion(disc, crank);
+                self.contacts.visit(k.disc_pose(disc, crank, output), DiscVelocity::REST, true, |contact| {
+                    let g = contact.gradient;
+                    let closing = -direction * (g[0] * motion.x + g[1] * motion.y + g[2]);
+                    // Pins near root and tip have no lever; they close too slowly to be first.
+                    if closing > 1e-4 * k.eccentricity {
+                        step = step.min(contact.gap / closing);
+                    }
+                });
+            }
+            if !step.is_finite() || (error + direction * step).abs() > half_pitch {
+                return Err(no_contact);
+            }
+            error += direction * step;
+            if step.abs() < 1e-14 {
+                return Ok(error);
+            }
+        }
+        Err(no_contact)
+    }
+
+    /// How far the output can turn at no load with the input locked, in both directions.
+    ///
+    /// # Errors
+    /// [`LoadError::NoContact`] when no pin touches within half a pitch.
+    pub fn free_travel(&self, crank_angle: CrankAngle) -> Result<FreeTravel, LoadError> {
+        let nominal = crank_angle.radians();
+        Ok(FreeTravel {
+            lag: OutputAngle::from_radians(self.first_touch(nominal, -1.0, 0.0)?),
+            lead: OutputAngle::from_radians(self.first_touch(nominal, 1.0, 0.0)?),
+        })
+    }
+
+    /// Finds ε with Q(ε) = T at the nominal crank angle given; torque T in N·m, positive against positive output motion.
+    ///
+    /// Q falls monotonically with ε, so a Newton iteration kept in a bracket is safe. At T = 0 the output rests where the flank of positive
+    /// torque just touches.
+    ///
+    /// # Errors
+    /// [`LoadError`] when no pin can touch, the torque is not finite, or the residual does not fall below 1e-10 T (1e-9 N·m).
+    pub fn load_sharing(&self, crank_angle: CrankAngle, torque: f64) -> Result<LoadSharing, LoadError> {
+        if !torque.is_finite() {
+            return Err(LoadError::BadTorque(torque));
+        }
+        let direction = if torque < 0.0 { 1.0 } else { -1.0 };
+        let touch = self.first_touch(crank_angle.radians(), direction, 0.0)?;
+        if torque == 0.0 {
+            return Ok(self.sharing_at(crank_angle, torque, touch, 0.0, 0.0));
+        }
+        // A wind-up of the order to expect of steel discs.
+        self.solve(crank_angle, torque, touch - torque / EXPECTED_STIFFNESS)
+    }
+
+    /// [`Meshing::load_sharing`] started from a known output error, such as that of the neighbouring crank angle.
+    ///
+    /// # Errors
+    /// As [`Meshing::load_sharing`].
+    pub fn load_sharing_near(&self, crank_angle: CrankAngle, torque: f64, start: OutputAngle) -> Result<LoadSharing, LoadError> {
+        if !torque.is_finite() || torque == 0.0 {
+            return self.load_sharing(crank_angle, torque);
+        }
+        self.solve(crank_angle, torque, start.radians())
+    }
+
+    fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64) -> Result<LoadSharing, LoadError> {
+        let nominal = crank_angle.radians();
+        let half_pitch = std::f64::consts::PI / self.kinematics.lobe_count;
+        // Q > T below the solution, Q < T above it.
+        let (mut low, mut high) = (-half_pitch, half_pitch);
+        let mut error = start;
+        let mut residual = f64::INFINITY;
+        for _ in 0..MAX_ITERATIONS {
+            let (q, stiffness) = self.generalised_torque(nominal, error);
+            residual = q - torque;
+            if residual.abs() <= (1e-10 * torque.abs()).max(RESIDUAL_FLOOR) {
+                return Ok(self.sharing_at(crank_angle, torque, error, residual, stiffness));
+            }
+            if residual > 0.0 {
+                low = error;
+            } else {
+                high = error;
+            }
+            let newton = error + residual / stiffness;
+            error = if q == 0.0 {
+                // In the clearance: go to the flank that carries this torque and a little into it.
+                let direction = -torque.signum();
+                self.first_touch(nominal, direction, error)? + direction * (torque.abs() / EXPECTED_STIFFNESS)
+            } else if stiffness > 0.0 && newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+        }
+        Err(LoadError::NotConverged { crank_angle_deg: crank_angle.degrees(), torque, residual: residual.abs(), iterations: MAX_ITERATIONS })
+    }
+
+    fn sharing_at(&self, crank_angle: CrankAngle, torque: f64, error: f64, residual: f64, stiffness: f64) -> LoadSharing {
+        LoadSharing {
+            crank_angle,
+            torque,
+            output_error: OutputAngle::from_radians(error),
+            residual,
+            stiffness,
+            discs: self.contacts_at(crank_angle.radians(), error),
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Sharing a torque among the pins.
+//!
+//! [`closed_form`] is the handbook method that Tao2024 uses (eqs. 5–10); [`Meshing`] finds the pose in which all forces and
+//! moments vanish, with the real gaps, both flanks and any number of discs.
+
+pub mod closed_form;
+mod cycle;
+mod equilibrium;
+
+pub use cycle::{Cycle, FlankForce, HarmonicError};
+#[cfg(test)]
+mod tests;
+
+pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing};

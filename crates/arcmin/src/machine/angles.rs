@@ -1,0 +1,38 @@
+//! Angles whose mix-up would cost a factor of 81.
+
+use crate::units::{ARCMIN, DEG};
+
+macro_rules! role_angle {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
+        pub struct $name(f64);
+
+        impl $name {
+            pub const fn from_radians(radians: f64) -> $name {
+                $name(radians)
+            }
+            pub fn from_degrees(degrees: f64) -> $name {
+                $name(degrees * DEG)
+            }
+            pub const fn radians(self) -> f64 {
+                self.0
+            }
+            pub fn degrees(self) -> f64 {
+                self.0 / DEG
+            }
+            pub fn arcmin(self) -> f64 {
+                self.0 / ARCMIN
+            }
+        }
+    };
+}
+
+role_angle!(
+    /// Absolute angle θ_k of the crankshafts.
+    CrankAngle
+);
+role_angle!(
+    /// Absolute angle θ_o of the output, or an error of it: lagging is negative.
+    OutputAngle
+);
