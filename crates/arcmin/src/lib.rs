@@ -12,3 +12,4 @@ pub mod machine;
 pub mod materials;
 pub mod templates;
 pub mod units;
+pub mod wear;

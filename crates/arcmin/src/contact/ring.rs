@@ -83,6 +83,8 @@ pub struct PinContacts {
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
     directions: Vec<Vec2>,
     relief: Relief,
+    /// Metal lost by every pin as a function of the angle ψ on the pin, if any.
+    pin_relief: Option<Relief>,
     shallowest_relief: f64,
     contact: LineContact,
 }
@@ -91,7 +93,7 @@ impl PinContacts {
     pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
         let count = profile.pin_count as f64;
         let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
-        let mut contacts = PinContacts { profile, pins, directions, relief: Relief::uniform(0.0), shallowest_relief: 0.0, contact };
+        let mut contacts = PinContacts { profile, pins, directions, relief: Relief::uniform(0.0), pin_relief: None, shallowest_relief: 0.0, contact };
         contacts.set_relief(relief);
         contacts
     }
@@ -114,10 +116,28 @@ impl PinContacts {
 
     /// Replaces the metal removed from the flanks (modifications and wear together).
     pub fn set_relief(&mut self, relief: Relief) {
-        // A spline may undershoot its samples a little; half the sample range is a safe margin for culling.
-        let (low, high) = relief.samples().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
-        self.shallowest_relief = low - 0.5 * (high - low);
         self.relief = relief;
+        self.shallowest_relief = self.shallowest();
+    }
+
+    /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's own place on the ring
+    /// to the flank normal, 0 where the pin faces the centre of the ring.
+    pub fn set_pin_relief(&mut self, relief: Relief) {
+        self.pin_relief = (!relief.is_zero()).then_some(relief);
+        self.shallowest_relief = self.shallowest();
+    }
+
+    /// A bound from below for flank and pin relief together. A spline may undershoot its samples a little; half the range
+    /// of the samples is a safe margin.
+    fn shallowest(&self) -> f64 {
+        [Some(&self.relief), self.pin_relief.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(|relief| {
+                let (low, high) = relief.samples().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
+                low - 0.5 * (high - low)
+            })
+            .sum()
     }
 
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
@@ -179,19 +199,28 @@ impl PinContacts {
         let mut gap = foot.distance + (self.profile.pin_radius - radius) + depth;
         let mut relative_curvature = unworn_curvature;
         let mut meshing_angle = foot_angle;
-        if slope != 0.0 || bend != 0.0 {
-            // On a flank worn unevenly the closest point lies where unworn gap x²/(2 R_eq) and depth w + w_s x + w_ss x²/2 are
-            // least together. x runs along the flank; φ falls where τ rises, but only squares and products matter here.
+        if slope != 0.0 || bend != 0.0 || self.pin_relief.is_some() {
+            // On surfaces worn unevenly the closest point lies where the unworn gap x²/(2 R_eq) and the depths w + w_x x + w_xx x²/2 are
+            // least together. x runs along the flank towards falling φ and along the pin towards falling ψ.
             let length = self.profile.pin_circle_radius
                 * self.profile.speed_factor(foot.cos_meshing)
                 * (1.0 + self.profile.pin_radius * foot.trace_curvature).abs()
                 / lobes;
-            let (w_s, w_ss) = (slope / length, bend / (length * length));
+            let (mut fall, mut w_xx) = (slope / length, bend / (length * length));
+            if let Some(pin_relief) = &self.pin_relief {
+                let pin_angle = cross(e, foot.normal).atan2(e.dot(&foot.normal));
+                let on_pin = pin_relief.at(pin_angle);
+                gap += on_pin.depth;
+                fall += on_pin.slope / radius;
+                w_xx += on_pin.bend / (radius * radius);
+            }
             // A hollow sharper than the pin would touch at two places; a tenth of the unworn curvature keeps the single contact
             // that this model has (it enters the force only under a logarithm).
-            relative_curvature = (unworn_curvature + w_ss).max(0.1 * unworn_curvature);
-            gap -= 0.5 * w_s * w_s / relative_curvature;
-            meshing_angle = wrap_angle(foot_angle - w_s / relative_curvature / length);
+            relative_curvature = (unworn_curvature + w_xx).max(0.1 * unworn_curvature);
+            // No point of the surfaces has lost less than the shallowest one; culling relies on this bound, too.
+            let bound = foot.distance + (self.profile.pin_radius - radius) + self.shallowest_relief;
+            gap = (gap - 0.5 * fall * fall / relative_curvature).max(bound);
+            meshing_angle = wrap_angle(foot_angle - fall / relative_curvature / length);
         }
         let normal = turned(foot.normal, rotation);
         let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];

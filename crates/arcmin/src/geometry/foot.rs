@@ -20,9 +20,9 @@ pub struct Foot {
 /// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10 µm off
 /// its nominal place sees two flanks, and Newton's method may settle on the far one. There the search brackets.
 const ROOT_ZONE_COS: f64 = 0.94;
-/// Newton is converged when the next step would move the foot by less than this (rad); the distance is stationary
-/// in τ, so its error is of second order: 64 mm × 1e-10² / 0.07 mm ≪ 1e-15 m.
-const STEP_TOLERANCE: f64 = 1e-10;
+/// The last Newton step (rad) when the iteration stops: convergence is quadratic, so the error left is of order z step² ≲ 1e-12 rad. A laxer bound
+/// would do for the distance, which is stationary in τ, but the depth of a worn flank is read at τ and must not jump.
+const LAST_STEP: f64 = 1e-7;
 
 /// Unit vectors e(τ), e(z τ), carried along so that small steps need no new sine or cosine.
 #[derive(Clone, Copy)]
@@ -79,12 +79,8 @@ impl Profile {
             if !(slope < 0.0 && step.abs() < trust) {
                 break;
             }
-            if step.abs() < STEP_TOLERANCE {
-                return self.foot_at(p, place);
-            }
             place = place.moved(step, z);
-            if step.abs() < 1e-5 {
-                // Quadratic convergence: the error left is of order (z step)² ≲ 1e-7 of the step.
+            if step.abs() < LAST_STEP {
                 return if e_dot(&place) > ROOT_ZONE_COS { self.bracketed_foot(p, place.tau) } else { self.foot_at(p, place) };
             }
         }
@@ -120,7 +116,7 @@ impl Profile {
             }
             let newton = tau - value / slope;
             let next = if slope < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - tau).abs() < STEP_TOLERANCE {
+            if (next - tau).abs() < 1e-3 * LAST_STEP {
                 place = place.moved(next - tau, z);
                 break;
             }

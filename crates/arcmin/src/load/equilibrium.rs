@@ -69,7 +69,7 @@ impl LoadSharing {
 }
 
 const MAX_ITERATIONS: usize = 60;
-/// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls reliably below, which is 1e-9 relative from 5 N·m on.
+/// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls reliably below, which is 1e-9 relative from 5 N·m on (an unevenly worn flank adds the rounding of its curvature).
 const RESIDUAL_FLOOR: f64 = 5e-9;
 /// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the wind-up, N·m/rad.
 const EXPECTED_STIFFNESS: f64 = 5000.0 / crate::units::ARCMIN;
@@ -101,6 +101,11 @@ impl Meshing {
     /// Replaces the metal removed (designed relief included).
     pub fn set_relief(&mut self, relief: Relief) {
         self.contacts.set_relief(relief);
+    }
+
+    /// Replaces the metal removed from the pins, see [`PinContacts::set_pin_relief`].
+    pub fn set_pin_relief(&mut self, relief: Relief) {
+        self.contacts.set_pin_relief(relief);
     }
 
     /// Motion of a disc per unit of output error: (dC/dε, dθ_j/dε = 1).
@@ -196,7 +201,7 @@ impl Meshing {
     /// torque just touches.
     ///
     /// # Errors
-    /// [`LoadError`] when no pin can touch, the torque is not finite, or the residual does not fall below 1e-10 T (5e-9 N·m).
+    /// [`LoadError`] when no pin can touch, the torque is not finite, or the residual does not fall below 5e-10 T (5e-9 N·m).
     pub fn load_sharing(&self, crank_angle: CrankAngle, torque: f64) -> Result<LoadSharing, LoadError> {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
@@ -231,7 +236,7 @@ impl Meshing {
         for _ in 0..MAX_ITERATIONS {
             let (q, stiffness) = self.generalised_torque(nominal, error);
             residual = q - torque;
-            if residual.abs() <= (1e-10 * torque.abs()).max(RESIDUAL_FLOOR) {
+            if residual.abs() <= (5e-10 * torque.abs()).max(RESIDUAL_FLOOR) {
                 return Ok(self.sharing_at(crank_angle, torque, error, residual, stiffness));
             }
             if residual > 0.0 {

@@ -1,0 +1,194 @@
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use crate::geometry::Profile;
+
+/// Arc length along one tooth's flank as a function of the meshing angle, on a grid of cells around the grid angles of a
+/// [`Relief`](crate::geometry::Relief).
+#[derive(Debug, Clone)]
+pub struct FlankArc {
+    /// Arc length at the faces of the cells, in m; cell i lies between faces i and i + 1.
+    faces: Vec<f64>,
+}
+
+impl FlankArc {
+    /// `cells` equal steps of φ, cell i centred on φ_i = −π + 2π i/cells. Simpson's rule per half cell.
+    pub fn new(profile: &Profile, cells: usize) -> FlankArc {
+        let step = TAU / cells as f64;
+        let speed = |phi: f64| profile.flank_length_per_meshing_angle(phi.cos());
+        let mut faces = Vec::with_capacity(cells + 1);
+        let mut arc = 0.0;
+        faces.push(arc);
+        for i in 0..cells {
+            let centre = -PI + step * i as f64;
+            for half in [-1.0, 1.0] {
+                let (a, b) = if half < 0.0 { (centre - 0.5 * step, centre) } else { (centre, centre + 0.5 * step) };
+                arc += 0.5 * step / 6.0 * (speed(a) + 4.0 * speed(0.5 * (a + b)) + speed(b));
+            }
+            faces.push(arc);
+        }
+        FlankArc { faces }
+    }
+
+    pub fn cells(&self) -> usize {
+        self.faces.len() - 1
+    }
+
+    /// Whole length of one tooth's flank, root to root over the tip, in m.
+    pub fn length(&self) -> f64 {
+        self.faces[self.cells()]
+    }
+
+    /// Arc length at the left face of a cell on the unrolled flank, where cells repeat every tooth.
+    pub(super) fn face(&self, cell: isize) -> f64 {
+        let n = self.cells() as isize;
+        self.faces[cell.rem_euclid(n) as usize] + cell.div_euclid(n) as f64 * self.length()
+    }
+
+    /// Arc length at the grid point of a cell.
+    pub(super) fn centre(&self, cell: usize) -> f64 {
+        0.5 * (self.faces[cell] + self.faces[cell + 1])
+    }
+
+    /// Width of a cell in m.
+    pub fn cell_width(&self, cell: usize) -> f64 {
+        self.faces[cell + 1] - self.faces[cell]
+    }
+
+    /// Adds `amount` (m² of removed section) to `section` per cell, for a contact of half-width `half_width` (m) that travels from
+    /// meshing angle `from` to `to` (rad, less than half a turn apart).
+    ///
+    /// The share of a cell is the exact integral of the travelling Hertz pressure over it: the sum is kept whatever the grid, and
+    /// neighbouring pieces of one path join without ripple.
+    pub(super) fn spread(&self, section: &mut [f64], from: f64, to: f64, half_width: f64, amount: f64) {
+        let n = self.cells() as isize;
+        let face = |index: isize| self.face(index);
+        let place = |angle: f64| {
+            let x = (angle + PI) / TAU * n as f64 + 0.5;
+            let cell = x.floor() as isize;
+            (cell, face(cell) + (x - cell as f64) * (face(cell + 1) - face(cell)))
+        };
+        let (first, start) = place(from);
+        // The shorter way round, over the tip or the root if need be.
+        let (_, end) = place(from + crate::units::wrap_angle(to - from));
+        let path = Path { start: start.min(end), end: start.max(end), half_width };
+        let mut add = |index: isize, share: f64| section[index.rem_euclid(n) as usize] += amount * share;
+        let mut index = first;
+        loop {
+            add(index, path.share(face(index), face(index + 1)));
+            index += 1;
+            if face(index) >= path.end + half_width || index - first >= n / 2 {
+                break;
+            }
+        }
+        index = first - 1;
+        while face(index + 1) > path.start - half_width && first - index < n / 2 {
+            add(index, path.share(face(index), face(index + 1)));
+            index -= 1;
+        }
+    }
+}
+
+/// A contact travelling from `start` to `end` on a line, in m.
+struct Path {
+    start: f64,
+    end: f64,
+    half_width: f64,
+}
+
+impl Path {
+    /// Share of the removal between the places `left` and `right`.
+    fn share(&self, left: f64, right: f64) -> f64 {
+        self.below(right) - self.below(left)
+    }
+
+    /// Share left of a place: the mean over the path of the half ellipse's share.
+    fn below(&self, place: f64) -> f64 {
+        let (near, far) = ((place - self.start) / self.half_width, (place - self.end) / self.half_width);
+        if near - far < 1e-6 {
+            half_ellipse_share(0.5 * (near + far))
+        } else {
+            (half_ellipse_share_integral(near) - half_ellipse_share_integral(far)) / (near - far)
+        }
+    }
+}
+
+/// Share of the half ellipse √(1−x²) left of x, from 0 at −1 to 1 at +1.
+fn half_ellipse_share(x: f64) -> f64 {
+    let x = x.clamp(-1.0, 1.0);
+    (x * (1.0 - x * x).sqrt() + x.asin() + FRAC_PI_2) / PI
+}
+
+/// ∫ of [`half_ellipse_share`] from −∞ to x.
+fn half_ellipse_share_integral(x: f64) -> f64 {
+    if x <= -1.0 {
+        return 0.0;
+    }
+    if x >= 1.0 {
+        return x;
+    }
+    let root = (1.0 - x * x).sqrt();
+    (root - root * root * root / 3.0 + x * x.asin()) / PI + 0.5 * x
+}
+
+/// The same on a pin: `section` on equal cells of its circumference, centred on ψ_i = −π + 2π i/cells.
+pub(super) fn spread_on_pin(section: &mut [f64], pin_radius: f64, from: f64, to: f64, half_width: f64, amount: f64) {
+    let n = section.len() as isize;
+    let cell = TAU * pin_radius / n as f64;
+    let place = |angle: f64| ((angle + PI) / TAU * n as f64 + 0.5) * cell;
+    let (start, end) = (place(from), place(to));
+    let path = Path { start: start.min(end), end: start.max(end), half_width };
+    let first = ((path.start - half_width) / cell).floor() as isize;
+    let last = ((path.end + half_width) / cell).floor() as isize;
+    for index in first..=last {
+        section[index.rem_euclid(n) as usize] += amount * path.share(index as f64 * cell, (index + 1) as f64 * cell);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn profile() -> Profile {
+        Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+    }
+
+    #[test]
+    fn arc_length_of_a_tooth_agrees_with_the_polygon_of_the_flank() {
+        let p = profile();
+        let n = 200_000;
+        let polygon: f64 = (0..n)
+            .map(|i| {
+                let tau = TAU / 39.0 * i as f64 / n as f64;
+                (p.flank_point(tau + TAU / 39.0 / n as f64) - p.flank_point(tau)).norm()
+            })
+            .sum();
+        assert!((FlankArc::new(&p, 720).length() / polygon - 1.0).abs() < 1e-7);
+    }
+
+    #[test]
+    fn spreading_keeps_the_amount_everywhere_and_for_every_width() {
+        let arc = FlankArc::new(&profile(), 720);
+        for i in 0..360 {
+            let phi = -PI + 0.0171 * i as f64;
+            for (width, travel) in [(1e-7, 0.0), (2e-5, 0.01), (2e-4, -0.03), (1e-7, 0.02)] {
+                let mut section = vec![0.0; 720];
+                arc.spread(&mut section, phi, phi + travel, width, 1.0);
+                assert!((section.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{phi} {width}");
+                assert!(section.iter().all(|share| *share >= 0.0));
+                let mut pin = vec![0.0; 720];
+                spread_on_pin(&mut pin, 3e-3, phi, phi + travel, width, 1.0);
+                assert!((pin.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn integral_of_the_share_is_its_integral() {
+        for i in -12..12 {
+            let x = 0.1 * i as f64 + 0.013;
+            let h = 1e-5;
+            let slope = (half_ellipse_share_integral(x + h) - half_ellipse_share_integral(x - h)) / (2.0 * h);
+            assert!((slope - half_ellipse_share(x)).abs() < 1e-8, "{x}");
+        }
+    }
+}
