@@ -6,6 +6,7 @@
 //! The crate touches no file, no clock and no terminal.
 
 pub mod contact;
+pub mod dynamics;
 pub mod geometry;
 pub mod load;
 pub mod machine;

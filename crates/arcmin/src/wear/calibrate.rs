@@ -1,7 +1,7 @@
 //! Calibration of the wear coefficient on observed depths or lost motion.
 
-use super::coupled::{CoupledOptions, CoupledWear, WearError};
 use super::Exposure;
+use super::coupled::{CoupledOptions, CoupledWear, WearError};
 use crate::load::Meshing;
 use crate::machine::{CrankAngle, Machine, OutputAngle, WearCoefficient};
 use crate::units::UM;
@@ -132,9 +132,8 @@ pub fn fit(machine: &Machine, options: CoupledOptions, observations: &[Observati
     })?;
     let ks = alone.iter().flatten();
     let (low, high) = (0.9 * ks.clone().copied().fold(f64::INFINITY, f64::min), ks.copied().fold(0.0, f64::max));
-    let predicted = |k: f64| -> Vec<f64> {
-        observations.iter().zip(&equivalent).map(|(o, time)| curve.value(o.value, (k * time).min(curve.last()))).collect()
-    };
+    let predicted =
+        |k: f64| -> Vec<f64> { observations.iter().zip(&equivalent).map(|(o, time)| curve.value(o.value, (k * time).min(curve.last()))).collect() };
     let misfit = |k: f64| {
         predicted(k).iter().zip(observations).map(|(value, o)| (value / o.value.target() - 1.0).powi(2)).sum::<f64>() / observations.len() as f64
     };

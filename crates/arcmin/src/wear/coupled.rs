@@ -1,9 +1,9 @@
 //! Wear coupled to the load sharing: the worn flank moves the load, the load moves the wear.
 
-use super::deposit::{FlankArc, spread_on_pin};
-use super::smoothing::ContactAverage;
-use super::film::{boundary_share, film_ratio};
 use super::Exposure;
+use super::deposit::{FlankArc, spread_on_pin};
+use super::film::{boundary_share, film_ratio};
+use super::smoothing::ContactAverage;
 use crate::contact::PinContact;
 use crate::geometry::{Relief, cross, unit};
 use crate::load::closed_form::ClosedFormError;
@@ -20,7 +20,9 @@ pub enum WearError {
     ClosedForm(#[from] ClosedFormError),
     #[error("nothing wears: the duty has no torque, no speed, or the wear coefficient is zero")]
     NoWear,
-    #[error("the target is not reached: {reached_um:.2} µm after an exposure of {exposure:.3e} s/Pa; the flank wears too slowly there, give a shallower depth")]
+    #[error(
+        "the target is not reached: {reached_um:.2} µm after an exposure of {exposure:.3e} s/Pa; the flank wears too slowly there, give a shallower depth"
+    )]
     TargetNotReached { reached_um: f64, exposure: f64 },
     #[error("stopped")]
     Stopped,

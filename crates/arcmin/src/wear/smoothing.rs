@@ -61,9 +61,7 @@ impl ContactAverage {
         let depths = depth.samples();
         let n = depths.len();
         let reach = self.pin.len() / 2;
-        Relief::from_samples(
-            (0..n).map(|i| self.pin.iter().enumerate().map(|(k, w)| w * depths[(i + n + k - reach) % n]).sum()).collect(),
-        )
+        Relief::from_samples((0..n).map(|i| self.pin.iter().enumerate().map(|(k, w)| w * depths[(i + n + k - reach) % n]).sum()).collect())
     }
 }
 

@@ -50,9 +50,18 @@ fn zz_dump() {
     let mut wear = CoupledWear::new(&m, CoupledOptions::default());
     let e = m.coupled_exposure(CoupledOptions::default()).unwrap();
     for i in 1..40 {
-        let r = wear.advance_to(e.at(7500.0*HOUR) * i as f64/40.0);
+        let r = wear.advance_to(e.at(7500.0 * HOUR) * i as f64 / 40.0);
         let (d, a) = wear.state().flank.deepest();
-        eprintln!("DD {i} {} {} {}", wear.updates(), d/UM, a/DEG);
-        if r.is_err() || i==1 || i==39 { for (k,w) in wear.state().flank.samples().iter().enumerate() { if k<420 && k%(if i==1 {2} else {1})==0 { eprintln!("WW {i} {:.2} {:.4}", -180.0+0.5*k as f64, w/UM);} } if r.is_err() {break;} }
+        eprintln!("DD {i} {} {} {}", wear.updates(), d / UM, a / DEG);
+        if r.is_err() || i == 1 || i == 39 {
+            for (k, w) in wear.state().flank.samples().iter().enumerate() {
+                if k < 420 && k % (if i == 1 { 2 } else { 1 }) == 0 {
+                    eprintln!("WW {i} {:.2} {:.4}", -180.0 + 0.5 * k as f64, w / UM);
+                }
+            }
+            if r.is_err() {
+                break;
+            }
+        }
     }
 }

@@ -1,0 +1,111 @@
+use super::{Balance, DynamicsError, Linearisation, System, Weights};
+
+/// A state of rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// Coordinates in m or rad.
+    pub position: Vec<f64>,
+    pub balance: Balance,
+    /// Largest |Q_i| left, in N or N·m.
+    pub residual: f64,
+    pub iterations: usize,
+}
+
+/// Limits of the static solver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EquilibriumControl {
+    /// Converged when a Newton step moves no coordinate by more than this multiple of its scale…
+    pub tolerance: f64,
+    /// …or the largest force is below this, in N or N·m.
+    pub force_tolerance: f64,
+    pub largest_iteration_count: usize,
+    /// Longest step of one iteration in units of the system's scale.
+    pub trust: f64,
+}
+
+impl Default for EquilibriumControl {
+    fn default() -> Self {
+        EquilibriumControl { tolerance: 1e-10, force_tolerance: 1e-9, largest_iteration_count: 400, trust: 1.0 }
+    }
+}
+
+/// Finds q with Q(q, 0, t) = 0 near `start`.
+///
+/// Newton's method with a mass term that vanishes as the forces do (pseudo-transient continuation): (μ M + K) Δq = Q. Bodies that hang free
+/// in a clearance have no stiffness; the mass term then drives them along the force until a contact stops them.
+/// A state whose forces vanish already is an equilibrium, wherever in the clearance it is.
+///
+/// # Errors
+/// [`DynamicsError::NoEquilibrium`] with the residual reached if the iterations are used up.
+pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], control: EquilibriumControl) -> Result<Equilibrium, DynamicsError> {
+    let n = system.size();
+    let (mass, scale) = (system.mass(), system.scale());
+    let rest = vec![0.0; n];
+    let mut lin = system.linearisation();
+    let mut trial_lin = system.linearisation();
+    let mut position = start.to_vec();
+    let mut force = vec![0.0; n];
+    let mut trial = vec![0.0; n];
+    let mut trial_force = vec![0.0; n];
+    let mut step = vec![0.0; n];
+    // Forces of different kinds are compared through the work they do along one unit of error.
+    let work = |f: &[f64]| f.iter().zip(scale).map(|(f, s)| (f * s).powi(2)).sum::<f64>().sqrt();
+    let largest = |f: &[f64]| f.iter().fold(0.0, |m: f64, x| if x.abs() <= m { m } else { x.abs() });
+    let mut balance = system.evaluate(time, &position, &rest, &mut force, &mut lin);
+    let mut mu = 0.0;
+    let mut trust = control.trust;
+    for iteration in 0..control.largest_iteration_count {
+        let size = work(&force);
+        if !size.is_finite() {
+            break;
+        }
+        if largest(&force) <= control.force_tolerance {
+            return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration });
+        }
+        step.copy_from_slice(&force);
+        let solved = lin.solve(mass, Weights { mass: mu, damping: 0.0, stiffness: 1.0 }, &mut step);
+        let length = step.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
+        // A mass term that by itself would move the coordinates by about one trust length.
+        let natural = force.iter().zip(mass.iter().zip(scale)).fold(0.0, |m: f64, (f, (mass, s))| m.max(f.abs() / (mass * s))) / trust;
+        let uphill = step.iter().zip(&force).map(|(x, f)| x * f).sum::<f64>() <= 0.0;
+        if solved.is_err() || !length.is_finite() || (uphill && mu < 1e12 * natural) {
+            mu = if mu == 0.0 { 1e-3 * natural } else { 8.0 * mu };
+            continue;
+        }
+        let shortening = if length > trust { trust / length } else { 1.0 };
+        for i in 0..n {
+            trial[i] = position[i] + shortening * step[i];
+        }
+        let trial_balance = system.evaluate(time, &trial, &rest, &mut trial_force, &mut trial_lin);
+        let trial_size = work(&trial_force);
+        // In a clearance the force stays as it is; deep in a contact that was jumped into it grows. Work done against the new
+        // force says whether the step went past the balance.
+        let overshoot =
+            trial_force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>() < -0.5 * force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>();
+        let accepted = trial_size <= 1.000_001 * size || (!overshoot && trial_size < 2.0 * size && length > control.tolerance);
+        let converged = shortening == 1.0 && length <= control.tolerance && mu * natural.recip() < 1e-3;
+        if accepted || (converged && trial_size.is_finite()) {
+            std::mem::swap(&mut position, &mut trial);
+            std::mem::swap(&mut force, &mut trial_force);
+            std::mem::swap(&mut lin, &mut trial_lin);
+            balance = trial_balance;
+            if converged {
+                return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
+            }
+            mu *= (trial_size / size).clamp(0.0, 0.5);
+            if mu < 1e-9 * natural {
+                mu = 0.0;
+            }
+            trust = (2.0 * trust).min(control.trust);
+        } else {
+            trust = 0.25 * length.min(trust);
+            mu = if mu == 0.0 { 0.0 } else { 2.0 * mu };
+        }
+    }
+    Err(DynamicsError::NoEquilibrium {
+        time,
+        crank_angle_deg: system.crank_angle(&position) / crate::units::DEG,
+        residual: largest(&force),
+        iterations: control.largest_iteration_count,
+    })
+}

@@ -1,0 +1,632 @@
+use serde::{Deserialize, Serialize};
+
+use super::{Balance, DynamicsError, Linearisation, System, Weights};
+
+/// How the integrator chooses its steps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StepControl {
+    /// Local error per step, in units of [`System::scale`].
+    pub tolerance: f64,
+    /// Constant step in s instead of error control. Steps still end at breakpoints.
+    pub fixed_step: Option<f64>,
+    /// s.
+    pub first_step: f64,
+    /// s.
+    pub largest_step: f64,
+    /// s; a step that would have to be shorter is an error.
+    pub smallest_step: f64,
+    /// s: an error of velocity counts as the error of position that it makes over this time (or over the step, if longer).
+    pub velocity_time: f64,
+    /// ρ∞ of the generalised-α method in [0, 1]: amplitude left per step of motion much faster than the step. 1 is the
+    /// trapezoidal rule.
+    pub spectral_radius: f64,
+}
+
+impl Default for StepControl {
+    fn default() -> Self {
+        StepControl {
+            tolerance: 1e-5,
+            fixed_step: None,
+            first_step: 1e-7,
+            largest_step: 1e-4,
+            smallest_step: 1e-13,
+            velocity_time: 2e-5,
+            spectral_radius: 0.9,
+        }
+    }
+}
+
+impl StepControl {
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for steps and tolerances that are not positive or contradict each other.
+    pub fn validate(&self) -> Result<(), DynamicsError> {
+        let check = DynamicsError::require;
+        check(self.tolerance > 0.0 && self.tolerance < 1.0, "tolerance", self.tolerance, "", "must lie between 0 and 1")?;
+        check(self.smallest_step > 0.0, "smallest step", self.smallest_step, "s", "must be positive")?;
+        check(
+            self.largest_step > self.smallest_step && self.largest_step.is_finite(),
+            "largest step",
+            self.largest_step,
+            "s",
+            "must exceed the smallest",
+        )?;
+        check(self.first_step >= self.smallest_step, "first step", self.first_step, "s", "must not be below the smallest")?;
+        check((0.0..=1.0).contains(&self.spectral_radius), "spectral radius", self.spectral_radius, "", "must lie between 0 and 1")?;
+        if let Some(step) = self.fixed_step {
+            check(step > self.smallest_step && step.is_finite(), "fixed step", step, "s", "must be positive and above the smallest step")?;
+        }
+        Ok(())
+    }
+}
+
+/// State at one end of a step. Vectors have one entry per coordinate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Node {
+    /// s.
+    pub time: f64,
+    /// m or rad.
+    pub position: Vec<f64>,
+    pub velocity: Vec<f64>,
+    /// M⁻¹Q: the equations of motion hold exactly at every node.
+    pub acceleration: Vec<f64>,
+    pub balance: Balance,
+}
+
+/// Time integrals of the powers in J.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct EnergyAccount {
+    pub input: f64,
+    pub load: f64,
+    pub dissipated: f64,
+    /// ∫ Σ|P| dt over input, load and dissipation.
+    pub turnover: f64,
+    /// Kinetic and elastic energy at the start.
+    pub initial: f64,
+    /// Kinetic and elastic energy now.
+    pub current: f64,
+}
+
+impl EnergyAccount {
+    /// Input − load − dissipated − Δ(stored), in J: what the numerics gained or lost.
+    pub fn imbalance(&self) -> f64 {
+        self.input - self.load - self.dissipated - (self.current - self.initial)
+    }
+
+    /// |imbalance| / ∫ Σ|P| dt.
+    pub fn residual(&self) -> f64 {
+        if self.turnover > 0.0 { self.imbalance().abs() / self.turnover } else { 0.0 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct StepCounts {
+    pub accepted: usize,
+    pub rejected: usize,
+    pub evaluations: usize,
+}
+
+/// Everything that the next step depends on: serialise it, and a resumed run goes on bit by bit as the uninterrupted one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IntegratorState {
+    pub current: Node,
+    pub previous: Node,
+    /// The method's own acceleration variable a_n, near q̈(t_n + (α_m − α_f) h).
+    auxiliary: Vec<f64>,
+    /// Slope of the accelerations over the last step, for the predictor.
+    jerk: Vec<f64>,
+    last_step: f64,
+    next_step: f64,
+    pub energy: EnergyAccount,
+    pub counts: StepCounts,
+}
+
+/// Generalised-α coefficients (Chung & Hulbert 1993) for a given ρ∞, in the form of Arnold & Brüls 2007:
+/// (1−α_m) a_{n+1} + α_m a_n = (1−α_f) q̈_{n+1} + α_f q̈_n, with M q̈ = Q at the nodes and Newmark's formulas for q and q̇.
+#[derive(Debug, Clone, Copy)]
+struct Coefficients {
+    alpha_m: f64,
+    alpha_f: f64,
+    beta: f64,
+    gamma: f64,
+    /// Local error of the position over h³ q⃛ and of the velocity over h³ d⁴q/dt⁴.
+    position_error: f64,
+    velocity_error: f64,
+}
+
+impl Coefficients {
+    fn new(rho: f64) -> Coefficients {
+        let alpha_m = (2.0 * rho - 1.0) / (rho + 1.0);
+        let alpha_f = rho / (rho + 1.0);
+        let gamma = 0.5 + alpha_f - alpha_m;
+        let beta = 0.25 * (gamma + 0.5).powi(2);
+        // a_n stands for q̈ at t_n + δ h, with an error ε h² of second order in q̈.
+        let delta = alpha_m - alpha_f;
+        let epsilon = 0.5 * (1.0 - alpha_f) - 0.5 * ((1.0 - alpha_m) * (1.0 + delta).powi(2) + alpha_m * delta * delta);
+        Coefficients {
+            alpha_m,
+            alpha_f,
+            beta,
+            gamma,
+            position_error: (1.0 / 6.0 - 0.5 * delta - beta).abs(),
+            velocity_error: (1.0 / 6.0 - 0.5 * ((1.0 - gamma) * delta * delta + gamma * (1.0 + delta).powi(2)) - epsilon).abs(),
+        }
+    }
+}
+
+/// Implicit integration of M q̈ = Q(q, q̇, t) with error-controlled step.
+///
+/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation. The local error of the
+/// velocity is measured by the distance of the corrected from an extrapolated (Adams–Bashforth) velocity, that of the position by
+/// the change of acceleration. A contact that closes within a step was not foreseen by the extrapolation, so its step fails the
+/// test and is repeated shorter; the step is kept below the time in which an open contact can close ([`Balance::onset_rate`]),
+/// so that a bounce cannot begin and end within one step.
+pub struct Integrator<'s, S: System> {
+    system: &'s S,
+    control: StepControl,
+    coefficients: Coefficients,
+    state: IntegratorState,
+    lin: S::Linearisation,
+    trial: Node,
+    force: Vec<f64>,
+    correction: Vec<f64>,
+    auxiliary: Vec<f64>,
+    predicted_velocity: Vec<f64>,
+    scaled_auxiliary: Vec<f64>,
+}
+
+/// Newton's iterations end when the last correction is below this part of the tolerance.
+const NEWTON_SHARE: f64 = 1e-3;
+const LARGEST_NEWTON_COUNT: usize = 12;
+
+enum Attempt {
+    /// Converged, with the error over the tolerance.
+    Converged(f64),
+    /// Newton did not converge; the largest force imbalance.
+    Failed(f64),
+}
+
+impl<'s, S: System> Integrator<'s, S> {
+    /// Starts at the given state.
+    ///
+    /// # Errors
+    /// A step control without meaning, or a state with forces that are not finite.
+    pub fn new(system: &'s S, control: StepControl, time: f64, position: &[f64], velocity: &[f64]) -> Result<Self, DynamicsError> {
+        control.validate()?;
+        let n = system.size();
+        let node = Node { time, position: position.to_vec(), velocity: velocity.to_vec(), acceleration: vec![0.0; n], balance: Balance::default() };
+        let state = IntegratorState {
+            current: node.clone(),
+            previous: node,
+            auxiliary: vec![0.0; n],
+            jerk: vec![0.0; n],
+            last_step: 0.0,
+            next_step: control.fixed_step.unwrap_or(control.first_step),
+            energy: EnergyAccount::default(),
+            counts: StepCounts::default(),
+        };
+        let mut integrator = Integrator::resume(system, control, state)?;
+        integrator.restart()?;
+        let energy = integrator.total_energy();
+        integrator.state.energy = EnergyAccount { initial: energy, current: energy, ..EnergyAccount::default() };
+        integrator.state.previous = integrator.state.current.clone();
+        Ok(integrator)
+    }
+
+    /// Goes on from a saved state; the continuation is bit-identical to an uninterrupted run.
+    ///
+    /// # Errors
+    /// [`DynamicsError::ForeignCheckpoint`] if the number of coordinates differs.
+    pub fn resume(system: &'s S, control: StepControl, state: IntegratorState) -> Result<Self, DynamicsError> {
+        control.validate()?;
+        let n = system.size();
+        let fits = |node: &Node| [&node.position, &node.velocity, &node.acceleration].iter().all(|v| v.len() == n);
+        if !fits(&state.current) || !fits(&state.previous) || state.auxiliary.len() != n || state.jerk.len() != n {
+            return Err(DynamicsError::ForeignCheckpoint { reason: "its number of coordinates is another one" });
+        }
+        Ok(Integrator {
+            system,
+            control,
+            coefficients: Coefficients::new(control.spectral_radius),
+            lin: system.linearisation(),
+            trial: state.current.clone(),
+            force: vec![0.0; n],
+            correction: vec![0.0; n],
+            auxiliary: vec![0.0; n],
+            predicted_velocity: vec![0.0; n],
+            scaled_auxiliary: vec![0.0; n],
+            state,
+        })
+    }
+
+    pub fn state(&self) -> &IntegratorState {
+        &self.state
+    }
+
+    pub fn into_state(self) -> IntegratorState {
+        self.state
+    }
+
+    pub fn time(&self) -> f64 {
+        self.state.current.time
+    }
+
+    /// State at the end of the last step.
+    pub fn current(&self) -> &Node {
+        &self.state.current
+    }
+
+    /// State at its beginning.
+    pub fn previous(&self) -> &Node {
+        &self.state.previous
+    }
+
+    /// Recomputes the accelerations at the current state, after a jump of force.
+    fn restart(&mut self) -> Result<(), DynamicsError> {
+        let node = &mut self.state.current;
+        node.balance = self.system.evaluate(node.time, &node.position, &node.velocity, &mut self.force, &mut self.lin);
+        self.state.counts.evaluations += 1;
+        for (a, (f, m)) in node.acceleration.iter_mut().zip(self.force.iter().zip(self.system.mass())) {
+            *a = f / m;
+        }
+        if !node.acceleration.iter().all(|a| a.is_finite()) {
+            return Err(self.failure(0.0, f64::NAN));
+        }
+        self.state.auxiliary.copy_from_slice(&self.state.current.acceleration);
+        self.state.jerk.fill(0.0);
+        self.state.last_step = 0.0;
+        if self.control.fixed_step.is_none() {
+            self.state.next_step = self.state.next_step.min(self.control.first_step);
+        }
+        Ok(())
+    }
+
+    /// Takes one accepted step that ends at `until` or before.
+    ///
+    /// # Errors
+    /// [`DynamicsError::StepFailed`] naming time, crank angle and residual; the state stays that of the last accepted step.
+    pub fn advance(&mut self, until: f64) -> Result<(), DynamicsError> {
+        let start = self.time();
+        // Steps end just before a jump, so that the values before it hold up to the end of the step.
+        let breakpoint = self.system.next_breakpoint(start).filter(|t| *t <= until);
+        let limit = breakpoint.map_or(until, f64::next_down);
+        if let Some(jump) = breakpoint
+            && start >= limit
+        {
+            self.state.current.time = jump;
+            return self.restart();
+        }
+        let mut wish = self.state.next_step;
+        let onset = self.state.current.balance.onset_rate;
+        if self.control.fixed_step.is_none() {
+            wish = wish.min(self.control.largest_step);
+            if onset > 0.0 {
+                wish = wish.min((1.0 / onset).max(self.control.first_step));
+            }
+        }
+        loop {
+            let remaining = limit - start;
+            // The last steps before the limit share what is left.
+            let step = if wish >= remaining {
+                remaining
+            } else if 2.0 * wish > remaining && self.control.fixed_step.is_none() {
+                0.5 * remaining
+            } else {
+                wish
+            };
+            let end = if step == remaining { limit } else { start + step };
+            let failed = match self.attempt(step, end) {
+                Attempt::Converged(error) => {
+                    if self.control.fixed_step.is_some() || error <= 1.0 {
+                        self.accept(step, wish, error);
+                        return Ok(());
+                    }
+                    // Third-order local error.
+                    wish = step * (0.9 * error.powf(-1.0 / 3.0)).clamp(0.1, 0.8);
+                    None
+                }
+                Attempt::Failed(residual) => {
+                    wish = 0.25 * step;
+                    Some(residual)
+                }
+            };
+            self.state.counts.rejected += 1;
+            let hopeless = self.control.fixed_step.is_some() && failed.is_some();
+            if wish < self.control.smallest_step || hopeless {
+                return Err(self.failure(step, failed.unwrap_or(0.0)));
+            }
+        }
+    }
+
+    fn failure(&self, step: f64, residual: f64) -> DynamicsError {
+        let node = &self.state.current;
+        DynamicsError::StepFailed {
+            time: node.time,
+            crank_angle_deg: self.system.crank_angle(&node.position) / crate::units::DEG,
+            step,
+            residual,
+            steps: self.state.counts.accepted,
+        }
+    }
+
+    /// Newton's method for the state at `end`; leaves it in `trial`.
+    fn attempt(&mut self, h: f64, end: f64) -> Attempt {
+        let Coefficients { alpha_m, alpha_f, beta, gamma, .. } = self.coefficients;
+        let n = self.force.len();
+        let old = &self.state.current;
+        let (mass, scale) = (self.system.mass(), self.system.scale());
+        // a_n belongs to the step it was made with; a change of step moves the instant it stands for (Brüls & Arnold 2008).
+        let stretch = if self.state.last_step > 0.0 { h / self.state.last_step } else { 1.0 };
+        for i in 0..n {
+            let (v, a, jerk) = (old.velocity[i], old.acceleration[i], self.state.jerk[i]);
+            self.scaled_auxiliary[i] = a + stretch * (self.state.auxiliary[i] - a);
+            self.trial.position[i] = old.position[i] + h * (v + h * (0.5 * a + h / 6.0 * jerk));
+            self.predicted_velocity[i] = v + h * (a + 0.5 * h * jerk);
+        }
+        let from_position = 1.0 / (beta * h * h);
+        let weights = Weights { mass: (1.0 - alpha_m) / (1.0 - alpha_f) * from_position, damping: gamma / (beta * h), stiffness: 1.0 };
+        self.trial.time = end;
+        let mut last_length = f64::INFINITY;
+        for _ in 0..LARGEST_NEWTON_COUNT {
+            for i in 0..n {
+                let (v, a) = (old.velocity[i], self.scaled_auxiliary[i]);
+                let auxiliary = (self.trial.position[i] - old.position[i] - h * v) * from_position - (0.5 - beta) / beta * a;
+                self.auxiliary[i] = auxiliary;
+                self.trial.velocity[i] = v + h * ((1.0 - gamma) * a + gamma * auxiliary);
+                self.trial.acceleration[i] = ((1.0 - alpha_m) * auxiliary + alpha_m * a - alpha_f * old.acceleration[i]) / (1.0 - alpha_f);
+            }
+            self.trial.balance = self.system.evaluate(end, &self.trial.position, &self.trial.velocity, &mut self.force, &mut self.lin);
+            self.state.counts.evaluations += 1;
+            for i in 0..n {
+                self.correction[i] = self.force[i] - mass[i] * self.trial.acceleration[i];
+            }
+            if self.lin.solve(mass, weights, &mut self.correction).is_err() {
+                break;
+            }
+            let mut length: f64 = 0.0;
+            for i in 0..n {
+                let x = self.correction[i];
+                length = length.max(x.abs() / scale[i]);
+                self.trial.position[i] += x;
+                self.auxiliary[i] += from_position * x;
+                self.trial.velocity[i] += weights.damping * x;
+                self.trial.acceleration[i] += weights.mass * x;
+            }
+            if length <= NEWTON_SHARE * self.control.tolerance {
+                return Attempt::Converged(self.error(h));
+            }
+            if !(length < 4.0 * last_length) {
+                break;
+            }
+            last_length = length;
+        }
+        let residual = (0..n).map(|i| (self.force[i] - mass[i] * self.trial.acceleration[i]).abs()).fold(0.0, |m: f64, x| if x <= m { m } else { x });
+        Attempt::Failed(residual)
+    }
+
+    /// Local error of the trial step over the tolerance.
+    fn error(&self, h: f64) -> f64 {
+        let scale = self.system.scale();
+        let old = &self.state.current;
+        let Coefficients { position_error, velocity_error, .. } = self.coefficients;
+        // Error constant of the extrapolated velocity; without a history (first step) that of Euler's method, which overestimates.
+        let extrapolation = if self.state.last_step > 0.0 { 1.0 / 6.0 + 0.25 * self.state.last_step / h } else { 0.0 };
+        let milne = velocity_error / (extrapolation + velocity_error);
+        let mut worst: f64 = 0.0;
+        for i in 0..scale.len() {
+            let velocity = milne * (self.trial.velocity[i] - self.predicted_velocity[i]).abs() * h.max(self.control.velocity_time);
+            let position = position_error * (self.trial.acceleration[i] - old.acceleration[i]).abs() * h * h;
+            let error = velocity.max(position) / scale[i];
+            // NaN must count as failure.
+            worst = if error <= worst { worst } else { error };
+        }
+        worst / self.control.tolerance
+    }
+
+    fn accept(&mut self, h: f64, wish: f64, error: f64) {
+        let state = &mut self.state;
+        std::mem::swap(&mut state.previous, &mut state.current);
+        std::mem::swap(&mut state.current, &mut self.trial);
+        std::mem::swap(&mut state.auxiliary, &mut self.auxiliary);
+        let (old, new) = (&state.previous, &state.current);
+        for i in 0..state.jerk.len() {
+            state.jerk[i] = (new.acceleration[i] - old.acceleration[i]) / h;
+        }
+        let integral = |a: f64, b: f64| 0.5 * h * (a + b);
+        let energy = &mut state.energy;
+        energy.input += integral(old.balance.input_power, new.balance.input_power);
+        energy.load += integral(old.balance.load_power, new.balance.load_power);
+        energy.dissipated += integral(old.balance.dissipation, new.balance.dissipation);
+        energy.turnover += integral(old.balance.input_power.abs(), new.balance.input_power.abs())
+            + integral(old.balance.load_power.abs(), new.balance.load_power.abs())
+            + integral(old.balance.dissipation, new.balance.dissipation);
+        state.last_step = h;
+        state.counts.accepted += 1;
+        if self.control.fixed_step.is_none() {
+            let factor = (0.9 * error.max(1e-6).powf(-1.0 / 3.0)).clamp(0.3, 2.0);
+            // A step cut short by a limit says nothing against the longer one wished for.
+            let next = h * factor;
+            state.next_step = if h < wish { next.max(wish.min(h * 8.0)) } else { next }.min(self.control.largest_step);
+        }
+        let energy = self.total_energy();
+        self.state.energy.current = energy;
+    }
+
+    fn total_energy(&self) -> f64 {
+        let node = &self.state.current;
+        let kinetic: f64 = node.velocity.iter().zip(self.system.mass()).map(|(v, m)| 0.5 * m * v * v).sum();
+        kinetic + node.balance.stored
+    }
+
+    /// Position and velocity of one coordinate inside the last step, by Hermite's cubic.
+    pub fn interpolate(&self, index: usize, time: f64) -> (f64, f64) {
+        let (old, new) = (&self.state.previous, &self.state.current);
+        let h = new.time - old.time;
+        if h <= 0.0 {
+            return (new.position[index], new.velocity[index]);
+        }
+        hermite(h, (time - old.time) / h, old.position[index], new.position[index], old.velocity[index], new.velocity[index])
+    }
+}
+
+/// Value and slope at x ∈ [0, 1] of the cubic through two values with slopes over an interval h.
+pub(crate) fn hermite(h: f64, x: f64, q0: f64, q1: f64, v0: f64, v1: f64) -> (f64, f64) {
+    let rise = q1 - q0;
+    let (a, b) = (h * v0 - rise, h * v1 - rise);
+    let y = 1.0 - x;
+    // Deviation from the chord: x y (a y − b x).
+    let deviation = x * y * (a * y - b * x);
+    let slope = (y - x) * (a * y - b * x) - x * y * (a + b);
+    (q0 + x * rise + deviation, (rise + slope) / h)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{DenseLinearisation, EquilibriumControl, solve_equilibrium};
+    use super::*;
+
+    /// A ball of 1 kg between two walls, started with 1 m/s; wall stiffness in N/m, gravity in N, jump of the force at a given time.
+    struct Ball {
+        wall: f64,
+        damping: f64,
+        pull: f64,
+        jump: Option<(f64, f64)>,
+    }
+
+    impl System for Ball {
+        type Linearisation = DenseLinearisation;
+
+        fn linearisation(&self) -> DenseLinearisation {
+            DenseLinearisation::new(1)
+        }
+
+        fn mass(&self) -> &[f64] {
+            &[1.0]
+        }
+
+        fn scale(&self) -> &[f64] {
+            &[1e-3]
+        }
+
+        fn evaluate(&self, time: f64, q: &[f64], v: &[f64], force: &mut [f64], lin: &mut DenseLinearisation) -> Balance {
+            lin.clear();
+            let depth = (q[0].abs() - 1.0).max(0.0);
+            let stiffness = if depth > 0.0 { self.wall } else { 0.0 };
+            let step = self.jump.map_or(0.0, |(at, by)| if time >= at { by } else { 0.0 });
+            force[0] = self.pull + step - stiffness * depth * q[0].signum() - self.damping * v[0];
+            lin.add_stiffness(0, 0, stiffness);
+            lin.add_damping(0, 0, self.damping);
+            let closing = q[0].signum() * v[0];
+            Balance {
+                input_power: (self.pull + step) * v[0],
+                dissipation: self.damping * v[0] * v[0],
+                stored: 0.5 * stiffness * depth * depth,
+                onset_rate: if depth == 0.0 && closing > 0.0 { closing / (1.0 - q[0].abs() + 1e-4) } else { 0.0 },
+                ..Balance::default()
+            }
+        }
+
+        fn next_breakpoint(&self, time: f64) -> Option<f64> {
+            self.jump.map(|(at, _)| at).filter(|at| *at > time)
+        }
+
+        fn crank_angle(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+    }
+
+    fn run(ball: &Ball, control: StepControl, position: f64, velocity: f64, end: f64) -> IntegratorState {
+        let mut integrator = Integrator::new(ball, control, 0.0, &[position], &[velocity]).unwrap();
+        while integrator.time() < end {
+            integrator.advance(end).unwrap();
+        }
+        integrator.into_state()
+    }
+
+    const FREE: Ball = Ball { wall: 1e8, damping: 0.0, pull: 0.0, jump: None };
+
+    /// Free flight 1 m/s over 2 m and half a period π/√k in each wall: the position after many bounces is known in closed form.
+    #[test]
+    fn ball_between_walls_keeps_time_and_energy() {
+        let control = StepControl { tolerance: 1e-5, largest_step: 0.1, velocity_time: 1.0, spectral_radius: 1.0, ..StepControl::default() };
+        let contact = std::f64::consts::PI / 1e4;
+        let bounces = 10.0;
+        let end = 1.0 + bounces * contact + (bounces - 1.0) * 2.0 + 1.0;
+        let state = run(&FREE, control, 0.0, 1.0, end);
+        assert!(state.current.position[0].abs() < 1e-4, "{}", state.current.position[0]);
+        assert!((state.current.velocity[0] - 1.0).abs() < 1e-4);
+        assert!((state.energy.current / state.energy.initial - 1.0).abs() < 2e-4, "{:?}", state.energy);
+        // Free flight costs next to nothing.
+        assert!(state.counts.accepted < 1000 * bounces as usize, "{}", state.counts.accepted);
+    }
+
+    #[test]
+    fn error_falls_with_the_square_of_a_fixed_step() {
+        let oscillator = Ball { wall: 400.0, damping: 0.3, pull: 0.0, jump: None };
+        // Inside the right wall all the way: 1 + x, x = e^(-dt) (…) in closed form.
+        let exact = |t: f64| {
+            let (d, w) = (0.15_f64, (400.0_f64 - 0.15 * 0.15).sqrt());
+            2.0 + (-d * t).exp() * 0.1 * ((w * t).cos() + d / w * (w * t).sin())
+        };
+        let lifted = Ball { pull: 400.0, ..oscillator };
+        let error = |step: f64| {
+            let control = StepControl { fixed_step: Some(step), spectral_radius: 0.9, ..StepControl::default() };
+            (run(&lifted, control, 2.1, 0.0, 1.0).current.position[0] - exact(1.0)).abs()
+        };
+        let order = (error(2e-3) / error(1e-3)).log2();
+        assert!((order - 2.0).abs() < 0.05, "{order}");
+    }
+
+    #[test]
+    fn a_jump_of_force_is_met_exactly() {
+        let ball = Ball { jump: Some((0.3, 2.0)), ..FREE };
+        let state = run(&ball, StepControl { largest_step: 1.0, ..StepControl::default() }, 0.0, 0.0, 0.8);
+        assert!((state.current.position[0] - 0.25).abs() < 1e-9);
+        assert!((state.energy.input - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn resumed_run_is_bit_identical() {
+        let ball = Ball { pull: 0.3, ..FREE };
+        let control = StepControl::default();
+        let mut whole = Integrator::new(&ball, control, 0.0, &[0.0], &[1.0]).unwrap();
+        for _ in 0..700 {
+            whole.advance(10.0).unwrap();
+        }
+        let mut first = Integrator::new(&ball, control, 0.0, &[0.0], &[1.0]).unwrap();
+        for _ in 0..300 {
+            first.advance(10.0).unwrap();
+        }
+        let mut second = Integrator::resume(&ball, control, first.into_state()).unwrap();
+        for _ in 0..400 {
+            second.advance(10.0).unwrap();
+        }
+        assert_eq!(whole.state(), second.state());
+    }
+
+    #[test]
+    fn forces_without_a_number_stop_the_run_and_keep_the_state() {
+        let ball = Ball { jump: Some((0.5, f64::NAN)), ..FREE };
+        let mut integrator = Integrator::new(&ball, StepControl::default(), 0.0, &[0.0], &[1.0]).unwrap();
+        let error = loop {
+            if let Err(error) = integrator.advance(1.0) {
+                break error;
+            }
+        };
+        assert!(matches!(error, DynamicsError::StepFailed { time, .. } if (time - 0.5).abs() < 1e-9), "{error}");
+        assert!((integrator.current().position[0] - 0.5).abs() < 1e-9);
+        let negative = StepControl { largest_step: -1.0, ..StepControl::default() };
+        assert!(Integrator::new(&ball, negative, 0.0, &[0.0], &[1.0]).is_err());
+    }
+
+    #[test]
+    fn equilibrium_crosses_the_clearance_and_rests_against_the_wall() {
+        for pull in [5.0, -5.0, 1e5] {
+            let ball = Ball { pull, ..FREE };
+            let found = solve_equilibrium(&ball, 0.0, &[0.2], EquilibriumControl { trust: 100.0, ..EquilibriumControl::default() }).unwrap();
+            let expected = pull.signum() * (1.0 + pull.abs() / 1e8);
+            assert!((found.position[0] - expected).abs() < 1e-12, "{pull}: {found:?}");
+        }
+        let unloaded = solve_equilibrium(&FREE, 0.0, &[0.2], EquilibriumControl::default()).unwrap();
+        assert_eq!(unloaded.position[0], 0.2);
+    }
+}

@@ -1,0 +1,199 @@
+use serde::{Deserialize, Serialize};
+
+/// A mechanical system in second-order form, M q̈ = Q(q, q̇, t) with a constant diagonal mass matrix M.
+///
+/// All force laws of a model live behind this trait; the time [`Integrator`](super::Integrator) and the static solver
+/// ([`solve_equilibrium`](super::solve_equilibrium), q̇ = 0) use the very same ones. Coordinates may mix metres and radians.
+pub trait System {
+    /// Holder of −∂Q/∂q and −∂Q/∂q̇ with the linear solver that suits their structure; [`DenseLinearisation`] for small systems.
+    type Linearisation: Linearisation;
+
+    /// A linearisation of the right size, zero.
+    fn linearisation(&self) -> Self::Linearisation;
+
+    /// Diagonal of M in kg or kg·m², one entry per coordinate.
+    fn mass(&self) -> &[f64];
+
+    /// Change of each coordinate (m or rad) that counts as one unit of error. Tolerances are multiples of it.
+    fn scale(&self) -> &[f64];
+
+    /// Generalised forces Q (N or N·m) at time t (s), positions q and velocities v, with their linearisation and powers.
+    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], linearisation: &mut Self::Linearisation) -> Balance;
+
+    /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end there.
+    fn next_breakpoint(&self, _time: f64) -> Option<f64> {
+        None
+    }
+
+    /// Angle of the crankshafts in rad: error messages name it.
+    fn crank_angle(&self, position: &[f64]) -> f64;
+
+    fn size(&self) -> usize {
+        self.mass().len()
+    }
+}
+
+/// −∂Q/∂q (stiffness K) and −∂Q/∂q̇ (damping C) at one state, and the solution of the systems built from them.
+pub trait Linearisation {
+    /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.
+    ///
+    /// # Errors
+    /// [`Singular`] if the matrix has no inverse or holds a value that is not finite.
+    fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular>;
+}
+
+/// Factors of mass, damping and stiffness in the matrix of an implicit step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights {
+    pub mass: f64,
+    pub damping: f64,
+    pub stiffness: f64,
+}
+
+/// The matrix cannot be inverted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("singular matrix")]
+pub struct Singular;
+
+/// Powers and stored energy at one state: what the energy balance needs.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Balance {
+    /// Power that the drive puts in, in W.
+    pub input_power: f64,
+    /// Power delivered to the load in W.
+    pub load_power: f64,
+    /// Power lost in dampers and friction in W, never negative.
+    pub dissipation: f64,
+    /// Elastic energy in J.
+    pub stored: f64,
+    /// 1/s: the largest rate at which an open contact is closing relative to its gap (plus a tolerable depth); the step
+    /// stays below its inverse, so that no contact is entered deeper than tolerable in one go. 0 where nothing approaches.
+    pub onset_rate: f64,
+}
+
+/// Full matrices, row by row, with Gaussian elimination: for systems of up to a few dozen coordinates.
+#[derive(Debug, Clone)]
+pub struct DenseLinearisation {
+    size: usize,
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    work: Vec<f64>,
+}
+
+impl DenseLinearisation {
+    pub fn new(size: usize) -> DenseLinearisation {
+        DenseLinearisation { size, stiffness: vec![0.0; size * size], damping: vec![0.0; size * size], work: vec![0.0; size * size] }
+    }
+
+    pub fn clear(&mut self) {
+        self.stiffness.fill(0.0);
+        self.damping.fill(0.0);
+    }
+
+    #[inline]
+    pub fn add_stiffness(&mut self, row: usize, column: usize, value: f64) {
+        self.stiffness[row * self.size + column] += value;
+    }
+
+    #[inline]
+    pub fn add_damping(&mut self, row: usize, column: usize, value: f64) {
+        self.damping[row * self.size + column] += value;
+    }
+
+    /// −∂Q_row/∂q_column.
+    pub fn stiffness(&self, row: usize, column: usize) -> f64 {
+        self.stiffness[row * self.size + column]
+    }
+
+    /// −∂Q_row/∂q̇_column.
+    pub fn damping(&self, row: usize, column: usize) -> f64 {
+        self.damping[row * self.size + column]
+    }
+}
+
+impl Linearisation for DenseLinearisation {
+    fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular> {
+        let n = self.size;
+        let a = &mut self.work;
+        for (entry, (k, c)) in a.iter_mut().zip(self.stiffness.iter().zip(&self.damping)) {
+            *entry = weights.stiffness * k + weights.damping * c;
+        }
+        for i in 0..n {
+            a[i * n + i] += weights.mass * mass[i];
+        }
+        for column in 0..n {
+            let mut pivot = column;
+            for row in column + 1..n {
+                if a[row * n + column].abs() > a[pivot * n + column].abs() {
+                    pivot = row;
+                }
+            }
+            let largest = a[pivot * n + column];
+            if !(largest.abs() > 0.0 && largest.is_finite()) {
+                return Err(Singular);
+            }
+            if pivot != column {
+                for k in column..n {
+                    a.swap(column * n + k, pivot * n + k);
+                }
+                rhs.swap(column, pivot);
+            }
+            for row in column + 1..n {
+                let factor = a[row * n + column] / largest;
+                if factor != 0.0 {
+                    for k in column + 1..n {
+                        a[row * n + k] -= factor * a[column * n + k];
+                    }
+                    rhs[row] -= factor * rhs[column];
+                }
+            }
+        }
+        for row in (0..n).rev() {
+            let mut sum = rhs[row];
+            for k in row + 1..n {
+                sum -= a[row * n + k] * rhs[k];
+            }
+            rhs[row] = sum / a[row * n + row];
+        }
+        if rhs.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Singular) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elimination_pivots_and_agrees_with_nalgebra() {
+        let n = 5;
+        let mut lin = DenseLinearisation::new(n);
+        let mut matrix = nalgebra::DMatrix::<f64>::zeros(n, n);
+        let mass = [1.0, 2.0, 0.5, 0.0, 3.0];
+        for i in 0..n {
+            for j in 0..n {
+                // A zero on the diagonal forces a row exchange.
+                let k = if i == j { 0.0 } else { ((i * 7 + j * 3) as f64).sin() };
+                let c = ((i + 2 * j) as f64).cos();
+                lin.add_stiffness(i, j, k);
+                lin.add_damping(i, j, c);
+                matrix[(i, j)] = 2.0 * k + 0.5 * c + if i == j { 3.0 * mass[i] } else { 0.0 };
+            }
+        }
+        let rhs: Vec<f64> = (0..n).map(|i| 1.0 + i as f64).collect();
+        let mut x = rhs.clone();
+        lin.solve(&mass, Weights { mass: 3.0, damping: 0.5, stiffness: 2.0 }, &mut x).unwrap();
+        let expected = matrix.lu().solve(&nalgebra::DVector::from_vec(rhs)).unwrap();
+        for i in 0..n {
+            assert!((x[i] - expected[i]).abs() < 1e-12 * expected.norm());
+        }
+    }
+
+    #[test]
+    fn singular_matrix_is_reported() {
+        let mut lin = DenseLinearisation::new(2);
+        let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
+        assert_eq!(lin.solve(&[1.0, 1.0], weights, &mut [1.0, 1.0]), Err(Singular));
+        lin.add_stiffness(0, 0, f64::NAN);
+        assert_eq!(lin.solve(&[1.0, 1.0], weights, &mut [1.0, 1.0]), Err(Singular));
+    }
+}
