@@ -11,6 +11,7 @@ pub mod geometry;
 pub mod load;
 pub mod machine;
 pub mod materials;
+pub mod report;
 pub mod templates;
 pub mod units;
 pub mod wear;

@@ -1,0 +1,111 @@
+//! Drawings as data: the mechanism to scale, and a finite element mesh.
+
+use serde::{Serialize, Serializer};
+
+use super::plot::{Number, rounded};
+
+/// The reducer seen along its axis, to scale and turning.
+///
+/// The script turns it by the ideal kinematics: with the crank angle θ_k, the carrier stands at
+/// θ_o = −θ_k/z_c, disc j has its centre at a·e(θ_k + α_j) and its teeth stand at θ_o − α_j/z_c; its bores
+/// stay in line with the carrier. The normal of every contact passes through the pitch point
+/// a·z_p·e(θ_k + α_j). Displacements under load (micrometres) are not visible at this scale and not drawn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mechanism {
+    pub title: String,
+    pub note: String,
+    pub pin_circle_radius_mm: f64,
+    pub pin_radius_mm: f64,
+    pub pin_count: usize,
+    pub lobe_count: usize,
+    pub eccentricity_mm: f64,
+    pub housing_outer_radius_mm: f64,
+    /// The flank over one lobe in the disc's frame, counter-clockwise; the script repeats it.
+    #[serde(serialize_with = "rounded_points")]
+    pub lobe_mm: Vec<[f64; 2]>,
+    /// Phase α_j of each disc's eccentric.
+    pub eccentric_phase_deg: Vec<f64>,
+    /// Bores, windows and centre hole of a disc, about its centre, in line with the carrier.
+    pub holes: Vec<Hole>,
+    pub crankshafts: CrankshaftDrawing,
+    pub gear_stage: GearStageDrawing,
+    /// For the readout of how much the animation is slowed down.
+    pub input_speed_rpm: f64,
+    /// Forces to choose from, for instance new and after some hours; may be empty.
+    pub states: Vec<ForceState>,
+}
+
+/// A circular hole.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hole {
+    pub x_mm: f64,
+    pub y_mm: f64,
+    pub radius_mm: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CrankshaftDrawing {
+    /// Distance of the crankshafts from the machine axis.
+    pub circle_radius_mm: f64,
+    /// Place γ_k of every crankshaft on the carrier.
+    pub place_deg: Vec<f64>,
+    pub shaft_radius_mm: f64,
+    pub eccentric_radius_mm: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GearStageDrawing {
+    pub sun_teeth: usize,
+    pub planet_teeth: usize,
+    pub sun_pitch_radius_mm: f64,
+    pub planet_pitch_radius_mm: f64,
+}
+
+/// Contact forces of all pins over one pin pitch of crank angle.
+///
+/// `force_n[disc][step][pin]` at θ_k + α_disc = step / steps · 360°/z_p. After one pitch the same forces
+/// act on the next pin, so that one pitch describes the whole turn of a machine with equal pins.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForceState {
+    pub label: String,
+    #[serde(serialize_with = "rounded_forces")]
+    pub force_n: Vec<Vec<Vec<f64>>>,
+}
+
+/// A triangle mesh with an optional displacement and an optional coloured field.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeshPicture {
+    pub title: String,
+    pub note: String,
+    #[serde(serialize_with = "rounded_points")]
+    pub nodes_mm: Vec<[f64; 2]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Displacement of every node; empty if only the mesh is shown.
+    #[serde(serialize_with = "rounded_points")]
+    pub displacement_um: Vec<[f64; 2]>,
+    pub field: Option<MeshField>,
+}
+
+/// One value per node, shown as colour.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeshField {
+    pub label: String,
+    pub unit: String,
+    #[serde(serialize_with = "rounded")]
+    pub values: Vec<f64>,
+}
+
+fn rounded_points<S: Serializer>(points: &[[f64; 2]], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(points.iter().flatten().map(|value| Number(*value)))
+}
+
+fn rounded_forces<S: Serializer>(forces: &[Vec<Vec<f64>>], serializer: S) -> Result<S::Ok, S::Error> {
+    /// Tenths of a newton are finer than an arrow can show.
+    struct Row<'a>(&'a [f64]);
+    impl Serialize for Row<'_> {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            serializer.collect_seq(self.0.iter().map(|force| Number((force * 10.0).round() / 10.0)))
+        }
+    }
+    serializer.collect_seq(forces.iter().map(|disc| disc.iter().map(|row| Row(row)).collect::<Vec<_>>()))
+}

@@ -1,0 +1,196 @@
+//! Rendering of a study as one self-contained HTML page.
+//!
+//! This module only turns data into text: it opens no file and asks no clock, so the same page value
+//! gives the same bytes. The result needs no network: styles, script and data are inside the page, and
+//! a content security policy in it forbids the browser to load anything else.
+//!
+//! # How to use it
+//!
+//! Fill a [`Page`] with [`Section`]s of [`Block`]s and call [`Page::render`]. Plots take numbers in the
+//! unit that their [`Axis`] names; a value that is not finite becomes a gap, never a wrong point.
+//!
+//! ```
+//! use arcmin::report::{Axis, Block, Page, Plot, Provenance, Section, Series, Tone, Verdict};
+//!
+//! let mut plot = Plot::new(
+//!     "Play over life",
+//!     Axis::new("Running time", "h"),
+//!     Axis::new("Play at the output", "arcmin").from_zero(),
+//! );
+//! plot.series.push(Series::line("coupled wear", [(0.0, 0.0), (3750.0, 0.24), (7500.0, 0.36)]));
+//! plot.limit_at(1.0, "limit of the design file");
+//!
+//! let page = Page {
+//!     title: "RV-40E-81".into(),
+//!     subtitle: "Accuracy over life".into(),
+//!     provenance: Provenance::default(),
+//!     verdict: Verdict::new(Tone::Good, "Stays below 1 arcmin for 7500 h."),
+//!     sections: vec![Section::new("life", "Accuracy over life", vec![Block::Plot(plot)])],
+//! };
+//! let html = page.render();
+//! assert!(html.starts_with("<!doctype html>"));
+//! ```
+//!
+//! Text blocks are plain text: everything is escaped. A word in square brackets that is the key of an
+//! entry in [`Block::References`], such as `[Tao2024]`, becomes a link to that entry, and text between
+//! backticks is set as code.
+//!
+//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`] and [`MeshPicture`] is what the script in `assets/`
+//! reads; field names are the same on both sides.
+
+mod drawing;
+mod html;
+mod plot;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use drawing::{CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture};
+pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
+pub use text::significant;
+
+/// A whole report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Page {
+    pub title: String,
+    pub subtitle: String,
+    pub provenance: Provenance,
+    pub verdict: Verdict,
+    pub sections: Vec<Section>,
+}
+
+/// Where the numbers of a page come from; enough to produce the page again.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Provenance {
+    /// Version of the program.
+    pub version: String,
+    /// Hash of the design file's content.
+    pub design_hash: String,
+    /// The command line as typed.
+    pub command: String,
+    /// Seeds of every random draw; empty if nothing was drawn.
+    pub seeds: Vec<u64>,
+}
+
+/// The top of the page: what an engineer reads in ten seconds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    pub tone: Tone,
+    /// One sentence.
+    pub headline: String,
+    /// Three to five large figures.
+    pub figures: Vec<KeyFigure>,
+    /// Question and answer, for instance ("What limits it", "Wear of the disc flank at 61°").
+    pub answers: Vec<(String, String)>,
+    /// Plain text behind the button "Copy summary"; no button when empty.
+    pub summary: String,
+}
+
+impl Verdict {
+    pub fn new(tone: Tone, headline: impl Into<String>) -> Self {
+        Self { tone, headline: headline.into(), figures: Vec::new(), answers: Vec::new(), summary: String::new() }
+    }
+}
+
+/// One large figure with its unit and a sentence that says what it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyFigure {
+    pub label: String,
+    pub value: String,
+    pub unit: String,
+    pub note: String,
+    pub tone: Tone,
+}
+
+/// A titled part of the page; `id` is its anchor (letters, digits, hyphens).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    pub id: String,
+    pub title: String,
+    pub blocks: Vec<Block>,
+}
+
+impl Section {
+    pub fn new(id: impl Into<String>, title: impl Into<String>, blocks: Vec<Block>) -> Self {
+        Self { id: id.into(), title: title.into(), blocks }
+    }
+}
+
+/// One piece of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Text(String),
+    /// A smaller heading inside the section.
+    Heading(String),
+    /// A remark set apart: assumptions, what is not modelled, why a number differs.
+    Note(Tone, String),
+    Table(Table),
+    Shares(Shares),
+    Plot(Plot),
+    HeatMap(HeatMap),
+    Mechanism(Mechanism),
+    Mesh(MeshPicture),
+    /// Text shown as written (the design file), folded when long.
+    Code {
+        title: String,
+        text: String,
+    },
+    References(Vec<Reference>),
+}
+
+/// A table of text cells. Cells of a numeric column are set right-aligned.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    pub title: String,
+    pub columns: Vec<Column>,
+    pub rows: Vec<Vec<String>>,
+    pub note: String,
+}
+
+/// Head of a table column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    pub label: String,
+    /// Empty for text columns and for numbers without unit.
+    pub unit: String,
+    pub numeric: bool,
+}
+
+impl Column {
+    pub fn text(label: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: String::new(), numeric: false }
+    }
+    pub fn number(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), numeric: true }
+    }
+}
+
+/// Parts of a whole as labelled horizontal bars: compliance per part, lost motion per cause.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shares {
+    pub title: String,
+    pub unit: String,
+    /// Label, value in `unit`, remark. Values are not negative.
+    pub rows: Vec<(String, f64, String)>,
+    pub note: String,
+}
+
+/// One entry of the literature list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Short key as cited in text, such as `Tao2024`.
+    pub key: String,
+    pub citation: String,
+    /// Without resolver prefix, such as `10.3390/machines12080511`.
+    pub doi: Option<String>,
+    /// Which model or number on this page rests on it.
+    pub used_for: String,
+}
+
+impl Page {
+    /// The page as one HTML document.
+    pub fn render(&self) -> String {
+        html::render(self)
+    }
+}

@@ -1,0 +1,273 @@
+//! Plots as data: axes, series, annotations, heat maps.
+
+use serde::{Serialize, Serializer};
+
+/// How a thing is judged. Shown by a word and a shape as well as by colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Tone {
+    #[default]
+    Neutral,
+    Good,
+    Caution,
+    Bad,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Scale {
+    #[default]
+    Linear,
+    /// Decadic logarithm; values that are not positive become gaps.
+    Log,
+}
+
+/// An axis: what it shows, in which unit, over which range.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Axis {
+    pub label: String,
+    /// Empty for a pure number.
+    pub unit: String,
+    pub scale: Scale,
+    /// Shown before zooming; the data's own range when absent.
+    pub range: Option<[f64; 2]>,
+    /// The data's own range, extended to include zero.
+    pub include_zero: bool,
+}
+
+impl Axis {
+    pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), scale: Scale::Linear, range: None, include_zero: false }
+    }
+    pub fn between(mut self, from: f64, to: f64) -> Self {
+        self.range = (from.is_finite() && to.is_finite() && from < to).then_some([from, to]);
+        self
+    }
+    pub fn from_zero(mut self) -> Self {
+        self.include_zero = true;
+        self
+    }
+    pub fn logarithmic(mut self) -> Self {
+        self.scale = Scale::Log;
+        self
+    }
+}
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Style {
+    Line,
+    Dashed,
+    Markers,
+    LineMarkers,
+    Step,
+    /// Thin bars from zero, for spectra.
+    Bars,
+    /// The area between [`Points::low`] and [`Points::y`].
+    Band,
+}
+
+/// Colour of a series. All choices stay apart for colour-blind readers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Colour {
+    /// The next colour of the palette that no other series uses.
+    Auto,
+    /// A fixed place in the palette, to give one quantity one colour on all plots.
+    Palette(u8),
+    /// For ordered sets (wear levels, hours): 0 is the first, 1 the last.
+    Ordered(f64),
+    /// For published values and references: neutral.
+    Reference,
+}
+
+/// Coordinates of a series. Equal lengths; a `None` is a gap.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Points {
+    #[serde(serialize_with = "rounded")]
+    pub x: Vec<f64>,
+    #[serde(serialize_with = "rounded_gaps")]
+    pub y: Vec<Option<f64>>,
+    /// Lower edge, only for [`Style::Band`].
+    #[serde(serialize_with = "rounded_gaps", skip_serializing_if = "Vec::is_empty")]
+    pub low: Vec<Option<f64>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Series {
+    pub name: String,
+    pub style: Style,
+    pub colour: Colour,
+    /// Drawn heavier than its neighbours.
+    pub strong: bool,
+    /// Starts hidden; the legend shows it on demand.
+    pub hidden: bool,
+    pub points: Points,
+}
+
+impl Series {
+    /// A series of any style from (x, y); points whose x is not finite are dropped, a y that is not
+    /// finite becomes a gap.
+    pub fn new(name: impl Into<String>, style: Style, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let mut coordinates = Points::default();
+        for (x, y) in points {
+            if x.is_finite() {
+                coordinates.x.push(x);
+                coordinates.y.push(y.is_finite().then_some(y));
+            }
+        }
+        Self { name: name.into(), style, colour: Colour::Auto, strong: false, hidden: false, points: coordinates }
+    }
+    pub fn line(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new(name, Style::Line, points)
+    }
+    pub fn markers(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new(name, Style::Markers, points)
+    }
+    /// A band from (x, low, high).
+    pub fn band(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
+        let mut series = Self::new(name, Style::Band, []);
+        for (x, low, high) in points {
+            if x.is_finite() {
+                let known = low.is_finite() && high.is_finite();
+                series.points.x.push(x);
+                series.points.low.push(known.then_some(low));
+                series.points.y.push(known.then_some(high));
+            }
+        }
+        series
+    }
+    pub fn coloured(mut self, colour: Colour) -> Self {
+        self.colour = colour;
+        self
+    }
+    pub fn strong(mut self) -> Self {
+        self.strong = true;
+        self
+    }
+    pub fn hidden(mut self) -> Self {
+        self.hidden = true;
+        self
+    }
+}
+
+/// A mark on a plot that is not a series.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Annotation {
+    /// Across the plot at y.
+    Horizontal { at: f64, label: String, tone: Tone },
+    /// Up the plot at x.
+    Vertical { at: f64, label: String, tone: Tone },
+    /// A shaded range of x.
+    Span { from: f64, to: f64, label: String },
+    /// A named point.
+    Point { x: f64, y: f64, label: String },
+}
+
+/// Width of a figure on a wide screen; on a narrow one every figure takes the full width.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Width {
+    #[default]
+    Full,
+    Half,
+}
+
+/// An interactive x–y plot.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plot {
+    pub title: String,
+    pub x: Axis,
+    pub y: Axis,
+    pub series: Vec<Series>,
+    pub annotations: Vec<Annotation>,
+    /// Below the plot: what is seen, against which source, with which caveat.
+    pub note: String,
+    pub width: Width,
+    /// One millimetre in x is as long as in y (outlines).
+    pub equal_scales: bool,
+}
+
+impl Plot {
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self { title: title.into(), x, y, series: Vec::new(), annotations: Vec::new(), note: String::new(), width: Width::Full, equal_scales: false }
+    }
+    pub fn half(mut self) -> Self {
+        self.width = Width::Half;
+        self
+    }
+    pub fn noted(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+    /// Draws a limit across the plot; ignored if it is not finite.
+    pub fn limit_at(&mut self, y: f64, label: impl Into<String>) {
+        if y.is_finite() {
+            self.annotations.push(Annotation::Horizontal { at: y, label: label.into(), tone: Tone::Bad });
+        }
+    }
+}
+
+/// A quantity over two others, one coloured cell per pair of grid values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeatMap {
+    pub title: String,
+    pub x: Axis,
+    pub y: Axis,
+    /// The quantity shown as colour.
+    pub value: Axis,
+    #[serde(serialize_with = "rounded")]
+    pub x_values: Vec<f64>,
+    #[serde(serialize_with = "rounded")]
+    pub y_values: Vec<f64>,
+    /// Row by row: `cells[iy * x_values.len() + ix]`; `None` where nothing is known.
+    #[serde(serialize_with = "rounded_gaps")]
+    pub cells: Vec<Option<f64>>,
+    pub note: String,
+    pub width: Width,
+}
+
+/// Digits kept in the page. Seven significant digits are more than any plot or any table made from it
+/// can use, and halve the page.
+pub(super) const EMBEDDED_DIGITS: i32 = 7;
+
+pub(super) fn round_to_digits(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return 0.0;
+    }
+    let decimals = EMBEDDED_DIGITS - 1 - value.abs().log10().floor() as i32;
+    // Through the decimal text, because value * 10^n / 10^n leaves digits such as 0.30000000000000004.
+    if decimals > 0 {
+        format!("{value:.*}", decimals as usize).parse().unwrap_or(value)
+    } else {
+        let unit = 10.0_f64.powi(-decimals);
+        (value / unit).round() * unit
+    }
+}
+
+pub(super) fn rounded<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(values.iter().map(|value| Number(*value)))
+}
+
+pub(super) fn rounded_gaps<S: Serializer>(values: &[Option<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(values.iter().map(|value| value.map(Number)))
+}
+
+/// Written short: whole numbers without a decimal point, others with seven significant digits.
+pub(super) struct Number(pub f64);
+
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if !self.0.is_finite() {
+            return serializer.serialize_none();
+        }
+        let value = round_to_digits(self.0);
+        if value.fract() == 0.0 && value.abs() < 1e15 { serializer.serialize_i64(value as i64) } else { serializer.serialize_f64(value) }
+    }
+}

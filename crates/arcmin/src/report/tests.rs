@@ -1,0 +1,149 @@
+//! What a page promises: whole by itself, escaped, finite, the same bytes every time.
+
+use super::*;
+
+fn plot_of(points: Vec<(f64, f64)>) -> Plot {
+    Plot::new("A & B", Axis::new("x <y>", "mm"), Axis::new("value", "N")).with(Series::line("one", points))
+}
+
+fn page_of(blocks: Vec<Block>) -> Page {
+    Page {
+        title: "Reducer <script>alert(1)</script>".into(),
+        subtitle: "a \"quoted\" 'subtitle'".into(),
+        provenance: Provenance {
+            version: "1.2.3".into(),
+            design_hash: "abc".into(),
+            command: "arcmin life x.toml --out \"a&b\"".into(),
+            seeds: vec![3, 5],
+        },
+        verdict: Verdict { summary: "a <b> & c".into(), ..Verdict::new(Tone::Good, "Holds.") },
+        sections: vec![Section::new("one", "Section one", blocks)],
+    }
+}
+
+/// The JSON of every figure, as the script of the page would read it.
+fn figure_data(html: &str) -> Vec<serde_json::Value> {
+    html.split("<script type=\"application/json\">")
+        .skip(1)
+        .map(|rest| {
+            let json = &rest[..rest.find("</script>").expect("data element is closed")];
+            serde_json::from_str(json).expect("figure data is JSON")
+        })
+        .collect()
+}
+
+#[test]
+fn text_from_outside_cannot_become_markup() {
+    let mut plot = plot_of(vec![(0.0, 1.0)]);
+    plot.title = "</script><img src=x onerror=alert(1)>".into();
+    plot.note = "<i>note</i>".into();
+    let html = page_of(vec![
+        Block::Plot(plot),
+        Block::Text("<b>bold</b> [<u>]".into()),
+        Block::Code { title: "<t>".into(), text: "<c>&".into() },
+        Block::Table(Table { title: "\"><x>".into(), columns: vec![Column::text("<h>")], rows: vec![vec!["<d>".into()]], note: String::new() }),
+    ])
+    .render();
+    for forbidden in ["<img", "<i>note", "<b>bold", "<u>", "<t>", "<c>", "<x>", "<h>", "<d>", "<script>alert"] {
+        assert!(!html.contains(forbidden), "{forbidden} reached the page");
+    }
+    // The title inside the data is intact for the script, though it could end the element.
+    assert_eq!(figure_data(&html)[0]["title"], "</script><img src=x onerror=alert(1)>");
+}
+
+#[test]
+fn nothing_is_loaded_from_anywhere() {
+    let html = page_of(vec![
+        Block::Plot(plot_of(vec![(0.0, 1.0)])),
+        Block::References(vec![Reference {
+            key: "Tao2024".into(),
+            citation: "Tao et al.".into(),
+            doi: Some("10.3390/machines12080511".into()),
+            used_for: "wear".into(),
+        }]),
+    ])
+    .render();
+    for loading in ["src=\"http", "<link", "@import", "fetch(", "XMLHttpRequest", "import("] {
+        assert!(!html.contains(loading), "the page contains {loading}");
+    }
+    for (at, _) in html.match_indices("url(") {
+        assert!(html[at..].starts_with("url(#"), "a style refers to a file");
+    }
+    assert!(html.contains("default-src 'none'"));
+    // Addresses occur only as a link to follow and as the name of the SVG vocabulary.
+    for (at, _) in html.match_indices("http") {
+        let rest = &html[at..];
+        assert!(
+            rest.starts_with("https://doi.org/10.3390/machines12080511")
+                || rest.starts_with("http://www.w3.org/2000/svg")
+                || rest.starts_with("http-equiv"),
+            "unexpected address: {}",
+            &rest[..40]
+        );
+    }
+}
+
+#[test]
+fn values_that_are_not_finite_become_gaps() {
+    let points = vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, f64::INFINITY), (f64::NAN, 5.0), (3.0, 2.0)];
+    let html = page_of(vec![Block::Plot(plot_of(points))]).render();
+    let data = &figure_data(&html)[0]["series"][0]["points"];
+    assert_eq!(data["x"], serde_json::json!([0, 1, 2, 3]));
+    assert_eq!(data["y"], serde_json::json!([1, null, null, 2]));
+}
+
+#[test]
+fn embedded_numbers_are_short_and_right_to_seven_digits() {
+    for value in [1.0 / 3.0, -2.0e9 / 7.0, 6.02e-12 / 7.0, 123_456_789.123, 0.1 + 0.2, 5.0e-324, f64::MAX] {
+        let text = serde_json::to_string(&plot::Number(value)).expect("a number");
+        let back: f64 = text.parse().expect("a number again");
+        // Half a unit of the seventh digit.
+        assert!((back - value).abs() <= 5.0e-7 * value.abs() || value.abs() < 1e-300, "{value} became {text}");
+        assert!(text.len() <= 14 || value.abs() > 1e15, "{value} became {text}");
+    }
+}
+
+#[test]
+fn same_page_same_bytes() {
+    let build = || page_of(vec![Block::Plot(plot_of(vec![(0.0, 1.0), (0.1, 2.0)]))]).render();
+    assert_eq!(build(), build());
+}
+
+#[test]
+fn citations_link_only_to_entries_that_exist() {
+    let html = page_of(vec![
+        Block::Text("as [Tao2024] and [Nobody1999] say, `F = k δ`".into()),
+        Block::References(vec![Reference { key: "Tao2024".into(), citation: "Tao et al.".into(), doi: None, used_for: String::new() }]),
+    ])
+    .render();
+    assert!(html.contains("href=\"#ref-Tao2024\"") && html.contains("id=\"ref-Tao2024\""));
+    assert!(html.contains("[Nobody1999]") && !html.contains("#ref-Nobody1999"));
+    assert!(html.contains("<code>F = k δ</code>"));
+}
+
+#[test]
+fn every_link_inside_the_page_has_its_target() {
+    let html = page_of(vec![Block::Text("text".into())]).render();
+    for (at, mark) in html.match_indices("href=\"#") {
+        let rest = &html[at + mark.len()..];
+        let id = &rest[..rest.find('"').expect("closed attribute")];
+        assert!(html.contains(&format!("id=\"{id}\"")), "no element #{id}");
+    }
+}
+
+#[test]
+fn significant_digits_as_engineers_write_them() {
+    let cases = [
+        (0.653_6, 3, "0.654"),
+        (446.94, 4, "446.9"),
+        (9.996, 3, "10.0"),
+        (1.316e9, 3, "1.32e9"),
+        (7500.0, 3, "7500"),
+        (-0.0001234, 2, "-0.00012"),
+        (0.0, 3, "0"),
+        (f64::NAN, 3, "–"),
+    ];
+    for (value, digits, expected) in cases {
+        assert_eq!(significant(value, digits), expected);
+    }
+}

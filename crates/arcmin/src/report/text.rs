@@ -1,0 +1,85 @@
+//! Text in the page: escaping, numbers, inline marks.
+
+use std::fmt::Write;
+
+/// Appends `text` with the five characters escaped that mean something in HTML text or attributes.
+pub(super) fn push_escaped(out: &mut String, text: &str) {
+    for character in text.chars() {
+        match character {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            other => out.push(other),
+        }
+    }
+}
+
+pub(super) fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len() + 16);
+    push_escaped(&mut out, text);
+    out
+}
+
+/// Escaped text with `[Key]` linked to a known reference and text between backticks set as code.
+pub(super) fn push_inline(out: &mut String, text: &str, reference_keys: &[&str]) {
+    let mut rest = text;
+    while let Some(at) = rest.find(['[', '`']) {
+        let (before, marked) = rest.split_at(at);
+        push_escaped(out, before);
+        let closing = if marked.starts_with('[') { ']' } else { '`' };
+        let inner = marked[1..].find(closing).map(|end| &marked[1..end + 1]);
+        match inner {
+            Some(key) if closing == ']' && reference_keys.contains(&key) => {
+                let _ = write!(out, "<a class=\"cite\" href=\"#ref-{0}\">{0}</a>", escaped(key));
+                rest = &marked[key.len() + 2..];
+            }
+            Some(code) if closing == '`' && !code.is_empty() => {
+                let _ = write!(out, "<code>{}</code>", escaped(code));
+                rest = &marked[code.len() + 2..];
+            }
+            _ => {
+                push_escaped(out, &marked[..1]);
+                rest = &marked[1..];
+            }
+        }
+    }
+    push_escaped(out, rest);
+}
+
+/// `value` with `digits` significant digits, as an engineer writes it: 0.654, 446.9, 1.316e9.
+///
+/// Values that are not finite give an en dash, the mark for "no value" in tables.
+pub fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = digits.max(1);
+    // Through the exponent form, so that rounding up to the next decade (9.996 → 10.0) is seen.
+    let exponent_form = format!("{value:.*e}", digits - 1);
+    let exponent: i32 = exponent_form.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    if (-4..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        exponent_form
+    }
+}
+
+/// Anchor or file name from a title.
+pub(super) fn slug(title: &str) -> String {
+    let mut out = String::new();
+    for character in title.chars() {
+        if character.is_ascii_alphanumeric() {
+            out.push(character.to_ascii_lowercase());
+        } else if !out.ends_with('-') && !out.is_empty() {
+            out.push('-');
+        }
+    }
+    out.truncate(60);
+    out.trim_end_matches('-').to_string()
+}
