@@ -53,11 +53,11 @@ function linearTicks(low, high, wanted, unit) {
   const span = high - low;
   let step = 0;
   if (unit === '°' && span > 20) {
-    step = [5, 10, 15, 30, 45, 60, 90, 180, 360].find(size => span / size <= wanted) || 0;
+    step = [5, 10, 15, 30, 45, 60, 90, 180, 360].find(size => span / size <= wanted * 1.2) || 0;
   }
   if (!step) {
     const rough = span / Math.max(1, wanted), decade = 10 ** Math.floor(Math.log10(rough));
-    step = decade * ([1, 2, 5, 10].find(size => size * decade >= rough * 0.999) || 10);
+    step = decade * ([1, 2, 5, 10].find(size => size * decade >= rough * 0.8) || 10);
   }
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];

@@ -32,19 +32,18 @@ class MechanismFigure {
     const { drawing } = this, half = drawing.housing_outer_radius_mm * 1.04;
     const svg = this.svg = svgElement('svg', { class: 'drawing', viewBox: `${-half} ${-half} ${2 * half} ${2 * half}`, role: 'img', 'aria-label': `${drawing.title}: section through the reducer to scale, with contact forces as arrows` }, this.stage);
     const ring = drawing.pin_circle_radius_mm;
+    // Seen from the output side the gear stage lies behind all else.
+    this.gears = this.buildGears(svg);
     svgElement('path', { class: 'housing', 'fill-rule': 'evenodd', d: ringPath(0, 0, drawing.housing_outer_radius_mm) + ringPath(0, 0, ring) }, svg);
     this.pins = Array.from({ length: drawing.pin_count }, (_, pin) => {
       const [x, y] = polar(ring, TURN * pin / drawing.pin_count);
       return svgElement('circle', { class: 'pin', cx: x, cy: -y, r: drawing.pin_radius_mm }, svg);
     });
-    this.carrier = svgElement('g', {}, svg);
-    svgElement('circle', { class: 'carrier', r: drawing.crankshafts.circle_radius_mm }, this.carrier);
+    svgElement('circle', { class: 'carrier', r: drawing.crankshafts.circle_radius_mm }, svg);
     this.discs = drawing.eccentric_phase_deg.map((phase, disc) => {
       const alpha = phase * Math.PI / 180, offset = -alpha / drawing.lobe_count;
-      return { alpha, offset, path: svgElement('path', { class: `disc disc-${disc % 3}`, d: this.discPath(offset) }, svg) };
-    }).reverse();
-    this.discs.reverse();
-    this.gears = this.buildGears(svg);
+      return { alpha, offset, path: svgElement('path', { class: 'disc', d: this.discPath(offset), style: `stroke:${discColour(disc)};fill:${discColour(disc)}` }, svg) };
+    });
     this.cranks = drawing.crankshafts.place_deg.map((place, index) => {
       const group = svgElement('g', {}, svg);
       svgElement('circle', { class: 'shaft', r: drawing.crankshafts.shaft_radius_mm }, group);
@@ -59,15 +58,22 @@ class MechanismFigure {
     this.actions = svgElement('path', { class: 'action' }, svg);
     this.forces = svgElement('g', {}, svg);
     this.pitchPoint = svgElement('circle', { class: 'pitch-point', r: 1 }, svg);
-    const bar = half * 2 > 160 ? 20 : 10, x = -half + 2, y = half - 3;
-    svgElement('path', { class: 'scale', d: `M${x} ${y - 1.2}v1.2h${bar}v-1.2` }, svg);
-    svgElement('text', { x: x + bar / 2, y: y - 2, 'text-anchor': 'middle' }, svg, `${bar} mm`);
     this.longest = drawing.pin_circle_radius_mm * 0.3;
-    if (drawing.states.length) {
-      const sample = niceBelow(this.largest), length = this.longest * sample / this.largest, right = half - 3;
-      this.arrow(svg, [right - length, -y + 0.6], [1, 0], length, 'var(--bad)');
-      svgElement('text', { x: right - length / 2, y: y - 2, 'text-anchor': 'middle' }, svg, `${formatValue(sample)} N`);
-    }
+    this.scales = svgElement('g', {}, svg);
+  }
+
+  // Scale bar and sample arrow in the corners of the view, their text at the size of the other figures' text.
+  drawScales(half) {
+    const { drawing, scales } = this, text = 12 * 2 * half / (this.svg.clientWidth || 640);
+    scales.textContent = '';
+    scales.setAttribute('font-size', text);
+    const bar = niceBelow(half * 0.45), x = -half + 0.04 * half, y = half - 0.04 * half, tick = 0.3 * text;
+    svgElement('path', { class: 'scale', d: `M${x} ${y - tick}v${tick}h${bar}v${-tick}`, style: `stroke-width:${text / 8}` }, scales);
+    svgElement('text', { x: x + bar / 2, y: y - 0.6 * text, 'text-anchor': 'middle' }, scales, `${formatValue(bar)} mm`);
+    if (!drawing.states.length) return;
+    const sample = niceBelow(this.largest), length = this.longest * sample / this.largest, right = half - 0.04 * half;
+    this.arrow(scales, [right - length, -y + 0.2 * text], [1, 0], length, 'var(--bad)');
+    svgElement('text', { x: right, y: y - text, 'text-anchor': 'end' }, scales, `${formatValue(sample)} N`);
   }
 
   discPath(offset) {
@@ -174,7 +180,7 @@ class MechanismFigure {
     const { drawing, crankAngle } = this, stage = drawing.gear_stage, carrierAngle = -crankAngle / drawing.lobe_count;
     const sunAngle = carrierAngle - stage.planet_teeth / stage.sun_teeth * (crankAngle - carrierAngle);
     const put = (element, [x, y], angle) => element.setAttribute('transform', `translate(${xy([x, y])}) rotate(${(-degrees(angle)).toFixed(4)})`);
-    for (const { alpha, path } of this.discs) put(path, polar(drawing.eccentricity_mm, crankAngle + alpha), carrierAngle);
+    this.discs.forEach(({ alpha, path }, disc) => { put(path, polar(drawing.eccentricity_mm, crankAngle + alpha), carrierAngle); path.classList.toggle('chosen', disc === this.disc); });
     for (const { group, place, index } of this.cranks) {
       const centre = polar(drawing.crankshafts.circle_radius_mm, place + carrierAngle);
       put(group, centre, crankAngle);
@@ -223,6 +229,9 @@ class MechanismFigure {
     const half = this.drawing.housing_outer_radius_mm * 1.04, size = this.close && this.loadCentre ? half * 0.36 : half;
     const [x, y] = this.close && this.loadCentre ? this.loadCentre : [0, 0];
     this.svg.setAttribute('viewBox', `${x - size} ${-y - size} ${2 * size} ${2 * size}`);
+    this.scales.setAttribute('transform', `translate(${x} ${-y})`);
+    const drawn = `${size} ${this.svg.clientWidth}`;
+    if (drawn !== this.drawnScales) { this.drawnScales = drawn; this.drawScales(size); }
   }
 
   csv() {

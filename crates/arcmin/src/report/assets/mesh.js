@@ -29,6 +29,8 @@ class MeshFigure {
   legend(row) {
     const { field } = this.mesh;
     this.range = fitRange({ scale: 'linear' }, field.values, 0);
+    // Rounding noise of a vanishing minimum is zero to the reader.
+    if (Math.abs(this.range[0]) < 1e-9 * Math.abs(this.range[1])) this.range[0] = 0;
     const box = htmlElement('div', {}, row, `${field.label} `);
     htmlElement('span', {}, box, formatValue(this.range[0], 3) + ' ');
     htmlElement('span', { style: `display:inline-block;width:120px;height:10px;border-radius:2px;background:linear-gradient(90deg,${[0, .2, .4, .6, .8, 1].map(ramp).join(',')})` }, box);

@@ -101,7 +101,7 @@ class PlotFigure {
     svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
     let [xRange, yRange] = this.ranges();
     const top = 24, bottom = 42, right = 14, plotHeight = height - top - bottom;
-    const yTicks = makeScale(plot.y, yRange, 0, 1).ticks(Math.max(2, plotHeight / 46));
+    const yTicks = makeScale(plot.y, yRange, 0, 1).ticks(Math.max(3, plotHeight / 40));
     const left = Math.max(34, 14 + 7 * Math.max(...yTicks.map(tick => tick.label.length), 1));
     if (plot.equal_scales) [xRange, yRange] = equalScales(xRange, yRange, width - left - right, plotHeight);
     const xs = makeScale(plot.x, xRange, left, width - right), ys = makeScale(plot.y, yRange, height - bottom, top);
@@ -121,13 +121,13 @@ class PlotFigure {
 
   drawAxes(width, height) {
     const { svg, plot, xs, ys, area } = this;
-    for (const tick of ys.ticks(Math.max(2, (area.bottom - area.top) / 46))) {
+    for (const tick of ys.ticks(Math.max(3, (area.bottom - area.top) / 40))) {
       const y = ys.at(tick.at);
       svgElement('line', { class: tick.at === 0 ? 'zeroline' : 'gridline', x1: area.left, x2: area.right, y1: y, y2: y }, svg);
       if (tick.label) svgElement('text', { x: area.left - 7, y: y + 4, 'text-anchor': 'end' }, svg, tick.label);
     }
     let previousEnd = -Infinity;
-    for (const tick of xs.ticks(Math.max(2, (area.right - area.left) / 76))) {
+    for (const tick of xs.ticks(Math.max(3, (area.right - area.left) / 64))) {
       const x = xs.at(tick.at), half = tick.label.length * 3.6;
       svgElement('line', { class: tick.at === 0 && xs.range[0] < 0 ? 'zeroline' : 'gridline', x1: x, x2: x, y1: area.top, y2: area.bottom }, svg);
       if (tick.label && x - half > previousEnd && x + half < width + 2) {
