@@ -270,11 +270,11 @@ fn machine() -> Vec<Block> {
 
 fn mechanism() -> Mechanism {
     let tau_of = |step: usize| 2.0 * PI / LOBE_COUNT as f64 * step as f64 / 48.0;
-    let table = |wear: f64| {
+    let table = |wear: f64, phase: f64| {
         let steps = 12;
         (0..steps)
             .map(|step| {
-                let crank = 2.0 * PI / PIN_COUNT as f64 * step as f64 / steps as f64;
+                let crank = phase + 2.0 * PI / PIN_COUNT as f64 * step as f64 / steps as f64;
                 let angles: Vec<f64> = (0..PIN_COUNT).map(|pin| 2.0 * PI * pin as f64 / PIN_COUNT as f64 - crank).collect();
                 // Positive torque loads the flanks at negative meshing angles.
                 let mirrored: Vec<f64> = angles.iter().map(|phi| -phi).collect();
@@ -282,7 +282,7 @@ fn mechanism() -> Mechanism {
             })
             .collect::<Vec<_>>()
     };
-    let state = |label: &str, wear| ForceState { label: label.into(), force_n: vec![table(wear), table(wear)] };
+    let state = |label: &str, wear| ForceState { label: label.into(), force_n: vec![table(wear, 0.0), table(wear, PI)] };
     let hole = |x_mm, y_mm, radius_mm| Hole { x_mm, y_mm, radius_mm };
     Mechanism {
         title: "RV-40E-81, seen from the output side".into(),

@@ -63,7 +63,7 @@ pub struct GearStageDrawing {
 
 /// Contact forces of all pins over one pin pitch of crank angle.
 ///
-/// `force_n[disc][step][pin]` at θ_k + α_disc = step / steps · 360°/z_p. After one pitch the same forces
+/// `force_n[disc][step][pin]` at the crank angle θ_k = step / steps · 360°/z_p. After one pitch the same forces
 /// act on the next pin, so that one pitch describes the whole turn of a machine with equal pins.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceState {

@@ -40,6 +40,7 @@
 
 mod drawing;
 mod html;
+pub mod life;
 mod plot;
 #[cfg(test)]
 mod tests;

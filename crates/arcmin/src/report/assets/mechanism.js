@@ -159,11 +159,11 @@ class MechanismFigure {
     entry(svg => svgElement('circle', { cx: 8, cy: 7, r: 4, style: 'fill:var(--card);stroke:var(--ink);stroke-width:1.6' }, svg), 'pitch point');
   }
 
-  // Force of one pin: the table holds one pin pitch, after which it acts on the next pin.
+  // Force of every pin: the table holds one pin pitch of crank angle, after which each force acts on the next pin.
   forcesAt(disc) {
     const { drawing } = this, state = drawing.states[this.state], count = drawing.pin_count;
     if (!state || !state.force_n[disc] || !state.force_n[disc].length) return null;
-    const rows = state.force_n[disc], pitches = wrapped(this.crankAngle + this.discs[disc].alpha) / (TURN / count);
+    const rows = state.force_n[disc], pitches = wrapped(this.crankAngle) / (TURN / count);
     const shift = Math.floor(pitches), place = (pitches - shift) * rows.length, row = Math.min(rows.length - 1, Math.floor(place)), part = place - row;
     const value = (step, pin) => step < rows.length ? rows[step][((pin - shift) % count + count) % count] : rows[0][((pin - shift - 1) % count + count) % count];
     return Array.from({ length: count }, (_, pin) => (1 - part) * value(row, pin) + part * value(row + 1, pin));
@@ -235,7 +235,7 @@ class MechanismFigure {
   }
 
   csv() {
-    let text = csvLine(['state', 'disc', 'crank angle plus eccentric phase [°]', 'pin', 'force [N]']);
+    let text = csvLine(['state', 'disc', 'crank angle [°]', 'pin', 'force [N]']);
     for (const state of this.drawing.states) state.force_n.forEach((rows, disc) => rows.forEach((row, step) => row.forEach((force, pin) => {
       if (force > 0) text += csvLine([state.label, disc + 1, 360 / this.drawing.pin_count * step / rows.length, pin, force]);
     })));

@@ -1,0 +1,99 @@
+//! Figures 4 and 7 of Tao2024: the flank with and without wear, and its curvature radius.
+
+use super::LifePage;
+use crate::geometry::{Profile, Relief};
+use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, significant};
+use crate::units::{DEG, UM};
+
+/// Wear is drawn larger by one of these, the largest that keeps it below half a millimetre.
+const ENLARGEMENTS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
+const DRAWN_DEPTH: f64 = 0.5e-3;
+
+pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
+    vec![Block::Plot(outline(life)), Block::Plot(curvature(life)), Block::Plot(sliding(life))]
+}
+
+fn outline(life: &LifePage) -> Plot {
+    let profile = life.machine.profile();
+    let study_depth = life.study.last().map_or(0.0, |row| row.max_depth_um * UM);
+    let last = life.flanks.last().filter(|worn| !worn.flank.is_zero());
+    let deepest = last.map_or(0.0, |worn| worn.flank.deepest().0).max(study_depth).max(1e-12);
+    let enlargement = ENLARGEMENTS.iter().copied().rfind(|factor| factor * deepest <= DRAWN_DEPTH).unwrap_or(1.0);
+    let mut plot = Plot::new("Tooth flank with and without wear", Axis::new("Along the pitch", "mm"), Axis::new("Radius from the disc centre", "mm"))
+        .noted(format!(
+            "One tooth space and half a tooth to each side, pins not drawn (Figure 4 of [Tao2024]). Wear is drawn {enlargement:.0} times larger than it is."
+        ));
+    plot.equal_scales = true;
+    plot.series.push(Series::line("as cut", worn_outline(&profile, &Relief::uniform(0.0), 0.0)));
+    if let Some(worn) = last {
+        let name = format!("predicted wear after {:.0} h (×{enlargement:.0})", worn.hours);
+        plot.series.push(Series::line(name, worn_outline(&profile, worn.flank, enlargement)).strong());
+    }
+    if study_depth > 0.0 {
+        let name = format!("uniform {} µm (×{enlargement:.0}), the paper's study", significant(study_depth / UM, 3));
+        plot.series.push(Series::new(name, Style::Dashed, worn_outline(&profile, &Relief::uniform(study_depth), enlargement)).coloured(Colour::Reference));
+    }
+    plot
+}
+
+/// One pitch either side of the root at τ = 0, turned so that the root looks up.
+fn worn_outline(profile: &Profile, relief: &Relief, enlargement: f64) -> Vec<(f64, f64)> {
+    const POINTS: i32 = 400;
+    let pitch = std::f64::consts::TAU / profile.lobe_count() as f64;
+    (-POINTS..=POINTS)
+        .map(|i| {
+            let tau = pitch * f64::from(i) / f64::from(POINTS);
+            let depth = enlargement * relief.at(profile.meshing_angle(tau)).depth;
+            let point = profile.flank_point(tau) - depth * profile.outward_normal(tau);
+            (-point.y * 1e3, point.x * 1e3)
+        })
+        .collect()
+}
+
+fn meshing_angle() -> Axis {
+    Axis::new("Meshing angle |φ|", "°").between(0.0, 180.0)
+}
+
+fn curvature(life: &LifePage) -> Plot {
+    let profile = life.machine.profile();
+    let (sharpest_trace, at) = profile.sharpest_convex_trace();
+    let sharpest = sharpest_trace - profile.pin_radius;
+    let shown = (8.0 * profile.pin_radius * 1e3).max(4.0 * sharpest.abs() * 1e3);
+    let mut plot = Plot::new("Curvature radius of the flank", meshing_angle(), Axis::new("Curvature radius, concave positive", "mm").between(-shown, shown))
+        .half()
+        .with(Series::line(
+            "flank",
+            (0..=1800).map(|tenth| {
+                let phi = f64::from(tenth) * 0.1;
+                let radius = profile.flank_curvature_radius((phi * DEG).cos()) * 1e3;
+                // A gap at the inflection, where the radius passes through infinity.
+                (phi, if radius.abs() > 3.0 * shown { f64::NAN } else { radius })
+            }),
+        ));
+    plot.note = format!(
+        "Figure 7 of [Tao2024]. The sharpest convex place has a radius of {} mm at {:.1}°.",
+        significant(sharpest * 1e3, 3),
+        at / DEG
+    );
+    if let Some(inflection) = profile.inflection() {
+        plot.note.push_str(&format!(
+            " The flank turns from concave to convex at {:.2}°; the paper writes “around 35°” for its RV-40E-81, whose exact value is 34.64°.",
+            inflection / DEG
+        ));
+        plot.annotations.push(Annotation::Vertical { at: inflection / DEG, label: "inflection".into(), tone: Tone::Neutral });
+    }
+    plot
+}
+
+fn sliding(life: &LifePage) -> Plot {
+    let profile = life.machine.profile();
+    Plot::new("Specific sliding of the disc flank", meshing_angle(), Axis::new("Sliding per length of flank, ξ", "").from_zero())
+        .half()
+        .with(Series::line("flank", (0..=900).map(|fifth| {
+            let phi = f64::from(fifth) * 0.2;
+            (phi, profile.specific_sliding((phi * DEG).cos()))
+        })))
+        .noted(
+            "Sliding speed over the speed of the contact along the flank; depth per pass is k·(F/B)·ξ, so this shape decides where the flank wears.",
+        )
+}

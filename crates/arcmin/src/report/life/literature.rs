@@ -1,0 +1,56 @@
+//! The literature behind the models.
+
+use crate::report::Reference;
+
+pub(super) fn references() -> Vec<Reference> {
+    let entry = |key: &str, citation: &str, doi: Option<&str>, used_for: &str| Reference {
+        key: key.into(),
+        citation: citation.into(),
+        doi: doi.map(str::to_owned),
+        used_for: used_for.into(),
+    };
+    vec![
+        entry(
+            "Tao2024",
+            "Tao, Y.; Liu, H.; Wu, M.; Zheng, N.; Pei, J. The Effect of Cycloid Gear Wear on the Transmission Accuracy of the RV Reducer. Machines 2024, 12(8), 511.",
+            Some("10.3390/machines12080511"),
+            "The study repeated here: machine data, closed-form load sharing, wear as a uniform depth, simulated transmission error.",
+        ),
+        entry(
+            "Archard1953",
+            "Archard, J. F. Contact and Rubbing of Flat Surfaces. Journal of Applied Physics 1953, 24(8), 981–988.",
+            Some("10.1063/1.1721448"),
+            "Wear law: depth per pass k·p·s.",
+        ),
+        entry(
+            "Johnson1985",
+            "Johnson, K. L. Contact Mechanics. Cambridge University Press, 1985.",
+            Some("10.1017/CBO9781139171731"),
+            "Line contact: half-width, pressure, approach of two bodies to reference depths.",
+        ),
+        entry(
+            "Harris2006",
+            "Harris, T. A.; Kotzalas, M. N. Rolling Bearing Analysis, 5th ed. CRC Press, 2006.",
+            None,
+            "Roller bearings: load against approach of line contacts, load distribution.",
+        ),
+        entry(
+            "ISO281",
+            "ISO 281:2007. Rolling bearings — Dynamic load ratings and rating life.",
+            None,
+            "Rating life of the bearings.",
+        ),
+        entry(
+            "GBT35089",
+            "GB/T 35089-2018. Gear reducers for robots — Test methods (Chinese national standard).",
+            None,
+            "Definitions of lost motion, backlash, torsional stiffness and transmission error on a test bench.",
+        ),
+        entry(
+            "GBT40731",
+            "GB/T 40731-2021. Precision reducers for industrial robots (Chinese national standard).",
+            None,
+            "Test conditions and acceptance of precision reducers.",
+        ),
+    ]
+}
