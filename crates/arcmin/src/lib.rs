@@ -5,12 +5,15 @@
 //! and [`life`] turn that into accuracy against hours, [`dynamics`] integrates the equations of motion.
 //! The crate touches no file, no clock and no terminal.
 
+pub mod checks;
 pub mod contact;
+pub mod design;
 pub mod dynamics;
 pub mod geometry;
 pub mod load;
 pub mod machine;
 pub mod materials;
+pub mod progress;
 pub mod report;
 pub mod templates;
 pub mod units;

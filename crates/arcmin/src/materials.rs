@@ -29,7 +29,7 @@ impl Material {
     }
 
     /// Names that [`Material::by_name`] understands.
-    pub fn known_names() -> impl Iterator<Item = &'static str> {
+    pub fn known_names() -> impl Iterator<Item = &'static str> + Clone {
         LIBRARY.iter().map(|entry| entry.0)
     }
 }

@@ -1,0 +1,32 @@
+//! One file per command: its options (whose comments are its help) and a function `run`. A new command is a file and a line below.
+
+use crate::failure::Failure;
+use crate::run::Verdict;
+
+macro_rules! commands {
+    ($($(#[doc = $doc:literal])* $Name:ident => $module:ident,)*) => {
+        $(mod $module;)*
+
+        #[derive(Debug, clap::Subcommand)]
+        pub enum Command {
+            $($(#[doc = $doc])* $Name($module::Options),)*
+        }
+
+        impl Command {
+            pub fn run(self) -> Result<Verdict, Failure> {
+                match self {
+                    $(Command::$Name(options) => $module::run(options),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    /// Write a commented design file to start from
+    New => new,
+    /// Judge a design: findings with value, limit, reason and remedy
+    Check => check,
+    /// Compute the flank of the cycloid disc: points, normals, curvature
+    Profile => profile,
+}

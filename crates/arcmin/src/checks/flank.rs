@@ -1,0 +1,167 @@
+use super::{Finding, Severity, severity_if};
+use crate::load::closed_form;
+use crate::machine::Machine;
+use crate::units::{DEG, MM, UM};
+
+/// Usual range of K1 for RV reducers; below it the teeth transmit badly, above it the flank becomes sharp (handbooks: 0.5…0.8,
+/// makers' designs up to 0.85).
+const SHORT_WIDTH_RANGE: (f64, f64) = (0.45, 0.87);
+/// A convex flank sharper than this part of the pin radius is at its limit of pressure and grinding.
+const SHARPEST_TO_PIN: f64 = 0.2;
+
+pub(super) fn check(machine: &Machine) -> Vec<Finding> {
+    let mut findings = vec![undercut(machine), sharpness(machine), pin_overlap(machine), short_width_coefficient(machine), root_conformity(machine)];
+    findings.extend(root_depth(machine));
+    findings.push(modification_gap(machine));
+    findings
+}
+
+fn undercut(machine: &Machine) -> Finding {
+    let profile = machine.profile();
+    let (sharpest, at) = profile.sharpest_convex_trace();
+    let broken = sharpest <= profile.pin_radius;
+    Finding {
+        code: "undercut",
+        severity: severity_if(broken, Severity::Error),
+        message: format!(
+            "the generating pin radius {:.3} mm {} the smallest convex radius of the pin path, {:.3} mm at {:.1}°",
+            profile.pin_radius / MM,
+            if broken { "exceeds" } else { "stays below" },
+            sharpest / MM,
+            at / DEG
+        ),
+        value: profile.pin_radius / MM,
+        limit: sharpest / MM,
+        unit: "mm",
+        why: "a pin larger than the sharpest convex place of its own path cuts the flank away that it should touch",
+        change: "smaller pins, smaller eccentricity, or a larger pin circle",
+    }
+}
+
+fn sharpness(machine: &Machine) -> Finding {
+    let profile = machine.profile();
+    let (sharpest, at) = profile.sharpest_convex_trace();
+    let radius = sharpest - profile.pin_radius;
+    let limit = SHARPEST_TO_PIN * machine.ring.pin_radius;
+    Finding {
+        code: "flank-sharpness",
+        severity: severity_if(radius < limit, Severity::Warning),
+        message: format!("the sharpest convex flank radius is {:.3} mm, at {:.1}°", radius / MM, at / DEG),
+        value: radius / MM,
+        limit: limit / MM,
+        unit: "mm",
+        why: "contact pressure grows with the curvature of the flank, and wear with the sliding there; a sharp flank is worn first",
+        change: "smaller pins, smaller eccentricity, or fewer lobes on the same circle",
+    }
+}
+
+fn pin_overlap(machine: &Machine) -> Finding {
+    let ring = &machine.ring;
+    let distance = 2.0 * ring.pin_circle_radius * (std::f64::consts::PI / ring.pin_count as f64).sin();
+    let diameter = 2.0 * ring.pin_radius;
+    // A web of metal between the pin seats, without which a seat does not hold its pin.
+    let web = distance - diameter;
+    let severity = match web {
+        web if web <= 0.0 => Severity::Error,
+        web if web < 0.2 * diameter => Severity::Warning,
+        _ => Severity::Info,
+    };
+    Finding {
+        code: "pin-overlap",
+        severity,
+        message: format!("neighbouring pins are {:.3} mm apart, centre to centre; their diameter is {:.3} mm", distance / MM, diameter / MM),
+        value: distance / MM,
+        limit: diameter / MM,
+        unit: "mm",
+        why: "pins must not touch each other, and the housing needs metal between their seats (a fifth of the diameter at least)",
+        change: "thinner or fewer pins, or a larger pin circle",
+    }
+}
+
+fn short_width_coefficient(machine: &Machine) -> Finding {
+    let k1 = machine.profile().short_width_coefficient();
+    let (low, high) = SHORT_WIDTH_RANGE;
+    Finding {
+        code: "short-width-coefficient",
+        severity: severity_if(k1 < low || k1 > high, Severity::Warning),
+        message: format!("K1 = a z_p/R_p = {k1:.4}; usual is {low} to {high}"),
+        value: k1,
+        limit: if k1 < low { low } else { high },
+        unit: "",
+        why: "K1 sets the shape of the teeth: low values push radially and load the bearings, high values make the flank sharp and thin",
+        change: "eccentricity × pin count against pin-circle radius",
+    }
+}
+
+fn root_conformity(machine: &Machine) -> Finding {
+    let profile = machine.profile();
+    let flank = profile.flank_curvature_radius(1.0);
+    let pin = machine.ring.pin_radius;
+    // Clearance between the centres of curvature of pin and root.
+    let difference = flank - pin;
+    Finding {
+        code: "root-conformity",
+        severity: severity_if(difference <= 0.0, Severity::Error),
+        message: format!(
+            "at the root the flank's radius {:.4} mm {} that of the pin, {:.4} mm, by {:.1} µm",
+            flank / MM,
+            if difference > 0.0 { "exceeds" } else { "falls short of" },
+            pin / MM,
+            difference.abs() / UM
+        ),
+        value: flank / MM,
+        limit: pin / MM,
+        unit: "mm",
+        why: "the pin lies in the root like a shaft in a bush: displacements of the size of this difference move the contact from one \
+              flank to the other, and a root narrower than the pin touches at two places at once",
+        change: "a larger equidistant offset, or a smaller pin",
+    }
+}
+
+fn root_depth(machine: &Machine) -> Option<Finding> {
+    let profile = machine.profile();
+    let root = profile.pin_circle_radius - profile.eccentricity - profile.pin_radius;
+    let disc = &machine.disc;
+    let crank_circle = machine.gear_stage.centre_distance();
+    let bores = (0..machine.crankshafts.count).map(|_| ("a crank bore", crank_circle + disc.crank_bore_radius));
+    let holes = disc.holes.iter().map(|hole| ("a hole", hole.centre_radius + hole.radius));
+    let centre = (disc.centre_hole_radius > 0.0).then_some(("the centre hole", disc.centre_hole_radius));
+    let (name, reach) = bores.chain(holes).chain(centre).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let rim = root - reach;
+    let limit = 0.75 * machine.ring.pin_radius;
+    Some(Finding {
+        code: "rim-thickness",
+        severity: severity_if(rim < limit, Severity::Warning),
+        message: format!("between the roots and {name} there are {:.2} mm of metal", rim / MM),
+        value: rim / MM,
+        limit: limit / MM,
+        unit: "mm",
+        why: "a thin rim bends under the teeth and cracks from the root; three quarters of the pin radius is a lower bound in use",
+        change: "smaller bore, or move the crankshafts inwards (gear stage)",
+    })
+}
+
+fn modification_gap(machine: &Machine) -> Finding {
+    let cut = &machine.disc.modification;
+    let k1 = machine.crankshafts.eccentricity * machine.ring.pin_count as f64 / machine.ring.pin_circle_radius;
+    let (gap, at) = (1..180)
+        .map(|degrees| (closed_form::initial_gap(k1, cut.equidistant_offset, cut.radial_offset, degrees as f64 * DEG), degrees))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or((0.0, 0));
+    // First order in the offsets: their squares over the pin radius are the error.
+    let broken = gap < -0.01 * UM;
+    Finding {
+        code: "modification-gap",
+        severity: severity_if(broken, Severity::Warning),
+        message: if broken {
+            format!("after rotation to first contact the offsets leave a gap of {:.2} µm at {at}°: negative, another tooth touches first", gap / UM)
+        } else {
+            "the offsets leave no negative gap after rotation to first contact".to_owned()
+        },
+        value: gap / UM,
+        limit: 0.0,
+        unit: "µm",
+        why: "the closed form of load sharing (Tao2024, eqs. 5–10) assumes that the pin at the longest lever touches first; otherwise its forces are wrong",
+        change: "use `--method equilibrium`, or choose offsets with a negative radial and a positive equidistant part in proportion",
+    }
+}

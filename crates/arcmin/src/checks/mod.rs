@@ -1,0 +1,64 @@
+//! Engineering verdicts on a design that can be computed: what is tested, with value and limit, why it matters, what to change.
+//!
+//! A finding never stops a solver. What cannot be computed at all is a [`crate::design::DesignError`].
+
+mod duty;
+mod flank;
+mod mechanism;
+mod strength;
+
+use crate::machine::Machine;
+
+/// How serious a finding is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The test is passed, or the finding only states a fact.
+    Info,
+    /// It can be built and runs, but worse than it could.
+    Warning,
+    /// It cannot be built, cannot be assembled, or fails.
+    Error,
+}
+
+impl Severity {
+    pub fn word(self) -> &'static str {
+        match self {
+            Severity::Info => "info",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        }
+    }
+}
+
+/// Verdict of one check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Stable name of the check.
+    pub code: &'static str,
+    pub severity: Severity,
+    /// The verdict in one sentence, with its numbers.
+    pub message: String,
+    /// What was found and what it is held against, in `unit`.
+    pub value: f64,
+    pub limit: f64,
+    pub unit: &'static str,
+    /// Why it matters.
+    pub why: &'static str,
+    /// What to change if it is to become better.
+    pub change: &'static str,
+}
+
+/// Runs all checks, in a fixed order.
+pub fn check(machine: &Machine) -> Vec<Finding> {
+    [flank::check(machine), mechanism::check(machine), strength::check(machine), duty::check(machine)].concat()
+}
+
+/// The worst severity among findings.
+pub fn worst(findings: &[Finding]) -> Severity {
+    findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Info)
+}
+
+/// `bad` if the value breaks the limit, information otherwise.
+fn severity_if(broken: bool, bad: Severity) -> Severity {
+    if broken { bad } else { Severity::Info }
+}

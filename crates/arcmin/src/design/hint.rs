@@ -1,0 +1,127 @@
+//! What to write instead.
+
+use super::error::DesignErrorKind;
+use super::schema::{Key, Kind, SectionSchema, UNIT_SUFFIXES, unit_suffix};
+
+/// Error and hint for a key that its section does not have; `written` is the value beside it.
+pub(super) fn for_unknown_key(key: &str, written: &str, schema: &SectionSchema, root: &'static SectionSchema, title: &str) -> (DesignErrorKind, String) {
+    let named = || key.to_owned();
+    // A key without its unit: pin_radius = 3.
+    if let Some(right) = schema.keys.iter().find(|known| unit_suffix(known.name).is_some_and(|(stem, _)| stem == key)) {
+        let unit = right.unit();
+        let hint = format!("units are part of the keys: write `{} = {written}` if {written} is in {unit}", right.name);
+        return (DesignErrorKind::MissingUnit { key: named() }, hint);
+    }
+    // A key with another unit: pin_radius_m = 0.003.
+    if let Some((stem, unit)) = unit_suffix(key)
+        && let Some(right) = schema.keys.iter().find(|known| {
+            known.name == stem || unit_suffix(known.name).is_some_and(|(known_stem, _)| known_stem == stem || known_stem == strip_all_units(key))
+        })
+    {
+        let hint = match right.unit() {
+            "" => format!("it has no unit here: write `{}`", right.name),
+            right_unit => format!("convert the value from {unit} to {right_unit} and write `{}`", right.name),
+        };
+        return (DesignErrorKind::WrongUnit { key: named() }, hint);
+    }
+    let unknown = DesignErrorKind::UnknownKey { key: named(), section: title.to_owned() };
+    let elsewhere = std::iter::once((String::new(), root)).chain(sections_of(root, "")).find(|(_, section)| section.keys.iter().any(|known| known.name == key));
+    let close = closest(key, schema.keys.iter().map(|known| known.name));
+    let hint = match (close, elsewhere) {
+        (_, Some((path, _))) if path.is_empty() => "it belongs to the top of the file, before the first section".to_owned(),
+        (_, Some((path, _))) => format!("it belongs to [{path}]"),
+        (Some(close), None) => format!("did you mean `{close}`?"),
+        (None, None) => format!("the keys here are {}", schema.keys.iter().map(|known| known.name).collect::<Vec<_>>().join(", ")),
+    };
+    (unknown, hint)
+}
+
+/// Hint for a number outside of its range: often a unit is the reason.
+pub(super) fn for_number(key: &Key, number: f64) -> String {
+    let (low, high) = (key.rule.low, key.rule.high);
+    let unit = if key.unit().is_empty() { String::new() } else { format!(" {}", key.unit()) };
+    let fits = |value: f64| value >= low && value <= high;
+    let scaled = match key.unit() {
+        "mm" => vec![("µm", 1e-3), ("m", 1e3)],
+        "µm" => vec![("m", 1e6), ("mm", 1e3), ("nm", 1e-3)],
+        "N·m" => vec![("N·mm", 1e-3), ("kN·m", 1e3)],
+        "GPa" => vec![("MPa", 1e-3), ("Pa", 1e-9)],
+        "MPa" => vec![("Pa", 1e-6), ("GPa", 1e3)],
+        "g/cm³" => vec![("kg/m³", 1e-3)],
+        "mm²/N" => vec![("1/Pa", 1e6)],
+        "1/Pa" => vec![("mm²/N", 1e-6)],
+        "N/µm" => vec![("N/m", 1e-6), ("N/mm", 1e-3)],
+        "kg" => vec![("g", 1e-3)],
+        "kg·m²" => vec![("kg·mm²", 1e-6), ("kg·cm²", 1e-4)],
+        "°" => vec![("rad", 180.0 / std::f64::consts::PI)],
+        _ => Vec::new(),
+    };
+    let range = format!("{} to {}{unit} are believable", plain(low), plain(high));
+    match scaled.into_iter().find(|(_, factor)| number > 0.0 && fits(number * factor)) {
+        Some((other, factor)) => format!("{range}; if the value is in {other}, write {} = {}", key.name, plain(number * factor)),
+        None => range,
+    }
+}
+
+/// Hint for a word that is none of the choices.
+pub(super) fn for_word<'a>(word: &str, choices: impl Iterator<Item = &'a str> + Clone) -> String {
+    match closest(word, choices.clone()) {
+        Some(close) => format!("did you mean \"{close}\"? Known are {}", quoted(choices)),
+        None => format!("known are {}", quoted(choices)),
+    }
+}
+
+pub(super) fn quoted<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    words.map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// A number for reading: at most six digits, so that a converted value shows no rounding.
+pub(crate) fn plain(number: f64) -> String {
+    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
+    match rounded.abs() {
+        size if size != 0.0 && !(1e-4..1e7).contains(&size) => format!("{rounded:e}"),
+        _ => format!("{rounded}"),
+    }
+}
+
+/// All tables of the file with their dotted names.
+fn sections_of(schema: &SectionSchema, path: &str) -> Vec<(String, &'static SectionSchema)> {
+    let mut found = Vec::new();
+    for key in schema.keys {
+        if let Kind::Section(inner) | Kind::Sections(inner) = (key.kind)() {
+            let path = super::field::join(path, key.name);
+            found.push((path.clone(), inner));
+            found.extend(sections_of(inner, &path));
+        }
+    }
+    found
+}
+
+fn strip_all_units(key: &str) -> &str {
+    UNIT_SUFFIXES.iter().find_map(|(suffix, _)| key.strip_suffix(suffix)).unwrap_or(key)
+}
+
+/// The nearest word, if it is near enough to be a slip of the pen.
+fn closest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = (word.chars().count() / 3).clamp(1, 4);
+    known.map(|candidate| (distance(&word.to_lowercase(), &candidate.to_lowercase()), candidate)).filter(|near| near.0 <= limit).min().map(|near| near.1)
+}
+
+/// Edits (insert, delete, replace, swap of neighbours) between two words: the optimal string alignment distance.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let substitution = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut best = substitution.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                best = best.min(rows[i - 2][j - 2] + 1);
+            }
+            row.push(best);
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}

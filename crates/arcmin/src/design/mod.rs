@@ -1,0 +1,127 @@
+//! The design file: TOML in trade units, read with the place of every value, and turned into a [`Machine`] in SI units.
+//!
+//! Every key is declared once, with its range and its documentation, in the sections below; reader, reference and hash follow
+//! from that declaration. A file that cannot be used is answered with a [`DesignError`] that names line, text and remedy.
+
+mod consistency;
+mod error;
+mod field;
+mod hint;
+mod resolve;
+mod schema;
+mod sections;
+mod service;
+mod solids;
+
+pub use error::{DesignError, DesignErrorKind};
+pub use field::Section;
+pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
+pub use sections::*;
+pub use service::*;
+
+use error::Source;
+use field::{SectionValue, Table};
+use schema::{default_word, optional, section, word};
+use sha2::{Digest, Sha256};
+
+use crate::machine::{FixedMember, Machine};
+
+section! {
+    /// A design file.
+    pub struct DesignSections {
+        /// Name of the design. It names the output folder and heads the report.
+        name: String => word(),
+        /// One sentence for reports.
+        description: String => default_word(""),
+        /// Member at rest.
+        fixed_member: FixedMember => default_word("housing"),
+        /// The ring of pins.
+        ring: Section<RingSection> => word(),
+        /// The cycloid discs.
+        disc: Section<DiscSection> => word(),
+        /// The crankshafts.
+        crankshafts: Section<CrankshaftSection> => word(),
+        /// Sun and planets.
+        gear_stage: Section<GearStageSection> => word(),
+        /// The carrier.
+        carrier: Section<CarrierSection> => word(),
+        /// Bearings and supports.
+        bearings: Section<BearingsSection> => word(),
+        /// Friction.
+        friction: Section<FrictionSection> => OPTIONAL_SECTION,
+        /// Law of the tooth contacts.
+        contact: Section<ContactSection> => OPTIONAL_SECTION,
+        /// Rated load and speed.
+        load: Section<LoadSection> => word(),
+        /// Load spectrum. Left out, the machine runs at its rated point.
+        duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
+        /// Wear.
+        wear: Section<WearSection> => word(),
+        /// Limits.
+        limits: Section<LimitsSection> => OPTIONAL_SECTION,
+    }
+}
+
+/// A design as written: trade units, every value with its place in the file, free of contradictions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    sections: DesignSections,
+    machine: Machine,
+    text: String,
+}
+
+impl std::ops::Deref for Design {
+    type Target = DesignSections;
+
+    fn deref(&self) -> &DesignSections {
+        &self.sections
+    }
+}
+
+impl Design {
+    /// Reads a design file; `file_name` only serves messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not finite or outside of
+    /// what is believable, values that contradict each other.
+    pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
+        let source = Source { text, file_name };
+        let parsed = toml::de::DeTable::parse(text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            source.error(DesignErrorKind::Syntax { message: error.message().replace('\n', ", ") }, span, None)
+        })?;
+        let table = Table { source, table: parsed.get_ref(), span: 0..0, path: String::new(), root: &DesignSections::SCHEMA };
+        let sections = DesignSections::from_table(&table)?;
+        consistency::check(&sections, &source)?;
+        let machine = resolve::machine(&sections, &source)?;
+        Ok(Design { sections, machine, text: text.to_owned() })
+    }
+
+    /// The text it was read from.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The design in SI units.
+    pub fn machine(&self) -> Machine {
+        self.machine.clone()
+    }
+
+    /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout, comments and order.
+    pub fn canonical(&self) -> String {
+        let mut lines = Vec::new();
+        self.sections.canonical_fields("", &mut lines);
+        lines.retain(|line| !line.starts_with("description = "));
+        lines.join("\n")
+    }
+
+    /// SHA-256 of [`Design::canonical`] as 64 hexadecimal digits.
+    pub fn hash(&self) -> String {
+        Sha256::digest(self.canonical().as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// The first twelve digits of [`Design::hash`], for outputs.
+    pub fn short_hash(&self) -> String {
+        self.hash()[..12].to_owned()
+    }
+}

@@ -1,0 +1,334 @@
+//! From the design as written to the machine in SI units.
+
+use super::consistency::{Place, contradiction, needs};
+use super::error::Source;
+use super::solids::{self, Section as Solid};
+use super::{At, CoefficientSection, ContactLawName, ContactSection, DesignError, DesignSections, ModificationSection, RollerBearingSection, Section};
+use crate::contact::{ContactLaw, Damping};
+use crate::geometry::{Profile, Relief};
+use crate::machine::*;
+use crate::units::{ARCMIN, DEG, HOUR, MM, MPA, RPM, UM};
+
+/// N/m in one N/µm.
+const N_PER_UM: f64 = 1e6;
+/// Grid of a free form given by points.
+const FREE_FORM_POINTS: usize = 720;
+
+/// The machine, and the last of the contradictions: keys that only make sense together.
+pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machine, Box<DesignError>> {
+    let ring = ring(design);
+    let gear_stage = gear_stage(design);
+    let disc = disc(design);
+    let bearings = bearings(design);
+    let crankshafts = crankshafts(design, &disc, &gear_stage, &bearings);
+    let load = &design.load;
+    let rated = DutyPoint { torque: *load.rated_torque_n_m, input_speed: *load.input_speed_rpm * RPM, share: 1.0 };
+    let duty = if design.duty.is_empty() {
+        vec![rated]
+    } else {
+        let row = |row: &super::DutySection| DutyPoint { torque: *row.torque_n_m, input_speed: *row.input_speed_rpm * RPM, share: *row.share };
+        design.duty.iter().map(|at| row(at)).collect()
+    };
+    Ok(Machine {
+        name: design.name.value.clone(),
+        ring,
+        disc,
+        disc_count: *design.disc.count,
+        crankshafts,
+        gear_stage,
+        carrier: Carrier {
+            mass: *design.carrier.mass_kg,
+            inertia: *design.carrier.inertia_kg_m2,
+            material: design.carrier.material.value.clone(),
+            torsional_stiffness: design.carrier.torsional_stiffness_n_m_per_arcmin.map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
+        },
+        fixed_member: *design.fixed_member,
+        bearings,
+        friction: friction(design),
+        contact_law: contact_law(&design.contact, source)?,
+        contact_damping: Damping { coefficient: *design.contact.damping_n_s_per_m, ramp_depth: *design.contact.damping_depth_um * UM },
+        rated,
+        duty,
+        wear: wear(design, source)?,
+        limits: Limits {
+            lost_motion: *design.limits.lost_motion_arcmin * ARCMIN,
+            contact_pressure: *design.limits.contact_pressure_mpa * MPA,
+            service_life: *design.limits.service_life_h * HOUR,
+        },
+    })
+}
+
+fn ring(design: &DesignSections) -> PinRing {
+    let ring = &design.ring;
+    PinRing {
+        pin_count: *ring.pin_count,
+        pin_circle_radius: *ring.pin_circle_radius_mm * MM,
+        pin_radius: *ring.pin_radius_mm * MM,
+        material: ring.material.value.clone(),
+        mounting: *ring.pin_mounting,
+        seat_compliance: *ring.seat_compliance_um_per_kn * UM / 1e3,
+    }
+}
+
+/// The flank as cut, in m.
+pub(super) fn profile(design: &DesignSections) -> Profile {
+    let cut = &design.disc.modification;
+    Profile {
+        pin_count: *design.ring.pin_count,
+        pin_circle_radius: *design.ring.pin_circle_radius_mm * MM + *cut.radial_offset_um * UM,
+        eccentricity: *design.crankshafts.eccentricity_mm * MM,
+        pin_radius: *design.ring.pin_radius_mm * MM + *cut.equidistant_offset_um * UM,
+    }
+}
+
+/// All bores and holes of a disc in m and rad, with what they are and the place in the file that says so.
+pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Option<std::ops::Range<usize>>)> {
+    let disc = &design.disc;
+    let gear = &design.gear_stage;
+    let crank_circle = 0.5 * *gear.module_mm * (*gear.sun_teeth + *gear.planet_teeth) as f64 * MM;
+    let cranks = &design.crankshafts;
+    let mut all = Vec::new();
+    for index in 0..*cranks.count {
+        let centre_angle = Kinematics::crankshaft_angle(*cranks.first_angle_deg * DEG, index, *cranks.count);
+        let bore = Bore { radius: 0.5 * *disc.crank_bore_diameter_mm * MM, centre_radius: crank_circle, centre_angle };
+        all.push((format!("crank bore {}", index + 1), bore, disc.crank_bore_diameter_mm.span.clone()));
+    }
+    if *disc.centre_hole_diameter_mm > 0.0 {
+        let hole = Bore { radius: 0.5 * *disc.centre_hole_diameter_mm * MM, centre_radius: 0.0, centre_angle: 0.0 };
+        all.push(("the centre hole".to_owned(), hole, disc.centre_hole_diameter_mm.span.clone()));
+    }
+    all.extend(holes(design).into_iter().enumerate().map(|(index, (bore, span))| (format!("hole {}", index + 1), bore, span)));
+    all
+}
+
+fn holes(design: &DesignSections) -> Vec<(Bore, Option<std::ops::Range<usize>>)> {
+    let mut all = Vec::new();
+    for hole in design.disc.holes.iter() {
+        for index in 0..*hole.count {
+            let centre_angle = *hole.angle_deg * DEG + std::f64::consts::TAU * index as f64 / *hole.count as f64;
+            let bore = Bore { radius: 0.5 * *hole.diameter_mm * MM, centre_radius: *hole.centre_radius_mm * MM, centre_angle };
+            all.push((bore, hole.diameter_mm.span.clone()));
+        }
+    }
+    all
+}
+
+fn disc(design: &DesignSections) -> CycloidDisc {
+    let disc = &design.disc;
+    let width = *disc.width_mm * MM;
+    let solid = bores(design).iter().fold(Solid::inside_flank(&profile(design)), |solid, (_, bore, _)| solid.without(bore));
+    let mass_per_area = disc.material.density * width;
+    CycloidDisc {
+        width,
+        material: disc.material.value.clone(),
+        modification: modification(&disc.modification),
+        crank_bore_radius: 0.5 * *disc.crank_bore_diameter_mm * MM,
+        centre_hole_radius: 0.5 * *disc.centre_hole_diameter_mm * MM,
+        holes: holes(design).into_iter().map(|(bore, _)| bore).collect(),
+        mass: disc.mass_kg.unwrap_or(mass_per_area * solid.area),
+        inertia: disc.inertia_kg_m2.unwrap_or(mass_per_area * solid.polar_moment),
+    }
+}
+
+fn modification(section: &ModificationSection) -> FlankModification {
+    let points: Vec<[f64; 2]> = section.free_form_deg_um.iter().map(|[angle, depth]| [angle * DEG, depth * UM]).collect();
+    FlankModification {
+        equidistant_offset: *section.equidistant_offset_um * UM,
+        radial_offset: *section.radial_offset_um * UM,
+        rotation: *section.rotation_arcmin * ARCMIN,
+        free_form: (!points.is_empty()).then(|| Relief::from_samples(Relief::grid(FREE_FORM_POINTS).map(|phi| between(&points, phi)).collect())),
+    }
+}
+
+/// Depth at the meshing angle φ from points with rising angles, closed around the tooth: cubic Hermite with the slopes of
+/// Fritsch and Butland (harmonic mean), which never overshoots the points.
+fn between(points: &[[f64; 2]], phi: f64) -> f64 {
+    let count = points.len() as isize;
+    let at = |index: isize| {
+        let [angle, depth] = points[index.rem_euclid(count) as usize];
+        [angle + index.div_euclid(count) as f64 * std::f64::consts::TAU, depth]
+    };
+    let secant = |index: isize| {
+        let ([x0, y0], [x1, y1]) = (at(index), at(index + 1));
+        (y1 - y0) / (x1 - x0)
+    };
+    let slope = |index: isize| {
+        let (before, after) = (secant(index - 1), secant(index));
+        if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
+    };
+    let left = points.iter().rposition(|point| point[0] <= phi).map_or(-1, |index| index as isize);
+    let ([x0, y0], [x1, y1]) = (at(left), at(left + 1));
+    let h = x1 - x0;
+    let t = (phi - x0) / h;
+    let s = 1.0 - t;
+    y0 * s * s * (1.0 + 2.0 * t) + y1 * t * t * (1.0 + 2.0 * s) + h * s * t * (s * slope(left) - t * slope(left + 1))
+}
+
+fn crankshafts(design: &DesignSections, disc: &CycloidDisc, gear_stage: &GearStage, bearings: &BearingSet) -> Crankshafts {
+    let section = &design.crankshafts;
+    let eccentricity = *section.eccentricity_mm * MM;
+    let shaft_diameter = *section.shaft_diameter_mm * MM;
+    let density = section.material.density;
+    let discs = *design.disc.count as f64;
+    let shaft = solids::cylinder(shaft_diameter, bearings.crank_support_span, density);
+    let eccentric_diameter = bearings.turning_arm.pitch_diameter - bearings.turning_arm.roller_diameter;
+    // The eccentrics stand around the shaft: what they add to it, shifted by the eccentricity.
+    let eccentric = solids::cylinder(eccentric_diameter, disc.width, density);
+    let core = solids::cylinder(shaft_diameter, disc.width, density);
+    let added = (eccentric.0 - core.0).max(0.0);
+    let added_inertia = (eccentric.1 - core.1).max(0.0) + eccentric.0 * eccentricity * eccentricity;
+    let planet = solids::cylinder(2.0 * gear_stage.planet_pitch_radius(), gear_stage.face_width, density);
+    Crankshafts {
+        count: *section.count,
+        eccentricity,
+        first_angle: *section.first_angle_deg * DEG,
+        mass: section.mass_kg.unwrap_or(shaft.0 + discs * added + planet.0),
+        inertia: section.inertia_kg_m2.unwrap_or(shaft.1 + discs * added_inertia + planet.1),
+        shaft_diameter,
+        material: section.material.value.clone(),
+    }
+}
+
+fn gear_stage(design: &DesignSections) -> GearStage {
+    let gear = &design.gear_stage;
+    GearStage {
+        sun_teeth: *gear.sun_teeth,
+        planet_teeth: *gear.planet_teeth,
+        module: *gear.module_mm * MM,
+        pressure_angle: *gear.pressure_angle_deg * DEG,
+        mesh_stiffness: *gear.mesh_stiffness_n_per_um * N_PER_UM,
+        mesh_stiffness_variation: *gear.mesh_stiffness_variation,
+        mesh_damping: *gear.mesh_damping_n_s_per_m,
+        backlash: *gear.backlash_um * UM,
+        sun_inertia: *gear.sun_inertia_kg_m2,
+        motor_inertia: *gear.motor_inertia_kg_m2,
+        face_width: *gear.face_width_mm * MM,
+    }
+}
+
+fn bearings(design: &DesignSections) -> BearingSet {
+    let bearings = &design.bearings;
+    let roller = |bearing: &RollerBearingSection| RollerBearing {
+        kind: *bearing.kind,
+        roller_count: *bearing.roller_count,
+        roller_diameter: *bearing.roller_diameter_mm * MM,
+        roller_length: bearing.roller_length_mm.unwrap_or(0.0) * MM,
+        pitch_diameter: *bearing.pitch_diameter_mm * MM,
+        contact_angle: *bearing.contact_angle_deg * DEG,
+        clearance: *bearing.clearance_um * UM,
+        dynamic_load_rating: bearing.dynamic_load_rating_kn.map(|rating| rating * 1e3),
+    };
+    BearingSet {
+        turning_arm: roller(&bearings.turning_arm),
+        crank_support: roller(&bearings.crank_support),
+        crank_support_span: *bearings.crank_support_span_mm * MM,
+        main: SupportStiffness {
+            radial: *bearings.main.radial_stiffness_n_per_um * N_PER_UM,
+            clearance: *bearings.main.clearance_um * UM,
+        },
+    }
+}
+
+fn friction(design: &DesignSections) -> Friction {
+    let friction = &design.friction;
+    Friction {
+        flank: *friction.flank_coefficient,
+        pin_seat: *friction.pin_seat_coefficient,
+        bearing: *friction.bearing_coefficient,
+        gear_mesh: *friction.gear_mesh_coefficient,
+        seal_drag: *friction.seal_drag_n_m,
+        oil_drag: *friction.oil_drag_n_m_s_per_rad,
+        regularisation_speed: *friction.regularisation_speed_mm_s * MM,
+    }
+}
+
+fn contact_law(contact: &At<Section<ContactSection>>, source: &Source) -> Result<ContactLaw, Box<DesignError>> {
+    let law = *contact.law;
+    let place = contact.law.span.clone().or(contact.span.clone());
+    for (key, at, owner) in [
+        ("stiffness_n_per_um", &contact.stiffness_n_per_um, ContactLawName::Linear),
+        ("impact_stiffness_n_per_mm_e", &contact.impact_stiffness_n_per_mm_e, ContactLawName::Impact),
+        ("impact_exponent", &contact.impact_exponent, ContactLawName::Impact),
+    ] {
+        match (at.value, owner == law) {
+            (None, true) => return Err(needs(source, &place, &format!("the contact law \"{}\"", word(law)), key)),
+            (Some(_), false) => {
+                let message = format!("`{key}` belongs to the contact law \"{}\", but the law here is \"{}\"", word(owner), word(law));
+                return Err(contradiction(source, &at.span, message, "leave it out or choose its law"));
+            }
+            _ => {}
+        }
+    }
+    Ok(match (law, *contact.stiffness_n_per_um, *contact.impact_stiffness_n_per_mm_e, *contact.impact_exponent) {
+        (ContactLawName::Palmgren, ..) => ContactLaw::Palmgren,
+        (ContactLawName::Tao2024, ..) => ContactLaw::Tao2024,
+        (ContactLawName::Linear, Some(stiffness), ..) => ContactLaw::Linear { stiffness: stiffness * N_PER_UM },
+        // k [N/m^e] = k [N/mm^e] · (1000 mm/m)^e.
+        (ContactLawName::Impact, _, Some(k), Some(exponent)) => ContactLaw::Impact { stiffness: k * 1e3f64.powf(exponent), exponent },
+        _ => ContactLaw::LineHertz,
+    })
+}
+
+fn word(law: ContactLawName) -> &'static str {
+    <ContactLawName as super::field::Choice>::WORDS[law as usize].0
+}
+
+fn wear(design: &DesignSections, source: &Source) -> Result<WearLaw, Box<DesignError>> {
+    let wear = &design.wear;
+    let coupled = coefficient(&wear.coupled, &wear.coupled.span, source)?;
+    Ok(WearLaw {
+        coupled,
+        paper: match &wear.paper.value {
+            Some(paper) => coefficient(paper, &wear.paper.span, source)?,
+            None => coupled,
+        },
+        running_in: wear.running_in.as_ref().map(|running_in| RunningIn { factor: *running_in.factor, duration: *running_in.duration_h * HOUR }),
+        pin_ratio: *wear.pin_ratio,
+        lubrication: wear.lubrication.as_ref().map(|film| Lubrication {
+            viscosity: *film.viscosity_mpa_s * 1e-3,
+            pressure_viscosity: *film.pressure_viscosity_per_gpa * 1e-9,
+            roughness: *film.roughness_um * UM,
+        }),
+    })
+}
+
+/// k in the one way in which the section gives it.
+fn coefficient(section: &CoefficientSection, place: &Place, source: &Source) -> Result<WearCoefficient, Box<DesignError>> {
+    const WAYS: &str = "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa; \
+                        after_h and depth_um; after_h and lost_motion_arcmin";
+    let ways = [
+        ("coefficient_per_pa", &section.coefficient_per_pa),
+        ("coefficient_mm2_per_n", &section.coefficient_mm2_per_n),
+        ("archard_coefficient", &section.archard_coefficient),
+        ("depth_um", &section.depth_um),
+        ("lost_motion_arcmin", &section.lost_motion_arcmin),
+    ];
+    let given: Vec<_> = ways.iter().filter(|(_, at)| at.is_some()).collect();
+    match given[..] {
+        [] => return Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), WAYS)),
+        [_] => {}
+        [(first, _), (second, at), ..] => {
+            return Err(contradiction(source, &at.span, format!("the wear coefficient is given twice, by `{first}` and by `{second}`"), WAYS));
+        }
+    }
+    for (partner, at, main) in [
+        ("hardness_mpa", &section.hardness_mpa, &ways[2..3]),
+        ("after_h", &section.after_h, &ways[3..5]),
+    ] {
+        let used = main.iter().find(|(_, at)| at.is_some());
+        match (at.value, used) {
+            (None, Some((key, _))) => return Err(needs(source, place, &format!("`{key}`"), partner)),
+            (Some(_), None) => return Err(contradiction(source, &at.span, format!("`{partner}` has nothing to go with"), WAYS)),
+            _ => {}
+        }
+    }
+    let hardness = section.hardness_mpa.unwrap_or(1.0) * MPA;
+    let time = section.after_h.unwrap_or(0.0) * HOUR;
+    Ok(match (*section.coefficient_per_pa, *section.coefficient_mm2_per_n, *section.archard_coefficient, *section.depth_um) {
+        (Some(k), ..) => WearCoefficient::Given(k),
+        (_, Some(k), ..) => WearCoefficient::Given(k * MM * MM),
+        (_, _, Some(k), _) => WearCoefficient::Given(k / hardness),
+        (.., Some(depth)) => WearCoefficient::Calibrated { time, depth: depth * UM },
+        _ => WearCoefficient::CalibratedLostMotion { time, increase: section.lost_motion_arcmin.unwrap_or(0.0) * ARCMIN },
+    })
+}

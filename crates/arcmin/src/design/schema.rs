@@ -1,0 +1,185 @@
+//! One declaration per section of the design file feeds the reader, the reference chapter of the book and the hash.
+
+use std::ops::{Deref, Range};
+
+/// A value as written in the file, with its place; defaults have none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct At<T> {
+    pub value: T,
+    /// Bytes of the value in the file, `None` where the value is a default.
+    pub span: Option<Range<usize>>,
+}
+
+impl<T> Deref for At<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+/// Whether a key must be present, and what stands for it if not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Presence {
+    Required,
+    Optional,
+    Number(f64),
+    Word(&'static str),
+}
+
+/// Presence of a key and the closed range of numbers accepted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rule {
+    pub presence: Presence,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// The key must be there; numbers lie in `low..=high`.
+pub const fn required(low: f64, high: f64) -> Rule {
+    Rule { presence: Presence::Required, low, high }
+}
+
+/// The key may be left out, which means something of its own.
+pub const fn optional(low: f64, high: f64) -> Rule {
+    Rule { presence: Presence::Optional, low, high }
+}
+
+/// The key may be left out and then has the value `number`.
+pub const fn default(number: f64, low: f64, high: f64) -> Rule {
+    Rule { presence: Presence::Number(number), low, high }
+}
+
+/// A text, choice or material that must be there.
+pub const fn word() -> Rule {
+    required(0.0, 0.0)
+}
+
+/// A text, choice or material with a default.
+pub const fn default_word(word: &'static str) -> Rule {
+    Rule { presence: Presence::Word(word), low: 0.0, high: 0.0 }
+}
+
+/// One key of a section.
+#[derive(Debug, Clone, Copy)]
+pub struct Key {
+    pub name: &'static str,
+    /// What it means, in Markdown.
+    pub doc: &'static str,
+    pub rule: Rule,
+    pub kind: fn() -> Kind,
+}
+
+/// What kind of value a key takes.
+#[derive(Debug, Clone, Copy)]
+pub enum Kind {
+    Number,
+    Count,
+    Text,
+    /// One of the words, each with its meaning.
+    Choice(&'static [(&'static str, &'static str)]),
+    /// Name of a material or an inline table with the keys given.
+    Material(&'static [Key]),
+    /// A list of pairs of numbers.
+    Pairs,
+    /// A table of its own.
+    Section(&'static SectionSchema),
+    /// A list of tables.
+    Sections(&'static SectionSchema),
+}
+
+/// Documentation and keys of a section.
+#[derive(Debug)]
+pub struct SectionSchema {
+    pub doc: &'static str,
+    pub keys: &'static [Key],
+}
+
+impl Key {
+    /// Unit of the key from its suffix, as a reader writes it.
+    pub fn unit(&self) -> &'static str {
+        unit_suffix(self.name).map_or("", |(_, unit)| unit)
+    }
+}
+
+/// Suffixes that name a unit, longest first, and how the unit is written.
+pub(super) const UNIT_SUFFIXES: [(&str, &str); 33] = [
+    ("_n_m_per_arcmin", "N·m/arcmin"),
+    ("_n_s_per_m", "N·s/m"),
+    ("_n_per_mm_e", "N/mm^e"),
+    ("_um_per_kn", "µm/kN"),
+    ("_n_m_s_per_rad", "N·m·s/rad"),
+    ("_mm2_per_n", "mm²/N"),
+    ("_n_per_um", "N/µm"),
+    ("_per_gpa", "1/GPa"),
+    ("_per_pa", "1/Pa"),
+    ("_kg_m2", "kg·m²"),
+    ("_kg_m3", "kg/m³"),
+    ("_g_cm3", "g/cm³"),
+    ("_mm_s", "mm/s"),
+    ("_pa_s", "Pa·s"),
+    ("_mpa_s", "mPa·s"),
+    ("_arcmin", "arcmin"),
+    ("_arcsec", "arcsec"),
+    ("_rad_s", "rad/s"),
+    ("_deg", "°"),
+    ("_rad", "rad"),
+    ("_rpm", "rpm"),
+    ("_n_m", "N·m"),
+    ("_mpa", "MPa"),
+    ("_gpa", "GPa"),
+    ("_pa", "Pa"),
+    ("_kn", "kN"),
+    ("_mm", "mm"),
+    ("_um", "µm"),
+    ("_cm", "cm"),
+    ("_kg", "kg"),
+    ("_m", "m"),
+    ("_h", "h"),
+    ("_s", "s"),
+];
+
+/// Splits a key into its stem and unit.
+pub(super) fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
+    UNIT_SUFFIXES.iter().find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit)))
+}
+
+/// Declares a section: a struct whose fields are the keys of the file, read, documented and hashed alike.
+macro_rules! section {
+    ($($(#[doc = $doc:literal])* pub struct $Name:ident { $($(#[doc = $field_doc:literal])* $field:ident : $Type:ty => $rule:expr,)* })*) => {$(
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, PartialEq)]
+        pub struct $Name {
+            $($(#[doc = $field_doc])* pub $field: $crate::design::At<$Type>,)*
+        }
+
+        impl $Name {
+            /// Documentation and keys of this section.
+            pub const SCHEMA: $crate::design::schema::SectionSchema = $crate::design::schema::SectionSchema {
+                doc: concat!($($doc, "\n"),*),
+                keys: &[$($crate::design::schema::Key {
+                    name: stringify!($field),
+                    doc: concat!($($field_doc, "\n"),*),
+                    rule: $rule,
+                    kind: <$Type as $crate::design::field::FieldValue>::kind,
+                },)*],
+            };
+        }
+
+        impl $crate::design::field::SectionValue for $Name {
+            const SCHEMA: &'static $crate::design::schema::SectionSchema = &$Name::SCHEMA;
+
+            fn from_table(table: &$crate::design::field::Table<'_>) -> Result<Self, Box<$crate::design::DesignError>> {
+                table.reject_unknown_keys(&$Name::SCHEMA)?;
+                let mut keys = $Name::SCHEMA.keys.iter();
+                Ok($Name { $($field: table.read(&mut keys)?,)* })
+            }
+
+            fn canonical_fields(&self, path: &str, out: &mut Vec<String>) {
+                $($crate::design::field::FieldValue::canonical(&self.$field.value, &$crate::design::field::join(path, stringify!($field)), out);)*
+            }
+        }
+    )*};
+}
+
+pub(super) use section;

@@ -1,0 +1,172 @@
+//! The sections of the design file that describe the mechanism.
+
+use super::field::{Choice, Section};
+use super::schema::{At, default, default_word, optional, required, section, word};
+use crate::machine::{FixedMember, PinMounting};
+use crate::materials::Material;
+
+section! {
+    /// A material that the library does not know, written as an inline table.
+    pub struct MaterialTable {
+        /// Name for reports.
+        name: String => default_word("own material"),
+        /// Young's modulus E.
+        youngs_modulus_gpa: f64 => required(1.0, 1200.0),
+        /// Poisson's ratio ν.
+        poisson_ratio: f64 => required(0.0, 0.49),
+        /// Density.
+        density_g_cm3: f64 => required(0.5, 25.0),
+    }
+
+    /// The ring of pins in the housing, as installed.
+    pub struct RingSection {
+        /// Number of pins z_p. The disc has one lobe less.
+        pin_count: usize => required(4.0, 400.0),
+        /// Radius R_p of the circle through the pin centres.
+        pin_circle_radius_mm: f64 => required(2.0, 2000.0),
+        /// Radius r_p of the pins.
+        pin_radius_mm: f64 => required(0.1, 200.0),
+        /// Material of the pins, by name or inline.
+        material: Material => word(),
+        /// Whether the pins turn in their seats.
+        pin_mounting: PinMounting => default_word("fixed"),
+        /// Radial compliance of a pin in its seat. Enters with bearings, not with ideal joints.
+        seat_compliance_um_per_kn: f64 => default(0.0, 0.0, 100.0),
+    }
+
+    /// The cycloid discs, all alike; their eccentrics are spread equally over one turn.
+    pub struct DiscSection {
+        /// Number of discs.
+        count: usize => required(1.0, 6.0),
+        /// Number of lobes z_c. May be left out; if given, it must be one less than the pins.
+        lobe_count: Option<usize> => optional(3.0, 399.0),
+        /// Face width B of one disc.
+        width_mm: f64 => required(0.5, 500.0),
+        /// Material of the discs, by name or inline.
+        material: Material => word(),
+        /// Diameter of the bores for the turning-arm bearings. They lie on the circle of the crankshafts.
+        crank_bore_diameter_mm: f64 => required(1.0, 1000.0),
+        /// Diameter of the centre hole; 0 for none.
+        centre_hole_diameter_mm: f64 => default(0.0, 0.0, 3000.0),
+        /// Mass of one disc. Left out, it is computed from the solid: exact flank, bores and holes, width, density.
+        mass_kg: Option<f64> => optional(1e-6, 1e4),
+        /// Moment of inertia of one disc about its centre. Left out, it is computed from the solid.
+        inertia_kg_m2: Option<f64> => optional(1e-12, 1e4),
+        /// What is ground off the theoretical flank on purpose.
+        modification: Section<ModificationSection> => super::sections::SECTION_OR_DEFAULTS,
+        /// Windows and lightening holes beside the crank bores and the centre hole.
+        holes: Vec<At<Section<HoleSection>>> => optional(0.0, 0.0),
+    }
+
+    /// Flank modification. Depths count into the metal; a positive equidistant and a negative radial offset both open the gap.
+    pub struct ModificationSection {
+        /// Equidistant offset Δr_p: the flank is cut with a pin larger by this radius.
+        equidistant_offset_um: f64 => default(0.0, -500.0, 500.0),
+        /// Radial offset ΔR_p: the flank is cut on a pin circle larger by this radius.
+        radial_offset_um: f64 => default(0.0, -500.0, 500.0),
+        /// Both flanks of each tooth turned into the metal by this angle: depth = angle × lever arm.
+        rotation_arcmin: f64 => default(0.0, 0.0, 60.0),
+        /// Free form: pairs of meshing angle in degrees and depth in µm, the angles rising within −180 to 180. Between
+        /// the points the depth is interpolated by a monotone cubic that closes around the tooth.
+        free_form_deg_um: Vec<[f64; 2]> => optional(0.0, 500.0),
+    }
+
+    /// A hole, or several equally spaced around the disc.
+    pub struct HoleSection {
+        /// Diameter.
+        diameter_mm: f64 => required(0.5, 1000.0),
+        /// Distance of the hole's centre from the disc's centre.
+        centre_radius_mm: f64 => required(0.0, 2000.0),
+        /// Angle of the (first) hole on the disc; 0 is the x axis.
+        angle_deg: f64 => default(0.0, -360.0, 360.0),
+        /// Number of such holes, equally spaced over the turn.
+        count: usize => default(1.0, 1.0, 60.0),
+    }
+
+    /// The crankshafts, each with its planet gear.
+    pub struct CrankshaftSection {
+        /// Number of crankshafts and planets.
+        count: usize => required(1.0, 6.0),
+        /// Eccentricity a.
+        eccentricity_mm: f64 => required(0.02, 100.0),
+        /// Angle of the first crankshaft on the carrier; the others follow equally spaced.
+        first_angle_deg: f64 => default(90.0, -360.0, 360.0),
+        /// Radius of the circle of the crankshafts. May be left out; if given, it must be the centre distance of the gear stage.
+        circle_radius_mm: Option<f64> => optional(1.0, 2000.0),
+        /// Diameter of the shaft between its supports (bending, torsion).
+        shaft_diameter_mm: f64 => required(1.0, 500.0),
+        /// Material, by name or inline.
+        material: Material => word(),
+        /// Mass of one crankshaft with its planet. Left out, it is computed from cylinders: shaft over the support span,
+        /// eccentrics as wide as the discs, planet with the pitch diameter.
+        mass_kg: Option<f64> => optional(1e-6, 1e4),
+        /// Moment of inertia of one crankshaft with its planet about its axis. Left out, it is computed like the mass.
+        inertia_kg_m2: Option<f64> => optional(1e-12, 1e4),
+    }
+
+    /// Sun and planet gears, the first stage.
+    pub struct GearStageSection {
+        /// Teeth of the sun z_1.
+        sun_teeth: usize => required(4.0, 1000.0),
+        /// Teeth of a planet z_2.
+        planet_teeth: usize => required(4.0, 1000.0),
+        /// Module.
+        module_mm: f64 => required(0.1, 50.0),
+        /// Transverse pressure angle.
+        pressure_angle_deg: f64 => default(20.0, 10.0, 35.0),
+        /// Ratio of input to output speed, housing fixed. May be left out; if given, it must be 1 + z_p z_2/z_1.
+        ratio: Option<f64> => optional(1.0, 1e5),
+        /// Face width (wear of the gears, planet mass).
+        face_width_mm: f64 => required(0.5, 500.0),
+        /// Mean stiffness of one sun–planet mesh along the line of action.
+        mesh_stiffness_n_per_um: f64 => required(0.1, 1e5),
+        /// Amplitude of the stiffness over the mesh cycle, as a part of the mean.
+        mesh_stiffness_variation: f64 => default(0.0, 0.0, 0.95),
+        /// Damping of one mesh along the line of action.
+        mesh_damping_n_s_per_m: f64 => default(2000.0, 0.0, 1e7),
+        /// Backlash of one mesh along the line of action.
+        backlash_um: f64 => default(0.0, 0.0, 2000.0),
+        /// Moment of inertia of sun and input shaft.
+        sun_inertia_kg_m2: f64 => required(1e-12, 1e3),
+        /// Moment of inertia of the motor at the input; counts where the input is driven by a torque.
+        motor_inertia_kg_m2: f64 => default(0.0, 0.0, 1e3),
+    }
+
+    /// The carrier: both flanges and the output shaft as one body.
+    pub struct CarrierSection {
+        /// Mass.
+        mass_kg: f64 => required(1e-4, 1e5),
+        /// Moment of inertia about the machine's axis, without the crankshafts.
+        inertia_kg_m2: f64 => required(1e-9, 1e5),
+        /// Material, by name or inline.
+        material: Material => word(),
+        /// Torsional stiffness between crank supports and output flange. Left out: rigid.
+        torsional_stiffness_n_m_per_arcmin: Option<f64> => optional(0.1, 1e7),
+    }
+}
+
+/// A section that may be left out because all of its keys have defaults.
+pub(super) const SECTION_OR_DEFAULTS: super::schema::Rule = optional(0.0, 0.0);
+
+impl MaterialTable {
+    pub(super) fn material(&self) -> Material {
+        Material {
+            name: self.name.value.clone(),
+            youngs_modulus: *self.youngs_modulus_gpa * 1e9,
+            poisson_ratio: *self.poisson_ratio,
+            density: *self.density_g_cm3 * 1e3,
+        }
+    }
+}
+
+impl Choice for PinMounting {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("fixed", "pins do not turn: they slide on the flank"), ("spinning", "pins turn freely in their seats")];
+    const VALUES: &'static [PinMounting] = &[PinMounting::Fixed, PinMounting::Spinning];
+}
+
+impl Choice for FixedMember {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("housing", "housing at rest, the carrier is the output"), ("carrier", "carrier at rest, the housing is the output")];
+    const VALUES: &'static [FixedMember] = &[FixedMember::Housing, FixedMember::Carrier];
+}

@@ -1,0 +1,192 @@
+//! The sections of the design file that describe supports, losses, loads, wear and limits.
+
+use super::field::{Choice, Section};
+use super::schema::{default, default_word, optional, required, section, word};
+use super::sections::SECTION_OR_DEFAULTS;
+use crate::machine::RollerKind;
+
+section! {
+    /// Bearings and supports, used where the joints are not ideal.
+    pub struct BearingsSection {
+        /// Turning-arm bearings between eccentric and disc bore: one per crankshaft and disc.
+        turning_arm: Section<RollerBearingSection> => word(),
+        /// Crank supports between crankshaft and carrier: two per crankshaft.
+        crank_support: Section<RollerBearingSection> => word(),
+        /// Distance between the two supports of a crankshaft.
+        crank_support_span_mm: f64 => required(1.0, 2000.0),
+        /// The pair of main bearings between carrier and housing.
+        main: Section<MainBearingSection> => word(),
+    }
+
+    /// A rolling bearing given by its geometry.
+    pub struct RollerBearingSection {
+        /// Shape of the rolling elements.
+        kind: RollerKind => word(),
+        /// Number of rolling elements.
+        roller_count: usize => required(3.0, 200.0),
+        /// Diameter of a rolling element.
+        roller_diameter_mm: f64 => required(0.3, 200.0),
+        /// Effective length of a roller; for balls the key is left out.
+        roller_length_mm: Option<f64> => optional(0.3, 500.0),
+        /// Diameter of the circle through the centres of the rolling elements.
+        pitch_diameter_mm: f64 => required(1.0, 2000.0),
+        /// Contact angle.
+        contact_angle_deg: f64 => default(0.0, 0.0, 60.0),
+        /// Diametral clearance; negative is preload.
+        clearance_um: f64 => default(0.0, -100.0, 500.0),
+        /// Basic dynamic load rating C as the maker states it. Left out, it is computed from the geometry (ISO 281).
+        dynamic_load_rating_kn: Option<f64> => optional(0.01, 1e5),
+    }
+
+    /// The main bearings as one linear radial support.
+    pub struct MainBearingSection {
+        /// Radial stiffness of the pair.
+        radial_stiffness_n_per_um: f64 => required(0.1, 1e6),
+        /// Diametral clearance.
+        clearance_um: f64 => default(0.0, 0.0, 1000.0),
+    }
+
+    /// Friction coefficients and losses; without this section the machine is frictionless.
+    pub struct FrictionSection {
+        /// Coulomb coefficient between flank and pin.
+        flank_coefficient: f64 => default(0.0, 0.0, 1.0),
+        /// Coulomb coefficient between pin and seat.
+        pin_seat_coefficient: f64 => default(0.0, 0.0, 1.0),
+        /// Rolling friction coefficient of the bearings, on their mean radius.
+        bearing_coefficient: f64 => default(0.0, 0.0, 0.5),
+        /// Coulomb coefficient of the gear meshes.
+        gear_mesh_coefficient: f64 => default(0.0, 0.0, 1.0),
+        /// Constant drag torque of the seals at the output.
+        seal_drag_n_m: f64 => default(0.0, 0.0, 1e5),
+        /// Viscous drag at the input.
+        oil_drag_n_m_s_per_rad: f64 => default(0.0, 0.0, 100.0),
+        /// Sliding speed below which Coulomb friction grows smoothly from zero.
+        regularisation_speed_mm_s: f64 => default(1.0, 1e-4, 1e3),
+    }
+
+    /// Elastic law and damping of a contact between flank and pin.
+    pub struct ContactSection {
+        /// Force from approach.
+        law: ContactLawName => default_word("line-hertz"),
+        /// Stiffness per pin, only with the law "linear".
+        stiffness_n_per_um: Option<f64> => optional(0.1, 1e5),
+        /// Stiffness k per pin in F = k δ^e, only with the law "impact".
+        impact_stiffness_n_per_mm_e: Option<f64> => optional(1.0, 1e10),
+        /// Exponent e, only with the law "impact".
+        impact_exponent: Option<f64> => optional(1.0, 3.0),
+        /// Damping c of one contact.
+        damping_n_s_per_m: f64 => default(2000.0, 0.0, 1e7),
+        /// Depth over which the damping grows from zero to its full value.
+        damping_depth_um: f64 => default(1.0, 1e-3, 1e3),
+    }
+
+    /// Rated load at the output and rated speed at the input.
+    pub struct LoadSection {
+        /// Rated output torque.
+        rated_torque_n_m: f64 => required(1e-3, 1e7),
+        /// Rated input speed; the sign is the sense of rotation.
+        input_speed_rpm: f64 => required(-30000.0, 30000.0),
+    }
+
+    /// One row of the load spectrum.
+    pub struct DutySection {
+        /// Output torque, positive against positive (counter-clockwise) output motion.
+        torque_n_m: f64 => required(-1e7, 1e7),
+        /// Input speed; the sign is the sense of rotation.
+        input_speed_rpm: f64 => required(-30000.0, 30000.0),
+        /// Share of the running time. The shares of all rows add up to 1.
+        share: f64 => required(1e-9, 1.0),
+    }
+
+    /// Archard's law: depth per pass Δh = k (F/B) ξ.
+    pub struct WearSection {
+        /// Wear coefficient k of the coupled prediction, in which the load sharing follows the worn flank.
+        coupled: Section<CoefficientSection> => word(),
+        /// Wear coefficient k of the uniform-depth study of Tao2024. Left out, it is that of `wear.coupled`.
+        paper: Option<Section<CoefficientSection>> => optional(0.0, 0.0),
+        /// Faster wear at the beginning. Left out: none.
+        running_in: Option<Section<RunningInSection>> => optional(0.0, 0.0),
+        /// Wear coefficient of the pins relative to that of the discs.
+        pin_ratio: f64 => default(0.0, 0.0, 1e4),
+        /// Mixed lubrication, which lets k fall with the film ratio λ. Left out: k does not depend on the film.
+        lubrication: Option<Section<LubricationSection>> => optional(0.0, 0.0),
+    }
+
+    /// The wear coefficient, in exactly one of these ways: `coefficient_per_pa`; `coefficient_mm2_per_n`; `archard_coefficient` with
+    /// `hardness_mpa`; `after_h` with `depth_um`; `after_h` with `lost_motion_arcmin`.
+    pub struct CoefficientSection {
+        /// k in 1/Pa.
+        coefficient_per_pa: Option<f64> => optional(1e-24, 1e-11),
+        /// k in mm²/N; 1 mm²/N is 1e-6 1/Pa.
+        coefficient_mm2_per_n: Option<f64> => optional(1e-18, 1e-5),
+        /// Archard's dimensionless K; k = K/H.
+        archard_coefficient: Option<f64> => optional(1e-14, 1.0),
+        /// Hardness H of the softer surface.
+        hardness_mpa: Option<f64> => optional(10.0, 1e5),
+        /// Hours after which the depth or the lost motion below was observed, at this file's duty.
+        after_h: Option<f64> => optional(1e-3, 1e7),
+        /// Depth of the deepest point of the flank after these hours.
+        depth_um: Option<f64> => optional(1e-3, 5000.0),
+        /// Increase of the lost motion after these hours.
+        lost_motion_arcmin: Option<f64> => optional(1e-4, 600.0),
+    }
+
+    /// k(t) = k (1 + (factor − 1) e^(−t/duration)).
+    pub struct RunningInSection {
+        /// Wear coefficient of the new machine relative to the steady one.
+        factor: f64 => required(1.0, 1e4),
+        /// Time constant.
+        duration_h: f64 => required(1e-3, 1e6),
+    }
+
+    /// What the film ratio λ needs.
+    pub struct LubricationSection {
+        /// Dynamic viscosity at running temperature.
+        viscosity_mpa_s: f64 => required(0.01, 1e6),
+        /// Pressure–viscosity coefficient.
+        pressure_viscosity_per_gpa: f64 => default(20.0, 0.1, 100.0),
+        /// Combined RMS roughness of flank and pin.
+        roughness_um: f64 => required(1e-3, 50.0),
+    }
+
+    /// What is still acceptable.
+    pub struct LimitsSection {
+        /// Largest lost motion at the output.
+        lost_motion_arcmin: f64 => default(1.0, 1e-3, 600.0),
+        /// Largest contact pressure.
+        contact_pressure_mpa: f64 => default(2000.0, 10.0, 10000.0),
+        /// Planned service life.
+        service_life_h: f64 => default(6000.0, 1e-2, 1e7),
+    }
+}
+
+/// The rule of sections whose keys all have defaults.
+pub(super) const OPTIONAL_SECTION: super::schema::Rule = SECTION_OR_DEFAULTS;
+
+/// Contact laws by name; the parameters are keys of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ContactLawName {
+    LineHertz,
+    Linear,
+    Palmgren,
+    Tao2024,
+    Impact,
+}
+
+impl Choice for ContactLawName {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("line-hertz", "two cylinders, approach of points two pin radii deep (Johnson)"),
+        ("linear", "force proportional to approach; needs `stiffness_n_per_um`"),
+        ("palmgren", "Palmgren's line contact, approach ∝ force^0.9"),
+        ("tao2024", "eq. (6) of Tao2024 with the Hertz half-width"),
+        ("impact", "the elastic part of the impact function; needs `impact_stiffness_n_per_mm_e` and `impact_exponent`"),
+    ];
+    const VALUES: &'static [ContactLawName] =
+        &[ContactLawName::LineHertz, ContactLawName::Linear, ContactLawName::Palmgren, ContactLawName::Tao2024, ContactLawName::Impact];
+}
+
+impl Choice for RollerKind {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("cylindrical", "cylindrical rollers or needles"), ("tapered", "tapered rollers"), ("ball", "balls")];
+    const VALUES: &'static [RollerKind] = &[RollerKind::Cylindrical, RollerKind::Tapered, RollerKind::Ball];
+}

@@ -1,0 +1,89 @@
+//! Masses and moments of inertia of solids.
+
+use crate::geometry::Profile;
+use crate::machine::Bore;
+
+/// Area in m² and polar second moment of area about the centre in m⁴.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Section {
+    pub area: f64,
+    pub polar_moment: f64,
+}
+
+impl Section {
+    /// What the flank encloses, by Green's theorem: A = ½∮(x dy − y dx), J = ¼∮(x² + y²)(x dy − y dx).
+    ///
+    /// The integrand is smooth and periodic, so the trapezoidal rule converges exponentially. It needs f′ = c′ (1 + r κ) with the
+    /// curvature κ = 1/ρ0 of the trace; 64 points per lobe reach rounding for every undercut-free flank.
+    pub fn inside_flank(profile: &Profile) -> Section {
+        let count = 64 * profile.lobe_count();
+        let step = std::f64::consts::TAU / count as f64;
+        let mut sum = Section { area: 0.0, polar_moment: 0.0 };
+        for i in 0..count {
+            let tau = i as f64 * step;
+            let point = profile.flank_point(tau);
+            let normal = profile.outward_normal(tau);
+            let cos = profile.meshing_angle(tau).cos();
+            let speed = profile.pin_circle_radius * profile.speed_factor(cos) * (1.0 + profile.pin_radius * profile.trace_curvature(cos));
+            // x dy − y dx = f · n_out |f′| dτ on a counter-clockwise path.
+            let sweep = point.dot(&normal) * speed * step;
+            sum.area += 0.5 * sweep;
+            sum.polar_moment += 0.25 * point.norm_squared() * sweep;
+        }
+        sum
+    }
+
+    pub fn without(self, hole: &Bore) -> Section {
+        let area = std::f64::consts::PI * hole.radius * hole.radius;
+        let own = 0.5 * area * hole.radius * hole.radius;
+        Section { area: self.area - area, polar_moment: self.polar_moment - own - area * hole.centre_radius * hole.centre_radius }
+    }
+}
+
+/// Mass and moment of inertia about its own axis of a cylinder: (kg, kg·m²).
+pub(super) fn cylinder(diameter: f64, length: f64, density: f64) -> (f64, f64) {
+    let radius = 0.5 * diameter;
+    let mass = density * std::f64::consts::PI * radius * radius * length;
+    (mass, 0.5 * mass * radius * radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rv_40e() -> Profile {
+        Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+    }
+
+    /// Mass 0.6366 kg and 1.338e-3 kg·m² of the disc with two bores Ø27 at 40.5 mm and a hole Ø40, to the printed digits.
+    #[test]
+    fn val_mass_and_inertia_of_the_disc() {
+        let bore = |centre_angle: f64| Bore { radius: 13.5e-3, centre_radius: 40.5e-3, centre_angle };
+        let section = Section::inside_flank(&rv_40e()).without(&bore(0.0)).without(&bore(3.0)).without(&Bore {
+            radius: 20e-3,
+            centre_radius: 0.0,
+            centre_angle: 0.0,
+        });
+        let density_times_width = 7830.0 * 8.75e-3;
+        assert!((section.area * density_times_width - 0.6366).abs() < 5e-5, "{}", section.area * density_times_width);
+        assert!((section.polar_moment * density_times_width - 1.338e-3).abs() < 5e-7, "{}", section.polar_moment * density_times_width);
+    }
+
+    /// The same by triangles of a fine polygon: second order in the number of points.
+    #[test]
+    fn quadrature_agrees_with_a_fine_polygon() {
+        let profile = rv_40e();
+        let count = 400_000;
+        let points: Vec<_> = (0..count).map(|i| profile.flank_point(std::f64::consts::TAU * i as f64 / count as f64)).collect();
+        let mut area = 0.0;
+        let mut polar = 0.0;
+        for (a, b) in points.iter().zip(points.iter().cycle().skip(1)) {
+            let sweep = crate::geometry::cross(*a, *b);
+            area += 0.5 * sweep;
+            polar += sweep / 12.0 * (a.norm_squared() + a.dot(b) + b.norm_squared());
+        }
+        let section = Section::inside_flank(&profile);
+        assert!((section.area / area - 1.0).abs() < 1e-8, "{}", section.area / area - 1.0);
+        assert!((section.polar_moment / polar - 1.0).abs() < 1e-8);
+    }
+}
