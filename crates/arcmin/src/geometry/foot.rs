@@ -15,6 +15,7 @@ pub struct Foot {
     pub sin_meshing: f64,
     /// Curvature of the trace 1/ρ0 at the foot in 1/m, positive where concave.
     pub trace_curvature: f64,
+    pub(super) place: Place,
 }
 
 /// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10 µm off
@@ -25,15 +26,15 @@ const ROOT_ZONE_COS: f64 = 0.94;
 const LAST_STEP: f64 = 1e-7;
 
 /// Unit vectors e(τ), e(z τ), carried along so that small steps need no new sine or cosine.
-#[derive(Clone, Copy)]
-struct Place {
-    tau: f64,
-    e: Vec2,
-    ez: Vec2,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    pub tau: f64,
+    pub e: Vec2,
+    pub ez: Vec2,
 }
 
 impl Place {
-    fn moved(self, step: f64, z: f64) -> Place {
+    pub fn moved(self, step: f64, z: f64) -> Place {
         Place { tau: self.tau + step, e: super::turned(self.e, small_unit(step)), ez: super::turned(self.ez, small_unit(z * step)) }
     }
 }
@@ -115,7 +116,9 @@ impl Profile {
                 high = tau;
             }
             let newton = tau - value / slope;
-            let next = if slope < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            // An end of the bracket may be the solution itself to rounding: a Newton step that misses it by less than LAST_STEP is good.
+            let inside = newton > low - LAST_STEP && newton < high + LAST_STEP;
+            let next = if slope < 0.0 && inside { newton } else { 0.5 * (low + high) };
             if (next - tau).abs() < 1e-3 * LAST_STEP {
                 place = place.moved(next - tau, z);
                 break;
@@ -137,6 +140,7 @@ impl Profile {
             cos_meshing,
             sin_meshing,
             trace_curvature: -cross(c1, c2) / (speed * speed * speed),
+            place,
         }
     }
 }

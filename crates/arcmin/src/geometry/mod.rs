@@ -3,10 +3,12 @@
 //! Frame of this module: the disc's own, origin at the disc centre, angles counter-clockwise. The flank is described by the
 //! path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin radius.
 
+mod closest;
 mod foot;
 mod profile;
 mod relief;
 
+pub use closest::Closest;
 pub use foot::Foot;
 pub use profile::Profile;
 pub use relief::{DepthSample, Relief};

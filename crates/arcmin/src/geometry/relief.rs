@@ -47,7 +47,12 @@ impl Relief {
         &self.values
     }
 
-    /// Whether any metal is removed at all.
+    /// Whether the depth is the same everywhere by construction.
+    pub fn is_uniform(&self) -> bool {
+        self.values.len() == 1
+    }
+
+    /// Whether no metal is removed at all.
     pub fn is_zero(&self) -> bool {
         self.values.iter().all(|depth| *depth == 0.0)
     }

@@ -152,11 +152,16 @@ impl Meshing {
     /// Output error at which the first pin touches when the output turns in `direction` (−1 lag, +1 lead) from ε = `from`.
     ///
     /// Each step goes to the first contact predicted by gaps and their slopes; gaps are smooth in ε, so this converges like Newton's method.
+    /// A bracket keeps it from cycling between two pins.
     fn first_touch(&self, nominal_crank: f64, direction: f64, from: f64) -> Result<f64, LoadError> {
         let k = &self.kinematics;
-        let no_contact = LoadError::NoContact { crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees() };
+        let no_contact = || LoadError::NoContact { crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees() };
         let half_pitch = std::f64::consts::PI / k.lobe_count;
+        // Pins within 0.1° of root or tip have no lever to speak of: they close too slowly to be first, and rounding of their gaps would be
+        // magnified.
+        let least_closing = 1e-2 * k.eccentricity * k.lobe_count;
         let mut error = from;
+        let (mut free, mut touching) = (f64::NEG_INFINITY, f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
             let crank = self.crank_angle_at(nominal_crank, error);
             let output = k.nominal_output_angle(nominal_crank) + error;
@@ -166,21 +171,30 @@ impl Meshing {
                 self.contacts.visit(k.disc_pose(disc, crank, output), DiscVelocity::REST, true, |contact| {
                     let g = contact.gradient;
                     let closing = -direction * (g[0] * motion.x + g[1] * motion.y + g[2]);
-                    // Pins near root and tip have no lever; they close too slowly to be first.
-                    if closing > 1e-4 * k.eccentricity {
+                    if closing > least_closing {
                         step = step.min(contact.gap / closing);
                     }
                 });
             }
             if !step.is_finite() || (error + direction * step).abs() > half_pitch {
-                return Err(no_contact);
+                return Err(no_contact());
             }
-            error += direction * step;
-            if step.abs() < 1e-14 {
-                return Ok(error);
+            if step.abs() < 1e-13 {
+                return Ok(error + direction * step);
+            }
+            let travel = direction * error;
+            if step > 0.0 {
+                free = free.max(travel);
+            } else {
+                touching = touching.min(travel);
+            }
+            let next = travel + step;
+            error = direction * if next > free && next < touching { next } else { 0.5 * (free + touching) };
+            if touching - free < 1e-13 {
+                return Ok(direction * free);
             }
         }
-        Err(no_contact)
+        Err(no_contact())
     }
 
     /// How far the output can turn at no load with the input locked, in both directions.

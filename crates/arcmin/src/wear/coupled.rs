@@ -43,7 +43,7 @@ pub struct CoupledOptions {
 
 impl Default for CoupledOptions {
     fn default() -> CoupledOptions {
-        CoupledOptions { flank_points: 720, pin_points: 1440, crank_positions: 15, depth_increment: 0.1 * UM }
+        CoupledOptions { flank_points: 720, pin_points: 1440, crank_positions: 15, depth_increment: 0.08 * UM }
     }
 }
 
@@ -211,7 +211,7 @@ impl<'a> CoupledWear<'a> {
             let weight = duty.share / (count * machine.disc_count) as f64;
             for passes in &mut passes {
                 // All pins at all positions in the order in which one tooth meets them.
-                passes.sort_by(|a, b| a.foot_angle.total_cmp(&b.foot_angle));
+                passes.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
                 self.deposit(passes, weight, &mut flank, &mut pin);
             }
         }
@@ -251,7 +251,6 @@ impl<'a> CoupledWear<'a> {
         }
         let place = unit(std::f64::consts::TAU * c.pin as f64 / machine.ring.pin_count as f64);
         Pass {
-            foot_angle: wrap_angle(-lobes * c.tau),
             meshing_angle: c.meshing_angle,
             pin_angle: cross(place, c.normal).atan2(place.dot(&c.normal)),
             half_width: contact.half_width(c.force, radius),
@@ -302,7 +301,6 @@ impl<'a> CoupledWear<'a> {
 /// One contact on its way along the flank.
 #[derive(Debug, Clone, Copy)]
 struct Pass {
-    foot_angle: f64,
     meshing_angle: f64,
     pin_angle: f64,
     half_width: f64,

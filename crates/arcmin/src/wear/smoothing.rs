@@ -41,7 +41,8 @@ impl ContactAverage {
             .map(|(first, weights)| (first.rem_euclid(cells as isize) as usize, weights))
             .collect();
         let pin_cell = std::f64::consts::TAU * machine.ring.pin_radius / pin_points as f64;
-        let pin_width = half_width(60f64.to_radians()).max(pin_cell);
+        // Pins wear where the contact turns back on them, at cos φ = K1.
+        let pin_width = half_width(profile.short_width_coefficient().min(1.0).acos()).max(pin_cell);
         let (_, pin) = weights(0.5 * pin_cell, pin_width, |index| index as f64 * pin_cell);
         ContactAverage { flank, pin }
     }

@@ -13,17 +13,79 @@ fn life(m: &Machine, options: CoupledOptions) -> CoupledWear<'_> {
     wear
 }
 
-/// With the k of the paper mode a simple model gave 12–14 µm instead of 60 µm after 7500 h, and 0.33–0.40′ of play.
+/// The feedback: with the k that brings the paper's uniform depth to 60 µm, the coupled flank loses a sixth of that. A simple model (equal springs,
+/// 0.55 T per disc, pins at whole multiples of 9° only) gave 12–14 µm; here each disc carries 0.4815 T and all crank positions count.
 #[test]
 fn val_feedback_slows_the_wear_down() {
     let m = machine();
     let wear = life(&m, CoupledOptions::default());
     let (depth, angle) = wear.state().flank.deepest();
-    let play = wear.state().meshing(&m).cycle(412.0, 12).unwrap().mean_play().arcmin();
-    eprintln!("{} µm at {}°, play {play}', {} updates", depth / UM, angle / DEG, wear.updates());
+    let cycle = wear.state().meshing(&m).cycle(412.0, 12).unwrap();
     assert!(wear.updates() >= 100);
-    assert!((10.0..16.0).contains(&(depth / UM)), "{}", depth / UM);
-    assert!((0.30..0.45).contains(&play), "{play}");
+    assert!((8.0..14.0).contains(&(depth / UM)), "{}", depth / UM);
+    assert!((-70.0..-40.0).contains(&(angle / DEG)), "{}", angle / DEG);
+    // The first touch moves towards the root, where nothing slides; the loaded flank sinks further.
+    assert!((0.05..0.4).contains(&cycle.mean_play().arcmin()), "{}", cycle.mean_play().arcmin());
+    // Only the loaded flank wears (the width of the contact reaches a little around root and tip).
+    let other: f64 =
+        crate::geometry::Relief::grid(720).zip(wear.state().flank.samples()).filter(|(phi, _)| *phi > 0.2 && *phi < 2.9).map(|(_, w)| *w).sum();
+    assert_eq!(other, 0.0);
+}
+
+/// Growth slows down by itself: the second half of the life adds less than the first.
+#[test]
+fn wear_rate_falls_with_hours() {
+    let m = machine();
+    let mut wear = CoupledWear::new(&m, CoupledOptions::default());
+    let exposure = m.coupled_exposure(CoupledOptions::default()).unwrap();
+    let mut depths = vec![0.0];
+    for i in 1..=5 {
+        wear.advance_to(exposure.at(1500.0 * HOUR) * i as f64).unwrap();
+        depths.push(wear.state().flank.deepest().0);
+    }
+    let growth: Vec<f64> = depths.windows(2).map(|w| w[1] - w[0]).collect();
+    assert!(growth.windows(2).all(|w| w[1] < w[0]), "{growth:?}");
+}
+
+/// New flank: removal rate equals k (F/B) ξ times the passes, the contact's width apart.
+#[test]
+fn initial_rate_agrees_with_archards_closed_form() {
+    let m = machine();
+    let exposure = m.coupled_exposure(CoupledOptions::default()).unwrap();
+    let mut wear = CoupledWear::new(&m, CoupledOptions::default());
+    let time = 0.2 * HOUR;
+    wear.advance_to(exposure.at(time)).unwrap();
+    let profile = m.profile();
+    let forces = m.meshing(&crate::geometry::Relief::uniform(0.0)).cycle(412.0, 60).unwrap().flank_forces();
+    let passes = m.kinematics().passes_per_hour(m.rated.input_speed) * time / HOUR;
+    assert!((m.kinematics().passes_per_hour(m.rated.input_speed) - 44_444.4).abs() < 0.1);
+    for degrees in [40.0, 61.5, 80.0, 110.0, 140.0f64] {
+        let phi = -degrees * DEG;
+        let nearest = forces.iter().min_by(|a, b| (a.meshing_angle - phi).abs().total_cmp(&(b.meshing_angle - phi).abs())).unwrap();
+        let expected = exposure.coefficient * nearest.force / m.disc.width * profile.specific_sliding(phi.cos()) * passes;
+        let depth = wear.state().flank.at(phi).depth;
+        assert!((depth / expected - 1.0).abs() < 0.02, "{degrees}: {depth:e} {expected:e}");
+    }
+}
+
+/// Opposite torque wears the mirrored flank.
+#[test]
+fn negative_torque_wears_the_other_flank() {
+    let mut m = machine();
+    m.duty[0].torque = -412.0;
+    let wear = life(&m, CoupledOptions { depth_increment: 0.5 * UM, ..CoupledOptions::default() });
+    assert!(wear.state().flank.deepest().1 > 0.0);
+}
+
+/// Pins wear at the edge of their zone, where the contact turns back on them (ψ = asin K1 = 54.3°).
+#[test]
+fn val_pins_wear_at_the_edge_of_their_zone() {
+    let mut m = machine();
+    m.wear.pin_ratio = 1.0;
+    let wear = life(&m, CoupledOptions::default());
+    let (depth, angle) = wear.state().pin.deepest();
+    assert!(depth > UM);
+    assert!((angle.abs() / DEG - 54.3).abs() < 2.0, "{}", angle / DEG);
 }
 
 #[test]
@@ -39,29 +101,7 @@ fn halving_the_increment_and_doubling_the_positions_changes_little() {
     ] {
         let wear = life(&m, finer);
         let play = wear.state().meshing(&m).cycle(412.0, 12).unwrap().mean_play().arcmin();
-        eprintln!("{finer:?}: {} {} play {} {}", wear.state().flank.deepest().0 / UM, reference.state().flank.deepest().0 / UM, play, reference_play);
-        assert!((wear.state().flank.deepest().0 / reference.state().flank.deepest().0 - 1.0).abs() < 0.01);
-        assert!((play / reference_play - 1.0).abs() < 0.01);
-    }
-}
-#[test]
-fn zz_dump() {
-    let m = machine();
-    let mut wear = CoupledWear::new(&m, CoupledOptions::default());
-    let e = m.coupled_exposure(CoupledOptions::default()).unwrap();
-    for i in 1..40 {
-        let r = wear.advance_to(e.at(7500.0 * HOUR) * i as f64 / 40.0);
-        let (d, a) = wear.state().flank.deepest();
-        eprintln!("DD {i} {} {} {}", wear.updates(), d / UM, a / DEG);
-        if r.is_err() || i == 1 || i == 39 {
-            for (k, w) in wear.state().flank.samples().iter().enumerate() {
-                if k < 420 && k % (if i == 1 { 2 } else { 1 }) == 0 {
-                    eprintln!("WW {i} {:.2} {:.4}", -180.0 + 0.5 * k as f64, w / UM);
-                }
-            }
-            if r.is_err() {
-                break;
-            }
-        }
+        let depth_change = wear.state().flank.deepest().0 / reference.state().flank.deepest().0 - 1.0;
+        assert!(depth_change.abs() < 0.002 && (play / reference_play - 1.0).abs() < 0.01, "{finer:?}: {depth_change} {play} {reference_play}");
     }
 }

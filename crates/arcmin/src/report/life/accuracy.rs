@@ -31,13 +31,19 @@ fn angles(life: &LifePage) -> Plot {
     let mut plot = Plot::new("Accuracy over running time", hours(), Axis::new("Angle at the output", "arcmin").from_zero());
     let rows = life.prediction;
     if rows.iter().any(|row| row.lost_motion_arcmin.is_some()) {
-        plot.series.push(Series::line("lost motion at ±3 % torque", over_hours(rows, |row| row.lost_motion_arcmin)).strong().coloured(Colour::Palette(0)));
+        plot.series
+            .push(Series::line("lost motion at ±3 % torque", over_hours(rows, |row| row.lost_motion_arcmin)).strong().coloured(Colour::Palette(0)));
     }
     plot.series.push(Series::line("play, one-sided", over_hours(rows, |row| Some(row.play_arcmin))).coloured(Colour::Palette(2)));
-    plot.series
-        .push(Series::line("transmission error at rated torque, size of its mean", over_hours(rows, |row| Some(row.te_loaded_arcmin.abs()))).coloured(Colour::Palette(1)));
+    plot.series.push(
+        Series::line("transmission error at rated torque, size of its mean", over_hours(rows, |row| Some(row.te_loaded_arcmin.abs())))
+            .coloured(Colour::Palette(1)),
+    );
     if rows.iter().any(|row| row.te_no_load_arcmin.is_some()) {
-        plot.series.push(Series::new("transmission error without load", Style::Dashed, over_hours(rows, |row| row.te_no_load_arcmin.map(f64::abs))).coloured(Colour::Palette(3)));
+        plot.series.push(
+            Series::new("transmission error without load", Style::Dashed, over_hours(rows, |row| row.te_no_load_arcmin.map(f64::abs)))
+                .coloured(Colour::Palette(3)),
+        );
     }
     let limit = life.limit_arcmin();
     plot.limit_at(limit, format!("limit {} arcmin lost motion", significant(limit, 3)));
@@ -56,8 +62,12 @@ fn pressure(life: &LifePage) -> Plot {
         .with(Series::line("predicted", over_hours(life.prediction, |row| Some(row.max_pressure_mpa))).strong().coloured(Colour::Palette(0)));
     if life.study.len() > 1 {
         plot.series.push(
-            Series::new("paper's study", Style::LineMarkers, over_hours(life.study, |row| (row.max_pressure_mpa > 0.0).then_some(row.max_pressure_mpa)))
-                .coloured(Colour::Palette(1)),
+            Series::new(
+                "paper's study",
+                Style::LineMarkers,
+                over_hours(life.study, |row| (row.max_pressure_mpa > 0.0).then_some(row.max_pressure_mpa)),
+            )
+            .coloured(Colour::Palette(1)),
         );
     }
     let limit = life.machine.limits.contact_pressure * 1e-6;
@@ -87,7 +97,9 @@ fn table(title: &str, rows: &[LifeRow]) -> Table {
         shown.push(last);
     }
     let optional = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| significant(value, 3));
-    let pair = |value: Option<MeanAndMax>| value.map_or_else(|| "–".to_owned(), |v| format!("{} / {}", significant(v.mean_arcmin, 3), significant(v.max_arcmin, 3)));
+    let pair = |value: Option<MeanAndMax>| {
+        value.map_or_else(|| "–".to_owned(), |v| format!("{} / {}", significant(v.mean_arcmin, 3), significant(v.max_arcmin, 3)))
+    };
     type Cell<'a> = (Column, Box<dyn Fn(&LifeRow) -> String + 'a>, bool);
     let any = |has: fn(&LifeRow) -> bool| rows.iter().any(has);
     let cells: Vec<Cell> = vec![

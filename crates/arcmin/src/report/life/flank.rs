@@ -31,7 +31,8 @@ fn outline(life: &LifePage) -> Plot {
     }
     if study_depth > 0.0 {
         let name = format!("uniform {} µm (×{enlargement:.0}), the paper's study", significant(study_depth / UM, 3));
-        plot.series.push(Series::new(name, Style::Dashed, worn_outline(&profile, &Relief::uniform(study_depth), enlargement)).coloured(Colour::Reference));
+        plot.series
+            .push(Series::new(name, Style::Dashed, worn_outline(&profile, &Relief::uniform(study_depth), enlargement)).coloured(Colour::Reference));
     }
     plot
 }
@@ -59,22 +60,20 @@ fn curvature(life: &LifePage) -> Plot {
     let (sharpest_trace, at) = profile.sharpest_convex_trace();
     let sharpest = sharpest_trace - profile.pin_radius;
     let shown = (8.0 * profile.pin_radius * 1e3).max(4.0 * sharpest.abs() * 1e3);
-    let mut plot = Plot::new("Curvature radius of the flank", meshing_angle(), Axis::new("Curvature radius, concave positive", "mm").between(-shown, shown))
-        .half()
-        .with(Series::line(
-            "flank",
-            (0..=1800).map(|tenth| {
-                let phi = f64::from(tenth) * 0.1;
-                let radius = profile.flank_curvature_radius((phi * DEG).cos()) * 1e3;
-                // A gap at the inflection, where the radius passes through infinity.
-                (phi, if radius.abs() > 3.0 * shown { f64::NAN } else { radius })
-            }),
-        ));
-    plot.note = format!(
-        "Figure 7 of [Tao2024]. The sharpest convex place has a radius of {} mm at {:.1}°.",
-        significant(sharpest * 1e3, 3),
-        at / DEG
-    );
+    let mut plot =
+        Plot::new("Curvature radius of the flank", meshing_angle(), Axis::new("Curvature radius, concave positive", "mm").between(-shown, shown))
+            .half()
+            .with(Series::line(
+                "flank",
+                (0..=1800).map(|tenth| {
+                    let phi = f64::from(tenth) * 0.1;
+                    let radius = profile.flank_curvature_radius((phi * DEG).cos()) * 1e3;
+                    // A gap at the inflection, where the radius passes through infinity.
+                    (phi, if radius.abs() > 3.0 * shown { f64::NAN } else { radius })
+                }),
+            ));
+    plot.note =
+        format!("Figure 7 of [Tao2024]. The sharpest convex place has a radius of {} mm at {:.1}°.", significant(sharpest * 1e3, 3), at / DEG);
     if let Some(inflection) = profile.inflection() {
         plot.note.push_str(&format!(
             " The flank turns from concave to convex at {:.2}°; the paper writes “around 35°” for its RV-40E-81, whose exact value is 34.64°.",
@@ -89,10 +88,13 @@ fn sliding(life: &LifePage) -> Plot {
     let profile = life.machine.profile();
     Plot::new("Specific sliding of the disc flank", meshing_angle(), Axis::new("Sliding per length of flank, ξ", "").from_zero())
         .half()
-        .with(Series::line("flank", (0..=900).map(|fifth| {
-            let phi = f64::from(fifth) * 0.2;
-            (phi, profile.specific_sliding((phi * DEG).cos()))
-        })))
+        .with(Series::line(
+            "flank",
+            (0..=900).map(|fifth| {
+                let phi = f64::from(fifth) * 0.2;
+                (phi, profile.specific_sliding((phi * DEG).cos()))
+            }),
+        ))
         .noted(
             "Sliding speed over the speed of the contact along the flank; depth per pass is k·(F/B)·ξ, so this shape decides where the flank wears.",
         )

@@ -83,9 +83,8 @@ fn thinned(time: &[f64], value: &[f64]) -> Vec<(f64, f64)> {
 /// Input over the ratio and output on one axis, so that they can be compared, and the load where there is one.
 fn speeds(title: &str, figures: &str, run: &RunTrace) -> Plot {
     let ratio = {
-        let sum = |values: &[f64]| {
-            run.time_s.iter().zip(values).filter(|(time, _)| **time >= run.steady_from_s).map(|(_, value)| *value).sum::<f64>()
-        };
+        let sum =
+            |values: &[f64]| run.time_s.iter().zip(values).filter(|(time, _)| **time >= run.steady_from_s).map(|(_, value)| *value).sum::<f64>();
         sum(run.input_speed_deg_s) / sum(run.output_speed_deg_s)
     };
     let scaled: Vec<f64> = run.input_speed_deg_s.iter().map(|speed| speed / ratio).collect();
@@ -143,7 +142,8 @@ fn rigid_over_life(life: &LifePage) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted("Figure 18 of [Tao2024]. Without load the output floats in the clearance: the shaded band is what uniform wear geometrically allows.");
-    plot.series.push(Series::band("geometric clearance", life.study.iter().map(|row| (row.hours, 0.0, row.play_arcmin))).coloured(Colour::Palette(5)));
+    plot.series
+        .push(Series::band("geometric clearance", life.study.iter().map(|row| (row.hours, 0.0, row.play_arcmin))).coloured(Colour::Palette(5)));
     type Quantity = (&'static str, fn(&LifeRow) -> Option<MeanAndMax>, u8);
     let quantities: [Quantity; 2] = [("STE", |row| row.ste_rigid, 0), ("DTE", |row| row.dte_rigid, 1)];
     for (name, value, colour) in quantities {
@@ -152,7 +152,9 @@ fn rigid_over_life(life: &LifePage) -> Plot {
             continue;
         }
         plot.series.push(Series::new(format!("{name}, mean"), Style::LineMarkers, means).coloured(Colour::Palette(colour)).strong());
-        plot.series.push(Series::new(format!("{name}, largest"), Style::Dashed, over_hours(life.study, value, |v| v.max_arcmin)).coloured(Colour::Palette(colour)));
+        plot.series.push(
+            Series::new(format!("{name}, largest"), Style::Dashed, over_hours(life.study, value, |v| v.max_arcmin)).coloured(Colour::Palette(colour)),
+        );
     }
     if is_the_papers(life.machine) {
         plot.series.push(Series::markers("STE, Tao2024", paper_points(life, STE_MEAN_AT_10_UM, STE_LARGEST)).coloured(Colour::Palette(0)));
@@ -168,11 +170,20 @@ fn flexible_over_life(life: &LifePage) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted("Figure 19 of [Tao2024].");
-    plot.series.push(Series::new("rigid, mean", Style::LineMarkers, over_hours(life.study, |row| row.ste_rigid, |v| v.mean_arcmin)).coloured(Colour::Palette(0)));
-    plot.series.push(Series::new("flexible, mean", Style::LineMarkers, over_hours(life.study, |row| row.ste_flexible, |v| v.mean_arcmin)).coloured(Colour::Palette(2)));
-    plot.series.push(Series::new("flexible, largest", Style::Dashed, over_hours(life.study, |row| row.ste_flexible, |v| v.max_arcmin)).coloured(Colour::Palette(2)));
+    plot.series.push(
+        Series::new("rigid, mean", Style::LineMarkers, over_hours(life.study, |row| row.ste_rigid, |v| v.mean_arcmin)).coloured(Colour::Palette(0)),
+    );
+    plot.series.push(
+        Series::new("flexible, mean", Style::LineMarkers, over_hours(life.study, |row| row.ste_flexible, |v| v.mean_arcmin))
+            .coloured(Colour::Palette(2)),
+    );
+    plot.series.push(
+        Series::new("flexible, largest", Style::Dashed, over_hours(life.study, |row| row.ste_flexible, |v| v.max_arcmin))
+            .coloured(Colour::Palette(2)),
+    );
     if is_the_papers(life.machine) {
-        plot.series.push(Series::markers("flexible, Tao2024", paper_points(life, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_LARGEST)).coloured(Colour::Reference));
+        plot.series
+            .push(Series::markers("flexible, Tao2024", paper_points(life, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_LARGEST)).coloured(Colour::Reference));
     }
     plot
 }

@@ -19,12 +19,7 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
     let (tone, headline) = match life.hours_to_limit {
         Some(hours) if hours < service => (
             Tone::Bad,
-            format!(
-                "Reaches its limit of {} arcmin lost motion after {:.0} h, before the planned {:.0} h.",
-                significant(limit, 3),
-                hours,
-                service
-            ),
+            format!("Reaches its limit of {} arcmin lost motion after {:.0} h, before the planned {:.0} h.", significant(limit, 3), hours, service),
         ),
         Some(hours) if hours < NARROW * service => (
             Tone::Caution,
@@ -38,13 +33,8 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
     let pressure_limit = life.machine.limits.contact_pressure / MPA;
     let largest_pressure = life.prediction.iter().map(|row| row.max_pressure_mpa).fold(0.0, f64::max);
     let pressure_tone = if largest_pressure > pressure_limit { Tone::Bad } else { Tone::Neutral };
-    let figure = |label: &str, value: String, unit: &str, note: String, tone: Tone| KeyFigure {
-        label: label.into(),
-        value,
-        unit: unit.into(),
-        note,
-        tone,
-    };
+    let figure =
+        |label: &str, value: String, unit: &str, note: String, tone: Tone| KeyFigure { label: label.into(), value, unit: unit.into(), note, tone };
     let lost = |row: &super::LifeRow| row.lost_motion_arcmin.unwrap_or(2.0 * row.play_arcmin);
     let lost_kind = if new.lost_motion_arcmin.is_some() { "lost motion at ±3 % of rated torque" } else { "play of both flanks" };
     let figures = vec![
@@ -64,7 +54,9 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
         ),
         match life.hours_to_limit {
             Some(hours) => figure("Hours to the limit", format!("{hours:.0}"), "h", format!("{service:.0} h planned"), tone),
-            None => figure("Hours to the limit", format!("> {computed:.0}"), "h", format!("{service:.0} h planned; computed to {computed:.0} h"), tone),
+            None => {
+                figure("Hours to the limit", format!("> {computed:.0}"), "h", format!("{service:.0} h planned; computed to {computed:.0} h"), tone)
+            }
         },
         figure(
             "Largest contact pressure",

@@ -54,8 +54,7 @@ fn predicted_depth(life: &LifePage) -> Plot {
     let on_side = |flank: &Relief, side: f64| angles_deg().map(|phi| (phi, flank.at(side * phi * DEG).depth / UM)).collect::<Vec<_>>();
     let last = life.flanks.len().saturating_sub(1).max(1) as f64;
     for (index, worn) in life.flanks.iter().enumerate().filter(|(_, worn)| !worn.flank.is_zero()) {
-        plot.series
-            .push(Series::line(format!("{:.0} h", worn.hours), on_side(worn.flank, side)).coloured(Colour::Ordered(index as f64 / last)));
+        plot.series.push(Series::line(format!("{:.0} h", worn.hours), on_side(worn.flank, side)).coloured(Colour::Ordered(index as f64 / last)));
     }
     if let Some(worn) = life.flanks.last().filter(|worn| !worn.flank.is_zero()) {
         let other = on_side(worn.flank, -side);
@@ -84,12 +83,10 @@ fn study_depth(life: &LifePage, study: &[StudyLoad]) -> Plot {
             angles_deg().map(|phi| at(phi) / largest).collect()
         })
         .collect();
-    let mut plot = Plot::new("Wear along the flank in the paper's study", meshing_angle(), Axis::new("Worn depth", "µm").from_zero())
-        .half()
-        .noted(
-            "Figure 10 of [Tao2024] from the closed-form forces and exact sliding. The paper takes the largest value of each curve as a uniform \
+    let mut plot = Plot::new("Wear along the flank in the paper's study", meshing_angle(), Axis::new("Worn depth", "µm").from_zero()).half().noted(
+        "Figure 10 of [Tao2024] from the closed-form forces and exact sliding. The paper takes the largest value of each curve as a uniform \
              depth for the next level.",
-        );
+    );
     let mut depth = vec![0.0; shares[0].len()];
     for level in 1..study.len() {
         let step = (study[level].depth - study[level - 1].depth) / UM;
