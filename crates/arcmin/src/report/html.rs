@@ -64,7 +64,7 @@ impl Writer<'_> {
         for css in STYLE {
             self.out.push_str(css);
         }
-        self.out.push_str("</style>\n</head>\n<body>\n<a class=\"skip\" href=\"#main\">Skip to content</a>\n");
+        self.out.push_str("</style>\n<script>document.documentElement.classList.add('starting')</script>\n</head>\n<body>\n<a class=\"skip\" href=\"#main\">Skip to content</a>\n");
         let _ = writeln!(
             self.out,
             "<header class=\"masthead\"><div><h1>{}</h1><p>{}</p></div><div class=\"controls\">\

@@ -48,7 +48,7 @@ mod text;
 
 pub use drawing::{CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
-pub use text::significant;
+pub use text::{compact, significant};
 
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]

@@ -70,6 +70,12 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// As [`significant`] without trailing zeros: a given value such as 412 N·m or 10 µm, not a measured one.
+pub fn compact(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    if text.contains('.') && !text.contains('e') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// Anchor or file name from a title.
 pub(super) fn slug(title: &str) -> String {
     let mut out = String::new();

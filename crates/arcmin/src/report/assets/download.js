@@ -30,7 +30,14 @@ function heatmapCsv(map) {
   return text;
 }
 
-const tableCsv = table => [...table.rows].map(row => csvLine([...row.cells].filter(cell => !cell.matches('[aria-hidden]')).map(cell => cell.innerText.replace(/\s+/g, ' ').trim()))).join('');
+// Heads as in the other files: label [unit].
+function cellText(cell) {
+  const copy = cell.cloneNode(true), unit = copy.querySelector('.unit');
+  if (unit) unit.textContent = ` [${unit.textContent}]`;
+  return copy.textContent.replace(/\s+/g, ' ').trim();
+}
+
+const tableCsv = table => [...table.rows].map(row => csvLine([...row.cells].filter(cell => !cell.matches('[aria-hidden]')).map(cellText))).join('');
 
 const STYLED = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-dasharray', 'stroke-linejoin', 'stroke-linecap', 'paint-order',
   'font-family', 'font-size', 'font-weight', 'text-anchor', 'dominant-baseline', 'opacity', 'visibility', 'display'];
@@ -48,17 +55,17 @@ function svgText(svg, title, legend = []) {
   });
   const ink = getComputedStyle(root).getPropertyValue('--ink').trim();
   const colourOf = value => value.startsWith('var(') ? getComputedStyle(root).getPropertyValue(value.slice(4, -1)).trim() : value;
-  const box = svg.viewBox.baseVal, width = box.width, lines = Math.ceil(legend.length / 3), unit = width / 640;
-  const head = legend.length || title ? (26 + lines * 18) * unit : 0;
+  const box = svg.viewBox.baseVal, width = box.width, columns = Math.max(1, Math.floor(width / 240)), lines = Math.ceil(legend.length / columns);
+  const head = title ? 26 + lines * 18 : 0;
   const font = `font-family:system-ui,"DejaVu Sans",Arial,sans-serif;font-size:`;
   for (const skipped of copy.querySelectorAll('[data-transient]')) skipped.remove();
-  const outer = svgElement('svg', { xmlns: SVG, viewBox: `${box.x} ${box.y - head} ${width} ${box.height + head}`, width: Math.round(640 * Math.max(1, width / 640 > 4 ? 1 : width / 640)) });
+  const outer = svgElement('svg', { xmlns: SVG, viewBox: `${box.x} ${box.y - head} ${width} ${box.height + head}`, width: title ? width : 900 });
   svgElement('rect', { x: box.x, y: box.y - head, width, height: box.height + head, fill: '#ffffff' }, outer);
-  svgElement('text', { x: box.x + 8 * unit, y: box.y - head + 18 * unit, style: `${font}${14 * unit}px;font-weight:600`, fill: ink }, outer, title);
+  if (title) svgElement('text', { x: 4, y: 18 - head, style: `${font}14px;font-weight:600`, fill: ink }, outer, title);
   legend.forEach((entry, index) => {
-    const x = box.x + (8 + (index % 3) * 208) * unit, y = box.y - head + (38 + Math.floor(index / 3) * 18) * unit;
-    svgElement('line', { x1: x, x2: x + 18 * unit, y1: y - 4 * unit, y2: y - 4 * unit, stroke: colourOf(entry.colour), 'stroke-width': 3 * unit, 'stroke-dasharray': entry.dashed ? `${5 * unit} ${3 * unit}` : 'none' }, outer);
-    svgElement('text', { x: x + 24 * unit, y, style: `${font}${12 * unit}px`, fill: ink }, outer, entry.name);
+    const x = 4 + (index % columns) * width / columns, y = 38 + Math.floor(index / columns) * 18 - head;
+    svgElement('line', { x1: x, x2: x + 18, y1: y - 4, y2: y - 4, stroke: colourOf(entry.colour), 'stroke-width': 3, 'stroke-dasharray': entry.dashed ? '5 3' : 'none' }, outer);
+    svgElement('text', { x: x + 24, y, style: `${font}12px`, fill: ink }, outer, entry.name);
   });
   for (const name of ['x', 'y', 'width', 'height', 'style', 'tabindex', 'role']) copy.removeAttribute(name);
   for (const [name, value] of [['x', box.x], ['y', box.y], ['width', box.width], ['height', box.height]]) copy.setAttribute(name, value);

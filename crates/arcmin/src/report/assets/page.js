@@ -82,3 +82,4 @@ const sizes = new ResizeObserver(() => {
   requestAnimationFrame(() => { queued = false; for (const figure of figures) figure.draw(); });
 });
 for (const figure of figures) sizes.observe(figure.stage);
+root.classList.remove('starting');

@@ -82,6 +82,7 @@ class PlotFigure {
         if (one.style === 'bars') yield 0;
       }
     }
+    if (this.zoomed.x) return;
     for (const mark of this.plot.annotations) { if (mark.kind === 'horizontal') yield mark.at; if (mark.kind === 'point') yield mark.y; }
   }
 

@@ -8,6 +8,9 @@ Object.assign(PlotFigure.prototype, {
     svg.addEventListener('pointerdown', event => {
       if (event.button !== 0 || !this.area) return;
       start = place(event);
+      // Focus for the keys, without the ring that belongs to the keyboard.
+      event.preventDefault();
+      svg.focus({ preventScroll: true, focusVisible: false });
       svg.setPointerCapture(event.pointerId);
     });
     svg.addEventListener('pointermove', event => {

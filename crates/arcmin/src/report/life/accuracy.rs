@@ -1,7 +1,7 @@
 //! Accuracy, pressure and loaded pairs against hours, and the tables behind them.
 
 use super::{LifePage, LifeRow, MeanAndMax};
-use crate::report::{Annotation, Axis, Block, Colour, Column, Plot, Series, Style, Table, Tone, significant};
+use crate::report::{Annotation, Axis, Block, Colour, Column, Plot, Series, Style, Table, Tone, compact, significant};
 
 pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
     let mut blocks = vec![Block::Plot(angles(life))];
@@ -46,7 +46,7 @@ fn angles(life: &LifePage) -> Plot {
         );
     }
     let limit = life.limit_arcmin();
-    plot.limit_at(limit, format!("limit {} arcmin lost motion", significant(limit, 3)));
+    plot.limit_at(limit, format!("limit {} arcmin lost motion", compact(limit, 3)));
     if let Some(at) = life.hours_to_limit {
         plot.annotations.push(Annotation::Vertical { at, label: format!("limit reached, {at:.0} h"), tone: Tone::Bad });
     }
@@ -71,7 +71,7 @@ fn pressure(life: &LifePage) -> Plot {
         );
     }
     let limit = life.machine.limits.contact_pressure * 1e-6;
-    plot.limit_at(limit, format!("allowed {} MPa", significant(limit, 4)));
+    plot.limit_at(limit, format!("allowed {} MPa", compact(limit, 4)));
     plot
 }
 
@@ -96,19 +96,20 @@ fn table(title: &str, rows: &[LifeRow]) -> Table {
     if let Some(last) = rows.last().filter(|last| shown.last().is_some_and(|row| row.hours < last.hours)) {
         shown.push(last);
     }
-    let optional = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| significant(value, 3));
-    let pair = |value: Option<MeanAndMax>| {
-        value.map_or_else(|| "–".to_owned(), |v| format!("{} / {}", significant(v.mean_arcmin, 3), significant(v.max_arcmin, 3)))
-    };
+    // Rounding noise of a flank that just touches is no play.
+    let optional =
+        |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| if value.abs() < 1e-6 { "0".to_owned() } else { significant(value, 3) });
+    let angle = |value: f64| if value.abs() < 1e-6 { "0".to_owned() } else { significant(value, 3) };
+    let pair = |value: Option<MeanAndMax>| value.map_or_else(|| "–".to_owned(), |v| format!("{} / {}", angle(v.mean_arcmin), angle(v.max_arcmin)));
     type Cell<'a> = (Column, Box<dyn Fn(&LifeRow) -> String + 'a>, bool);
     let any = |has: fn(&LifeRow) -> bool| rows.iter().any(has);
     let cells: Vec<Cell> = vec![
         (Column::number("Time", "h"), Box::new(|row| format!("{:.0}", row.hours)), true),
-        (Column::number("Deepest wear", "µm"), Box::new(|row| significant(row.max_depth_um, 3)), true),
-        (Column::number("Play", "arcmin"), Box::new(|row| significant(row.play_arcmin, 3)), true),
+        (Column::number("Deepest wear", "µm"), Box::new(move |row| angle(row.max_depth_um)), true),
+        (Column::number("Play", "arcmin"), Box::new(move |row| angle(row.play_arcmin)), true),
         (Column::number("Lost motion", "arcmin"), Box::new(move |row| optional(row.lost_motion_arcmin)), any(|row| row.lost_motion_arcmin.is_some())),
         (Column::number("TE, no load", "arcmin"), Box::new(move |row| optional(row.te_no_load_arcmin)), any(|row| row.te_no_load_arcmin.is_some())),
-        (Column::number("TE, loaded", "arcmin"), Box::new(|row| significant(row.te_loaded_arcmin, 3)), true),
+        (Column::number("TE, loaded", "arcmin"), Box::new(move |row| angle(row.te_loaded_arcmin)), true),
         (Column::number("Largest force", "N"), Box::new(|row| significant(row.max_force_n, 3)), any(|row| row.max_force_n > 0.0)),
         (Column::number("Pressure", "MPa"), Box::new(|row| significant(row.max_pressure_mpa, 4)), any(|row| row.max_pressure_mpa > 0.0)),
         (Column::number("Loaded pairs", ""), Box::new(|row| significant(row.loaded_pairs, 3)), true),

@@ -2,12 +2,11 @@
 
 use super::LifePage;
 use crate::geometry::{Profile, Relief};
-use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, significant};
+use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, compact, significant};
 use crate::units::{DEG, UM};
 
-/// Wear is drawn larger by one of these, the largest that keeps it below half a millimetre.
+/// Wear is drawn larger by the largest of these that leaves the drawn outline regular.
 const ENLARGEMENTS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
-const DRAWN_DEPTH: f64 = 0.5e-3;
 
 pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
     vec![Block::Plot(outline(life)), Block::Plot(curvature(life)), Block::Plot(sliding(life))]
@@ -18,7 +17,9 @@ fn outline(life: &LifePage) -> Plot {
     let study_depth = life.study.last().map_or(0.0, |row| row.max_depth_um * UM);
     let last = life.flanks.last().filter(|worn| !worn.flank.is_zero());
     let deepest = last.map_or(0.0, |worn| worn.flank.deepest().0).max(study_depth).max(1e-12);
-    let enlargement = ENLARGEMENTS.iter().copied().rfind(|factor| factor * deepest <= DRAWN_DEPTH).unwrap_or(1.0);
+    // An offset by the sharpest convex radius would draw a corner.
+    let drawable = 0.8 * (profile.sharpest_convex_trace().0 - profile.pin_radius).max(0.1 * profile.pin_radius);
+    let enlargement = ENLARGEMENTS.iter().copied().rfind(|factor| factor * deepest <= drawable).unwrap_or(1.0);
     let mut plot = Plot::new("Tooth flank with and without wear", Axis::new("Along the pitch", "mm"), Axis::new("Radius from the disc centre", "mm"))
         .noted(format!(
             "One tooth space and half a tooth to each side, pins not drawn (Figure 4 of [Tao2024]). Wear is drawn {enlargement:.0} times larger than it is."
@@ -30,7 +31,7 @@ fn outline(life: &LifePage) -> Plot {
         plot.series.push(Series::line(name, worn_outline(&profile, worn.flank, enlargement)).strong());
     }
     if study_depth > 0.0 {
-        let name = format!("uniform {} µm (×{enlargement:.0}), the paper's study", significant(study_depth / UM, 3));
+        let name = format!("uniform {} µm (×{enlargement:.0}), the paper's study", compact(study_depth / UM, 3));
         plot.series
             .push(Series::new(name, Style::Dashed, worn_outline(&profile, &Relief::uniform(study_depth), enlargement)).coloured(Colour::Reference));
     }

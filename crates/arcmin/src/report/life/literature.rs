@@ -37,15 +37,15 @@ pub(super) fn references() -> Vec<Reference> {
         entry("ISO281", "ISO 281:2007. Rolling bearings — Dynamic load ratings and rating life.", None, "Rating life of the bearings."),
         entry(
             "GBT35089",
-            "GB/T 35089-2018. Gear reducers for robots — Test methods (Chinese national standard).",
+            "GB/T 35089-2018. Precision gear transmission for robot — Test method (Chinese national standard).",
             None,
-            "Definitions of lost motion, backlash, torsional stiffness and transmission error on a test bench.",
+            "Transmission error, efficiency and stiffness on a test bench.",
         ),
         entry(
             "GBT40731",
-            "GB/T 40731-2021. Precision reducers for industrial robots (Chinese national standard).",
+            "GB/T 40731-2021. Method of test and evaluation for lost motion of precision reducer (Chinese national standard).",
             None,
-            "Test conditions and acceptance of precision reducers.",
+            "Lost motion from the hysteresis loop.",
         ),
     ]
 }

@@ -3,7 +3,7 @@
 use super::{LifePage, WornFlank};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
-use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, significant};
+use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, compact, significant};
 use crate::units::{ARCMIN, DEG, UM};
 
 /// The uniform depth and the closed form there, for the paper's figures.
@@ -90,7 +90,7 @@ fn study_forces(life: &LifePage, study: &[StudyLoad]) -> Plot {
 }
 
 pub(super) fn hours_and_depth(load: &StudyLoad) -> String {
-    format!("{:.0} h, {} µm", load.hours, significant(load.depth / UM, 2))
+    format!("{:.0} h, {} µm", load.hours, compact(load.depth / UM, 2))
 }
 
 fn ordered(index: usize, count: usize) -> Colour {
@@ -185,7 +185,7 @@ fn pressure(life: &LifePage) -> Plot {
     }
     // A limit far away would only flatten the curves.
     if limit < 2.0 * largest {
-        plot.limit_at(limit, format!("allowed {} MPa", significant(limit, 4)));
+        plot.limit_at(limit, format!("allowed {} MPa", compact(limit, 4)));
     }
     plot
 }

@@ -129,7 +129,7 @@ impl LifePage<'_> {
         sections.push(Section::new("literature", "Literature", vec![Block::References(literature::references())]));
         Page {
             title: name.clone(),
-            subtitle: format!("Accuracy over {} h of service", super::significant(self.service_hours(), 4)),
+            subtitle: format!("Accuracy over {} h of service", super::compact(self.service_hours(), 4)),
             provenance: self.provenance.clone(),
             verdict: verdict::verdict(self),
             sections,
@@ -208,7 +208,7 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
             "To scale. Contact forces of the load-sharing equilibrium at {} N·m; the arrows act on the disc, their lines of action meet in the \
              pitch point. Elastic approach and wear (micrometres) do not show at this scale. The outer radius of the housing is not part of \
              the design and drawn for the eye.",
-            super::significant(machine.rated.torque, 4)
+            super::compact(machine.rated.torque, 4)
         ),
         pin_circle_radius_mm: ring * MM_PER_M,
         pin_radius_mm: machine.ring.pin_radius * MM_PER_M,

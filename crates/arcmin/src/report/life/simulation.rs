@@ -2,7 +2,7 @@
 
 use super::{LifePage, LifeRow, MeanAndMax, RunTrace};
 use crate::machine::Machine;
-use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, significant};
+use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant};
 
 /// Values printed in the text of Tao2024 (section 4); its curves are not digitised.
 const STE_MEAN_AT_10_UM: f64 = 0.5351;
@@ -27,7 +27,7 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
     let mut blocks = Vec::new();
     let runs = [
         (life.ste_rigid_run, "Rigid model without load", "Figures 11 and 12", RunKind::Static),
-        (life.dte_rigid_run, "Rigid model with sinusoidal load", "Figures 13 to 15", RunKind::Dynamic),
+        (life.dte_rigid_run, "Rigid model with sinusoidal load", "Figures 13–15", RunKind::Dynamic),
         (life.ste_flexible_run, "Flexible disc without load", "Figures 16 and 17", RunKind::Flexible),
     ];
     let has = |value: fn(&LifeRow) -> bool| life.study.iter().any(value);
@@ -43,9 +43,14 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
     }
     for (run, title, figures, kind) in runs {
         let Some(run) = run else { continue };
-        blocks.push(Block::Heading(format!("{title}, {} µm uniform wear", significant(run.wear_um, 3))));
+        blocks.push(Block::Heading(format!("{title}, {} µm uniform wear", compact(run.wear_um, 3))));
         blocks.push(Block::Plot(speeds(title, figures, &run)));
-        blocks.push(Block::Plot(error(title, figures, &run, kind, is_the_papers(life.machine))));
+        let mut error = error(title, figures, &run, kind, is_the_papers(life.machine));
+        if let Some(load) = load(title, figures, &run) {
+            blocks.push(Block::Plot(load));
+            error.width = Width::Full;
+        }
+        blocks.push(Block::Plot(error));
     }
     blocks
 }
@@ -88,16 +93,21 @@ fn speeds(title: &str, figures: &str, run: &RunTrace) -> Plot {
         sum(run.input_speed_deg_s) / sum(run.output_speed_deg_s)
     };
     let scaled: Vec<f64> = run.input_speed_deg_s.iter().map(|speed| speed / ratio).collect();
-    let mut plot = Plot::new(format!("{title}: speeds"), Axis::new("Time", "s"), Axis::new("Speed at the output", "°/s"))
+    Plot::new(format!("{title}: speeds"), Axis::new("Time", "s"), Axis::new("Speed at the output", "°/s"))
         .half()
         .with(Series::line("output", thinned(run.time_s, run.output_speed_deg_s)).coloured(Colour::Palette(0)))
-        .with(Series::new(format!("input / {}", significant(ratio, 4)), Style::Dashed, thinned(run.time_s, &scaled)).coloured(Colour::Reference))
-        .noted(format!("{figures} of [Tao2024]. The input turns at {} °/s.", significant(run.input_speed_deg_s.last().copied().unwrap_or(0.0), 5)));
-    let largest = run.load_n_m.iter().fold(0.0_f64, |largest, load| largest.max(load.abs()));
-    if largest > 0.0 {
-        plot.note.push_str(&format!(" The load reaches {} N·m.", significant(largest, 4)));
-    }
-    plot
+        .with(Series::new(format!("input / {}", compact(ratio, 4)), Style::Dashed, thinned(run.time_s, &scaled)).coloured(Colour::Reference))
+        .noted(format!("{figures} of [Tao2024]. The input turns at {} °/s.", compact(run.input_speed_deg_s.last().copied().unwrap_or(0.0), 5)))
+}
+
+/// The load on the output, where there is one.
+fn load(title: &str, figures: &str, run: &RunTrace) -> Option<Plot> {
+    run.load_n_m.iter().any(|load| *load != 0.0).then(|| {
+        Plot::new(format!("{title}: load"), Axis::new("Time", "s"), Axis::new("Load torque", "N·m"))
+            .half()
+            .with(Series::line("load", thinned(run.time_s, run.load_n_m)).coloured(Colour::Palette(1)))
+            .noted(format!("{figures} of [Tao2024]."))
+    })
 }
 
 fn error(title: &str, figures: &str, run: &RunTrace, kind: RunKind, papers: bool) -> Plot {
@@ -106,7 +116,7 @@ fn error(title: &str, figures: &str, run: &RunTrace, kind: RunKind, papers: bool
         .with(Series::line("transmission error", thinned(run.time_s, run.te_arcmin)).coloured(Colour::Palette(0)));
     plot.note = format!(
         "{figures} of [Tao2024]. From {} s on: mean size {} arcmin, largest {} arcmin.",
-        significant(run.steady_from_s, 2),
+        compact(run.steady_from_s, 2),
         significant(run.mean_abs_arcmin, 4),
         significant(run.max_abs_arcmin, 4)
     );
@@ -258,15 +268,16 @@ fn differences(life: &LifePage) -> Vec<String> {
             significant(row.play_arcmin, 3)
         ));
     }
-    if let Some(row) = at(10.0).and_then(|row| row.dte_rigid.map(|dte| (row, dte))) {
+    if let Some(row) = at(10.0).and_then(|row| row.dte_rigid.map(|dte| (row, dte))).filter(|(row, dte)| dte.max_arcmin > row.play_arcmin) {
         let (row, dte) = row;
         texts.push(format!(
             "With the sinusoidal load the teeth are pressed to one flank and then to the other, so that |TE| swings to the clearance plus the \
              contact deflection: {} arcmin here. The paper's excursions of about {DTE_EXCURSION_AT_10_UM} arcmin at 10 µm (clearance \
-             ±{} arcmin) need a contact some fifty times softer than steel on steel; its small mean of {DTE_MEAN_AT_10_UM} arcmin is what \
-             remains when swings of both signs cancel.",
+             ±{} arcmin) would need teeth about {} times softer; its small mean of {DTE_MEAN_AT_10_UM} arcmin is what remains when \
+             swings of both signs cancel.",
             significant(dte.max_arcmin, 3),
-            significant(row.play_arcmin, 3)
+            significant(row.play_arcmin, 3),
+            significant((DTE_EXCURSION_AT_10_UM - row.play_arcmin) / (dte.max_arcmin - row.play_arcmin), 2)
         ));
     }
     if let Some(flexible) = at(10.0).and_then(|row| row.ste_flexible) {

@@ -1,7 +1,7 @@
 //! The first screen: how accurate, how long, what limits it, what to change.
 
 use super::LifePage;
-use crate::report::{KeyFigure, Tone, Verdict, significant};
+use crate::report::{KeyFigure, Tone, Verdict, compact, significant};
 use crate::units::{DEG, MPA};
 
 /// A limit reached within this part beyond the service life is worth a warning: wear coefficients are not known better.
@@ -19,16 +19,23 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
     let (tone, headline) = match life.hours_to_limit {
         Some(hours) if hours < service => (
             Tone::Bad,
-            format!("Reaches its limit of {} arcmin lost motion after {:.0} h, before the planned {:.0} h.", significant(limit, 3), hours, service),
+            format!("Reaches its limit of {} arcmin lost motion after {:.0} h, before the planned {:.0} h.", compact(limit, 3), hours, service),
         ),
         Some(hours) if hours < NARROW * service => (
             Tone::Caution,
-            format!("Keeps its {} arcmin of lost motion for the planned {:.0} h, but only just: {:.0} h.", significant(limit, 3), service, hours),
+            format!("Keeps its {} arcmin of lost motion for the planned {:.0} h, but only just: {:.0} h.", compact(limit, 3), service, hours),
         ),
         Some(hours) => {
-            (Tone::Good, format!("Keeps its {} arcmin of lost motion for {:.0} h; {:.0} h are planned.", significant(limit, 3), hours, service))
+            (Tone::Good, format!("Keeps its {} arcmin of lost motion for {:.0} h; {:.0} h are planned.", compact(limit, 3), hours, service))
         }
-        None => (Tone::Good, format!("Keeps its {} arcmin of lost motion for all {:.0} h computed.", significant(limit, 3), computed)),
+        None if computed < service * (1.0 - 1e-9) => (
+            Tone::Caution,
+            format!(
+                "Stays within {} arcmin of lost motion for the {computed:.0} h that could be computed; {service:.0} h are planned.",
+                compact(limit, 3)
+            ),
+        ),
+        None => (Tone::Good, format!("Keeps its {} arcmin of lost motion for all {:.0} h computed.", compact(limit, 3), computed)),
     };
     let pressure_limit = life.machine.limits.contact_pressure / MPA;
     let largest_pressure = life.prediction.iter().map(|row| row.max_pressure_mpa).fold(0.0, f64::max);
@@ -49,7 +56,7 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
             &format!("After {:.0} h", worn.hours),
             significant(lost(worn), 3),
             "arcmin",
-            format!("{} arcmin allowed; loaded transmission error {} arcmin", significant(limit, 3), significant(worn.te_loaded_arcmin, 3)),
+            format!("{} arcmin allowed; loaded transmission error {} arcmin", compact(limit, 3), significant(worn.te_loaded_arcmin, 3)),
             if lost(worn) > limit { Tone::Bad } else { Tone::Good },
         ),
         match life.hours_to_limit {
@@ -62,7 +69,7 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
             "Largest contact pressure",
             significant(largest_pressure, 4),
             "MPa",
-            format!("{} MPa allowed; largest force {} N", significant(pressure_limit, 4), significant(worn.max_force_n, 3)),
+            format!("{} MPa allowed; largest force {} N", compact(pressure_limit, 4), significant(worn.max_force_n, 3)),
             pressure_tone,
         ),
     ];
@@ -99,7 +106,7 @@ fn limiting(life: &LifePage, pressure: f64, pressure_limit: f64) -> String {
         None => "Wear of the cycloid disc's flank.".to_owned(),
     };
     if pressure > pressure_limit {
-        format!("The contact pressure of {} MPa exceeds the {} MPa allowed. {wear}", significant(pressure, 4), significant(pressure_limit, 4))
+        format!("The contact pressure of {} MPa exceeds the {} MPa allowed. {wear}", significant(pressure, 4), compact(pressure_limit, 4))
     } else {
         wear
     }
@@ -110,6 +117,6 @@ fn default_advice(life: &LifePage) -> String {
     format!(
         "Depth per pass is k·(F/B)·ξ: a disc wider than {} mm or a lower torque slows wear in proportion; so does a lower wear coefficient \
          (lubricant, surface). The coefficient is the least certain input: calibrate it with one measured lost motion.",
-        significant(life.machine.disc.width * 1e3, 3)
+        compact(life.machine.disc.width * 1e3, 3)
     )
 }
