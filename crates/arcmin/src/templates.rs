@@ -15,13 +15,11 @@ pub struct Template {
 }
 
 /// All shipped designs, the default first.
-pub const TEMPLATES: [Template; 1] = [
-    Template {
-        name: "rv-40e-81",
-        summary: "RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m",
-        text: include_str!("../../../designs/rv-40e-81.toml"),
-    },
-];
+pub const TEMPLATES: [Template; 1] = [Template {
+    name: "rv-40e-81",
+    summary: "RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m",
+    text: include_str!("../../../designs/rv-40e-81.toml"),
+}];
 
 /// The RV-40E-81 of Tao2024, with the assumptions that the paper leaves open.
 pub fn rv_40e_81() -> Machine {

@@ -124,7 +124,10 @@ fn sun_undercut(machine: &Machine) -> Finding {
     Finding {
         code: "gear-undercut",
         severity: severity_if(teeth < least.floor(), Severity::Warning),
-        message: format!("the smaller gear has {teeth} teeth; without profile shift {least:.1} are free of undercut at {:.1}°", gear.pressure_angle / DEG),
+        message: format!(
+            "the smaller gear has {teeth} teeth; without profile shift {least:.1} are free of undercut at {:.1}°",
+            gear.pressure_angle / DEG
+        ),
         value: teeth,
         limit: least,
         unit: "teeth",

@@ -57,8 +57,10 @@ fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
     if let Some(given) = circle.value
         && (given / centre_distance - 1.0).abs() > 5e-4
     {
-        let message =
-            format!("crankshafts on a radius of {given} mm do not mesh: the gear stage's centre distance is m (z_1 + z_2)/2 = {} mm", plain(centre_distance));
+        let message = format!(
+            "crankshafts on a radius of {given} mm do not mesh: the gear stage's centre distance is m (z_1 + z_2)/2 = {} mm",
+            plain(centre_distance)
+        );
         return Err(contradiction(source, &circle.span, message, "correct the module or the teeth, or leave the radius out"));
     }
     Ok(())
@@ -79,10 +81,9 @@ fn flank(design: &DesignSections, source: &Source) -> Result<()> {
     let k1 = profile.short_width_coefficient();
     if k1 >= 1.0 {
         let message = format!("the short width coefficient K1 = a z_p/R_p = {} is not below 1: the flank would loop", plain(k1));
-        let hint =
-            format!("with {} pins on {} mm the eccentricity must stay below {} mm", profile.pin_count, *ring.pin_circle_radius_mm, {
-                plain(profile.pin_circle_radius / profile.pin_count as f64 / MM)
-            });
+        let hint = format!("with {} pins on {} mm the eccentricity must stay below {} mm", profile.pin_count, *ring.pin_circle_radius_mm, {
+            plain(profile.pin_circle_radius / profile.pin_count as f64 / MM)
+        });
         return Err(contradiction(source, &cranks.eccentricity_mm.span, message, &hint));
     }
     let root = root_radius(design);
@@ -105,17 +106,21 @@ fn bores(design: &DesignSections, source: &Source) -> Result<()> {
     for (index, (name, bore, place)) in all.iter().enumerate() {
         let outside = bore.centre_radius + bore.radius - root;
         if outside >= 0.0 {
-            let message = format!("{name} breaks through the flank: it reaches {} mm, the roots lie at {} mm", {
-                plain((bore.centre_radius + bore.radius) / MM)
-            }, plain(root / MM));
+            let message = format!(
+                "{name} breaks through the flank: it reaches {} mm, the roots lie at {} mm",
+                { plain((bore.centre_radius + bore.radius) / MM) },
+                plain(root / MM)
+            );
             return Err(contradiction(source, place, message, "make it smaller or move it inwards (keys are diameters)"));
         }
         for (other_name, other, _) in &all[..index] {
             let distance = (bore.centre_radius * unit(bore.centre_angle) - other.centre_radius * unit(other.centre_angle)).norm();
             if distance <= bore.radius + other.radius {
-                let message = format!("{other_name} and {name} overlap: their centres are {} mm apart, their radii add up to {} mm", {
-                    plain(distance / MM)
-                }, plain((bore.radius + other.radius) / MM));
+                let message = format!(
+                    "{other_name} and {name} overlap: their centres are {} mm apart, their radii add up to {} mm",
+                    { plain(distance / MM) },
+                    plain((bore.radius + other.radius) / MM)
+                );
                 return Err(contradiction(source, place, message, "make one smaller or move it (keys are diameters)"));
             }
         }
@@ -166,7 +171,8 @@ fn bearings(design: &DesignSections, source: &Source) -> Result<()> {
         let spacing = pitch * (std::f64::consts::PI / *bearing.roller_count as f64).sin();
         if spacing < diameter {
             let fit = (std::f64::consts::PI / (diameter / pitch).asin()).floor();
-            let message = format!("{} rollers of {diameter} mm do not fit on the pitch circle of {pitch} mm in bearings.{name}", *bearing.roller_count);
+            let message =
+                format!("{} rollers of {diameter} mm do not fit on the pitch circle of {pitch} mm in bearings.{name}", *bearing.roller_count);
             return Err(contradiction(source, place, message, &format!("at most {fit} fit")));
         }
     }

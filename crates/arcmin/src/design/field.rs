@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use written::{integer, number};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use written::{integer, number};
 
 use super::error::{DesignErrorKind, Source};
 use super::hint;
@@ -309,9 +309,7 @@ impl FieldValue for Material {
                 );
                 table.source.error(DesignErrorKind::UnknownMaterial { name: name.to_string() }, value.span(), Some(hint))
             }),
-            DeValue::Table(inline) => {
-                Ok(MaterialTable::from_table(&table.sub_table(key.name, inline, value.span()))?.material())
-            }
+            DeValue::Table(inline) => Ok(MaterialTable::from_table(&table.sub_table(key.name, inline, value.span()))?.material()),
             _ => Err(table.wrong_type(key, "the name of a material or an inline table", value)),
         }
     }

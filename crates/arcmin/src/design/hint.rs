@@ -4,7 +4,13 @@ use super::error::DesignErrorKind;
 use super::schema::{Key, Kind, SectionSchema, UNIT_SUFFIXES, unit_suffix};
 
 /// Error and hint for a key that its section does not have; `written` is the value beside it.
-pub(super) fn for_unknown_key(key: &str, written: &str, schema: &SectionSchema, root: &'static SectionSchema, title: &str) -> (DesignErrorKind, String) {
+pub(super) fn for_unknown_key(
+    key: &str,
+    written: &str,
+    schema: &SectionSchema,
+    root: &'static SectionSchema,
+    title: &str,
+) -> (DesignErrorKind, String) {
     let named = || key.to_owned();
     // A key without its unit: pin_radius = 3.
     if let Some(right) = schema.keys.iter().find(|known| unit_suffix(known.name).is_some_and(|(stem, _)| stem == key)) {
@@ -25,7 +31,8 @@ pub(super) fn for_unknown_key(key: &str, written: &str, schema: &SectionSchema, 
         return (DesignErrorKind::WrongUnit { key: named() }, hint);
     }
     let unknown = DesignErrorKind::UnknownKey { key: named(), section: title.to_owned() };
-    let elsewhere = std::iter::once((String::new(), root)).chain(sections_of(root, "")).find(|(_, section)| section.keys.iter().any(|known| known.name == key));
+    let elsewhere =
+        std::iter::once((String::new(), root)).chain(sections_of(root, "")).find(|(_, section)| section.keys.iter().any(|known| known.name == key));
     let close = closest(key, schema.keys.iter().map(|known| known.name));
     let hint = match (close, elsewhere) {
         (_, Some((path, _))) if path.is_empty() => "it belongs to the top of the file, before the first section".to_owned(),
@@ -104,7 +111,11 @@ fn strip_all_units(key: &str) -> &str {
 /// The nearest word, if it is near enough to be a slip of the pen.
 fn closest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).clamp(1, 4);
-    known.map(|candidate| (distance(&word.to_lowercase(), &candidate.to_lowercase()), candidate)).filter(|near| near.0 <= limit).min().map(|near| near.1)
+    known
+        .map(|candidate| (distance(&word.to_lowercase(), &candidate.to_lowercase()), candidate))
+        .filter(|near| near.0 <= limit)
+        .min()
+        .map(|near| near.1)
 }
 
 /// Edits (insert, delete, replace, swap of neighbours) between two words: the optimal string alignment distance.

@@ -3,7 +3,9 @@
 use super::consistency::{Place, contradiction, needs};
 use super::error::Source;
 use super::solids::{self, Section as Solid};
-use super::{At, CoefficientSection, ContactLawName, ContactSection, DesignError, DesignSections, ModificationSection, RollerBearingSection, Section};
+use super::{
+    At, CoefficientSection, ContactLawName, ContactSection, DesignError, DesignSections, ModificationSection, RollerBearingSection, Section,
+};
 use crate::contact::{ContactLaw, Damping};
 use crate::geometry::{Profile, Relief};
 use crate::machine::*;
@@ -222,10 +224,7 @@ fn bearings(design: &DesignSections) -> BearingSet {
         turning_arm: roller(&bearings.turning_arm),
         crank_support: roller(&bearings.crank_support),
         crank_support_span: *bearings.crank_support_span_mm * MM,
-        main: SupportStiffness {
-            radial: *bearings.main.radial_stiffness_n_per_um * N_PER_UM,
-            clearance: *bearings.main.clearance_um * UM,
-        },
+        main: SupportStiffness { radial: *bearings.main.radial_stiffness_n_per_um * N_PER_UM, clearance: *bearings.main.clearance_um * UM },
     }
 }
 
@@ -311,10 +310,7 @@ fn coefficient(section: &CoefficientSection, place: &Place, source: &Source) -> 
             return Err(contradiction(source, &at.span, format!("the wear coefficient is given twice, by `{first}` and by `{second}`"), WAYS));
         }
     }
-    for (partner, at, main) in [
-        ("hardness_mpa", &section.hardness_mpa, &ways[2..3]),
-        ("after_h", &section.after_h, &ways[3..5]),
-    ] {
+    for (partner, at, main) in [("hardness_mpa", &section.hardness_mpa, &ways[2..3]), ("after_h", &section.after_h, &ways[3..5])] {
         let used = main.iter().find(|(_, at)| at.is_some());
         match (at.value, used) {
             (None, Some((key, _))) => return Err(needs(source, place, &format!("`{key}`"), partner)),
