@@ -1,0 +1,213 @@
+use super::elements::{TET_EDGES, physical_gradient_t6, physical_gradient_tet10};
+use super::{FemError, PlaneMesh};
+use crate::geometry::Vec2;
+
+/// Which element a mesh is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ElementKind {
+    /// Plane stress, thickness in [`Mesh::thickness`].
+    T6,
+    Tet10,
+}
+
+impl ElementKind {
+    pub fn nodes_per_element(self) -> usize {
+        match self {
+            ElementKind::T6 => 6,
+            ElementKind::Tet10 => 10,
+        }
+    }
+
+    /// Displacement components per node.
+    pub fn dimension(self) -> usize {
+        match self {
+            ElementKind::T6 => 2,
+            ElementKind::Tet10 => 3,
+        }
+    }
+}
+
+/// A finite element mesh, plane or extruded from a plane one.
+///
+/// Node k of the plane mesh on level l of an extruded mesh has the index l·(plane nodes) + k; levels are half a layer apart.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    pub kind: ElementKind,
+    /// m; z is 0 in plane meshes.
+    pub nodes: Vec<[f64; 3]>,
+    /// [`ElementKind::nodes_per_element`] entries per element.
+    pub connectivity: Vec<usize>,
+    /// Face width B in m that the model stands for.
+    pub thickness: f64,
+    /// The plane mesh it came from.
+    pub plane: PlaneMesh,
+    /// z of the node levels in m; `[0]` for plane meshes.
+    pub levels: Vec<f64>,
+    /// Whether only the half 0 ≤ z ≤ B/2 is meshed, with u_z = 0 on the middle plane z = 0.
+    pub half_width: bool,
+}
+
+/// What an engineer asks of a mesh before believing it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshQuality {
+    pub nodes: usize,
+    pub elements: usize,
+    pub unknowns: usize,
+    /// Smallest corner angle of the (straight) triangles in degrees.
+    pub smallest_angle_deg: f64,
+    /// Largest ratio of circumradius to twice the inradius of the (straight) triangles; 1 for equilateral ones.
+    pub largest_aspect: f64,
+    /// Smallest over all elements of min det J / max det J over the element's corners; 1 for straight elements.
+    pub smallest_jacobian_ratio: f64,
+}
+
+impl Mesh {
+    pub fn plane_stress(plane: PlaneMesh, thickness: f64) -> Mesh {
+        Mesh {
+            kind: ElementKind::T6,
+            nodes: plane.nodes.iter().map(|p| [p.x, p.y, 0.0]).collect(),
+            connectivity: plane.triangles.iter().flatten().copied().collect(),
+            thickness,
+            plane,
+            levels: vec![0.0],
+            half_width: false,
+        }
+    }
+
+    /// Extrudes through the width B, or, with `half_width`, from the middle plane to one face.
+    ///
+    /// Every triangle becomes `layers` prisms, every prism three tetrahedra. Each quadrilateral side is cut by the diagonal from its
+    /// lower corner of smaller index, so neighbours agree without looking at each other (Dompierre et al. 1999). All mid-side nodes
+    /// then fall on the nodes of the plane mesh at whole and half layers.
+    pub fn extruded(plane: PlaneMesh, thickness: f64, layers: usize, half_width: bool) -> Mesh {
+        let height = if half_width { 0.5 * thickness } else { thickness };
+        let bottom = if half_width { 0.0 } else { -0.5 * thickness };
+        let level_count = 2 * layers + 1;
+        let levels: Vec<f64> = (0..level_count).map(|l| bottom + height * l as f64 / (2 * layers) as f64).collect();
+        let per_level = plane.nodes.len();
+        let nodes = levels.iter().flat_map(|z| plane.nodes.iter().map(move |p| [p.x, p.y, *z])).collect();
+        let mut connectivity = Vec::with_capacity(plane.triangles.len() * layers * 30);
+        for layer in 0..layers {
+            for triangle in &plane.triangles {
+                for tetrahedron in split_prism(triangle) {
+                    connectivity.extend(tet10_nodes(triangle, tetrahedron).map(|(node, half)| (2 * layer + half) * per_level + node));
+                }
+            }
+        }
+        Mesh { kind: ElementKind::Tet10, nodes, connectivity, thickness, plane, levels, half_width }
+    }
+
+    pub fn element_count(&self) -> usize {
+        self.connectivity.len() / self.kind.nodes_per_element()
+    }
+
+    pub fn elements(&self) -> impl Iterator<Item = &[usize]> {
+        self.connectivity.chunks_exact(self.kind.nodes_per_element())
+    }
+
+    /// Positions of an element's nodes; `N` is the number of nodes of the mesh's element kind.
+    pub fn element_nodes<const N: usize>(&self, element: usize) -> [[f64; 3]; N] {
+        std::array::from_fn(|i| self.nodes[self.connectivity[element * N + i]])
+    }
+
+    /// All nodes above (on) a set of plane nodes, level by level.
+    pub fn columns_of(&self, plane_nodes: &[usize]) -> Vec<usize> {
+        let per_level = self.plane.nodes.len();
+        (0..self.levels.len()).flat_map(|level| plane_nodes.iter().map(move |node| level * per_level + node)).collect()
+    }
+
+    pub fn quality(&self) -> MeshQuality {
+        let mut smallest_angle = f64::INFINITY;
+        let mut largest_aspect = 0.0_f64;
+        for triangle in &self.plane.triangles {
+            let p: [Vec2; 3] = [0, 1, 2].map(|i| self.plane.nodes[triangle[i]]);
+            let sides = [0, 1, 2].map(|i| (p[(i + 2) % 3] - p[(i + 1) % 3]).norm());
+            let [a, b, c] = sides;
+            for i in 0..3 {
+                let (o, s, t) = (sides[i], sides[(i + 1) % 3], sides[(i + 2) % 3]);
+                smallest_angle = smallest_angle.min(((s * s + t * t - o * o) / (2.0 * s * t)).clamp(-1.0, 1.0).acos());
+            }
+            largest_aspect = largest_aspect.max(a * b * c / ((b + c - a) * (c + a - b) * (a + b - c)));
+        }
+        let smallest_jacobian_ratio = (0..self.element_count()).map(|e| self.jacobian_ratio(e)).fold(f64::INFINITY, f64::min);
+        MeshQuality {
+            nodes: self.nodes.len(),
+            elements: self.element_count(),
+            unknowns: self.nodes.len() * self.kind.dimension(),
+            smallest_angle_deg: smallest_angle.to_degrees(),
+            largest_aspect,
+            smallest_jacobian_ratio,
+        }
+    }
+
+    fn jacobian_ratio(&self, element: usize) -> f64 {
+        let determinants: Vec<f64> = match self.kind {
+            ElementKind::T6 => {
+                let nodes = self.element_nodes::<6>(element);
+                [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]].iter().map(|at| physical_gradient_t6(&nodes, *at).1).collect()
+            }
+            ElementKind::Tet10 => {
+                let nodes = self.element_nodes::<10>(element);
+                [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]].iter().map(|at| physical_gradient_tet10(&nodes, *at).1).collect()
+            }
+        };
+        let (low, high) = determinants.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
+        low / high
+    }
+
+    /// The tetrahedra above plane triangle `triangle` in `layer`.
+    pub fn prism_elements(&self, layer: usize, triangle: usize) -> std::ops::Range<usize> {
+        let first = 3 * (layer * self.plane.triangles.len() + triangle);
+        first..first + 3
+    }
+
+    /// Checks every element at its corners.
+    ///
+    /// # Errors
+    /// [`FemError::InvertedElement`] if a curved mid-side node has turned an element inside out.
+    pub fn check(&self) -> Result<(), FemError> {
+        match (0..self.element_count()).map(|e| (e, self.jacobian_ratio(e))).find(|(_, ratio)| ratio.is_nan() || *ratio <= 0.0) {
+            Some((element, determinant)) => Err(FemError::InvertedElement { element, determinant }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Corners of the three tetrahedra of a prism as (corner of the triangle, 0 = bottom, 1 = top).
+///
+/// With the corners sorted by index a < b < c the cuts a₀–b₁, a₀–c₁, b₀–c₁ give a₀a₁b₁c₁, a₀b₀b₁c₁, a₀b₀c₀c₁.
+fn split_prism(triangle: &[usize; 6]) -> [[(usize, usize); 4]; 3] {
+    let mut order = [0, 1, 2];
+    order.sort_by_key(|i| triangle[*i]);
+    let [a, b, c] = order;
+    let even = matches!(order, [0, 1, 2] | [1, 2, 0] | [2, 0, 1]);
+    let tetrahedra = [[(a, 0), (a, 1), (b, 1), (c, 1)], [(a, 0), (b, 0), (b, 1), (c, 1)], [(a, 0), (b, 0), (c, 0), (c, 1)]];
+    // For a counter-clockwise a, b, c the first and the last are right-handed, the middle one is not.
+    let swap = [!even, even, !even];
+    let mut result = tetrahedra;
+    for (tetrahedron, swap) in result.iter_mut().zip(swap) {
+        if swap {
+            tetrahedron.swap(2, 3);
+        }
+    }
+    result
+}
+
+/// Ten nodes as (plane node, half layers above the layer's bottom).
+fn tet10_nodes(triangle: &[usize; 6], corners: [(usize, usize); 4]) -> [(usize, usize); 10] {
+    let mut nodes = [(0, 0); 10];
+    for (node, (corner, top)) in nodes.iter_mut().zip(corners) {
+        *node = (triangle[corner], 2 * top);
+    }
+    for (k, [i, j]) in TET_EDGES.into_iter().enumerate() {
+        let ((p, top_p), (q, top_q)) = (corners[i], corners[j]);
+        let plane = match (p.min(q), p.max(q)) {
+            (p, q) if p == q => triangle[p],
+            (0, 1) => triangle[3],
+            (1, 2) => triangle[4],
+            _ => triangle[5],
+        };
+        nodes[4 + k] = (plane, top_p + top_q);
+    }
+    nodes
+}

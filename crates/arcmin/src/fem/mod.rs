@@ -1,0 +1,38 @@
+//! The elastic cycloid disc: meshes, finite elements, reduction to a few coordinates.
+//!
+//! The data's way: `DiscShape` (outline, bores, width, material) → [`Mesh`] (T6 plane stress or Tet10 through half the width)
+//! → [`assembly`] (K, M with bores held or tied to rigid spiders) → [`solve`] (sparse Cholesky, modes) → `reduction`
+//! (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank place). `load` and
+//! `dynamics` only ever see the reduced disc. `vtu` writes meshes and fields for ParaView.
+
+#![allow(clippy::needless_range_loop)] // loops over i, j, k read as the formulae do
+
+pub mod assembly;
+pub mod boundary;
+pub mod elements;
+pub mod mesh;
+pub mod plane;
+pub mod quadrature;
+pub mod solve;
+#[cfg(test)]
+mod verification;
+
+pub use assembly::{BoreTie, DofMap, MasterMotion, SymmetricMatrix, TiedBore};
+pub use boundary::Boundary;
+pub use mesh::{ElementKind, Mesh, MeshQuality};
+pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
+
+/// What can go wrong between a disc's outline and its reduced model.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FemError {
+    #[error("the outline cannot be meshed: {reason}")]
+    Mesh { reason: String },
+    #[error("element {element} is inverted (Jacobian determinant {determinant:.3e}): the mesh is too coarse for its curved edges")]
+    InvertedElement { element: usize, determinant: f64 },
+    #[error("the stiffness matrix of {unknowns} unknowns cannot be factorised: {reason}")]
+    Factorisation { unknowns: usize, reason: String },
+    #[error("only {found} of {wanted} modes converged within {vectors} Krylov vectors")]
+    Modes { found: usize, wanted: usize, vectors: usize },
+    #[error("{what} lies outside the mesh")]
+    OutsideMesh { what: String },
+}

@@ -1,0 +1,201 @@
+use std::collections::HashMap;
+
+use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
+
+use super::{Boundary, FemError};
+use crate::geometry::{Vec2, cross};
+
+/// A plane region: one outer curve, any number of holes, each with the edge length wanted on it.
+#[derive(Debug, Clone)]
+pub struct PlaneDomain {
+    /// The outer curve first, then the holes: (curve, edge length in m, rows of nodes parallel to the curve).
+    pub boundaries: Vec<(Boundary, f64, usize)>,
+    /// Largest edge length in the interior in m.
+    pub interior_size: f64,
+}
+
+/// Edge lengths of a disc's mesh in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshSizes {
+    pub flank: f64,
+    /// Rows of nodes parallel to the flank: a fine skin down to the depth where displacements are read.
+    pub flank_rows: usize,
+    pub bore: f64,
+    pub hole: f64,
+    pub interior: f64,
+}
+
+/// One edge of a boundary curve after meshing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundaryEdge {
+    /// Index of the curve in [`PlaneDomain::boundaries`].
+    pub boundary: usize,
+    /// First node, last node, mid-side node; the metal is on the left for the outer curve, on the right for holes.
+    pub nodes: [usize; 3],
+    /// Curve parameters of these three; the last node's is larger than the first's.
+    pub parameters: [f64; 3],
+}
+
+/// Six-node triangles (T6) of a plane region; mid-side nodes of boundary edges lie on the true curve.
+#[derive(Debug, Clone)]
+pub struct PlaneMesh {
+    /// m.
+    pub nodes: Vec<Vec2>,
+    /// Number of corner nodes; they come first.
+    pub corner_count: usize,
+    /// Corners counter-clockwise, then the mid-side nodes of edges 0–1, 1–2, 2–0.
+    pub triangles: Vec<[usize; 6]>,
+    /// Ordered along each curve, curve after curve.
+    pub boundary_edges: Vec<BoundaryEdge>,
+}
+
+/// Smallest angle asked of the triangulation in degrees. Ruppert's refinement is known to end up to about 30°; the fixed boundary
+/// nodes may cost a few degrees in places.
+const ANGLE_LIMIT_DEG: f64 = 27.0;
+
+impl PlaneMesh {
+    /// Constrained Delaunay triangulation with Ruppert refinement (spade), graded by the spacing of the boundary nodes.
+    ///
+    /// # Errors
+    /// [`FemError::Mesh`] if boundary curves cross each other or the refinement does not end.
+    pub fn triangulate(domain: &PlaneDomain) -> Result<PlaneMesh, FemError> {
+        let mut points: Vec<Point2<f64>> = Vec::new();
+        let mut constraints: Vec<[usize; 2]> = Vec::new();
+        let mut curves: Vec<(usize, Vec<f64>)> = Vec::new();
+        for (boundary, size, _) in &domain.boundaries {
+            let parameters = boundary.sample(*size);
+            let first = points.len();
+            points.extend(parameters.iter().map(|t| to_point(boundary.point(*t))));
+            constraints.extend((0..parameters.len()).map(|i| [first + i, first + (i + 1) % parameters.len()]));
+            curves.push((first, parameters));
+        }
+        let boundary_count = points.len();
+        for (index, ((boundary, size, rows), (_, parameters))) in domain.boundaries.iter().zip(&curves).enumerate() {
+            let inward = if index == 0 { 1.0 } else { -1.0 };
+            for row in 1..=*rows {
+                points.extend(parallel_row(boundary, parameters, *size, row, inward));
+            }
+        }
+        let mut conflict = false;
+        let mut triangulation = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, constraints, |_| conflict = true)
+            .map_err(|error| FemError::Mesh { reason: error.to_string() })?;
+        if conflict || triangulation.num_vertices() < boundary_count {
+            return Err(FemError::Mesh { reason: "boundary curves touch or cross each other".to_owned() });
+        }
+        let parameters = RefinementParameters::<f64>::new()
+            .exclude_outer_faces(true)
+            .keep_constraint_edges()
+            .with_angle_limit(AngleLimit::from_deg(ANGLE_LIMIT_DEG))
+            .with_max_allowed_area(0.45 * domain.interior_size * domain.interior_size)
+            .with_max_additional_vertices(40 * boundary_count + 100_000);
+        let refined = triangulation.refine(parameters);
+        if !refined.refinement_complete {
+            return Err(FemError::Mesh {
+                reason: "the refinement does not end; boundary spacing and interior size may contradict each other".to_owned(),
+            });
+        }
+        let mut outside = vec![false; triangulation.num_all_faces()];
+        for face in &refined.excluded_faces {
+            outside[face.index()] = true;
+        }
+        let corners: Vec<[usize; 3]> = triangulation
+            .inner_faces()
+            .filter(|face| !outside[face.fix().index()])
+            .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
+            .collect();
+        let nodes: Vec<Vec2> = triangulation.vertices().map(|vertex| Vec2::new(vertex.position().x, vertex.position().y)).collect();
+        PlaneMesh::with_mid_sides(nodes, &corners, domain, &curves)
+    }
+
+    fn with_mid_sides(
+        positions: Vec<Vec2>,
+        corners: &[[usize; 3]],
+        domain: &PlaneDomain,
+        curves: &[(usize, Vec<f64>)],
+    ) -> Result<PlaneMesh, FemError> {
+        // Nodes outside the metal (a row of a thin bridge may leave it) carry no triangle: drop them.
+        let mut used = vec![false; positions.len()];
+        corners.iter().flatten().for_each(|node| used[*node] = true);
+        let mut new_index = vec![usize::MAX; positions.len()];
+        let mut nodes: Vec<Vec2> = Vec::new();
+        for (old, position) in positions.iter().enumerate().filter(|(old, _)| used[*old]) {
+            new_index[old] = nodes.len();
+            nodes.push(*position);
+        }
+        let corner_count = nodes.len();
+        let mut mid_sides: HashMap<(usize, usize), usize> = HashMap::new();
+        let mut boundary_edges = Vec::new();
+        for (index, ((boundary, ..), (first, parameters))) in domain.boundaries.iter().zip(curves).enumerate() {
+            for i in 0..parameters.len() {
+                let j = (i + 1) % parameters.len();
+                let (a, b) = (new_index[first + i], new_index[first + j]);
+                if a == usize::MAX || b == usize::MAX {
+                    return Err(FemError::Mesh { reason: "a boundary node lies outside the metal".to_owned() });
+                }
+                let end = if j == 0 { parameters[0] + boundary.period() } else { parameters[j] };
+                let (t, point) = boundary.midpoint(parameters[i], end);
+                mid_sides.insert((a.min(b), a.max(b)), nodes.len());
+                boundary_edges.push(BoundaryEdge { boundary: index, nodes: [a, b, nodes.len()], parameters: [parameters[i], end, t] });
+                nodes.push(point);
+            }
+        }
+        let mut triangles = Vec::with_capacity(corners.len());
+        for triangle in corners {
+            let [a, b, c] = triangle.map(|node| new_index[node]);
+            let [b, c] = if cross(nodes[b] - nodes[a], nodes[c] - nodes[a]) > 0.0 { [b, c] } else { [c, b] };
+            let mut mid = |a: usize, b: usize| {
+                *mid_sides.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    nodes.push(0.5 * (nodes[a] + nodes[b]));
+                    nodes.len() - 1
+                })
+            };
+            triangles.push([a, b, c, mid(a, b), mid(b, c), mid(c, a)]);
+        }
+        Ok(PlaneMesh { nodes, corner_count, triangles, boundary_edges })
+    }
+
+    /// The edges of one boundary curve, in order.
+    pub fn edges_of(&self, boundary: usize) -> impl Iterator<Item = &BoundaryEdge> {
+        self.boundary_edges.iter().filter(move |edge| edge.boundary == boundary)
+    }
+
+    /// Nodes of one boundary curve: corners and mid-sides.
+    pub fn nodes_of(&self, boundary: usize) -> Vec<usize> {
+        self.edges_of(boundary).flat_map(|edge| [edge.nodes[0], edge.nodes[2]]).collect()
+    }
+
+    /// The triangle (by straight corners) that contains a point, with area coordinates of corners 0 and 1.
+    pub fn locate(&self, point: Vec2) -> Option<(usize, [f64; 2])> {
+        let tolerance = 1e-9;
+        self.triangles.iter().enumerate().find_map(|(index, triangle)| {
+            let [a, b, c] = [0, 1, 2].map(|i| self.nodes[triangle[i]]);
+            let area = cross(b - a, c - a);
+            let l0 = cross(b - point, c - point) / area;
+            let l1 = cross(c - point, a - point) / area;
+            (l0 > -tolerance && l1 > -tolerance && 1.0 - l0 - l1 > -tolerance).then_some((index, [l0, l1]))
+        })
+    }
+}
+
+/// Nodes at half an edge's offset, row by row at the height of equilateral triangles into the metal; crowded places (convex tips) thinned.
+fn parallel_row(boundary: &Boundary, parameters: &[f64], size: f64, row: usize, inward: f64) -> Vec<Point2<f64>> {
+    let count = parameters.len();
+    let depth = row as f64 * 0.85 * size;
+    let mut nodes: Vec<Vec2> = Vec::new();
+    for i in 0..count {
+        let end = if i + 1 == count { parameters[0] + boundary.period() } else { parameters[i + 1] };
+        let t = if row % 2 == 1 { 0.5 * (parameters[i] + end) } else { parameters[i] };
+        let step = 1e-6 * (end - parameters[i]);
+        let tangent = (boundary.point(t + step) - boundary.point(t - step)).normalize();
+        let point = boundary.point(t) + inward * depth * Vec2::new(-tangent.y, tangent.x);
+        let crowded = |other: Option<&Vec2>| other.is_some_and(|other| (point - other).norm() < 0.6 * size);
+        if !crowded(nodes.last()) && !crowded(nodes.first()) {
+            nodes.push(point);
+        }
+    }
+    nodes.into_iter().map(to_point).collect()
+}
+
+fn to_point(v: Vec2) -> Point2<f64> {
+    Point2::new(v.x, v.y)
+}
