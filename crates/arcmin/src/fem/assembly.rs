@@ -52,6 +52,8 @@ pub struct DofMap {
     pub retained: usize,
     dimension: usize,
     terms: Vec<[(usize, f64); 2]>,
+    /// Unknowns x, y, θ of each bore's master; [`HELD`] where there is none.
+    masters: Vec<[usize; 3]>,
 }
 
 const NOTHING: [(usize, f64); 2] = [(HELD, 0.0), (HELD, 0.0)];
@@ -108,7 +110,7 @@ impl DofMap {
                 terms[node * dimension + 1] = [(master[1], 1.0), (master[2], arm.x)];
             }
         }
-        DofMap { count, retained, dimension, terms }
+        DofMap { count, retained, dimension, terms, masters }
     }
 
     /// A displacement component of a node in terms of the unknowns; entries of [`HELD`] vanish.
@@ -137,7 +139,7 @@ impl DofMap {
         }
     }
 
-    /// The vector of unknowns of a displacement field given at free nodes (spiders take no part): for rigid-body and patch tests.
+    /// The vector of unknowns of a displacement field given at free nodes (spiders take no part): for patch tests.
     pub fn sample(&self, mesh: &Mesh, field: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
         let mut unknowns = vec![0.0; self.count];
         for (node, terms) in self.terms.chunks_exact(self.dimension).enumerate() {
@@ -146,6 +148,21 @@ impl DofMap {
                 if *dof != HELD && *other == HELD {
                     unknowns[*dof] = u[component];
                 }
+            }
+        }
+        unknowns
+    }
+}
+
+impl DofMap {
+    /// The vector of unknowns of a rigid motion in the plane with rates (x, y, θ): θ about the origin.
+    pub fn rigid_motion(&self, mesh: &Mesh, bores: &[TiedBore], rates: [f64; 3]) -> Vec<f64> {
+        let [x, y, turn] = rates;
+        let mut unknowns = self.sample(mesh, |p| [x - turn * p[1], y + turn * p[0], 0.0]);
+        for (bore, master) in bores.iter().zip(&self.masters) {
+            let motion = [x - turn * bore.centre.y, y + turn * bore.centre.x, turn * bore.radius];
+            for (dof, value) in master.iter().zip(motion).filter(|(dof, _)| **dof != HELD) {
+                unknowns[*dof] = value;
             }
         }
         unknowns

@@ -83,40 +83,50 @@ impl Boundary {
     }
 }
 
-/// Arc length of one lobe of the flank against the trace parameter τ in [0, 2π/z_c), tabulated.
+/// A length along one lobe of the flank against the trace parameter τ in [0, 2π/z_c), tabulated.
 ///
 /// The flank is slow in τ away from the root and fast at it (there its curvature radius is 40 times that of the trace),
 /// so equidistant τ would leave the roots coarse.
 #[derive(Debug, Clone)]
 pub struct FlankArc {
     pitch: f64,
-    /// Arc length in m at equidistant τ of one lobe.
+    /// Length in m at equidistant τ of one lobe.
     length: Vec<f64>,
 }
 
 impl FlankArc {
+    /// Arc length of the flank.
     pub fn new(profile: &Profile) -> FlankArc {
+        FlankArc::with_rate(profile, |cos| profile.flank_length_per_meshing_angle(cos))
+    }
+
+    /// Half arc length, half meshing angle (scaled to the same length per lobe). The flank's normal and with it the compliance turn fast
+    /// between root and shoulder, where the meshing angle resolves it; the rest is smooth in arc length.
+    pub fn blended_with_meshing_angle(profile: &Profile) -> FlankArc {
+        let per_angle = FlankArc::new(profile).lobe_length() / TAU;
+        FlankArc::with_rate(profile, |cos| 0.5 * (profile.flank_length_per_meshing_angle(cos) + per_angle))
+    }
+
+    /// `rate`: length per radian of meshing angle at cos φ.
+    fn with_rate(profile: &Profile, rate: impl Fn(f64) -> f64) -> FlankArc {
         let cells = 4000;
-        let pitch = TAU / profile.lobe_count() as f64;
-        let h = pitch / cells as f64;
         let mut length = Vec::with_capacity(cells + 1);
         let mut sum = 0.0;
         length.push(0.0);
         for i in 0..cells {
-            // dτ = dφ / z_c; midpoint rule on a smooth periodic integrand.
-            let phi = (i as f64 + 0.5) / cells as f64 * TAU;
-            sum += h * profile.lobe_count() as f64 * profile.flank_length_per_meshing_angle(phi.cos());
+            // Midpoint rule on a smooth periodic integrand.
+            sum += TAU / cells as f64 * rate((TAU * (i as f64 + 0.5) / cells as f64).cos());
             length.push(sum);
         }
-        FlankArc { pitch, length }
+        FlankArc { pitch: TAU / profile.lobe_count() as f64, length }
     }
 
-    /// Arc length of one lobe in m.
+    /// Length of one lobe in m.
     pub fn lobe_length(&self) -> f64 {
         self.length[self.length.len() - 1]
     }
 
-    /// Arc length from the root τ = 0 in m, for any τ (whole lobes are counted).
+    /// Length from the root τ = 0 in m, for any τ (whole lobes are counted).
     pub fn arc(&self, tau: f64) -> f64 {
         let lobe = (tau / self.pitch).floor();
         let x = (tau / self.pitch - lobe) * (self.length.len() - 1) as f64;
@@ -124,7 +134,7 @@ impl FlankArc {
         lobe * self.lobe_length() + self.length[i] + (x - i as f64) * (self.length[i + 1] - self.length[i])
     }
 
-    /// τ at an arc length from the root τ = 0, for any arc.
+    /// τ at a length from the root τ = 0, for any length.
     pub fn parameter(&self, arc: f64) -> f64 {
         let lobe = (arc / self.lobe_length()).floor();
         let rest = arc - lobe * self.lobe_length();

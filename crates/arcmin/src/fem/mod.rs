@@ -9,18 +9,29 @@
 
 pub mod assembly;
 pub mod boundary;
+pub mod disc;
 pub mod elements;
+pub mod flank;
+mod interface;
 pub mod mesh;
 pub mod plane;
 pub mod quadrature;
+mod reduced;
+pub mod reduction;
+pub mod shape;
 pub mod solve;
 #[cfg(test)]
 mod verification;
 
 pub use assembly::{BoreTie, DofMap, MasterMotion, SymmetricMatrix, TiedBore};
 pub use boundary::Boundary;
+pub use disc::{DiscModel, FlankLoad};
+pub use flank::{FlankStations, Stencil};
 pub use mesh::{ElementKind, Mesh, MeshQuality};
 pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
+pub use reduced::{FlankCompliance, Interface, ReducedDisc};
+pub use reduction::ReductionReport;
+pub use shape::{BoreInterface, DiscElement, DiscShape, FlexibleSettings, RoundHole};
 
 /// What can go wrong between a disc's outline and its reduced model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,0 +1,132 @@
+use super::flank::{FlankStations, LOBE_REFINEMENT, Stencil};
+
+/// A disc reduced to modes and flank compliances, all in SI units, in the frame of its flank.
+#[derive(Debug, Clone)]
+pub struct ReducedDisc {
+    pub lobe_count: usize,
+    pub stations: FlankStations,
+    /// Depth h in m to which the contact law reaches; see [`crate::contact::LineContact::with_disc_depth`].
+    pub reading_depth: f64,
+    /// ω² of the held modes in rad²/s², ascending; the shapes have unit modal mass.
+    pub eigenvalues: Vec<f64>,
+    /// Number of fixed-interface normal modes that went in; the others come from flank loads.
+    pub normal_modes: usize,
+    /// Spline coefficients of the inward normal displacement per unit modal coordinate, mode after mode, in 1/√kg.
+    pub(super) flank_modes: Vec<f64>,
+    pub compliance: FlankCompliance,
+    /// Φᵀ M r for unit rates of x, y (√kg) and of rotation about the disc centre (√kg·m).
+    pub momentum: [Vec<f64>; 3],
+    /// The disc's bore centres as coordinates; empty with one spider for all bores.
+    pub interface: Interface,
+}
+
+/// Craig–Bampton matrices of the interface coordinates b: (x, y) of every bore centre in turn.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Interface {
+    pub count: usize,
+    /// Condensed stiffness K_bb + K_bi Ψ in N/m, count × count, row-major; rigid motions cost nothing.
+    pub stiffness: Vec<f64>,
+    /// Ψᵀ M Ψ in kg.
+    pub mass: Vec<f64>,
+    /// Ψᵀ M Φ in √kg, count × modes.
+    pub coupling: Vec<f64>,
+    /// Spline coefficients of the inward normal displacement per unit of each coordinate, count × stations.
+    pub flank: Vec<f64>,
+}
+
+/// Static normal displacement of flank places per unit normal force, m/N, the interface held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankCompliance {
+    pub(super) stations: usize,
+    /// Spline coefficients of the surface displacement at one station under a force at another, stations × stations, symmetric.
+    pub(super) cross: Vec<f64>,
+    /// Those of the displacement of a station under its own force, at the reading depth.
+    pub(super) own: Vec<f64>,
+    /// What stations are too coarse for: the own displacement varies with the curvature of the flank, on every lobe alike. Spline coefficients of
+    /// the difference on the finer grid of one lobe.
+    pub(super) own_detail: Vec<f64>,
+}
+
+#[inline]
+fn spline(coefficients: &[f64], weights: &[(usize, f64); 4]) -> f64 {
+    weights.iter().map(|(s, w)| w * coefficients[*s]).sum()
+}
+
+impl FlankCompliance {
+    /// From values at the stations.
+    pub(super) fn new(stations: &FlankStations, mut cross: Vec<f64>, own: Vec<f64>) -> FlankCompliance {
+        let count = stations.count();
+        for s in 0..count {
+            FlankStations::filter(&mut cross, s * count, 1, count);
+        }
+        for s in 0..count {
+            FlankStations::filter(&mut cross, s, count, count);
+        }
+        let own_detail = vec![0.0; stations.per_lobe() * LOBE_REFINEMENT];
+        FlankCompliance { stations: count, cross, own: stations.coefficients(own), own_detail }
+    }
+
+    /// Sets the detail of the own displacement from exact values on the finer grid of one lobe, given as (grid index, place, value).
+    pub(super) fn refine_own(&mut self, exact: &[(usize, Stencil, f64)]) {
+        let mut difference = vec![0.0; self.own_detail.len()];
+        for (index, place, value) in exact {
+            difference[*index] = value - spline(&self.own, &place.stations);
+        }
+        self.own_detail = FlankStations::periodic_coefficients(difference);
+    }
+
+    /// Displacement of a place under its own unit force, read at the reading depth, in m/N.
+    #[inline]
+    pub fn own(&self, at: &Stencil) -> f64 {
+        spline(&self.own, &at.stations) + spline(&self.own_detail, &at.lobe)
+    }
+
+    /// Displacement of one place under a unit force at another, in m/N. The two must lie on different teeth or flanks.
+    #[inline]
+    pub fn cross(&self, at: &Stencil, force: &Stencil) -> f64 {
+        let mut sum = 0.0;
+        for (s, ws) in at.stations {
+            sum += ws * spline(&self.cross[s * self.stations..(s + 1) * self.stations], &force.stations);
+        }
+        sum
+    }
+}
+
+impl ReducedDisc {
+    /// Natural frequencies with the interface held, in Hz.
+    pub fn frequencies(&self) -> Vec<f64> {
+        self.eigenvalues.iter().map(|l| l.sqrt() / std::f64::consts::TAU).collect()
+    }
+
+    /// Inward normal displacement at a place per unit of modal coordinate `mode`, in 1/√kg.
+    #[inline]
+    pub fn mode_at(&self, mode: usize, at: &Stencil) -> f64 {
+        spline(&self.flank_modes[mode * self.stations.count()..], &at.stations)
+    }
+
+    /// What is left of the static compliance once the first `modes` modes are coordinates of their own: C − Σ φ φᵀ/ω².
+    pub fn residual_compliance(&self, modes: usize) -> FlankCompliance {
+        let count = self.stations.count();
+        let mut residual = self.compliance.clone();
+        let mut own = FlankStations::values(&residual.own);
+        for m in 0..modes.min(self.eigenvalues.len()) {
+            let shape = &self.flank_modes[m * count..(m + 1) * count];
+            let values = FlankStations::values(shape);
+            for s in 0..count {
+                own[s] -= values[s] * values[s] / self.eigenvalues[m];
+                let share = shape[s] / self.eigenvalues[m];
+                for t in 0..count {
+                    residual.cross[s * count + t] -= share * shape[t];
+                }
+            }
+        }
+        residual.own = self.stations.coefficients(own);
+        residual
+    }
+
+    /// Number of modes up to a frequency in Hz.
+    pub fn modes_up_to(&self, frequency: f64) -> usize {
+        let limit = (std::f64::consts::TAU * frequency).powi(2);
+        self.eigenvalues.partition_point(|l| *l <= limit)
+    }
+}

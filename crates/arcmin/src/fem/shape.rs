@@ -1,0 +1,159 @@
+use super::{Boundary, BoreTie, MasterMotion, MeshSizes, PlaneDomain, TiedBore};
+use crate::geometry::{Profile, Vec2, unit};
+use crate::machine::Machine;
+use crate::materials::Material;
+
+/// A round hole of the disc in the frame of its flank.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundHole {
+    pub centre: Vec2,
+    /// m.
+    pub radius: f64,
+}
+
+/// What the finite element model is made from: the solid disc in the frame of its flank (the root of τ = 0 on the x axis).
+#[derive(Debug, Clone, PartialEq)]
+pub struct DiscShape {
+    pub profile: Profile,
+    /// One bore per crankshaft.
+    pub bores: Vec<RoundHole>,
+    /// Centre hole, windows, lightening holes.
+    pub holes: Vec<RoundHole>,
+    /// Face width B in m.
+    pub width: f64,
+    pub material: Material,
+}
+
+impl DiscShape {
+    /// Disc `disc` of a machine. Bores and holes belong to the carrier's pattern; the flank is cut δ_j ahead of it, so in the flank's frame they
+    /// stand at their angle minus δ_j.
+    pub fn of(machine: &Machine, disc: usize) -> DiscShape {
+        let mounting = machine.kinematics().mounting_angle(disc);
+        let part = &machine.disc;
+        let cranks = &machine.crankshafts;
+        let bores = (0..cranks.count)
+            .map(|k| {
+                let angle = crate::machine::Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count) - mounting;
+                RoundHole { centre: machine.gear_stage.centre_distance() * unit(angle), radius: part.crank_bore_radius }
+            })
+            .collect();
+        let centre = (part.centre_hole_radius > 0.0).then(|| RoundHole { centre: Vec2::zeros(), radius: part.centre_hole_radius });
+        let windows = part.holes.iter().map(|hole| RoundHole { centre: hole.centre_radius * unit(hole.centre_angle - mounting), radius: hole.radius });
+        DiscShape {
+            profile: machine.profile(),
+            bores,
+            holes: centre.into_iter().chain(windows).collect(),
+            width: part.width,
+            material: part.material.clone(),
+        }
+    }
+
+    /// The angle by which this disc must be turned to cover `other`, if the two are the same part mounted differently: bores and holes
+    /// fall on bores and holes, and the flank on itself.
+    pub fn turned_onto(&self, other: &DiscShape) -> Option<f64> {
+        if self.profile != other.profile || self.width != other.width || self.material != other.material {
+            return None;
+        }
+        let pitch = std::f64::consts::TAU / self.profile.lobe_count() as f64;
+        (0..self.profile.lobe_count()).map(|lobe| pitch * lobe as f64).find(|angle| {
+            let covered = |from: &[RoundHole], to: &[RoundHole]| {
+                from.len() == to.len()
+                    && from.iter().all(|hole| {
+                        let turned = crate::geometry::turned(hole.centre, unit(*angle));
+                        to.iter().any(|other| (turned - other.centre).norm() < 1e-9 && (hole.radius - other.radius).abs() < 1e-12)
+                    })
+            };
+            covered(&self.bores, &other.bores) && covered(&self.holes, &other.holes)
+        })
+    }
+
+    /// The region to mesh: flank first, then bores, then holes.
+    pub fn domain(&self, sizes: &MeshSizes) -> PlaneDomain {
+        let mut boundaries = vec![(Boundary::Flank(self.profile.clone()), sizes.flank, sizes.flank_rows)];
+        let circle = |hole: &RoundHole| Boundary::Circle { centre: hole.centre, radius: hole.radius };
+        boundaries.extend(self.bores.iter().map(|bore| (circle(bore), sizes.bore, 1)));
+        boundaries.extend(self.holes.iter().map(|hole| (circle(hole), sizes.hole, 1)));
+        PlaneDomain { boundaries, interior_size: sizes.interior }
+    }
+
+    /// The bores with one tie for all.
+    pub fn tied_bores(&self, tie: BoreTie) -> Vec<TiedBore> {
+        self.bores.iter().enumerate().map(|(k, bore)| TiedBore { boundary: 1 + k, centre: bore.centre, radius: bore.radius, tie }).collect()
+    }
+}
+
+/// How the bores hand the disc's forces to the crankshafts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BoreInterface {
+    /// Each bore carries its own bearing: its centre follows the crankshaft, its rim stays round and is free to turn about it
+    /// (the released revolute joint of Tao2024).
+    #[default]
+    PerBore,
+    /// One rigid spider ties all bore rims together; they move with the carrier as one body.
+    Common,
+}
+
+impl BoreInterface {
+    pub(crate) fn tie(self) -> BoreTie {
+        match self {
+            BoreInterface::PerBore => BoreTie::Spider { translation: MasterMotion::Retained, rotation: MasterMotion::Free },
+            BoreInterface::Common => BoreTie::Spider { translation: MasterMotion::Held, rotation: MasterMotion::Held },
+        }
+    }
+}
+
+/// Plane stress or solid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DiscElement {
+    /// T6 in plane stress.
+    #[default]
+    PlaneStress,
+    /// Tet10 from the middle plane to one face, mirrored: in-plane loads have no other motion.
+    Solid { layers: usize },
+}
+
+/// Everything that decides what the reduced disc looks like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlexibleSettings {
+    pub element: DiscElement,
+    pub sizes: MeshSizes,
+    pub interface: BoreInterface,
+    /// Places per lobe where unit loads are solved for; between them compliances are interpolated.
+    pub stations_per_lobe: usize,
+    /// Depth h below the loaded place at which its own displacement is read, in m; what lies above is the contact law's.
+    pub reading_depth: f64,
+    /// Normal modes up to this frequency in Hz are kept.
+    pub mode_frequency: f64,
+}
+
+impl FlexibleSettings {
+    /// Sizes in proportion to the disc: skin elements half the reading depth.
+    pub fn plane_stress(shape: &DiscShape) -> FlexibleSettings {
+        let depth = shape.profile.pin_radius / 3.0;
+        FlexibleSettings {
+            element: DiscElement::PlaneStress,
+            sizes: FlexibleSettings::sizes(shape, 0.5 * depth, 3),
+            interface: BoreInterface::default(),
+            stations_per_lobe: 12,
+            reading_depth: depth,
+            mode_frequency: 40e3,
+        }
+    }
+
+    /// About 90 000 unknowns on a disc of the RV-40E's proportions.
+    pub fn solid(shape: &DiscShape) -> FlexibleSettings {
+        let depth = 0.5 * shape.profile.pin_radius;
+        FlexibleSettings {
+            element: DiscElement::Solid { layers: 1 },
+            sizes: FlexibleSettings::sizes(shape, 0.5 * depth, 2),
+            reading_depth: depth,
+            stations_per_lobe: 10,
+            ..FlexibleSettings::plane_stress(shape)
+        }
+    }
+
+    fn sizes(shape: &DiscShape, flank: f64, flank_rows: usize) -> MeshSizes {
+        let bore = shape.bores.iter().map(|bore| bore.radius).fold(f64::INFINITY, f64::min);
+        MeshSizes { flank, flank_rows, bore: 0.1 * bore, hole: 0.03 * shape.profile.pin_circle_radius, interior: 0.05 * shape.profile.pin_circle_radius }
+    }
+}
