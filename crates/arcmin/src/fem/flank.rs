@@ -51,10 +51,7 @@ impl FlankStations {
     /// [`FlankStations::coefficients`] finds from values at the stations.
     pub fn stencil(&self, tau: f64) -> Stencil {
         let x = self.arc.arc(tau) / self.spacing();
-        Stencil {
-            stations: spline_weights(x, self.count()),
-            lobe: spline_weights(x * LOBE_REFINEMENT as f64, self.per_lobe * LOBE_REFINEMENT),
-        }
+        Stencil { stations: spline_weights(x, self.count()), lobe: spline_weights(x * LOBE_REFINEMENT as f64, self.per_lobe * LOBE_REFINEMENT) }
     }
 }
 
@@ -150,7 +147,12 @@ impl NodalWeights {
         let mut terms = Vec::with_capacity(2 * self.nodes.len());
         for (node, weight) in &self.nodes {
             for (component, share) in [(0, self.direction.x), (1, self.direction.y)] {
-                terms.extend(map.terms(*node, component).into_iter().filter(|(dof, _)| *dof != super::assembly::HELD).map(|(dof, c)| (dof, c * weight * share)));
+                terms.extend(
+                    map.terms(*node, component)
+                        .into_iter()
+                        .filter(|(dof, _)| *dof != super::assembly::HELD)
+                        .map(|(dof, c)| (dof, c * weight * share)),
+                );
             }
         }
         terms

@@ -44,10 +44,11 @@ impl DiscModel {
             count,
             stiffness: pairs().map(|(a, b)| k_interface[(a, b)] + dot(k_inner.col_as_slice(a), constraint.col_as_slice(b))).collect(),
             mass: pairs().map(|(a, b)| dot(&full[a], &weighted[b])).collect(),
-            coupling: (0..count).flat_map(|b| (0..shapes.ncols()).map(move |m| (b, m))).map(|(b, m)| dot(shapes.col_as_slice(m), &weighted[b])).collect(),
-            flank: (0..count)
-                .flat_map(|b| stations.coefficients(rows.iter().map(|row| read(row, constraint.col_as_slice(b))).collect()))
+            coupling: (0..count)
+                .flat_map(|b| (0..shapes.ncols()).map(move |m| (b, m)))
+                .map(|(b, m)| dot(shapes.col_as_slice(m), &weighted[b]))
                 .collect(),
+            flank: (0..count).flat_map(|b| stations.coefficients(rows.iter().map(|row| read(row, constraint.col_as_slice(b))).collect())).collect(),
         })
     }
 }

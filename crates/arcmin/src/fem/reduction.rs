@@ -92,9 +92,7 @@ impl DiscModel {
         let mut compliance = FlankCompliance::new(&stations, compliance, own);
         compliance.refine_own(&self.own_detail(&stations)?);
         let modes = eigenvalues.len();
-        let flank = (0..modes)
-            .flat_map(|m| stations.coefficients(rows.iter().map(|row| read(row, shapes.col_as_slice(m))).collect()))
-            .collect();
+        let flank = (0..modes).flat_map(|m| stations.coefficients(rows.iter().map(|row| read(row, shapes.col_as_slice(m))).collect())).collect();
         let momentum = self.momentum(&shapes);
         let interface = self.interface(&stations, &rows, &shapes)?;
         let reduced = ReducedDisc {
@@ -122,7 +120,10 @@ impl DiscModel {
             .map(|k| (k, stations.parameter((lobe * stations.per_lobe()) as f64 + k as f64 / LOBE_REFINEMENT as f64)))
             .collect();
         let loads: Vec<NodalWeights> = places.iter().map(|(_, tau)| surface.surface(*tau)).collect();
-        let deep: Vec<_> = places.iter().map(|(_, tau)| Ok(self.inner_terms(&surface.at_depth(*tau, self.settings.reading_depth)?))).collect::<Result<_, FemError>>()?;
+        let deep: Vec<_> = places
+            .iter()
+            .map(|(_, tau)| Ok(self.inner_terms(&surface.at_depth(*tau, self.settings.reading_depth)?)))
+            .collect::<Result<_, FemError>>()?;
         let mut exact = Vec::with_capacity(places.len());
         self.for_each_solution(&loads, |k, solution| {
             let (index, tau) = places[k];
@@ -189,7 +190,8 @@ impl DiscModel {
         let surface = self.surface();
         let loads: Vec<NodalWeights> = places.iter().map(|tau| surface.surface(*tau)).collect();
         let rows: Vec<_> = loads.iter().map(|load| self.inner_terms(load)).collect();
-        let deep: Vec<_> = places.iter().map(|tau| Ok(self.inner_terms(&surface.at_depth(*tau, reduced.reading_depth)?))).collect::<Result<_, FemError>>()?;
+        let deep: Vec<_> =
+            places.iter().map(|tau| Ok(self.inner_terms(&surface.at_depth(*tau, reduced.reading_depth)?))).collect::<Result<_, FemError>>()?;
         let (mut own_error, mut cross_error, mut largest_cross, mut gap) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         self.for_each_solution(&loads, |a, solution| {
             let exact = read(&deep[a], solution);

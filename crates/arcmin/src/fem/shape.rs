@@ -1,4 +1,4 @@
-use super::{Boundary, BoreTie, MasterMotion, MeshSizes, PlaneDomain, TiedBore};
+use super::{BoreTie, Boundary, MasterMotion, MeshSizes, PlaneDomain, TiedBore};
 use crate::geometry::{Profile, Vec2, unit};
 use crate::machine::Machine;
 use crate::materials::Material;
@@ -38,7 +38,8 @@ impl DiscShape {
             })
             .collect();
         let centre = (part.centre_hole_radius > 0.0).then(|| RoundHole { centre: Vec2::zeros(), radius: part.centre_hole_radius });
-        let windows = part.holes.iter().map(|hole| RoundHole { centre: hole.centre_radius * unit(hole.centre_angle - mounting), radius: hole.radius });
+        let windows =
+            part.holes.iter().map(|hole| RoundHole { centre: hole.centre_radius * unit(hole.centre_angle - mounting), radius: hole.radius });
         DiscShape {
             profile: machine.profile(),
             bores,
@@ -154,6 +155,12 @@ impl FlexibleSettings {
 
     fn sizes(shape: &DiscShape, flank: f64, flank_rows: usize) -> MeshSizes {
         let bore = shape.bores.iter().map(|bore| bore.radius).fold(f64::INFINITY, f64::min);
-        MeshSizes { flank, flank_rows, bore: 0.1 * bore, hole: 0.03 * shape.profile.pin_circle_radius, interior: 0.05 * shape.profile.pin_circle_radius }
+        MeshSizes {
+            flank,
+            flank_rows,
+            bore: 0.1 * bore,
+            hole: 0.03 * shape.profile.pin_circle_radius,
+            interior: 0.05 * shape.profile.pin_circle_radius,
+        }
     }
 }
