@@ -9,6 +9,7 @@
 
 pub mod assembly;
 pub mod boundary;
+pub mod contacts;
 pub mod disc;
 pub mod elements;
 pub mod flank;
@@ -25,6 +26,7 @@ mod verification;
 
 pub use assembly::{BoreTie, DofMap, MasterMotion, SymmetricMatrix, TiedBore};
 pub use boundary::Boundary;
+pub use contacts::{CoupledContact, CoupledForces, FlexibleDiscs};
 pub use disc::{DiscModel, FlankLoad};
 pub use flank::{FlankStations, Stencil};
 pub use mesh::{ElementKind, Mesh, MeshQuality};

@@ -6,9 +6,11 @@
 pub mod closed_form;
 mod cycle;
 mod equilibrium;
+mod flexible;
 
 pub use cycle::{Cycle, FlankForce, HarmonicError};
 #[cfg(test)]
 mod tests;
 
 pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing};
+pub use flexible::FlexibleMeshing;

@@ -1,0 +1,159 @@
+use super::{LoadError, LoadSharing, Meshing};
+use crate::contact::{DiscVelocity, LineContact, PinContact};
+use crate::fem::{CoupledContact, CoupledForces, FlexibleDiscs};
+use crate::geometry::{Relief, Vec2, quarter_turn, unit};
+use crate::machine::{CrankAngle, Machine, OutputAngle};
+
+/// [`Meshing`] with elastic discs: ideal crank joints, input locked, each disc held at its bores.
+///
+/// A flank gives way under its own and under all other forces on its disc, u_i = Σ_j C_ij F_j; the contact law bears what is left of the approach, down to
+/// the depth where C_ii was read. Inertia forces are left out. One output error ε is sought, as for rigid discs.
+#[derive(Debug, Clone)]
+pub struct FlexibleMeshing {
+    rigid: Meshing,
+    discs: FlexibleDiscs,
+    law: LineContact,
+}
+
+const MAX_ITERATIONS: usize = 60;
+/// A pin this far off (m) cannot be reached: neighbours' forces lift a flank by a fraction of a micrometre.
+const REACH: f64 = 5e-6;
+/// As for rigid discs.
+const RESIDUAL_FLOOR: f64 = 5e-9;
+/// First guess of the torsional stiffness in N·m/rad: teeth and discs in series.
+const EXPECTED_STIFFNESS: f64 = 2500.0 / crate::units::ARCMIN;
+
+impl Machine {
+    /// The meshing of this machine with elastic discs after its flanks have lost `wear`.
+    pub fn flexible_meshing(&self, wear: &Relief, discs: FlexibleDiscs) -> FlexibleMeshing {
+        FlexibleMeshing { rigid: self.meshing(wear), law: discs.line_contact(self), discs }
+    }
+}
+
+/// Contacts of one disc with their coupled forces.
+struct DiscState {
+    contacts: Vec<PinContact>,
+    forces: CoupledForces,
+}
+
+impl FlexibleMeshing {
+    /// The same machine with rigid discs.
+    pub fn rigid(&self) -> &Meshing {
+        &self.rigid
+    }
+
+    pub fn discs(&self) -> &FlexibleDiscs {
+        &self.discs
+    }
+
+    /// Replaces the metal removed (designed relief included).
+    pub fn set_relief(&mut self, relief: Relief) {
+        self.rigid.set_relief(relief);
+    }
+
+    fn state(&self, disc: usize, nominal_crank: f64, error: f64) -> Result<(DiscState, Vec2), LoadError> {
+        let k = self.rigid.kinematics();
+        let crank = nominal_crank + k.crank_per_output_locked() * error;
+        let output = k.nominal_output_angle(nominal_crank) + error;
+        let mut contacts = Vec::new();
+        self.rigid.contacts().visit(k.disc_pose(disc, crank, output), DiscVelocity::REST, true, |contact| {
+            if contact.gap < REACH {
+                contacts.push(*contact);
+            }
+        });
+        let coupled: Vec<CoupledContact> = contacts
+            .iter()
+            .map(|contact| CoupledContact {
+                place: self.discs.stencil(disc, contact.tau),
+                approach: -contact.gap,
+                equivalent_radius: 1.0 / contact.relative_curvature,
+            })
+            .collect();
+        let mut forces = CoupledForces::default();
+        if !forces.solve(&self.law, &self.discs.reduced(disc).compliance, &coupled) {
+            return Err(LoadError::NotConverged {
+                crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees(),
+                torque: f64::NAN,
+                residual: f64::NAN,
+                iterations: MAX_ITERATIONS,
+            });
+        }
+        let motion = k.crank_per_output_locked() * k.eccentricity * quarter_turn(unit(crank + k.phases[disc]));
+        Ok((DiscState { contacts, forces }, motion))
+    }
+
+    /// Q(ε) and −dQ/dε without the turning of the normals, which is a thousandth of it.
+    fn generalised_torque(&self, nominal_crank: f64, error: f64) -> Result<(f64, f64), LoadError> {
+        let (mut torque, mut stiffness) = (0.0, 0.0);
+        for disc in 0..self.discs.count() {
+            let (state, motion) = self.state(disc, nominal_crank, error)?;
+            let n = state.contacts.len();
+            let slope: Vec<f64> = state.contacts.iter().map(|c| c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2]).collect();
+            for i in 0..n {
+                torque += state.forces.force[i] * slope[i];
+                stiffness += slope[i] * (0..n).map(|j| state.forces.stiffness[i * n + j] * slope[j]).sum::<f64>();
+            }
+        }
+        Ok((torque, stiffness))
+    }
+
+    /// Finds ε with Q(ε) = T at the nominal crank angle; as [`Meshing::load_sharing`], with elastic discs. A contact's `gap` is what is left after the
+    /// flank has given way: minus the local approach where it touches.
+    ///
+    /// # Errors
+    /// [`LoadError`] as for rigid discs.
+    pub fn load_sharing(&self, crank_angle: CrankAngle, torque: f64) -> Result<LoadSharing, LoadError> {
+        if !torque.is_finite() {
+            return Err(LoadError::BadTorque(torque));
+        }
+        let nominal = crank_angle.radians();
+        let travel = self.rigid.free_travel(crank_angle)?;
+        let touch = if torque < 0.0 { travel.lead.radians() } else { travel.lag.radians() };
+        if torque == 0.0 {
+            return self.sharing_at(crank_angle, torque, touch, 0.0, 0.0);
+        }
+        let half_pitch = std::f64::consts::PI / self.rigid.kinematics().lobe_count;
+        let (mut low, mut high) = if torque > 0.0 { (-half_pitch, touch) } else { (touch, half_pitch) };
+        let mut error = touch - torque / EXPECTED_STIFFNESS;
+        let mut residual = f64::INFINITY;
+        for _ in 0..MAX_ITERATIONS {
+            let (q, stiffness) = self.generalised_torque(nominal, error)?;
+            residual = q - torque;
+            if residual.abs() <= (5e-10 * torque.abs()).max(RESIDUAL_FLOOR) {
+                return self.sharing_at(crank_angle, torque, error, residual, stiffness);
+            }
+            if residual > 0.0 {
+                low = error;
+            } else {
+                high = error;
+            }
+            let newton = error + residual / stiffness;
+            error = if stiffness > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        }
+        Err(LoadError::NotConverged { crank_angle_deg: crank_angle.degrees(), torque, residual: residual.abs(), iterations: MAX_ITERATIONS })
+    }
+
+    fn sharing_at(&self, crank_angle: CrankAngle, torque: f64, error: f64, residual: f64, stiffness: f64) -> Result<LoadSharing, LoadError> {
+        let nominal = crank_angle.radians();
+        let k = self.rigid.kinematics();
+        let crank = nominal + k.crank_per_output_locked() * error;
+        let output = k.nominal_output_angle(nominal) + error;
+        let mut discs = Vec::with_capacity(self.discs.count());
+        for disc in 0..self.discs.count() {
+            let (state, _) = self.state(disc, nominal, error)?;
+            let mut all = self.rigid.contacts().contacts(k.disc_pose(disc, crank, output), DiscVelocity::REST);
+            for contact in &mut all {
+                (contact.force, contact.stiffness) = (0.0, 0.0);
+            }
+            for (i, contact) in state.contacts.iter().enumerate() {
+                if let Some(entry) = all.iter_mut().find(|entry| entry.pin == contact.pin) {
+                    entry.force = state.forces.force[i];
+                    entry.stiffness = state.forces.local_stiffness[i];
+                    entry.gap = -state.forces.local[i];
+                }
+            }
+            discs.push(all);
+        }
+        Ok(LoadSharing { crank_angle, torque, output_error: OutputAngle::from_radians(error), residual, stiffness, discs })
+    }
+}
