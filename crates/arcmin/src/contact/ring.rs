@@ -123,7 +123,8 @@ impl PinContacts {
     pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
         let count = profile.pin_count as f64;
         let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
-        let mut contacts = PinContacts { profile, pins, directions, relief: Relief::uniform(0.0), pin_relief: None, shallowest_relief: 0.0, contact, sliding: None };
+        let mut contacts =
+            PinContacts { profile, pins, directions, relief: Relief::uniform(0.0), pin_relief: None, shallowest_relief: 0.0, contact, sliding: None };
         contacts.set_relief(relief);
         contacts
     }

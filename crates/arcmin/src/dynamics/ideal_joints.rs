@@ -139,6 +139,13 @@ impl IdealJoints {
         &self.kinematics
     }
 
+    /// Takes worn metal from every pin as well, as a function of the angle on the pin ([`PinContacts::set_pin_relief`]).
+    pub fn set_pin_wear(&mut self, wear: &Relief) {
+        for ring in &mut self.rings {
+            ring.set_pin_relief(wear.clone());
+        }
+    }
+
     /// Index of the output angle among the coordinates.
     pub const OUTPUT: usize = 1;
 

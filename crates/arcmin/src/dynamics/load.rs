@@ -77,19 +77,28 @@ impl OutputLoad {
     }
 }
 
-/// Ends of the phases of the cycle that `time` lies in; value and next jump use the same sums, so that they agree to the bit.
+/// Ends of the phases of the cycle that `time` lies in. A cycle ends at a whole multiple of its length, to the bit, for value and next jump alike.
 fn phase_ends(phases: &[(f64, f64)], time: f64) -> Vec<f64> {
     let length: f64 = phases.iter().map(|(duration, _)| duration).sum();
-    let ends_from = |start: f64| {
-        let ends = phases.iter().scan(start, |end, (duration, _)| {
-            *end += duration;
-            Some(*end)
-        });
-        ends.collect::<Vec<f64>>()
-    };
-    let cycle = (time / length).floor();
-    let ends = ends_from(cycle * length);
-    if ends[ends.len() - 1] > time { ends } else { ends_from((cycle + 1.0) * length) }
+    let mut cycle = (time / length).floor();
+    // The division may round to the next whole number, or not reach it.
+    if cycle * length > time {
+        cycle -= 1.0;
+    } else if (cycle + 1.0) * length <= time {
+        cycle += 1.0;
+    }
+    let mut end = cycle * length;
+    let mut ends: Vec<f64> = phases
+        .iter()
+        .map(|(duration, _)| {
+            end += duration;
+            end
+        })
+        .collect();
+    if let Some(last) = ends.last_mut() {
+        *last = (cycle + 1.0) * length;
+    }
+    ends
 }
 
 #[cfg(test)]

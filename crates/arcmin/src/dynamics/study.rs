@@ -1,8 +1,11 @@
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
 use super::{Drive, DynamicsError, ErrorStatistics, IdealJoints, OutputLoad, Reducer, Run, RunPlan, RunResult};
 use crate::geometry::Relief;
 use crate::machine::Machine;
+use crate::progress::Progress;
 use crate::units::ARCMIN;
 
 /// Static and dynamic transmission error of the rigid model over a list of wear states.
@@ -116,16 +119,15 @@ pub fn spread_over_starts<M: Reducer + Sync>(model: &M, plan: RunPlan, output_in
 
 /// STE and DTE at every wear state, in parallel over all runs; the order and every digit are the same for any number of threads.
 ///
-/// `progress` is called after every finished run, from any thread.
-///
 /// # Errors
-/// The first error in the order of the wear states.
+/// The first error in the order of the wear states; [`DynamicsError::Cancelled`] if `progress` says so.
 pub fn transmission_error_study(
     machine: &Machine,
     wear: &[Relief],
     settings: &StudySettings,
-    progress: impl Fn() + Sync,
+    progress: &dyn Progress,
 ) -> Result<TransmissionErrorStudy, DynamicsError> {
+    let (total, done) = (2 * wear.len(), AtomicUsize::new(0));
     let jobs: Vec<(usize, bool)> = (0..wear.len()).flat_map(|i| [(i, false), (i, true)]).collect();
     let mut results = jobs
         .into_par_iter()
@@ -133,13 +135,19 @@ pub fn transmission_error_study(
             let load = if loaded { settings.load.clone() } else { OutputLoad::None };
             let model = IdealJoints::new(machine, &wear[i], settings.drive.clone(), load, settings.drag)?;
             let mut run = Run::new(&model, settings.plan)?;
-            run.finish()?;
+            while !run.is_finished() {
+                if progress.is_cancelled() {
+                    return Err(DynamicsError::Cancelled { time: run.time() });
+                }
+                run.proceed(1000)?;
+            }
             let spread = if !loaded && settings.perturbed_starts > 0 {
                 Some(spread_over_starts(&model, settings.plan, IdealJoints::OUTPUT, settings.perturbed_starts)?)
             } else {
                 None
             };
-            progress();
+            let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress.report("simulation", finished as f64 / total as f64);
             Ok((run.result(), spread))
         })
         .collect::<Result<Vec<_>, DynamicsError>>()?

@@ -73,7 +73,7 @@ fn tangents_are_the_derivatives_of_the_forces() {
         };
         let largest = |f: &dyn Fn(usize, usize) -> f64, row: usize| (0..n).map(|c| (f(row, c) * model.scale[c]).abs()).fold(0.0, f64::max);
         for column in 0..n {
-            let k = difference(column, false, 1e-6 * model.scale[column]);
+            let k = difference(column, false, 1e-5 * model.scale[column]);
             let c = difference(column, true, 1e-4 * model.scale[column]);
             for row in 0..n {
                 let scale = model.scale[column];
@@ -132,7 +132,9 @@ fn equilibrium_splits_the_torque_between_discs_and_gear_stage() {
         let moments = model.pin_contacts(disc, 0.0, &rest.position, &[0.0; 2]);
         moments.iter().map(|c| c.force * c.gradient[2]).sum::<f64>()
     };
-    assert!(((moment(0) + moment(1)) / 412.0 - model.kinematics.locked_play_factor()).abs() < 1e-9);
+    // Exact for nominal rolling; the approach of 1 µm shifts the levers by some 1e-5.
+    let share = (moment(0) + moment(1)) / 412.0;
+    assert!((share - model.kinematics.locked_play_factor()).abs() < 1e-4, "{share}");
     assert!(rest.residual < 1e-6);
     // About 0.1' of Hertzian wind-up, lagging.
     let te = model.transmission_error(0.0, &rest.position, &[0.0; 2]) / ARCMIN;
