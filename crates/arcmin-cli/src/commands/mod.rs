@@ -37,4 +37,6 @@ commands! {
     Calibrate => calibrate,
     /// The main job: accuracy over life, with all figures in one report
     Life => life,
+    /// Integrate the equations of motion: transmission error in time
+    Simulate => simulate,
 }
