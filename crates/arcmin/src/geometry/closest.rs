@@ -33,7 +33,7 @@ struct Station {
 }
 
 /// The last step (rad of φ) when the iteration stops; convergence is quadratic.
-const LAST_STEP: f64 = 1e-8;
+const LAST_STEP: f64 = 1e-11;
 
 impl Profile {
     /// Closest point of the flank f(τ) − w(τ) n(τ) to a pin of radius `pin_radius` at `p`, started at the foot on the unworn flank.
