@@ -25,6 +25,8 @@ macro_rules! commands {
 commands! {
     /// Write a commented design file to start from
     New => new,
+    /// Print the reference of all keys of the design file
+    Keys => keys,
     /// Judge a design: findings with value, limit, reason and remedy
     Check => check,
     /// Compute the flank of the cycloid disc: points, normals, curvature

@@ -7,14 +7,18 @@ mod consistency;
 mod error;
 mod field;
 mod hint;
+mod reference;
 mod resolve;
 mod schema;
 mod sections;
 mod service;
 mod solids;
+#[cfg(test)]
+mod tests;
 
 pub use error::{DesignError, DesignErrorKind};
 pub use field::Section;
+pub use reference::markdown as reference_of_keys;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub use sections::*;
 pub use service::*;
