@@ -22,6 +22,10 @@ pub enum Failure {
     Compute { task: &'static str, cause: Box<dyn Error + Send + Sync> },
     #[error("stopped before the end; nothing was written")]
     Cancelled,
+    #[error("stopped at t = {time:.6} s; the checkpoint is {}", .path.display())]
+    Interrupted { time: f64, path: PathBuf },
+    #[error("{message}")]
+    Usage { message: String, help: String },
 }
 
 impl Failure {
@@ -61,6 +65,8 @@ impl Diagnostic for Failure {
                 }
                 _ => "choose another place with --out".to_owned(),
             },
+            Failure::Interrupted { .. } => "the same command with --resume goes on from there".to_owned(),
+            Failure::Usage { help, .. } => help.clone(),
             Failure::Exists { .. } => "--force overwrites it".to_owned(),
             Failure::UnknownTemplate { .. } => {
                 format!("templates are {}", arcmin::templates::TEMPLATES.map(|template| template.name).join(", "))

@@ -29,4 +29,6 @@ commands! {
     Check => check,
     /// Compute the flank of the cycloid disc: points, normals, curvature
     Profile => profile,
+    /// Integrate the equations of motion: transmission error in time
+    Simulate => simulate,
 }

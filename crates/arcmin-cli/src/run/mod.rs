@@ -85,6 +85,11 @@ impl Run {
         }
     }
 
+    /// Path of a file in the output directory.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.out.join(name)
+    }
+
     /// Stages a table, e.g. `contact.csv`.
     pub fn table(&mut self, name: &str, table: Table) -> Result<(), Failure> {
         self.file(name, table.into_bytes().as_slice())
@@ -122,6 +127,15 @@ pub fn read_design(path: &Path) -> Result<Design, Failure> {
     let text = String::from_utf8(bytes)
         .map_err(|error| Failure::Read { path: path.to_owned(), cause: std::io::Error::new(std::io::ErrorKind::InvalidData, error) })?;
     Design::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
+}
+
+/// Running hours on the command line: finite and not negative.
+pub fn hours(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hours) if (0.0..=1e7).contains(&hours) => Ok(hours),
+        Ok(_) => Err("running hours lie between 0 and 1e7".to_owned()),
+        Err(_) => Err("running hours are a number such as 2000".to_owned()),
+    }
 }
 
 /// A wear depth on the command line: finite, not negative, no deeper than a flank is believed to survive.

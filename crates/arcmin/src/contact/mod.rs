@@ -3,5 +3,5 @@
 mod law;
 mod ring;
 
-pub use law::{ContactLaw, Damping, LineContact};
-pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction};
+pub use law::{ContactForce, ContactLaw, Damping, LineContact};
+pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, Sliding, TOLERABLE_DEPTH};

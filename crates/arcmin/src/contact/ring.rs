@@ -1,4 +1,4 @@
-use super::LineContact;
+use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
 /// One installed pin, in the housing frame.
@@ -53,6 +53,14 @@ pub struct PinContact {
     pub stiffness: f64,
     /// ∂F/∂δ̇ in N·s/m.
     pub damping: f64,
+    /// Elastic part of the normal force in N.
+    pub elastic: f64,
+    /// Elastic energy in J.
+    pub stored: f64,
+    /// Speed in m/s at which the disc slides on the pin, along the normal turned by +90°.
+    pub sliding_speed: f64,
+    /// Friction force in N on the disc along the same direction.
+    pub friction: f64,
     /// Outward normal of the flank (from disc to pin).
     pub normal: Vec2,
     /// Pin centre relative to the disc centre in m; the line of action passes through it.
@@ -63,6 +71,17 @@ pub struct PinContact {
     pub relative_curvature: f64,
     /// ∂(gap)/∂(x, y, θ) of the disc.
     pub gradient: [f64; 3],
+    /// Displacement of the disc's point of contact along the flank, per (x, y, θ).
+    pub along: [f64; 3],
+}
+
+/// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sliding {
+    /// μ. On a pin that turns in its seat the smaller of the coefficients of flank and seat: it slides where that is least.
+    pub coefficient: f64,
+    /// v_r in m/s.
+    pub regularisation_speed: f64,
 }
 
 /// Sum of the contact forces on one disc, about its centre, with its tangents.
@@ -74,7 +93,16 @@ pub struct Reaction {
     pub stiffness: [[f64; 3]; 3],
     /// −∂(F_x, F_y, M)/∂(ẋ, ẏ, θ̇).
     pub damping: [[f64; 3]; 3],
+    /// Elastic energy in J.
+    pub stored: f64,
+    /// Power lost in contact damping and friction in W.
+    pub dissipation: f64,
+    /// Largest ratio of closing speed to gap (plus [`TOLERABLE_DEPTH`]) among the open contacts, in 1/s.
+    pub onset_rate: f64,
 }
+
+/// A contact may be found closed by this depth in m without having been waited for.
+pub const TOLERABLE_DEPTH: f64 = 5e-8;
 
 /// All pins against one disc.
 #[derive(Debug, Clone)]
@@ -88,13 +116,15 @@ pub struct PinContacts {
     pin_relief: Option<Relief>,
     shallowest_relief: f64,
     contact: LineContact,
+    sliding: Option<Sliding>,
 }
 
 impl PinContacts {
     pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
         let count = profile.pin_count as f64;
         let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
-        let mut contacts = PinContacts { profile, pins, directions, relief: Relief::uniform(0.0), pin_relief: None, shallowest_relief: 0.0, contact };
+        let mut contacts =
+            PinContacts { profile, pins, directions, relief: Relief::uniform(0.0), pin_relief: None, shallowest_relief: 0.0, contact, sliding: None };
         contacts.set_relief(relief);
         contacts
     }
@@ -128,6 +158,16 @@ impl PinContacts {
         self.shallowest_relief = self.shallowest();
     }
 
+    /// Sets the damping of every contact; none at first.
+    pub fn set_damping(&mut self, damping: Option<Damping>) {
+        self.contact.damping = damping;
+    }
+
+    /// Sets the friction between flank and pins; none at first.
+    pub fn set_sliding(&mut self, sliding: Option<Sliding>) {
+        self.sliding = sliding.filter(|sliding| sliding.coefficient > 0.0);
+    }
+
     /// A bound from below for flank and pin relief together. A spline may undershoot its samples a little; half the range
     /// of the samples is a safe margin.
     fn shallowest(&self) -> f64 {
@@ -147,7 +187,7 @@ impl PinContacts {
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         let mut reaction = Reaction::default();
-        self.visit(pose, velocity, false, |contact| reaction.add(contact, velocity, self.pins[contact.pin].radius));
+        self.visit(pose, velocity, false, |contact| reaction.add(contact, velocity, self.pins[contact.pin].radius, self.sliding.as_ref()));
         reaction
     }
 
@@ -210,9 +250,13 @@ impl PinContacts {
         }
         let normal = turned(flank_normal, rotation);
         let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
+        let t = quarter_turn(normal);
+        let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
-        let (force, stiffness, damping) = self.contact.damped_force(-gap, approach_rate, 1.0 / relative_curvature);
+        let sliding_speed = along[0] * v[0] + along[1] * v[1] + along[2] * v[2];
+        let ContactForce { force, stiffness, damping, elastic, stored } = self.contact.damped_force(-gap, approach_rate, 1.0 / relative_curvature);
+        let friction = self.sliding.as_ref().map_or(0.0, |sliding| -force * sliding.share(sliding_speed).0);
         PinContact {
             pin,
             tau,
@@ -222,12 +266,25 @@ impl PinContacts {
             force,
             stiffness,
             damping,
+            elastic,
+            stored,
+            sliding_speed,
+            friction,
             normal,
             arm,
             flank_curvature,
             relative_curvature,
             gradient,
+            along,
         }
+    }
+}
+
+impl Sliding {
+    /// (F_t/F, its derivative with respect to the sliding speed).
+    fn share(&self, speed: f64) -> (f64, f64) {
+        let reach = 1.0 / speed.hypot(self.regularisation_speed);
+        (self.coefficient * speed * reach, self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3))
     }
 }
 
@@ -235,8 +292,15 @@ impl Reaction {
     /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included:
     /// ∂²g/∂q² = −κ/(1 − κ D) T Tᵀ plus the turning of the arm, with T = (t_x, t_y, t·(k × arm)).
     #[inline]
-    fn add(&mut self, contact: &PinContact, velocity: DiscVelocity, pin_radius: f64) {
+    fn add(&mut self, contact: &PinContact, velocity: DiscVelocity, pin_radius: f64, sliding: Option<&Sliding>) {
         if contact.force <= 0.0 {
+            if contact.gap > 0.0 && contact.approach_rate > 0.0 {
+                self.onset_rate = self.onset_rate.max(contact.approach_rate / (contact.gap + TOLERABLE_DEPTH));
+            } else {
+                // Damping holds the force at zero while the surfaces still part.
+                self.stored += contact.stored;
+                self.dissipation -= contact.elastic * contact.approach_rate;
+            }
             return;
         }
         let g = contact.gradient;
@@ -269,13 +333,28 @@ impl Reaction {
                 self.stiffness[j][i] += contact.damping * rate_slope * g[j];
             }
         }
+        self.stored += contact.stored;
+        self.dissipation += (contact.force - contact.elastic) * contact.approach_rate;
+        if let Some(sliding) = sliding {
+            // The turning of the direction of sliding is left out of the tangent: it is the friction coefficient times smaller
+            // than the terms above, and Newton's method still converges.
+            let (share, slope) = sliding.share(contact.sliding_speed);
+            let along = contact.along;
+            for i in 0..3 {
+                self.force[i] += contact.friction * along[i];
+                for j in 0..3 {
+                    self.stiffness[i][j] -= share * contact.stiffness * along[i] * g[j];
+                    self.damping[i][j] += along[i] * (contact.force * slope * along[j] - share * contact.damping * g[j]);
+                }
+            }
+            self.dissipation -= contact.friction * contact.sliding_speed;
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Damping;
     use crate::units::{ARCMIN, UM, wrap_angle};
 
     fn machine() -> crate::machine::Machine {

@@ -1,11 +1,31 @@
 //! Multibody dynamics: equations of motion, their integration in time, static equilibrium, and the models.
 
+mod drive;
 mod equilibrium;
 mod error;
+mod gear_mesh;
+mod ideal_joints;
 mod integrator;
+mod load;
+mod reducer;
+mod run;
+mod spectrum;
+mod statistics;
+mod study;
 mod system;
+mod table;
 
+pub use drive::{Drive, InputMotion};
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium};
 pub use error::DynamicsError;
+pub use gear_mesh::{GearMesh, MeshForce};
+pub use ideal_joints::IdealJoints;
 pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepControl, StepCounts};
+pub use load::OutputLoad;
+pub use reducer::{ForceSummary, Reducer};
+pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
+pub use spectrum::{SpectrumLine, order_spectrum};
+pub use statistics::{ErrorIntegrals, ErrorStatistics};
+pub use study::{StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, simulate_rigid, spread_over_starts, transmission_error_study};
 pub use system::{Balance, DenseLinearisation, Linearisation, Singular, System, Weights};
+pub use table::TimeTable;

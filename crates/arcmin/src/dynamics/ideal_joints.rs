@@ -1,0 +1,376 @@
+use std::f64::consts::PI;
+
+use super::gear_mesh::{GearMesh, MeshForce};
+use super::{Balance, DenseLinearisation, Drive, DynamicsError, ForceSummary, OutputLoad, Reducer, System};
+use crate::contact::{DiscVelocity, PinContact, PinContacts, Reaction, Sliding};
+use crate::geometry::{Relief, quarter_turn};
+use crate::machine::{FixedMember, Kinematics, Machine, PinMounting};
+use crate::units::ARCMIN;
+
+/// The rigid model of Tao2024's Table 3: ideal joints, elastic contacts and gear meshes.
+///
+/// Absolute angles: sun θ_s, carrier θ_c, crankshafts θ_k (common to all), housing θ_h, one of θ_c, θ_h at rest. Disc j has its centre at a e(θ_k + α_j)
+/// and turns with the carrier, θ_j = θ_c + δ_j. The motion relative to the ring, κ = θ_k − θ_h and ο = θ_c − θ_h, decides about the pin contacts.
+/// Coordinates: q = (θ_k, θ_out) with a prescribed sun, (θ_k, θ_out, θ_s) with a free one.
+///
+/// Mass: M_k = n_cr J_cr + n_d m_d a²; M_out = J_carrier + n_d J_d + n_cr m_cr R_c² (carrier) or the housing's inertia; M_s = J_sun + J_motor. No velocity-dependent
+/// inertia forces arise: the crankshafts turn about axes that go with the carrier, and the discs' centres move with θ_k alone.
+///
+/// Not modelled: compliance and clearance of bearings and shafts, out-of-plane motion, the sun's inertia under a prescribed speed, losses in bearings and meshes.
+#[derive(Debug, Clone)]
+pub struct IdealJoints {
+    kinematics: Kinematics,
+    rings: Vec<PinContacts>,
+    mesh: GearMesh,
+    drive: Drive,
+    load: OutputLoad,
+    drag: f64,
+    drag_speed: f64,
+    oil_drag: f64,
+    /// Which absolute angle each coordinate is.
+    members: Vec<usize>,
+    mass: Vec<f64>,
+    scale: Vec<f64>,
+    ratio: f64,
+}
+
+const SUN: usize = 0;
+const CARRIER: usize = 1;
+const CRANK: usize = 2;
+const HOUSING: usize = 3;
+
+/// Forces on the four absolute angles with their tangents, before the members at rest are struck out.
+#[derive(Default)]
+struct Torques {
+    torque: [f64; 4],
+    stiffness: [[f64; 4]; 4],
+    damping: [[f64; 4]; 4],
+    balance: Balance,
+}
+
+impl IdealJoints {
+    /// Builds the model of `machine` with `wear` taken from every disc's flanks.
+    ///
+    /// `drag` is a steady torque (N·m) at the output against its motion, on top of the machine's seal drag.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for stiffnesses, masses, loads or drags without meaning.
+    pub fn new(machine: &Machine, wear: &Relief, drive: Drive, load: OutputLoad, drag: f64) -> Result<IdealJoints, DynamicsError> {
+        drive.validate()?;
+        load.validate()?;
+        let check = DynamicsError::require;
+        let stage = &machine.gear_stage;
+        check(stage.mesh_stiffness > 0.0 && stage.mesh_stiffness.is_finite(), "mesh stiffness", stage.mesh_stiffness, "N/m", "must be positive")?;
+        check(
+            (0.0..1.0).contains(&stage.mesh_stiffness_variation),
+            "mesh stiffness variation",
+            stage.mesh_stiffness_variation,
+            "",
+            "must lie in [0, 1)",
+        )?;
+        check(stage.mesh_damping >= 0.0, "mesh damping", stage.mesh_damping, "N·s/m", "must not be negative")?;
+        check(stage.backlash >= 0.0, "backlash", stage.backlash, "m", "must not be negative")?;
+        check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
+        let damping = machine.contact_damping;
+        check(damping.coefficient >= 0.0, "contact damping", damping.coefficient, "N·s/m", "must not be negative")?;
+        check(damping.ramp_depth > 0.0, "ramp depth of the contact damping", damping.ramp_depth, "m", "must be positive")?;
+        match machine.contact_law {
+            crate::contact::ContactLaw::Linear { stiffness } | crate::contact::ContactLaw::Impact { stiffness, .. } => {
+                check(stiffness > 0.0 && stiffness.is_finite(), "contact stiffness", stiffness, "N/m^e", "must be positive")?;
+            }
+            _ => {}
+        }
+        let kinematics = machine.kinematics();
+        let friction = machine.friction;
+        let coefficient = match machine.ring.mounting {
+            PinMounting::Fixed => friction.flank,
+            // A pin that can turn slides where the resistance is smaller: on the flank or in its seat of the same radius.
+            PinMounting::Spinning => friction.flank.min(friction.pin_seat),
+        };
+        if coefficient > 0.0 {
+            check(
+                friction.regularisation_speed > 0.0,
+                "regularisation speed of the friction",
+                friction.regularisation_speed,
+                "m/s",
+                "must be positive",
+            )?;
+        }
+        let mut ring = machine.pin_contacts(wear);
+        ring.set_damping(Some(damping));
+        ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
+        let (output, output_inertia) = match machine.fixed_member {
+            FixedMember::Housing => (CARRIER, carrier_inertia(machine)),
+            FixedMember::Carrier => (HOUSING, housing_inertia(machine)),
+        };
+        let cranks = machine.crankshafts.count as f64;
+        let crank_inertia = cranks * machine.crankshafts.inertia
+            + machine.disc_count as f64 * machine.disc.mass * machine.crankshafts.eccentricity * machine.crankshafts.eccentricity;
+        let ratio = kinematics.ratio();
+        let mut members = vec![CRANK, output];
+        let mut mass = vec![crank_inertia, output_inertia];
+        let mut scale = vec![kinematics.lobe_count * ARCMIN, ARCMIN];
+        if drive.leaves_sun_free() {
+            members.push(SUN);
+            mass.push(stage.sun_inertia + stage.motor_inertia);
+            scale.push(ratio.abs() * ARCMIN);
+        }
+        for inertia in &mass {
+            check(*inertia > 0.0 && inertia.is_finite(), "moment of inertia", *inertia, "kg·m²", "must be positive")?;
+        }
+        Ok(IdealJoints {
+            rings: vec![ring; machine.disc_count],
+            mesh: GearMesh::new(machine),
+            drive,
+            load,
+            drag: drag + friction.seal_drag,
+            // A hundredth of the rated output speed: far below any speed at which drag matters.
+            drag_speed: (0.01 * machine.rated.input_speed / ratio).abs().max(1e-6),
+            oil_drag: friction.oil_drag,
+            members,
+            mass,
+            scale,
+            ratio,
+            kinematics,
+        })
+    }
+
+    pub fn kinematics(&self) -> &Kinematics {
+        &self.kinematics
+    }
+
+    /// Takes worn metal from every pin as well, as a function of the angle on the pin ([`PinContacts::set_pin_relief`]).
+    pub fn set_pin_wear(&mut self, wear: &Relief) {
+        for ring in &mut self.rings {
+            ring.set_pin_relief(wear.clone());
+        }
+    }
+
+    /// Index of the output angle among the coordinates.
+    pub const OUTPUT: usize = 1;
+
+    fn angles(&self, time: f64, position: &[f64], velocity: &[f64]) -> ([f64; 4], [f64; 4]) {
+        let (mut angle, mut speed) = ([0.0; 4], [0.0; 4]);
+        let motion = self.drive.motion(time);
+        (angle[SUN], speed[SUN]) = (motion.angle, motion.speed);
+        for (index, member) in self.members.iter().enumerate() {
+            (angle[*member], speed[*member]) = (position[index], velocity[index]);
+        }
+        (angle, speed)
+    }
+
+    fn disc_state(&self, disc: usize, angle: &[f64; 4], speed: &[f64; 4]) -> (crate::contact::DiscPose, DiscVelocity) {
+        let (crank, carrier) = (angle[CRANK] - angle[HOUSING], angle[CARRIER] - angle[HOUSING]);
+        let pose = self.kinematics.disc_pose(disc, crank, carrier);
+        let velocity = DiscVelocity { centre: (speed[CRANK] - speed[HOUSING]) * quarter_turn(pose.centre), angle: speed[CARRIER] - speed[HOUSING] };
+        (pose, velocity)
+    }
+
+    /// State of every pin on one disc, in the frame of the ring.
+    pub fn pin_contacts(&self, disc: usize, time: f64, position: &[f64], velocity: &[f64]) -> Vec<PinContact> {
+        let (angle, speed) = self.angles(time, position, velocity);
+        let (pose, rate) = self.disc_state(disc, &angle, &speed);
+        self.rings[disc].contacts(pose, rate)
+    }
+
+    pub fn disc_count(&self) -> usize {
+        self.rings.len()
+    }
+
+    /// Force of all sun–planet meshes together.
+    pub fn mesh_force(&self, time: f64, position: &[f64], velocity: &[f64]) -> MeshForce {
+        let (angle, speed) = self.angles(time, position, velocity);
+        self.mesh_at(&angle, &speed)
+    }
+
+    fn mesh_at(&self, angle: &[f64; 4], speed: &[f64; 4]) -> MeshForce {
+        let along = |x: &[f64; 4]| self.mesh.sun_base_radius * (x[SUN] - x[CARRIER]) + self.mesh.planet_base_radius * (x[CRANK] - x[CARRIER]);
+        self.mesh.react(along(angle), along(speed), angle[SUN] - angle[CARRIER])
+    }
+
+    fn add_mesh(&self, angle: &[f64; 4], speed: &[f64; 4], total: &mut Torques) {
+        let mesh = self.mesh_at(angle, speed);
+        let (r1, r2) = (self.mesh.sun_base_radius, self.mesh.planet_base_radius);
+        let by_angle = [r1, -(r1 + r2), r2];
+        let phase = [1.0, -1.0, 0.0];
+        for i in 0..3 {
+            total.torque[i] -= mesh.force * by_angle[i] + mesh.torque * phase[i];
+            for j in 0..3 {
+                total.stiffness[i][j] += mesh.stiffness * by_angle[i] * by_angle[j]
+                    + mesh.force_by_phase * (by_angle[i] * phase[j] + phase[i] * by_angle[j])
+                    + mesh.torque_by_phase * phase[i] * phase[j];
+                total.damping[i][j] += mesh.damping * by_angle[i] * by_angle[j];
+            }
+        }
+        total.balance.stored += mesh.stored;
+        total.balance.dissipation += mesh.dissipation;
+    }
+
+    fn add_disc(&self, disc: usize, angle: &[f64; 4], speed: &[f64; 4], total: &mut Torques) {
+        let (pose, velocity) = self.disc_state(disc, angle, speed);
+        let Reaction { force: f, stiffness: k, damping: c, stored, dissipation, onset_rate } = self.rings[disc].react(pose, velocity);
+        // ∂(x, y)/∂κ is the centre turned by 90°, ∂²(x, y)/∂κ² minus the centre.
+        let arm = quarter_turn(pose.centre);
+        let d = [arm.x, arm.y];
+        let bend = [-pose.centre.x, -pose.centre.y];
+        let rate = speed[CRANK] - speed[HOUSING];
+        let (mut kk, mut ko, mut ok) = (0.0, 0.0, 0.0);
+        let (mut ckk, mut cko, mut cok) = (0.0, 0.0, 0.0);
+        let mut torque = 0.0;
+        for i in 0..2 {
+            torque += d[i] * f[i];
+            kk -= bend[i] * f[i];
+            for j in 0..2 {
+                // The centre's velocity turns with κ.
+                kk += d[i] * (k[i][j] * d[j] + c[i][j] * bend[j] * rate);
+                ckk += d[i] * c[i][j] * d[j];
+            }
+            ko += d[i] * k[i][2];
+            cko += d[i] * c[i][2];
+            ok += k[2][i] * d[i] + c[2][i] * bend[i] * rate;
+            cok += c[2][i] * d[i];
+        }
+        let relative = [torque, f[2]];
+        let stiffness = [[kk, ko], [ok, k[2][2]]];
+        let damping = [[ckk, cko], [cok, c[2][2]]];
+        // κ = θ_k − θ_h, ο = θ_c − θ_h.
+        let members = [[(CRANK, 1.0), (HOUSING, -1.0)], [(CARRIER, 1.0), (HOUSING, -1.0)]];
+        for i in 0..2 {
+            for (row, row_sign) in members[i] {
+                total.torque[row] += row_sign * relative[i];
+                for j in 0..2 {
+                    for (column, sign) in members[j] {
+                        total.stiffness[row][column] += row_sign * sign * stiffness[i][j];
+                        total.damping[row][column] += row_sign * sign * damping[i][j];
+                    }
+                }
+            }
+        }
+        total.balance.stored += stored;
+        total.balance.dissipation += dissipation;
+        total.balance.onset_rate = total.balance.onset_rate.max(onset_rate);
+    }
+}
+
+impl System for IdealJoints {
+    type Linearisation = DenseLinearisation;
+
+    fn linearisation(&self) -> DenseLinearisation {
+        DenseLinearisation::new(self.members.len())
+    }
+
+    fn mass(&self) -> &[f64] {
+        &self.mass
+    }
+
+    fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], lin: &mut DenseLinearisation) -> Balance {
+        let (angle, speed) = self.angles(time, position, velocity);
+        let mut total = Torques::default();
+        self.add_mesh(&angle, &speed, &mut total);
+        for disc in 0..self.rings.len() {
+            self.add_disc(disc, &angle, &speed, &mut total);
+        }
+        let output = self.members[IdealJoints::OUTPUT];
+        let load = self.load.torque(time);
+        total.torque[output] -= load;
+        total.balance.load_power = load * speed[output];
+        let reach = 1.0 / speed[output].hypot(self.drag_speed);
+        total.torque[output] -= self.drag * speed[output] * reach;
+        total.damping[output][output] += self.drag * self.drag_speed * self.drag_speed * reach.powi(3);
+        total.balance.dissipation += self.drag * speed[output] * speed[output] * reach + self.oil_drag * speed[SUN] * speed[SUN];
+        let input_torque = if self.drive.leaves_sun_free() {
+            let (torque, slope) = self.drive.torque(time, speed[SUN]);
+            total.torque[SUN] += torque - self.oil_drag * speed[SUN];
+            total.damping[SUN][SUN] += slope + self.oil_drag;
+            torque
+        } else {
+            self.oil_drag * speed[SUN] - total.torque[SUN]
+        };
+        total.balance.input_power = input_torque * speed[SUN];
+        lin.clear();
+        for (i, row) in self.members.iter().enumerate() {
+            force[i] = total.torque[*row];
+            for (j, column) in self.members.iter().enumerate() {
+                lin.add_stiffness(i, j, total.stiffness[*row][*column]);
+                lin.add_damping(i, j, total.damping[*row][*column]);
+            }
+        }
+        total.balance
+    }
+
+    fn next_breakpoint(&self, time: f64) -> Option<f64> {
+        self.load.next_jump(time)
+    }
+
+    fn crank_angle(&self, position: &[f64]) -> f64 {
+        position[0]
+    }
+}
+
+impl Reducer for IdealJoints {
+    fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64) {
+        if let (Some(angle), Some(speed)) = (position.get(2), velocity.get(2)) {
+            return (*angle, *speed);
+        }
+        let motion = self.drive.motion(time);
+        (motion.angle, motion.speed)
+    }
+
+    fn output(&self, position: &[f64], velocity: &[f64]) -> (f64, f64) {
+        (position[IdealJoints::OUTPUT], velocity[IdealJoints::OUTPUT])
+    }
+
+    fn ratio(&self) -> f64 {
+        self.ratio
+    }
+
+    fn load_torque(&self, time: f64) -> f64 {
+        self.load.torque(time)
+    }
+
+    /// Everything at angle zero.
+    fn nominal_position(&self) -> Vec<f64> {
+        vec![0.0; self.members.len()]
+    }
+
+    fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
+        let (angle, speed) = self.angles(time, position, velocity);
+        let mut summary = ForceSummary { mesh_force: self.mesh_at(&angle, &speed).force, ..ForceSummary::default() };
+        for disc in 0..self.rings.len() {
+            let (pose, rate) = self.disc_state(disc, &angle, &speed);
+            self.rings[disc].visit(pose, rate, false, |contact| {
+                if contact.force > 0.0 {
+                    summary.loaded_pins += 1;
+                    summary.largest_pin_force = summary.largest_pin_force.max(contact.force);
+                }
+            });
+        }
+        summary
+    }
+}
+
+/// Everything that turns with the carrier: itself, the discs, the crankshafts on their circle.
+fn carrier_inertia(machine: &Machine) -> f64 {
+    let radius = machine.gear_stage.centre_distance();
+    machine.carrier.inertia
+        + machine.disc_count as f64 * machine.disc.inertia
+        + machine.crankshafts.count as f64 * machine.crankshafts.mass * radius * radius
+}
+
+/// The housing as output: the pins and a cast ring around them, of 1.25 R_p outer radius, as wide as the discs and a quarter more. An assumption, as the
+/// housing's shape is no part of the machine; it matters for vibrations only.
+fn housing_inertia(machine: &Machine) -> f64 {
+    const CAST_IRON: f64 = 7060.0;
+    let ring = &machine.ring;
+    let width = 1.25 * machine.disc_count as f64 * machine.disc.width;
+    let (inner, outer) = (ring.pin_circle_radius, 1.25 * ring.pin_circle_radius);
+    let pins = ring.pin_count as f64 * ring.material.density * PI * ring.pin_radius * ring.pin_radius * width * inner * inner;
+    pins + 0.5 * PI * CAST_IRON * width * (outer.powi(4) - inner.powi(4))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,40 @@
+use serde::{Deserialize, Serialize};
+
+use super::System;
+
+/// A [`System`] that is a reducer: what a run needs to know beyond the equations of motion.
+pub trait Reducer: System {
+    /// Angle (rad) and speed (rad/s) of the sun.
+    fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64);
+
+    /// Angle (rad) and speed (rad/s) of the output.
+    fn output(&self, position: &[f64], velocity: &[f64]) -> (f64, f64);
+
+    /// i = θ_s/θ_out.
+    fn ratio(&self) -> f64;
+
+    /// External torque at the output in N·m.
+    fn load_torque(&self, time: f64) -> f64;
+
+    /// Coordinates of the nominal pose at time 0, where the search for the first equilibrium starts.
+    fn nominal_position(&self) -> Vec<f64>;
+
+    /// Largest forces at one state.
+    fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary;
+
+    /// Transmission error θ_out − θ_s/i in rad; negative where the output lags.
+    fn transmission_error(&self, time: f64, position: &[f64], velocity: &[f64]) -> f64 {
+        self.output(position, velocity).0 - self.input(time, position, velocity).0 / self.ratio()
+    }
+}
+
+/// Contact and mesh forces at one instant, in N.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct ForceSummary {
+    /// Largest pin force on any disc.
+    pub largest_pin_force: f64,
+    /// Pins that carry force, over all discs.
+    pub loaded_pins: usize,
+    /// Force on the line of action, all sun–planet meshes together.
+    pub mesh_force: f64,
+}

@@ -1,0 +1,91 @@
+use std::f64::consts::TAU;
+
+use realfft::RealFftPlanner;
+
+/// Amplitude of one order of the output turn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpectrumLine {
+    /// Waves per turn of the output.
+    pub order: usize,
+    /// Amplitude of the wave in rad.
+    pub amplitude: f64,
+}
+
+/// Spectrum of a transmission error in orders of the output turn, from pairs (nominal output angle, error) in rad.
+///
+/// The error is resampled at equal steps of the nominal output angle θ_s/i (cubic Lagrange interpolation), over the last whole number of turns.
+/// `None` if the samples cover less than one turn or the angle does not proceed.
+pub fn order_spectrum(samples: &[(f64, f64)]) -> Option<Vec<SpectrumLine>> {
+    let (first, last) = (samples.first()?, samples.last()?);
+    let direction = (last.0 - first.0).signum();
+    // A run of exactly one turn must not fail by rounding.
+    let turns = ((last.0 - first.0).abs() / TAU + 1e-9).floor();
+    if !(turns >= 1.0) || samples.windows(2).any(|pair| (pair[1].0 - pair[0].0) * direction <= 0.0) {
+        return None;
+    }
+    let angles: Vec<f64> = samples.iter().map(|s| direction * s.0).collect();
+    let start = angles[angles.len() - 1] - turns * TAU;
+    let per_turn = ((samples.len() as f64 / turns) as usize).next_power_of_two().clamp(1024, 1 << 16);
+    let count = per_turn * turns as usize;
+    let mut values = Vec::with_capacity(count);
+    let mut cell = 0;
+    for i in 0..count {
+        let angle = start + TAU * i as f64 / per_turn as f64;
+        while cell + 1 < angles.len() && angles[cell + 1] <= angle {
+            cell += 1;
+        }
+        values.push(lagrange(&angles, samples, cell, angle));
+    }
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(count);
+    let mut spectrum = transform.make_output_vec();
+    transform.process(&mut values, &mut spectrum).ok()?;
+    let whole = turns as usize;
+    let lines = (0..per_turn / 2).map(|order| {
+        let scale = if order == 0 { 1.0 } else { 2.0 } / count as f64;
+        SpectrumLine { order, amplitude: scale * spectrum[order * whole].norm() }
+    });
+    Some(lines.collect())
+}
+
+fn lagrange(angles: &[f64], samples: &[(f64, f64)], cell: usize, angle: f64) -> f64 {
+    let left = cell.saturating_sub(1).min(angles.len().saturating_sub(4));
+    let nodes = left..(left + 4).min(angles.len());
+    nodes
+        .clone()
+        .map(|i| {
+            let weight: f64 = nodes.clone().filter(|j| *j != i).map(|j| (angle - angles[j]) / (angles[i] - angles[j])).product();
+            weight * samples[i].1
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_are_found_at_their_order_for_either_direction() {
+        for direction in [1.0, -1.0] {
+            // 1.7 turns, unevenly sampled: the spectrum takes the last whole turn.
+            let samples: Vec<(f64, f64)> = (0..20_000)
+                .map(|i| {
+                    let x = i as f64 / 20_000.0;
+                    let angle = 1.7 * TAU * (x + 0.02 * (TAU * x).sin());
+                    (direction * angle, 0.3 + 2e-4 * (39.0 * angle).sin() + 1e-4 * (80.0 * angle).cos())
+                })
+                .collect();
+            let lines = order_spectrum(&samples).unwrap();
+            assert!((lines[0].amplitude - 0.3).abs() < 1e-9);
+            assert!((lines[39].amplitude - 2e-4).abs() < 1e-9);
+            assert!((lines[80].amplitude - 1e-4).abs() < 1e-9);
+            assert!(lines.iter().filter(|l| ![0, 39, 80].contains(&l.order)).all(|l| l.amplitude < 1e-9));
+        }
+    }
+
+    #[test]
+    fn less_than_a_turn_has_no_spectrum() {
+        let samples: Vec<(f64, f64)> = (0..1000).map(|i| (i as f64 * 6e-3, 0.0)).collect();
+        assert!(order_spectrum(&samples).is_none());
+        assert!(order_spectrum(&[]).is_none());
+    }
+}

@@ -1,0 +1,160 @@
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::{Drive, DynamicsError, ErrorStatistics, IdealJoints, OutputLoad, Reducer, Run, RunPlan, RunResult};
+use crate::geometry::Relief;
+use crate::machine::Machine;
+use crate::progress::Progress;
+use crate::units::ARCMIN;
+
+/// Static and dynamic transmission error of the rigid model over a list of wear states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransmissionErrorStudy {
+    pub points: Vec<StudyPoint>,
+}
+
+/// One wear state of a [`TransmissionErrorStudy`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyPoint {
+    /// Without load (STE).
+    pub no_load: RunResult,
+    /// Under load (DTE).
+    pub loaded: RunResult,
+    /// Spread of the no-load result over perturbed starts; `None` where it was not asked for.
+    pub spread: Option<StartSpread>,
+}
+
+/// How far a result depends on where in the play the run starts. Unloaded motion rattles in the clearance and is chaotic without drag:
+/// then the mean is no result, only the band and the RMS are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StartSpread {
+    /// Statistics of every start.
+    pub runs: Vec<ErrorStatistics>,
+    /// Largest minus smallest mean in rad.
+    pub mean: f64,
+    /// Largest minus smallest RMS in rad.
+    pub rms: f64,
+    /// Largest magnitude of the error over all starts in rad.
+    pub band: f64,
+}
+
+impl StartSpread {
+    /// Whether the mean moves by more than a tenth of the band when the start is perturbed.
+    pub fn is_chaotic(&self) -> bool {
+        self.mean > 0.1 * self.band
+    }
+}
+
+/// What to run at every wear state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudySettings {
+    pub drive: Drive,
+    /// Load of the DTE; the STE runs without.
+    pub load: OutputLoad,
+    /// Steady drag at the output in N·m, in both.
+    pub drag: f64,
+    pub plan: RunPlan,
+    /// Perturbed starts per wear state for the spread of the no-load result; 0 for none.
+    pub perturbed_starts: usize,
+}
+
+impl StudySettings {
+    /// The study of Tao2024: speed law to the rated input speed within 0.1 s, 0.8 s, sinusoidal load of the rated torque with 0.3 s period, no drag.
+    pub fn tao2024(machine: &Machine) -> StudySettings {
+        StudySettings {
+            drive: Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.1 },
+            load: OutputLoad::Sine { amplitude: machine.rated.torque, period: 0.3 },
+            drag: 0.0,
+            plan: RunPlan::default(),
+            perturbed_starts: 4,
+        }
+    }
+}
+
+/// One run of the ideal-joint model from its static equilibrium at time 0 to the end.
+///
+/// # Errors
+/// As [`IdealJoints::new`] and [`Run`].
+pub fn simulate_rigid(
+    machine: &Machine,
+    wear: &Relief,
+    drive: &Drive,
+    load: &OutputLoad,
+    drag: f64,
+    plan: RunPlan,
+) -> Result<RunResult, DynamicsError> {
+    let model = IdealJoints::new(machine, wear, drive.clone(), load.clone(), drag)?;
+    let mut run = Run::new(&model, plan)?;
+    run.finish()?;
+    Ok(run.result())
+}
+
+/// Runs from `count` starts spread over ±0.05' of the output around the nominal pose, in parallel; the result is the same for any number of threads.
+///
+/// # Errors
+/// As [`Run`].
+pub fn spread_over_starts<M: Reducer + Sync>(model: &M, plan: RunPlan, output_index: usize, count: usize) -> Result<StartSpread, DynamicsError> {
+    let runs = (0..count)
+        .into_par_iter()
+        .map(|i| {
+            let mut start = model.nominal_position();
+            // Irrational steps, so that no two starts mirror each other.
+            let place = ((i as f64 + 1.0) * 0.618_033_988_749_894_9).fract() - 0.5;
+            start[output_index] += 0.1 * ARCMIN * place;
+            let mut run = Run::from_state(model, plan, &start, &vec![0.0; start.len()])?;
+            run.finish()?;
+            Ok(run.result().statistics)
+        })
+        .collect::<Result<Vec<_>, DynamicsError>>()?;
+    let runs: Vec<ErrorStatistics> = runs.into_iter().flatten().collect();
+    let span = |f: fn(&ErrorStatistics) -> f64| {
+        let (low, high) = runs.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        if runs.is_empty() { 0.0 } else { high - low }
+    };
+    let (mean, rms) = (span(|s| s.mean), span(|s| s.rms));
+    let band = runs.iter().map(|s| s.max_abs).fold(0.0, f64::max);
+    Ok(StartSpread { mean, rms, band, runs })
+}
+
+/// STE and DTE at every wear state, in parallel over all runs; the order and every digit are the same for any number of threads.
+///
+/// # Errors
+/// The first error in the order of the wear states; [`DynamicsError::Cancelled`] if `progress` says so.
+pub fn transmission_error_study(
+    machine: &Machine,
+    wear: &[Relief],
+    settings: &StudySettings,
+    progress: &dyn Progress,
+) -> Result<TransmissionErrorStudy, DynamicsError> {
+    let (total, done) = (2 * wear.len(), AtomicUsize::new(0));
+    let jobs: Vec<(usize, bool)> = (0..wear.len()).flat_map(|i| [(i, false), (i, true)]).collect();
+    let mut results = jobs
+        .into_par_iter()
+        .map(|(i, loaded)| {
+            let load = if loaded { settings.load.clone() } else { OutputLoad::None };
+            let model = IdealJoints::new(machine, &wear[i], settings.drive.clone(), load, settings.drag)?;
+            let mut run = Run::new(&model, settings.plan)?;
+            while !run.is_finished() {
+                if progress.is_cancelled() {
+                    return Err(DynamicsError::Cancelled { time: run.time() });
+                }
+                run.proceed(1000)?;
+            }
+            let spread = if !loaded && settings.perturbed_starts > 0 {
+                Some(spread_over_starts(&model, settings.plan, IdealJoints::OUTPUT, settings.perturbed_starts)?)
+            } else {
+                None
+            };
+            let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress.report("simulation", finished as f64 / total as f64);
+            Ok((run.result(), spread))
+        })
+        .collect::<Result<Vec<_>, DynamicsError>>()?
+        .into_iter();
+    let mut points = Vec::with_capacity(wear.len());
+    while let (Some((no_load, spread)), Some((loaded, _))) = (results.next(), results.next()) {
+        points.push(StudyPoint { no_load, loaded, spread });
+    }
+    Ok(TransmissionErrorStudy { points })
+}
