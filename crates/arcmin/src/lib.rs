@@ -11,6 +11,7 @@ pub mod design;
 pub mod dynamics;
 pub mod fem;
 pub mod geometry;
+pub mod life;
 pub mod load;
 pub mod machine;
 pub mod materials;

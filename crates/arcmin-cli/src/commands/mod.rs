@@ -29,6 +29,14 @@ commands! {
     Check => check,
     /// Compute the flank of the cycloid disc: points, normals, curvature
     Profile => profile,
+    /// Share the load among the pins over one turn of the crankshaft
+    Contact => contact,
+    /// Wear the flanks over the hours of service
+    Wear => wear,
+    /// Fit the wear coefficient to measured depths or lost motion
+    Calibrate => calibrate,
+    /// The main job: accuracy over life, with all figures in one report
+    Life => life,
     /// Integrate the equations of motion: transmission error in time
     Simulate => simulate,
 }

@@ -129,8 +129,8 @@ impl LineContact {
             return (0.0, 0.0);
         }
         match self.law {
-            ContactLaw::LineHertz => self.line_force(approach, self.alpha - self.beta * equivalent_radius.ln()),
-            ContactLaw::Tao2024 => self.line_force(approach, self.alpha),
+            ContactLaw::LineHertz => self.line_force(approach, equivalent_radius),
+            ContactLaw::Tao2024 => self.line_force(approach, 1.0),
             ContactLaw::Linear { stiffness } => {
                 let stiffness = stiffness / (1.0 + stiffness * self.seat);
                 (stiffness * approach, stiffness)
@@ -166,31 +166,46 @@ impl LineContact {
         }
     }
 
-    /// Solves δ = F (α′ − β ln F) for F by Newton's method; returns (F, dF/dδ).
+    /// Solves δ = F (α − β ln(F R)) for F; returns (F, dF/dδ). R is 1 for a law without radius.
     ///
-    /// δ(F) rises until ln F = α′/β − 1, where the half-width equals the reference depth and the formula has long lost its
-    /// meaning. From ln F = α′/β − 3 on (half-width h/e, far beyond any steel) the law goes on with constant stiffness.
+    /// With the compliance δ/F = β c this is c − ln c = a, a = (α − β ln(R δ) + β ln β)/β: Newton's method in c, of which a dozen is typical, takes two steps.
+    /// δ(F) rises until c = 1, where the half-width equals the reference depth and the formula has long lost its
+    /// meaning. From c = 3 on (half-width h/e, far beyond any steel) the law goes on with constant stiffness.
     #[inline]
-    fn line_force(&self, approach: f64, alpha: f64) -> (f64, f64) {
-        let limit_ln = alpha / self.beta - 3.0;
-        let limit_approach = 3.0 * self.beta * limit_ln.exp();
-        if approach >= limit_approach {
-            let stiffness = 1.0 / (2.0 * self.beta);
-            return (limit_ln.exp() + stiffness * (approach - limit_approach), stiffness);
+    fn line_force(&self, approach: f64, radius: f64) -> (f64, f64) {
+        const LIMIT: f64 = 3.0;
+        let beta = self.beta;
+        let a = self.alpha / beta - (radius * approach / beta).ln();
+        // 3 − ln 3.
+        if a <= 1.901_387_711_331_890_1 {
+            let limit = self.limit_force(radius);
+            let stiffness = 1.0 / ((LIMIT - 1.0) * beta);
+            return (limit + stiffness * (approach - LIMIT * beta * limit), stiffness);
         }
-        // The compliance hardly varies: start from its value at δ/α′, then two or three steps.
-        let first = approach / alpha;
-        let mut force = approach / (alpha - self.beta * (first * 1.1).ln()).max(3.0 * self.beta);
+        // The solution of c = a + ln c for a near 12; close enough everywhere for Newton on a convex function.
+        let mut c = if a > 6.0 { 1.07 * a + 1.9 } else { a + 1.7 };
         for _ in 0..20 {
-            let compliance = alpha - self.beta * force.ln();
-            let step = (approach - force * compliance) / (compliance - self.beta);
-            // δ(F) is concave: Newton from below stays below; from above it can only fall short, never below zero twice.
-            force = (force + step).max(0.1 * force);
-            if step.abs() <= 1e-8 * force {
+            let step = (c - a - c.ln()) / (1.0 - 1.0 / c);
+            c -= step;
+            // The error left is the square of the step over 2 c².
+            if step.abs() <= 1e-6 * c {
                 break;
             }
         }
-        (force, 1.0 / (alpha - self.beta * force.ln() - self.beta))
+        (approach / (beta * c), 1.0 / (beta * (c - 1.0)))
+    }
+
+    /// Force at which the compliance has fallen to 3 β.
+    fn limit_force(&self, radius: f64) -> f64 {
+        (self.alpha / self.beta - 3.0).exp() / radius
+    }
+
+    /// ∂U/∂(ln R) at constant approach: ½ β F² in J; zero for laws without radius.
+    ///
+    /// From δ = F (α − β ln(F R)) at constant δ: dF/F = β/(C − β) d(ln R) with C = δ/F, and U = F (δ/2 − β F/4).
+    #[inline]
+    pub fn energy_by_log_radius(&self, elastic_force: f64) -> f64 {
+        if self.law == ContactLaw::LineHertz { 0.5 * self.beta * elastic_force * elastic_force } else { 0.0 }
     }
 
     /// Elastic energy ∫F dδ in J at approach δ (m) with the force F (N) that [`LineContact::force`] gives there.
@@ -202,8 +217,8 @@ impl LineContact {
             return 0.0;
         }
         match self.law {
-            ContactLaw::LineHertz => self.line_energy(approach, force, self.alpha - self.beta * equivalent_radius.ln()),
-            ContactLaw::Tao2024 => self.line_energy(approach, force, self.alpha),
+            ContactLaw::LineHertz => self.line_energy(approach, force, equivalent_radius),
+            ContactLaw::Tao2024 => self.line_energy(approach, force, 1.0),
             ContactLaw::Linear { .. } => 0.5 * force * approach,
             ContactLaw::Palmgren => self.power_energy(approach, force, 1.0 / 0.9),
             ContactLaw::Impact { exponent, .. } => self.power_energy(approach, force, exponent),
@@ -216,11 +231,12 @@ impl LineContact {
         force * (approach - seat) / (1.0 + exponent) + 0.5 * seat * force
     }
 
-    fn line_energy(&self, approach: f64, force: f64, alpha: f64) -> f64 {
-        let limit = (alpha / self.beta - 3.0).exp();
-        if force <= limit {
+    fn line_energy(&self, approach: f64, force: f64, radius: f64) -> f64 {
+        // Compliance above 3 β: the logarithmic law itself.
+        if approach >= 3.0 * self.beta * force {
             return force * (0.5 * approach - 0.25 * self.beta * force);
         }
+        let limit = self.limit_force(radius);
         let limit_approach = 3.0 * self.beta * limit;
         limit * (0.5 * limit_approach - 0.25 * self.beta * limit) + 0.5 * (limit + force) * (approach - limit_approach)
     }
@@ -318,6 +334,18 @@ mod tests {
                 let energy = contact.energy(end, contact.force(end, 2e-3).0, 2e-3);
                 assert!((energy / sum - 1.0).abs() < 1e-6, "{law:?} {end}: {energy} {sum}");
             }
+        }
+    }
+
+    #[test]
+    fn energy_follows_the_radius_at_constant_approach() {
+        let contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
+        for (approach, radius) in [(1e-6, 3e-3), (3e-7, 1e-3), (5e-6, 3e-2)] {
+            let energy = |radius: f64| contact.energy(approach, contact.force(approach, radius).0, radius);
+            let h = 1e-4;
+            let slope = (energy(radius * (1.0 + h)) - energy(radius * (1.0 - h))) / (2.0 * h);
+            let exact = contact.energy_by_log_radius(contact.force(approach, radius).0);
+            assert!((slope / exact - 1.0).abs() < 1e-6, "{slope} {exact}");
         }
     }
 

@@ -98,6 +98,7 @@ impl IdealJoints {
         }
         let mut ring = machine.pin_contacts(wear);
         ring.set_damping(Some(damping));
+        ring.set_conservative(true);
         ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
         let (output, output_inertia) = match machine.fixed_member {
             FixedMember::Housing => (CARRIER, carrier_inertia(machine)),

@@ -25,7 +25,7 @@ pub struct StepControl {
 impl Default for StepControl {
     fn default() -> Self {
         StepControl {
-            tolerance: 1e-5,
+            tolerance: 5e-5,
             fixed_step: None,
             first_step: 1e-7,
             largest_step: 1e-4,
@@ -424,6 +424,7 @@ impl<'s, S: System> Integrator<'s, S> {
 
     fn accept(&mut self, h: f64, wish: f64, error: f64) {
         let state = &mut self.state;
+        let (before, last_step) = (state.previous.balance, state.last_step);
         std::mem::swap(&mut state.previous, &mut state.current);
         std::mem::swap(&mut state.current, &mut self.trial);
         std::mem::swap(&mut state.auxiliary, &mut self.auxiliary);
@@ -431,14 +432,18 @@ impl<'s, S: System> Integrator<'s, S> {
         for i in 0..state.jerk.len() {
             state.jerk[i] = (new.acceleration[i] - old.acceleration[i]) / h;
         }
-        let integral = |a: f64, b: f64| 0.5 * h * (a + b);
+        // The parabola through the last three values; the trapezium after a restart.
+        let parabola = |a: f64, b: f64, c: f64| {
+            let bend = if last_step > 0.0 { ((c - b) / h - (b - a) / last_step) / (h + last_step) } else { 0.0 };
+            0.5 * h * (b + c) - h * h * h / 6.0 * bend
+        };
+        let integral = |f: fn(&Balance) -> f64| parabola(f(&before), f(&old.balance), f(&new.balance));
         let energy = &mut state.energy;
-        energy.input += integral(old.balance.input_power, new.balance.input_power);
-        energy.load += integral(old.balance.load_power, new.balance.load_power);
-        energy.dissipated += integral(old.balance.dissipation, new.balance.dissipation);
-        energy.turnover += integral(old.balance.input_power.abs(), new.balance.input_power.abs())
-            + integral(old.balance.load_power.abs(), new.balance.load_power.abs())
-            + integral(old.balance.dissipation, new.balance.dissipation);
+        energy.input += integral(|balance| balance.input_power);
+        energy.load += integral(|balance| balance.load_power);
+        energy.dissipated += integral(|balance| balance.dissipation);
+        let turnover = |balance: &Balance| balance.input_power.abs() + balance.load_power.abs() + balance.dissipation;
+        energy.turnover += 0.5 * h * (turnover(&old.balance) + turnover(&new.balance));
         state.last_step = h;
         state.counts.accepted += 1;
         if self.control.fixed_step.is_none() {

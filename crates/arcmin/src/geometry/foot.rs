@@ -34,19 +34,21 @@ pub(super) struct Place {
 }
 
 impl Place {
+    #[inline]
     pub fn moved(self, step: f64, z: f64) -> Place {
         Place { tau: self.tau + step, e: super::turned(self.e, small_unit(step)), ez: super::turned(self.ez, small_unit(z * step)) }
     }
 }
 
 /// e(x); for small x from its series, whose error is below 1e-16 for |x| ≤ 0.1.
+#[inline]
 fn small_unit(x: f64) -> Vec2 {
     if x.abs() > 0.1 {
         return unit(x);
     }
     let q = x * x;
-    let sin = x * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0))));
-    let cos = 1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0))));
+    let sin = x * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362_880.0)))));
+    let cos = 1.0 + q * (-0.5 + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40_320.0 + q * (-1.0 / 3_628_800.0)))));
     Vec2::new(cos, sin)
 }
 
@@ -92,24 +94,24 @@ impl Profile {
     fn bracketed_foot(&self, p: Vec2, guess: f64) -> Foot {
         let z = self.pin_count as f64;
         let pitch = std::f64::consts::TAU / self.lobe_count() as f64;
-        let derivative = |tau: f64| {
-            let place = Place { tau, e: unit(tau), ez: unit(z * tau) };
+        let derivative = |place: Place| {
             let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
             let off = p - c;
-            (off.dot(&c1), off.dot(&c2) - c1.norm_squared(), place)
+            (off.dot(&c1), off.dot(&c2) - c1.norm_squared())
         };
         let root = pitch * (guess / pitch).round();
-        let (side, _, root_place) = derivative(root);
+        // z τ and τ differ by whole turns there.
+        let root_place = Place { tau: root, e: unit(root), ez: unit(root) };
+        let (side, _) = derivative(root_place);
         if side == 0.0 {
             return self.foot_at(p, root_place);
         }
         // `low` holds a positive derivative, `high` a negative one.
         let (mut low, mut high) = if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
         let mut tau = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
-        let mut place = root_place;
+        let mut place = root_place.moved(tau - root, z);
         for _ in 0..80 {
-            let (value, slope, here) = derivative(tau);
-            place = here;
+            let (value, slope) = derivative(place);
             if value > 0.0 {
                 low = tau;
             } else {
@@ -119,8 +121,9 @@ impl Profile {
             // An end of the bracket may be the solution itself to rounding: a Newton step that misses it by less than LAST_STEP is good.
             let inside = newton > low - LAST_STEP && newton < high + LAST_STEP;
             let next = if slope < 0.0 && inside { newton } else { 0.5 * (low + high) };
-            if (next - tau).abs() < 1e-3 * LAST_STEP {
-                place = place.moved(next - tau, z);
+            let step = next - tau;
+            place = place.moved(step, z);
+            if step.abs() < 1e-3 * LAST_STEP {
                 break;
             }
             tau = next;

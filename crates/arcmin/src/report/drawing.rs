@@ -13,6 +13,7 @@ use super::plot::{Number, rounded};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Mechanism {
     pub title: String,
+    #[serde(skip)]
     pub note: String,
     pub pin_circle_radius_mm: f64,
     pub pin_radius_mm: f64,
@@ -76,6 +77,7 @@ pub struct ForceState {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshPicture {
     pub title: String,
+    #[serde(skip)]
     pub note: String,
     #[serde(serialize_with = "rounded_points")]
     pub nodes_mm: Vec<[f64; 2]>,

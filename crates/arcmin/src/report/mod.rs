@@ -38,6 +38,7 @@
 //! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`] and [`MeshPicture`] is what the script in `assets/`
 //! reads; field names are the same on both sides.
 
+pub mod bench;
 mod drawing;
 mod html;
 pub mod life;

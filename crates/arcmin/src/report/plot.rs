@@ -184,6 +184,7 @@ pub struct Plot {
     pub series: Vec<Series>,
     pub annotations: Vec<Annotation>,
     /// Below the plot: what is seen, against which source, with which caveat.
+    #[serde(skip)]
     pub note: String,
     pub width: Width,
     /// One millimetre in x is as long as in y (outlines).
@@ -229,6 +230,7 @@ pub struct HeatMap {
     /// Row by row: `cells[iy * x_values.len() + ix]`; `None` where nothing is known.
     #[serde(serialize_with = "rounded_gaps")]
     pub cells: Vec<Option<f64>>,
+    #[serde(skip)]
     pub note: String,
     pub width: Width,
 }

@@ -54,6 +54,23 @@ impl PaperWear {
         PaperWear::with_step(machine, deepest, STEP)
     }
 
+    /// As [`PaperWear::new`], deep enough for the depth reached after the given hours.
+    ///
+    /// # Errors
+    /// As [`PaperWear::new`].
+    pub fn deep_enough(machine: &Machine, hours: f64) -> Result<PaperWear, WearError> {
+        let mut deepest = 60.0 * UM;
+        loop {
+            let wear = PaperWear::new(machine, deepest)?;
+            let depth = wear.depth_at(hours);
+            // Beyond a millimetre the flank is gone and the closed form with it.
+            if depth <= deepest || deepest > 1e-3 {
+                return Ok(wear);
+            }
+            deepest = 1.5 * depth;
+        }
+    }
+
     fn with_step(machine: &Machine, deepest: f64, step: f64) -> Result<PaperWear, WearError> {
         let deepest = match machine.wear.paper {
             WearCoefficient::Calibrated { depth, .. } => deepest.max(depth),

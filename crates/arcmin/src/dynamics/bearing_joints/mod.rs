@@ -354,6 +354,7 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
         ring.set_flank_error(error.flank.clone());
     }
     ring.set_damping(settings.damped.then_some(machine.contact_damping));
+    ring.set_conservative(true);
     let friction = &machine.friction;
     let coefficient = match machine.ring.mounting {
         PinMounting::Fixed => friction.flank,

@@ -50,8 +50,8 @@ fn angles(life: &LifePage) -> Plot {
     if let Some(at) = life.hours_to_limit {
         plot.annotations.push(Annotation::Vertical { at, label: format!("limit reached, {at:.0} h"), tone: Tone::Bad });
     }
-    plot.note = "Prediction with coupled wear. Wear of one flank hardly changes the transmission error of a machine that always turns and is \
-                 loaded the same way; it opens the lost motion."
+    plot.note = "Prediction with coupled wear. While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, \
+                 which no one notices; it shows when the torque reverses, as lost motion."
         .into();
     plot
 }

@@ -11,12 +11,16 @@ mod simulation;
 mod verdict;
 mod wear;
 
+#[cfg(test)]
+mod tests;
+
+use crate::checks::{Finding, Severity};
 use crate::geometry::Relief;
 use crate::load::Cycle;
 use crate::machine::Machine;
 use crate::units::{ARCMIN, DEG, HOUR};
 
-use super::{Block, CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, Page, Provenance, Section, Table, Tone};
+use super::{Block, Column, CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, Page, Provenance, Section, Table};
 
 /// One row of accuracy over life, the columns of `life.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -66,17 +70,6 @@ pub struct RunTrace<'a> {
     pub max_abs_arcmin: f64,
 }
 
-/// A judged finding about the design, for the page's table.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FindingRow {
-    pub tone: Tone,
-    pub code: String,
-    pub message: String,
-    pub value: String,
-    pub limit: String,
-    pub remedy: String,
-}
-
 /// Results of a life computation, lent for rendering.
 #[derive(Debug, Clone)]
 pub struct LifePage<'a> {
@@ -97,7 +90,8 @@ pub struct LifePage<'a> {
     pub ste_rigid_run: Option<RunTrace<'a>>,
     pub dte_rigid_run: Option<RunTrace<'a>>,
     pub ste_flexible_run: Option<RunTrace<'a>>,
-    pub findings: Vec<FindingRow>,
+    /// Verdicts on the design; those that are mere facts are not shown.
+    pub findings: &'a [Finding],
     /// What the user can change, best first; a default sentence is written when empty.
     pub advice: Vec<String>,
     /// Further sections between the simulation and the design as used: test bench, flexible disc.
@@ -119,7 +113,11 @@ impl LifePage<'_> {
         }
         sections.extend(self.more.iter().cloned());
         if !self.findings.is_empty() {
-            sections.push(Section::new("findings", "Findings on the design", vec![findings_table(&self.findings)]));
+            let block = match crate::checks::worst(self.findings) {
+                Severity::Info => Block::Text(format!("All {} checks of the design are passed.", self.findings.len())),
+                _ => findings_table(self.findings),
+            };
+            sections.push(Section::new("findings", "Findings on the design", vec![block]));
         }
         sections.push(Section::new(
             "design",
@@ -237,38 +235,35 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
     }
 }
 
-fn findings_table(findings: &[FindingRow]) -> Block {
-    use super::Column;
-    let rows = findings
+/// Table of the warnings and errors, worst first.
+fn findings_table(findings: &[Finding]) -> Block {
+    let mut shown: Vec<&Finding> = findings.iter().filter(|finding| finding.severity > Severity::Info).collect();
+    shown.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    let rows = shown
         .iter()
         .map(|finding| {
-            let judged = match finding.tone {
-                Tone::Bad => "error",
-                Tone::Caution => "caution",
-                Tone::Good => "fine",
-                Tone::Neutral => "note",
-            };
+            let amount = |value: f64| super::compact(value, 4) + if finding.unit.is_empty() { "" } else { " " } + finding.unit;
             vec![
-                judged.to_owned(),
+                finding.severity.word().to_owned(),
                 format!("`{}`", finding.code),
-                finding.message.clone(),
-                finding.value.clone(),
-                finding.limit.clone(),
-                finding.remedy.clone(),
+                format!("{} {}", finding.message, finding.why),
+                amount(finding.value),
+                amount(finding.limit),
+                finding.change.to_owned(),
             ]
         })
         .collect();
     Block::Table(Table {
-        title: "Findings".into(),
+        title: "Warnings and errors".into(),
         columns: vec![
             Column::text("Verdict"),
             Column::text("Code"),
-            Column::text("What was found"),
+            Column::text("What was found, why it matters"),
             Column::number("Value", ""),
             Column::number("Limit", ""),
             Column::text("What to change"),
         ],
         rows,
-        note: String::new(),
+        note: format!("{} checks were made; the others are passed.", findings.len()),
     })
 }

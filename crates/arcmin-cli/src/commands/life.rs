@@ -1,0 +1,323 @@
+use std::time::Instant;
+
+use arcmin::checks::{self, Severity};
+use arcmin::dynamics::{RunResult, StudySettings, TransmissionErrorStudy, transmission_error_study};
+use arcmin::life::{LifeOptions, LifePoint, PaperStudy, Prediction, paper_depths, paper_study, predict};
+use arcmin::machine::Machine;
+use arcmin::report::Provenance;
+use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
+use arcmin::units::{ARCMIN, DEG, HOUR, MPA, UM};
+use arcmin::wear::WearError;
+use serde_json::{Map, Value, json};
+
+use crate::failure::Failure;
+use crate::run::{Cell, Common, Run, Table, Verdict};
+
+#[derive(Debug, clap::Args)]
+#[command(
+    long_about = "The main job: how the accuracy of the reducer decays with running hours, and what limits it.\n\n\
+                  Predicts the wear of the flanks coupled to the load sharing, evaluates play, lost motion, transmission error, forces and pressures over \
+                  the service life, and finds the hours until the limit of the design. Beside it stands the study of Tao2024: uniform depths 0, 10, …, \
+                  60 µm with the static and dynamic transmission error of the multibody model (STE, DTE).\n\n\
+                  report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns); profiles of the \
+                  worn flank are in wear.csv.",
+    after_help = "Examples:\n  arcmin life my-reducer.toml\n  arcmin life my-reducer.toml --quasi-static        without the multibody runs, in a blink\n  \
+                  arcmin life my-reducer.toml --points 60 --out results"
+)]
+pub struct Options {
+    #[command(flatten)]
+    common: Common,
+    /// Leave out the multibody runs (STE and DTE).
+    #[arg(long)]
+    quasi_static: bool,
+    /// Times between new and the end of the service life.
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    points: u32,
+}
+
+/// Wall seconds of the stages, in order.
+struct Clock {
+    last: Instant,
+    stages: Map<String, Value>,
+}
+
+impl Clock {
+    fn lap(&mut self, stage: &str) {
+        self.stages.insert(stage.to_owned(), json!(self.last.elapsed().as_secs_f64()));
+        self.last = Instant::now();
+    }
+}
+
+pub fn run(options: Options) -> Result<Verdict, Failure> {
+    let mut run = Run::start("life", &options.common)?;
+    let machine = run.design.machine();
+    let mut clock = Clock { last: Instant::now(), stages: Map::new() };
+    let findings = checks::check(&machine);
+    clock.lap("check");
+
+    let settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
+    let prediction = predict(&machine, settings, run.progress()).map_err(wear_failure)?;
+    clock.lap("wear");
+    let study = paper_study(&machine, &paper_depths(), settings).map_err(wear_failure)?;
+    clock.lap("study");
+    let simulated = if options.quasi_static { None } else { Some(simulate(&run, &machine, &study)?) };
+    if simulated.is_some() {
+        clock.lap("rigid");
+    }
+
+    let prediction_rows: Vec<LifeRow> = prediction.points.iter().map(|point| row(point, None)).collect();
+    let study_rows: Vec<LifeRow> =
+        study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect();
+    run.table("life.csv", table(&study_rows, &study.points))?;
+    run.table("life_coupled.csv", table(&prediction_rows, &prediction.points))?;
+    run.table("wear.csv", profiles(&prediction))?;
+    let design_name = options.common.design.display().to_string();
+    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), &prediction_rows, &study_rows, &findings);
+    run.file("report.html", report.as_bytes())?;
+    clock.lap("report");
+
+    say(&run, &machine, &prediction, &prediction_rows, &study_rows, &findings);
+    let last = &prediction_rows[prediction_rows.len() - 1];
+    run.finish(json!({
+        "ratio": machine.kinematics().ratio(),
+        "hours_to_limit": prediction.hours_to_limit,
+        "hours_to_limit_searched": prediction.searched_hours,
+        "hours_to_limit_paper_study": study.hours_to_limit,
+        "limit_lost_motion_arcmin": machine.limits.lost_motion / ARCMIN,
+        "service_life_h": machine.limits.service_life / HOUR,
+        "max_depth_um": last.max_depth_um,
+        "max_depth_at_deg": prediction.points[prediction.points.len() - 1].max_depth_at.abs() / DEG,
+        "play_arcmin": last.play_arcmin,
+        "lost_motion_arcmin": last.lost_motion_arcmin,
+        "te_loaded_arcmin": last.te_loaded_arcmin,
+        "max_force_n": last.max_force_n,
+        "max_pressure_mpa": last.max_pressure_mpa,
+        "loaded_pairs": last.loaded_pairs,
+        "wear_coefficient_per_pa": prediction.exposure.coefficient,
+        "wear_coefficient_paper_per_pa": study.wear.exposure.coefficient,
+        "flank_updates": prediction.updates,
+        "error_findings": findings.iter().filter(|finding| finding.severity == Severity::Error).count(),
+        "stages": clock.stages,
+    }))?;
+    Ok(if checks::worst(&findings) == Severity::Error { Verdict::ErrorFindings } else { Verdict::Fine })
+}
+
+fn wear_failure(error: WearError) -> Failure {
+    match error {
+        WearError::Stopped => Failure::Cancelled,
+        error => Failure::compute("predict the wear")(error),
+    }
+}
+
+fn simulate(run: &Run, machine: &Machine, study: &PaperStudy) -> Result<TransmissionErrorStudy, Failure> {
+    let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();
+    transmission_error_study(machine, &wear, &StudySettings::tao2024(machine), run.progress()).map_err(|error| {
+        if run.progress().is_cancelled() { Failure::Cancelled } else { Failure::compute("simulate the transmission error")(error) }
+    })
+}
+
+fn mean_and_max(result: &RunResult) -> Option<MeanAndMax> {
+    result.statistics.map(|te| MeanAndMax { mean_arcmin: te.mean_abs / ARCMIN, max_arcmin: te.max_abs / ARCMIN })
+}
+
+fn row(point: &LifePoint, simulated: Option<&arcmin::dynamics::StudyPoint>) -> LifeRow {
+    LifeRow {
+        hours: point.hours,
+        max_depth_um: point.max_depth / UM,
+        play_arcmin: point.play.arcmin(),
+        te_no_load_arcmin: Some(point.no_load_error.arcmin()),
+        te_loaded_arcmin: point.loaded_error.arcmin(),
+        max_force_n: point.max_force,
+        max_pressure_mpa: point.max_pressure / MPA,
+        loaded_pairs: point.loaded_pairs,
+        lost_motion_arcmin: Some(point.lost_motion.arcmin()),
+        ste_rigid: simulated.and_then(|s| mean_and_max(&s.no_load)),
+        dte_rigid: simulated.and_then(|s| mean_and_max(&s.loaded)),
+        ste_flexible: None,
+    }
+}
+
+fn table(rows: &[LifeRow], points: &[LifePoint]) -> Table {
+    let mut table = Table::new(&[
+        "hours",
+        "max_depth_um",
+        "play_arcmin",
+        "te_no_load_arcmin",
+        "te_loaded_arcmin",
+        "ste_rigid_mean_arcmin",
+        "ste_rigid_max_arcmin",
+        "dte_rigid_mean_arcmin",
+        "dte_rigid_max_arcmin",
+        "ste_flexible_mean_arcmin",
+        "ste_flexible_max_arcmin",
+        "lost_motion_arcmin",
+        "free_travel_arcmin",
+        "te_loaded_peak_to_peak_arcmin",
+        "max_depth_at_deg",
+        "max_force_n",
+        "max_pressure_mpa",
+        "loaded_pairs",
+    ]);
+    for (row, point) in rows.iter().zip(points) {
+        let cell = |value: Option<f64>| value.map_or(Cell::Empty, Cell::Number);
+        table.row(&[
+            row.hours.into(),
+            row.max_depth_um.into(),
+            row.play_arcmin.into(),
+            cell(row.te_no_load_arcmin),
+            row.te_loaded_arcmin.into(),
+            cell(row.ste_rigid.map(|te| te.mean_arcmin)),
+            cell(row.ste_rigid.map(|te| te.max_arcmin)),
+            cell(row.dte_rigid.map(|te| te.mean_arcmin)),
+            cell(row.dte_rigid.map(|te| te.max_arcmin)),
+            cell(row.ste_flexible.map(|te| te.mean_arcmin)),
+            cell(row.ste_flexible.map(|te| te.max_arcmin)),
+            cell(row.lost_motion_arcmin),
+            point.free_travel.arcmin().into(),
+            point.loaded_peak_to_peak.arcmin().into(),
+            (point.max_depth_at.abs() / DEG).into(),
+            row.max_force_n.into(),
+            row.max_pressure_mpa.into(),
+            row.loaded_pairs.into(),
+        ]);
+    }
+    table
+}
+
+/// Depth along the flank at every point of the prediction.
+fn profiles(prediction: &Prediction) -> Table {
+    let mut table = Table::new(&["hours", "meshing_angle_deg", "depth_um"]);
+    for point in &prediction.points {
+        let count = point.flank.samples().len();
+        for (phi, depth) in arcmin::geometry::Relief::grid(count).zip(point.flank.samples()) {
+            table.row(&[point.hours.into(), (phi / DEG).into(), (depth / UM).into()]);
+        }
+    }
+    table
+}
+
+/// Columns of a simulated run in trade units.
+struct Trace {
+    time_s: Vec<f64>,
+    input_speed_deg_s: Vec<f64>,
+    output_speed_deg_s: Vec<f64>,
+    load_n_m: Vec<f64>,
+    te_arcmin: Vec<f64>,
+    statistics: MeanAndMax,
+    wear_um: f64,
+}
+
+impl Trace {
+    fn new(result: &RunResult, wear_um: f64) -> Option<Trace> {
+        let column = |value: fn(&arcmin::dynamics::Sample) -> f64| result.series.iter().map(value).collect();
+        Some(Trace {
+            time_s: column(|s| s.time),
+            input_speed_deg_s: column(|s| s.input_speed / DEG),
+            output_speed_deg_s: column(|s| s.output_speed / DEG),
+            load_n_m: column(|s| s.load),
+            te_arcmin: column(|s| s.transmission_error / ARCMIN),
+            statistics: mean_and_max(result)?,
+            wear_um,
+        })
+    }
+
+    fn lend(&self) -> RunTrace<'_> {
+        RunTrace {
+            wear_um: self.wear_um,
+            time_s: &self.time_s,
+            input_speed_deg_s: &self.input_speed_deg_s,
+            output_speed_deg_s: &self.output_speed_deg_s,
+            load_n_m: &self.load_n_m,
+            te_arcmin: &self.te_arcmin,
+            steady_from_s: 0.1,
+            mean_abs_arcmin: self.statistics.mean_arcmin,
+            max_abs_arcmin: self.statistics.max_arcmin,
+        }
+    }
+}
+
+fn render(
+    run: &Run,
+    design_name: &str,
+    machine: &Machine,
+    prediction: &Prediction,
+    study: &PaperStudy,
+    simulated: Option<&TransmissionErrorStudy>,
+    prediction_rows: &[LifeRow],
+    study_rows: &[LifeRow],
+    findings: &[checks::Finding],
+) -> String {
+    // New, four stations on the way, and the end: as many curves as a reader can tell apart.
+    let intervals = prediction.points.len() - 1;
+    let stations = 5.min(intervals);
+    let flanks: Vec<WornFlank> = (0..=stations)
+        .map(|station| &prediction.points[intervals * station / stations])
+        .map(|point| WornFlank { hours: point.hours, flank: &point.flank, cycle: &point.cycle })
+        .collect();
+    // The paper shows its runs at 10 µm.
+    let level = 1.min(study.points.len() - 1);
+    let trace = |pick: fn(&arcmin::dynamics::StudyPoint) -> &RunResult| {
+        simulated.and_then(|s| Trace::new(pick(&s.points[level]), study.points[level].max_depth / UM))
+    };
+    let (ste, dte) = (trace(|point| &point.no_load), trace(|point| &point.loaded));
+    LifePage {
+        machine,
+        provenance: Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            design_hash: run.design.short_hash(),
+            command: std::iter::once("arcmin".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
+            seeds: Vec::new(),
+        },
+        design_name,
+        design_text: run.design.text(),
+        prediction: prediction_rows,
+        flanks: &flanks,
+        hours_to_limit: prediction.hours_to_limit,
+        prediction_coefficient_per_pa: prediction.exposure.coefficient,
+        study: study_rows,
+        study_coefficient_per_pa: study.wear.exposure.coefficient,
+        ste_rigid_run: ste.as_ref().map(Trace::lend),
+        dte_rigid_run: dte.as_ref().map(Trace::lend),
+        ste_flexible_run: None,
+        findings,
+        advice: Vec::new(),
+        more: Vec::new(),
+    }
+    .page()
+    .render()
+}
+
+/// The terminal's table: a handful of rows of the prediction, the study, the verdict.
+fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], study: &[LifeRow], findings: &[checks::Finding]) {
+    run.say(&format!("{}: accuracy over {:.0} h, wear coupled to the load", machine.name, machine.limits.service_life / HOUR));
+    run.say("   hours   depth µm   play '   lost motion '   loaded TE '   max force N   pairs");
+    let intervals = rows.len() - 1;
+    let stations = 6.min(intervals);
+    for row in (0..=stations).map(|station| &rows[intervals * station / stations]) {
+        run.say(&format!(
+            "{:8.0} {:10.2} {:8.3} {:15.3} {:13.3} {:13.0} {:7.1}",
+            row.hours,
+            row.max_depth_um,
+            row.play_arcmin,
+            row.lost_motion_arcmin.unwrap_or(0.0),
+            row.te_loaded_arcmin,
+            row.max_force_n,
+            row.loaded_pairs
+        ));
+    }
+    run.say("\nstudy of Tao2024 (uniform depth)");
+    run.say("   hours   depth µm   play '   STE mean/max '   DTE mean/max '");
+    for row in study {
+        let pair = |te: Option<MeanAndMax>| te.map_or("        –       ".to_owned(), |te| format!("{:7.3}/{:<8.3}", te.mean_arcmin, te.max_arcmin));
+        run.say(&format!("{:8.0} {:10.1} {:8.3} {} {}", row.hours, row.max_depth_um, row.play_arcmin, pair(row.ste_rigid), pair(row.dte_rigid)));
+    }
+    let limit = machine.limits.lost_motion / ARCMIN;
+    run.say(&match prediction.hours_to_limit {
+        Some(hours) => format!("\nlost motion of the contacts reaches its limit of {limit:.2}' after {hours:.0} h"),
+        None => format!("\nlost motion of the contacts stays below its limit of {limit:.2}' for {:.0} h at least", prediction.searched_hours),
+    });
+    let count = |severity: Severity| findings.iter().filter(|finding| finding.severity == severity).count();
+    if count(Severity::Error) + count(Severity::Warning) > 0 {
+        run.say(&format!("{} error and {} warning findings: see `arcmin check`", count(Severity::Error), count(Severity::Warning)));
+    }
+}

@@ -1,0 +1,202 @@
+use arcmin::geometry::Relief;
+use arcmin::life::{LifePoint, accuracy};
+use arcmin::load::closed_form;
+use arcmin::machine::Machine;
+use arcmin::units::{DEG, HOUR, UM};
+use arcmin::wear::paper::PaperWear;
+use arcmin::wear::{CoupledOptions, CoupledWear, WearError};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::run::{Common, Run, Table, Verdict};
+
+#[derive(Debug, clap::Args)]
+#[command(
+    long_about = "Wears flanks (and pins, where the design says so) over the hours of service at the design's duty.\n\n\
+                  The coupled mode lets the worn flank change the load sharing: wear slows down by itself. The paper mode is the study of Tao2024: one \
+                  uniform depth that grows by the largest k (F/B) xi of all pins.\n\n\
+                  wear.csv: hours, meshing_angle_deg, depth_um, force_n, specific_sliding. wear_history.csv: hours, max_depth_um, max_force_n, \
+                  loaded_pairs, play_arcmin (one-sided, at the output, input locked).",
+    after_help = "Examples:\n  arcmin wear my-reducer.toml\n  arcmin wear my-reducer.toml --mode paper\n  arcmin wear my-reducer.toml --hours 2000 --points 40"
+)]
+pub struct Options {
+    #[command(flatten)]
+    common: Common,
+    /// Coupled to the load sharing, or the paper's uniform depth.
+    #[arg(long, value_enum, default_value = "coupled")]
+    mode: Mode,
+    /// Hours of service [default: the service life of the design].
+    #[arg(long, value_name = "H", value_parser = crate::run::hours)]
+    hours: Option<f64>,
+    /// Times between new and the end at which results are written.
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    points: u32,
+    /// Largest depth worn off between two updates of the flank in µm.
+    #[arg(long, value_name = "X", default_value_t = CoupledOptions::default().depth_increment / UM, value_parser = increment_um)]
+    increment_um: f64,
+}
+
+fn increment_um(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (1e-3..=1.0).contains(&value) => Ok(value),
+        _ => Err("an increment lies between 0.001 and 1 µm; the elastic approach of a contact is about 1.5 µm".to_owned()),
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Mode {
+    Coupled,
+    Paper,
+}
+
+/// Crank positions at which accuracy is evaluated.
+const POSITIONS: usize = 36;
+
+struct Tables {
+    wear: Table,
+    history: Table,
+}
+
+impl Tables {
+    fn new() -> Tables {
+        Tables {
+            wear: Table::new(&["hours", "meshing_angle_deg", "depth_um", "force_n", "specific_sliding"]),
+            history: Table::new(&[
+                "hours",
+                "max_depth_um",
+                "max_force_n",
+                "loaded_pairs",
+                "play_arcmin",
+                "max_depth_at_deg",
+                "max_pin_depth_um",
+                "lost_motion_arcmin",
+            ]),
+        }
+    }
+
+    fn history_row(&mut self, point: &LifePoint, max_force: f64, loaded_pairs: f64, worst: f64, pin_depth: f64) {
+        self.history.row(&[
+            point.hours.into(),
+            (point.max_depth / UM).into(),
+            max_force.into(),
+            loaded_pairs.into(),
+            point.play.arcmin().into(),
+            (worst.abs() / DEG).into(),
+            (pin_depth / UM).into(),
+            point.lost_motion.arcmin().into(),
+        ]);
+    }
+}
+
+pub fn run(options: Options) -> Result<Verdict, Failure> {
+    let mut run = Run::start("wear", &options.common)?;
+    let machine = run.design.machine();
+    let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
+    let mut tables = Tables::new();
+    let summary = match options.mode {
+        Mode::Coupled => coupled(&run, &options, &machine, end, &mut tables),
+        Mode::Paper => paper(&run, &options, &machine, end, &mut tables),
+    };
+    let summary = summary.map_err(|error| match error {
+        WearError::Stopped => Failure::Cancelled,
+        error => Failure::compute("compute the wear")(error),
+    })?;
+    run.table("wear.csv", tables.wear)?;
+    run.table("wear_history.csv", tables.history)?;
+    run.finish(summary)?;
+    Ok(Verdict::Fine)
+}
+
+fn coupled(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut Tables) -> Result<Value, WearError> {
+    let settings = CoupledOptions { depth_increment: options.increment_um * UM, ..CoupledOptions::default() };
+    let exposure = machine.coupled_exposure(settings)?;
+    let profile = machine.profile();
+    let mut wear = CoupledWear::new(machine, settings);
+    let mut last = None;
+    for index in 0..=options.points {
+        let share = f64::from(index) / f64::from(options.points);
+        let hours = end * share;
+        let mut stopped = false;
+        wear.advance_until(exposure.at(hours * HOUR), |_| {
+            stopped = run.progress().is_cancelled();
+            stopped
+        })?;
+        if stopped {
+            return Err(WearError::Stopped);
+        }
+        run.progress().report("wear", share);
+        let state = wear.state();
+        let point = accuracy(machine, &state.meshing(machine), &state.flank, hours, POSITIONS)?;
+        let forces = point.cycle.flank_forces();
+        for (phi, depth) in Relief::grid(settings.flank_points).zip(state.flank.samples()) {
+            let at = forces.partition_point(|force| force.meshing_angle < phi);
+            let force = match (forces.get(at.wrapping_sub(1)), forces.get(at)) {
+                (Some(a), Some(b)) => a.force + (b.force - a.force) * (phi - a.meshing_angle) / (b.meshing_angle - a.meshing_angle).max(1e-12),
+                (Some(only), None) | (None, Some(only)) => only.force,
+                (None, None) => 0.0,
+            };
+            tables.wear.row(&[hours.into(), (phi / DEG).into(), (depth / UM).into(), force.into(), profile.specific_sliding(phi.cos()).into()]);
+        }
+        tables.history_row(&point, point.max_force, point.loaded_pairs, point.max_depth_at, state.pin.deepest().0);
+        last = Some(point);
+    }
+    let Some(last) = last else { unreachable!("at least the new machine is evaluated") };
+    run.say(&format!(
+        "after {end:.0} h: {:.2} µm at {:.1}°, one-sided play {:.4}', largest force {:.0} N, k = {:.3e} 1/Pa, {} updates of the flank",
+        last.max_depth / UM,
+        last.max_depth_at.abs() / DEG,
+        last.play.arcmin(),
+        last.max_force,
+        exposure.coefficient,
+        wear.updates()
+    ));
+    Ok(json!({
+        "mode": "coupled",
+        "hours": end,
+        "max_depth_um": last.max_depth / UM,
+        "max_depth_at_deg": last.max_depth_at.abs() / DEG,
+        "max_pin_depth_um": wear.state().pin.deepest().0 / UM,
+        "play_arcmin": last.play.arcmin(),
+        "lost_motion_arcmin": last.lost_motion.arcmin(),
+        "wear_coefficient_per_pa": exposure.coefficient,
+        "flank_updates": wear.updates(),
+        "depth_increment_um": options.increment_um,
+    }))
+}
+
+fn paper(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut Tables) -> Result<Value, WearError> {
+    let profile = machine.profile();
+    let wear = PaperWear::deep_enough(machine, end)?;
+    let mut last = None;
+    for index in 0..=options.points {
+        let hours = end * f64::from(index) / f64::from(options.points);
+        let depth = wear.depth_at(hours).max(0.0);
+        let flank = Relief::uniform(depth);
+        let point = accuracy(machine, &machine.meshing(&flank), &flank, hours, POSITIONS)?;
+        let solution = closed_form::solve(machine, machine.rated.torque.abs(), depth)?;
+        for pair in &solution.pairs {
+            let sliding = profile.specific_sliding(pair.meshing_angle.cos());
+            tables.wear.row(&[hours.into(), (pair.meshing_angle / DEG).into(), (depth / UM).into(), pair.force.into(), sliding.into()]);
+        }
+        let worst = wear.worst_angle_at(depth);
+        tables.history_row(&point, solution.max_force, solution.loaded_pairs() as f64, worst, 0.0);
+        last = Some((point, worst));
+    }
+    let Some((last, worst)) = last else { unreachable!("at least the new machine is evaluated") };
+    run.say(&format!(
+        "after {end:.0} h: {:.2} µm everywhere, set by the pin at {:.1}°, one-sided play {:.4}', k = {:.3e} 1/Pa",
+        last.max_depth / UM,
+        worst / DEG,
+        last.play.arcmin(),
+        wear.exposure.coefficient
+    ));
+    Ok(json!({
+        "mode": "paper",
+        "hours": end,
+        "max_depth_um": last.max_depth / UM,
+        "max_depth_at_deg": worst / DEG,
+        "play_arcmin": last.play.arcmin(),
+        "wear_coefficient_per_pa": wear.exposure.coefficient,
+        "hours_to_50_um": wear.hours_at(50.0 * UM),
+    }))
+}

@@ -1,0 +1,233 @@
+//! Accuracy over life: the coupled prediction, and beside it the paper's study of uniform depths.
+
+use crate::geometry::Relief;
+use crate::load::{Cycle, Meshing};
+use crate::machine::{Machine, OutputAngle};
+use crate::progress::Progress;
+use crate::units::{HOUR, UM};
+use crate::wear::calibrate::contact_lost_motion;
+use crate::wear::paper::PaperWear;
+use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearError, WearSnapshot};
+
+/// Accuracy and loads of the machine after some hours.
+#[derive(Debug, Clone)]
+pub struct LifePoint {
+    pub hours: f64,
+    /// Largest depth lost by a flank in m, and the meshing angle there in rad.
+    pub max_depth: f64,
+    pub max_depth_at: f64,
+    /// One-sided play at the output, input locked, no load; mean over the cycle.
+    pub play: OutputAngle,
+    /// Both sides together.
+    pub free_travel: OutputAngle,
+    /// Mean output error under vanishing rated-side torque: the play, signed.
+    pub no_load_error: OutputAngle,
+    /// Mean output error under rated torque.
+    pub loaded_error: OutputAngle,
+    /// Peak-to-peak output error under rated torque over the cycle.
+    pub loaded_peak_to_peak: OutputAngle,
+    /// Between −3 % and +3 % of rated torque, from the contacts alone.
+    pub lost_motion: OutputAngle,
+    /// N, Pa, pairs of one disc.
+    pub max_force: f64,
+    pub max_pressure: f64,
+    pub loaded_pairs: f64,
+    /// Load sharing at rated torque over one pin pitch of crank angle.
+    pub cycle: Cycle,
+    /// Worn surfaces.
+    pub flank: Relief,
+}
+
+/// The coupled prediction.
+#[derive(Debug, Clone)]
+pub struct Prediction {
+    /// At equidistant hours from new to the end of the service life.
+    pub points: Vec<LifePoint>,
+    /// Worn surfaces at these points.
+    pub surfaces: Vec<WearSnapshot>,
+    pub exposure: Exposure,
+    /// Updates of the flank over the service life.
+    pub updates: usize,
+    /// Hours until the lost motion reaches the design's limit; `None` if it does not within [`Prediction::searched_hours`].
+    pub hours_to_limit: Option<f64>,
+    /// How far the limit was looked for.
+    pub searched_hours: f64,
+}
+
+/// The paper's study: uniform depths with the hours of its wear model.
+#[derive(Debug, Clone)]
+pub struct PaperStudy {
+    pub points: Vec<LifePoint>,
+    pub wear: PaperWear,
+    pub hours_to_limit: Option<f64>,
+}
+
+/// Numerical choices of a life computation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LifeOptions {
+    pub wear: CoupledOptions,
+    /// Intervals of the service life at which accuracy is evaluated.
+    pub intervals: usize,
+    /// Crank positions of each evaluation.
+    pub crank_positions: usize,
+    /// The limit is looked for up to this multiple of the service life.
+    pub search_factor: f64,
+}
+
+impl Default for LifeOptions {
+    fn default() -> LifeOptions {
+        LifeOptions { wear: CoupledOptions::default(), intervals: 30, crank_positions: 36, search_factor: 4.0 }
+    }
+}
+
+const LOST_MOTION_POSITIONS: usize = 12;
+
+/// Accuracy of one state of wear.
+///
+/// # Errors
+/// [`WearError::Load`] when a load sharing fails.
+pub fn accuracy(machine: &Machine, meshing: &Meshing, flank: &Relief, hours: f64, crank_positions: usize) -> Result<LifePoint, WearError> {
+    let cycle = meshing.cycle(machine.rated.torque, crank_positions)?;
+    let (max_depth, max_depth_at) = flank.deepest();
+    let play = cycle.mean_play();
+    let sign = if machine.rated.torque < 0.0 { 1.0 } else { -1.0 };
+    Ok(LifePoint {
+        hours,
+        max_depth,
+        max_depth_at,
+        play,
+        free_travel: cycle.mean_free_travel(),
+        no_load_error: OutputAngle::from_radians(sign * play.radians()),
+        loaded_error: cycle.mean_error(),
+        loaded_peak_to_peak: cycle.peak_to_peak_error(),
+        lost_motion: contact_lost_motion(meshing, machine.rated.torque, LOST_MOTION_POSITIONS)?,
+        max_force: cycle.max_force(),
+        max_pressure: cycle.max_pressure(meshing),
+        loaded_pairs: cycle.loaded_pairs(),
+        flank: flank.clone(),
+        cycle,
+    })
+}
+
+/// Follows the coupled wear over the service life and on until the limit of the lost motion is reached or `search_factor` service lives are over.
+///
+/// # Errors
+/// [`WearError`]; `Stopped` when `progress` was cancelled.
+pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress) -> Result<Prediction, WearError> {
+    let exposure = machine.coupled_exposure(options.wear)?;
+    let mut wear = CoupledWear::new(machine, options.wear);
+    let service_hours = machine.limits.service_life / HOUR;
+    let mut points = Vec::with_capacity(options.intervals + 1);
+    let mut surfaces = Vec::with_capacity(options.intervals + 1);
+    for interval in 0..=options.intervals {
+        let hours = service_hours * interval as f64 / options.intervals as f64;
+        advance(&mut wear, exposure.at(hours * HOUR), progress)?;
+        points.push(accuracy(machine, &wear.state().meshing(machine), &wear.state().flank, hours, options.crank_positions)?);
+        surfaces.push(wear.state().clone());
+        progress.report("wear", interval as f64 / options.intervals as f64);
+    }
+    let updates = wear.updates();
+    let limit = machine.limits.lost_motion;
+    let searched_hours = options.search_factor.max(1.0) * service_hours;
+    let mut history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.lost_motion.radians())).collect();
+    let mut hours_to_limit = crossing(&history, limit);
+    let mut hours = service_hours;
+    while hours_to_limit.is_none() && hours < searched_hours {
+        hours = (hours + service_hours / 4.0).min(searched_hours);
+        advance(&mut wear, exposure.at(hours * HOUR), progress)?;
+        let lost = contact_lost_motion(&wear.state().meshing(machine), machine.rated.torque, LOST_MOTION_POSITIONS)?;
+        history.push((hours, lost.radians()));
+        hours_to_limit = crossing(&history, limit);
+    }
+    Ok(Prediction { points, surfaces, exposure, updates, hours_to_limit, searched_hours })
+}
+
+fn advance(wear: &mut CoupledWear, target: f64, progress: &dyn Progress) -> Result<(), WearError> {
+    let mut stopped = false;
+    wear.advance_until(target, |_| {
+        stopped = progress.is_cancelled();
+        stopped
+    })?;
+    if stopped { Err(WearError::Stopped) } else { Ok(()) }
+}
+
+/// First abscissa at which the values reach `limit`, by linear interpolation.
+fn crossing(history: &[(f64, f64)], limit: f64) -> Option<f64> {
+    if history.first().is_some_and(|(_, value)| *value >= limit) {
+        return Some(history[0].0);
+    }
+    history.windows(2).find(|pair| pair[1].1 >= limit).map(|pair| {
+        let ((h0, v0), (h1, v1)) = (pair[0], pair[1]);
+        h0 + (h1 - h0) * (limit - v0) / (v1 - v0)
+    })
+}
+
+/// Uniform depths in m, as in Tao2024: 0, 10, …, 60 µm.
+pub fn paper_depths() -> [f64; 7] {
+    std::array::from_fn(|level| 10.0 * UM * level as f64)
+}
+
+/// The paper's study at the given uniform depths (m).
+///
+/// # Errors
+/// [`WearError`] when closed form or load sharing fail.
+pub fn paper_study(machine: &Machine, depths: &[f64], options: LifeOptions) -> Result<PaperStudy, WearError> {
+    let deepest = depths.iter().copied().fold(0.0, f64::max);
+    let wear = PaperWear::new(machine, deepest)?;
+    let mut points = Vec::with_capacity(depths.len());
+    for depth in depths {
+        let flank = Relief::uniform(*depth);
+        points.push(accuracy(machine, &machine.meshing(&flank), &flank, wear.hours_at(*depth), options.crank_positions)?);
+    }
+    let history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.lost_motion.radians())).collect();
+    Ok(PaperStudy { hours_to_limit: crossing(&history, machine.limits.lost_motion), points, wear })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Silent;
+
+    #[test]
+    fn life_starts_new_and_loses_accuracy_monotonically() {
+        let machine = crate::templates::rv_40e_81();
+        let options = LifeOptions { intervals: 5, crank_positions: 6, ..LifeOptions::default() };
+        let prediction = predict(&machine, options, &Silent).unwrap();
+        assert_eq!(prediction.points.len(), 6);
+        assert_eq!(prediction.points[0].max_depth, 0.0);
+        assert!(prediction.points[0].play.arcmin().abs() < 1e-9);
+        assert!(prediction.points.windows(2).all(|p| p[1].lost_motion > p[0].lost_motion && p[1].max_depth > p[0].max_depth));
+        assert!(prediction.updates >= 100);
+    }
+
+    #[test]
+    fn a_limit_already_exceeded_is_reached_at_zero_hours() {
+        assert_eq!(crossing(&[(0.0, 2.0), (10.0, 3.0)], 1.0), Some(0.0));
+        assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 1.0), Some(2.5));
+        assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 5.0), None);
+    }
+
+    #[test]
+    fn a_cancelled_prediction_says_so() {
+        struct Cancelled;
+        impl Progress for Cancelled {
+            fn report(&self, _: &str, _: f64) {}
+            fn is_cancelled(&self) -> bool {
+                true
+            }
+        }
+        let machine = crate::templates::rv_40e_81();
+        assert_eq!(predict(&machine, LifeOptions::default(), &Cancelled).unwrap_err(), WearError::Stopped);
+    }
+
+    /// The study reproduces the play of the uniformly worn disc and the paper's hours.
+    #[test]
+    fn val_study_at_ten_and_sixty_micrometres() {
+        let machine = crate::templates::rv_40e_81();
+        let study = paper_study(&machine, &paper_depths(), LifeOptions { crank_positions: 72, ..LifeOptions::default() }).unwrap();
+        assert!((study.points[1].play.arcmin() - 0.6536).abs() < 1e-4);
+        assert!((study.points[6].play.arcmin() - 3.9218).abs() < 1e-4);
+        assert!((study.points[6].hours - 7500.0).abs() < 1e-6);
+        assert!((study.points[5].hours / 6442.0 - 1.0).abs() < 0.01);
+    }
+}
