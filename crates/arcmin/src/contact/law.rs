@@ -61,6 +61,8 @@ pub struct LineContact {
     /// Installed pin radius in m.
     pub pin_radius: f64,
     pub damping: Option<Damping>,
+    /// Compliance of the pin's seat in series, m/N.
+    seat: f64,
 }
 
 impl LineContact {
@@ -85,11 +87,39 @@ impl LineContact {
             }
             beta += a;
         }
-        LineContact { law, alpha, beta, width, effective_modulus, pin_radius, damping: None }
+        LineContact { law, alpha, beta, width, effective_modulus, pin_radius, damping: None, seat: 0.0 }
     }
 
     pub fn law(&self) -> ContactLaw {
         self.law
+    }
+
+    /// Puts a linear compliance (m/N) in series with the contact: the pin yields in its seat.
+    pub fn with_seat_compliance(mut self, compliance: f64) -> LineContact {
+        // The laws δ = F (α − β ln F) take it up in α.
+        self.alpha += compliance - self.seat;
+        self.seat = compliance;
+        self
+    }
+
+    /// Compliance in series, m/N.
+    pub fn seat_compliance(&self) -> f64 {
+        self.seat
+    }
+
+    /// A power law δ = C F^p in series with the seat: Newton's method on the concave δ(F), from below.
+    fn power_with_seat(&self, approach: f64, coefficient: f64, power: f64) -> (f64, f64) {
+        let mut force = (approach / coefficient).powf(1.0 / power).min(approach / self.seat.max(f64::MIN_POSITIVE));
+        for _ in 0..50 {
+            let contact = coefficient * force.powf(power);
+            let slope = power * contact / force + self.seat;
+            let step = (approach - contact - self.seat * force) / slope;
+            force = (force + step).max(0.1 * force);
+            if step.abs() <= 1e-12 * force {
+                break;
+            }
+        }
+        (force, 1.0 / (power * coefficient * force.powf(power - 1.0) + self.seat))
     }
 
     /// Elastic force in N and stiffness dF/dδ in N/m at approach δ (m, positive) for the equivalent radius R_eq in m.
@@ -101,7 +131,14 @@ impl LineContact {
         match self.law {
             ContactLaw::LineHertz => self.line_force(approach, equivalent_radius),
             ContactLaw::Tao2024 => self.line_force(approach, 1.0),
-            ContactLaw::Linear { stiffness } => (stiffness * approach, stiffness),
+            ContactLaw::Linear { stiffness } => {
+                let stiffness = stiffness / (1.0 + stiffness * self.seat);
+                (stiffness * approach, stiffness)
+            }
+            ContactLaw::Palmgren if self.seat > 0.0 => self.power_with_seat(approach, 3.84e-8 * (self.width * 1e3).powf(-0.8), 0.9),
+            ContactLaw::Impact { stiffness, exponent } if self.seat > 0.0 => {
+                self.power_with_seat(approach, stiffness.powf(-1.0 / exponent), 1.0 / exponent)
+            }
             ContactLaw::Palmgren => {
                 // δ[mm] = 3.84e-5 Q^0.9 l[mm]^-0.8
                 let coefficient = 3.84e-8 * (self.width * 1e3).powf(-0.8);
@@ -123,9 +160,9 @@ impl LineContact {
         match self.law {
             ContactLaw::LineHertz => force * (self.alpha - self.beta * (equivalent_radius * force).ln()),
             ContactLaw::Tao2024 => force * (self.alpha - self.beta * force.ln()),
-            ContactLaw::Linear { stiffness } => force / stiffness,
-            ContactLaw::Palmgren => 3.84e-8 * force.powf(0.9) * (self.width * 1e3).powf(-0.8),
-            ContactLaw::Impact { stiffness, exponent } => (force / stiffness).powf(1.0 / exponent),
+            ContactLaw::Linear { stiffness } => force / stiffness + self.seat * force,
+            ContactLaw::Palmgren => 3.84e-8 * force.powf(0.9) * (self.width * 1e3).powf(-0.8) + self.seat * force,
+            ContactLaw::Impact { stiffness, exponent } => (force / stiffness).powf(1.0 / exponent) + self.seat * force,
         }
     }
 
@@ -183,9 +220,15 @@ impl LineContact {
             ContactLaw::LineHertz => self.line_energy(approach, force, equivalent_radius),
             ContactLaw::Tao2024 => self.line_energy(approach, force, 1.0),
             ContactLaw::Linear { .. } => 0.5 * force * approach,
-            ContactLaw::Palmgren => force * approach / (1.0 + 1.0 / 0.9),
-            ContactLaw::Impact { exponent, .. } => force * approach / (1.0 + exponent),
+            ContactLaw::Palmgren => self.power_energy(approach, force, 1.0 / 0.9),
+            ContactLaw::Impact { exponent, .. } => self.power_energy(approach, force, exponent),
         }
+    }
+
+    /// F ∝ δ_contact^e with the seat's ½ c F² in series.
+    fn power_energy(&self, approach: f64, force: f64, exponent: f64) -> f64 {
+        let seat = self.seat * force;
+        force * (approach - seat) / (1.0 + exponent) + 0.5 * seat * force
     }
 
     fn line_energy(&self, approach: f64, force: f64, radius: f64) -> f64 {

@@ -225,6 +225,7 @@ fn bearings(design: &DesignSections) -> BearingSet {
         crank_support: roller(&bearings.crank_support),
         crank_support_span: *bearings.crank_support_span_mm * MM,
         main: SupportStiffness { radial: *bearings.main.radial_stiffness_n_per_um * N_PER_UM, clearance: *bearings.main.clearance_um * UM },
+        sun: SupportStiffness { radial: *bearings.sun_radial_stiffness_n_per_um * N_PER_UM, clearance: 0.0 },
     }
 }
 

@@ -16,6 +16,8 @@ section! {
         crank_support_span_mm: f64 => required(1.0, 2000.0),
         /// The pair of main bearings between carrier and housing.
         main: Section<MainBearingSection> => word(),
+        /// Radial stiffness of the sun's support: the input shaft and its bearing.
+        sun_radial_stiffness_n_per_um: f64 => default(50.0, 0.1, 1e6),
     }
 
     /// A rolling bearing given by its geometry.

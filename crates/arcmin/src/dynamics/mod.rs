@@ -1,5 +1,6 @@
 //! Multibody dynamics: equations of motion, their integration in time, static equilibrium, and the models.
 
+mod bearing_joints;
 mod drive;
 mod equilibrium;
 mod error;
@@ -15,6 +16,7 @@ mod study;
 mod system;
 mod table;
 
+pub use bearing_joints::{BearingJoints, JointSettings, Part, RadialBearing};
 pub use drive::{Drive, InputMotion};
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium};
 pub use error::DynamicsError;

@@ -4,6 +4,7 @@
 //! path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin radius.
 
 mod closest;
+mod flank_error;
 mod foot;
 mod profile;
 mod relief;
@@ -11,6 +12,7 @@ mod relief;
 pub use closest::Closest;
 pub use foot::Foot;
 pub use profile::Profile;
+pub use flank_error::{FlankError, FlankHarmonic};
 pub use relief::{DepthSample, Relief};
 
 /// A point or a vector in the plane, in metres unless stated otherwise.

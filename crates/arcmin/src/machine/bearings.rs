@@ -9,6 +9,8 @@ pub struct BearingSet {
     pub crank_support_span: f64,
     /// Between carrier and housing, the pair.
     pub main: SupportStiffness,
+    /// Between sun and housing: the input shaft with its own bearing.
+    pub sun: SupportStiffness,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

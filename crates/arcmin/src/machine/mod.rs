@@ -5,11 +5,13 @@
 
 mod angles;
 mod bearings;
+mod errors;
 mod kinematics;
 mod parts;
 
 pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness};
+pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
 pub use kinematics::Kinematics;
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage, Lubrication, PinMounting, PinRing,

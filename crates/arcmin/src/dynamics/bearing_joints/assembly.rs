@@ -1,0 +1,129 @@
+use crate::dynamics::{Balance, DenseLinearisation};
+
+/// Where compliance sits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Part {
+    TurningArm,
+    CrankSupport,
+    CrankBending,
+    Teeth,
+    PinSeat,
+    GearStage,
+    Carrier,
+    Housing,
+}
+
+impl Part {
+    pub const ALL: [Part; 8] = [
+        Part::TurningArm,
+        Part::CrankSupport,
+        Part::CrankBending,
+        Part::Teeth,
+        Part::PinSeat,
+        Part::GearStage,
+        Part::Carrier,
+        Part::Housing,
+    ];
+
+    /// Words for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::TurningArm => "turning-arm bearings",
+            Part::CrankSupport => "crank supports",
+            Part::CrankBending => "crankshaft bending",
+            Part::Teeth => "cycloid teeth and pins",
+            Part::PinSeat => "pin seats",
+            Part::GearStage => "gear stage",
+            Part::Carrier => "carrier torsion",
+            Part::Housing => "main bearings in the housing",
+        }
+    }
+}
+
+/// One spring-like part: energy with gradient and Hessian with respect to the coordinates listed.
+pub struct Element<'a> {
+    pub part: Part,
+    pub index: &'a [usize],
+    pub gradient: &'a [f64],
+    /// Row by row.
+    pub hessian: &'a [f64],
+    pub stored: f64,
+}
+
+/// Receives all elements of the model at one state.
+pub trait Sink {
+    fn element(&mut self, element: &Element<'_>);
+
+    /// Velocity-dependent forces: force[i] on coordinate index[i], matrix −∂(force)/∂(velocity) row by row.
+    fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
+}
+
+/// Sums forces and tangents; the coordinate number `size` is a prescribed sun, whose torque is kept aside.
+pub struct Assembly<'a> {
+    pub force: &'a mut [f64],
+    pub linearisation: &'a mut DenseLinearisation,
+    pub size: usize,
+    /// Torque on the prescribed sun in N·m.
+    pub prescribed_torque: f64,
+    pub balance: Balance,
+}
+
+impl Assembly<'_> {
+    pub fn add_force(&mut self, coordinate: usize, value: f64) {
+        if coordinate < self.size {
+            self.force[coordinate] += value;
+        } else {
+            self.prescribed_torque += value;
+        }
+    }
+}
+
+impl Sink for Assembly<'_> {
+    fn element(&mut self, element: &Element<'_>) {
+        let n = element.index.len();
+        for (i, row) in element.index.iter().enumerate() {
+            self.add_force(*row, -element.gradient[i]);
+            if *row < self.size {
+                for (j, column) in element.index.iter().enumerate().filter(|(_, column)| **column < self.size) {
+                    self.linearisation.add_stiffness(*row, *column, element.hessian[i * n + j]);
+                }
+            }
+        }
+        self.balance.stored += element.stored;
+    }
+
+    fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64) {
+        let n = index.len();
+        for (i, row) in index.iter().enumerate() {
+            self.add_force(*row, force[i]);
+            if *row < self.size {
+                for (j, column) in index.iter().enumerate().filter(|(_, column)| **column < self.size) {
+                    self.linearisation.add_damping(*row, *column, matrix[i * n + j]);
+                }
+            }
+        }
+        self.balance.dissipation += dissipation;
+    }
+}
+
+/// Tangent compliance per part along one motion g of all coordinates: gᵀ K_part g.
+pub struct Split<'a> {
+    pub motion: &'a [f64],
+    pub compliance: [f64; Part::ALL.len()],
+}
+
+impl Sink for Split<'_> {
+    fn element(&mut self, element: &Element<'_>) {
+        let n = element.index.len();
+        let g = |i: usize| self.motion.get(element.index[i]).copied().unwrap_or(0.0);
+        let mut sum = 0.0;
+        for i in 0..n {
+            for j in 0..n {
+                sum += g(i) * element.hessian[i * n + j] * g(j);
+            }
+        }
+        self.compliance[element.part as usize] += sum;
+    }
+
+    fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
+}

@@ -1,0 +1,392 @@
+//! The machine with real joints: every body free in the plane, held by its bearings.
+
+mod assembly;
+mod layout;
+mod planar_mesh;
+mod roller;
+mod shaft;
+mod springs;
+mod system;
+#[cfg(test)]
+mod tests;
+
+pub use assembly::Part;
+pub use roller::{BearingState, RadialBearing};
+
+use assembly::Split;
+use layout::Layout;
+use planar_mesh::PlanarMesh;
+use shaft::Shaft;
+
+use super::{Drive, DynamicsError, OutputLoad};
+use crate::contact::{PinContacts, Sliding};
+use crate::geometry::{Relief, Vec2, quarter_turn, unit};
+use crate::machine::{EccentricError, FixedMember, Friction, Kinematics, Machine, ManufacturingErrors, PinMounting, RunOut};
+
+/// What the model takes beside the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointSettings {
+    /// Metal lost by every flank, as the contact sees it.
+    pub flank_wear: Relief,
+    /// Metal lost by every pin.
+    pub pin_wear: Relief,
+    pub errors: ManufacturingErrors,
+    /// Multiplies the stiffness of bearings, shafts and supports (not of teeth and gears); 1 for the machine as it is.
+    pub stiffness_scale: f64,
+    /// Whether contacts and meshes are damped; a slow quasi-static test has no use for damping.
+    pub damped: bool,
+}
+
+impl Default for JointSettings {
+    fn default() -> JointSettings {
+        JointSettings {
+            flank_wear: Relief::uniform(0.0),
+            pin_wear: Relief::uniform(0.0),
+            errors: ManufacturingErrors::default(),
+            stiffness_scale: 1.0,
+            damped: true,
+        }
+    }
+}
+
+/// How the sun moves.
+#[derive(Debug, Clone, PartialEq)]
+enum Input {
+    Driven(Drive),
+    /// At an angle (rad) with a speed (rad/s) that only friction sees.
+    Held { angle: f64, speed: f64 },
+}
+
+/// A centre that goes round with a body: place in polar coordinates of the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Arm {
+    radius: f64,
+    phase: f64,
+}
+
+impl Arm {
+    fn new(place: Vec2) -> Arm {
+        Arm { radius: place.norm(), phase: place.y.atan2(place.x) }
+    }
+
+    fn at(&self, angle: f64) -> Vec2 {
+        self.radius * unit(angle + self.phase)
+    }
+}
+
+/// Discs, crankshafts, carrier and sun free in the plane, in roller bearings with clearance.
+///
+/// Coordinates are absolute places (m) and angles (rad): per crankshaft the shaft at both supports and at every disc (x, y) and its turn; per disc
+/// (x, y, θ); sun (x, y); carrier (x, y, θ); the output flange where the carrier's torsion is given; the sun's turn where it is free. The shaft's
+/// mass sits at its stations. All springs derive from energies, so forces and tangents agree:
+/// pins (any contact law, seat compliance in series), turning-arm bearings between eccentric and disc bore, crank supports between shaft and
+/// carrier, bending and shear of the shaft, involute meshes with moving centres (shaft torsion in series), main bearings, the sun's support,
+/// torsion of the carrier. Bearings and shafts are damped in proportion to their tangent stiffness.
+///
+/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings and discs, the cage's own motion, a fixed carrier.
+#[derive(Debug, Clone)]
+pub struct BearingJoints {
+    kinematics: Kinematics,
+    layout: Layout,
+    rings: Vec<PinContacts>,
+    meshes: Vec<PlanarMesh>,
+    shaft: Shaft,
+    /// Per crankshaft and disc.
+    turning_arms: Vec<Vec<RadialBearing>>,
+    /// Per crankshaft.
+    supports: Vec<RadialBearing>,
+    main: (f64, f64),
+    sun_support: f64,
+    carrier_torsion: f64,
+    /// Eccentrics per crankshaft and disc, bores per crankshaft and disc, bores of the carrier, journals.
+    eccentrics: Vec<Vec<Arm>>,
+    disc_bores: Vec<Vec<Arm>>,
+    carrier_bores: Vec<Arm>,
+    journals: Vec<Arm>,
+    input: Input,
+    load: OutputLoad,
+    drag: f64,
+    drag_speed: f64,
+    friction: Friction,
+    mesh_sliding: f64,
+    loss_time: f64,
+    mass: Vec<f64>,
+    scale: Vec<f64>,
+}
+
+/// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1 kHz.
+const LOSS_TIME: f64 = 2e-6;
+
+impl BearingJoints {
+    /// Builds the model; `drag` is a steady torque (N·m) at the output against its motion, on top of the machine's seal drag.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] for values without meaning, or a machine with a fixed carrier.
+    pub fn new(machine: &Machine, settings: &JointSettings, drive: Drive, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
+        drive.validate()?;
+        let free_sun = drive.leaves_sun_free();
+        BearingJoints::build(machine, settings, Input::Driven(drive), free_sun, load, drag)
+    }
+
+    /// The model with the sun held, for static questions; load and sun angle are set later.
+    ///
+    /// # Errors
+    /// As [`BearingJoints::new`].
+    pub fn held(machine: &Machine, settings: &JointSettings) -> Result<BearingJoints, DynamicsError> {
+        BearingJoints::build(machine, settings, Input::Held { angle: 0.0, speed: 0.0 }, false, OutputLoad::None, 0.0)
+    }
+
+    fn build(machine: &Machine, settings: &JointSettings, input: Input, free_sun: bool, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
+        load.validate()?;
+        validate(machine, settings, drag)?;
+        let kinematics = machine.kinematics();
+        let errors = &settings.errors;
+        let scale = settings.stiffness_scale;
+        let (cranks, discs) = (machine.crankshafts.count, machine.disc_count);
+        let radius = machine.gear_stage.centre_distance();
+        let place = |k: usize| Kinematics::crankshaft_angle(machine.crankshafts.first_angle, k, cranks);
+        let bore = |error: Option<&crate::machine::BoreError>, angle: f64| {
+            let error = error.copied().unwrap_or_default();
+            Arm::new((radius + error.radial) * unit(angle) + error.tangential * quarter_turn(unit(angle)))
+        };
+        let eccentric_error = |k: usize, j: usize| errors.eccentrics.get(k).and_then(|list| list.get(j)).copied().unwrap_or_default();
+        let run_out = |list: &[RunOut], k: usize| list.get(k).copied().unwrap_or_default();
+        let disc_bore = |k: usize, j: usize| errors.discs.get(j).and_then(|disc| disc.bores.get(k));
+        let shaft = Shaft::new(machine, scale);
+        let torsional = machine.carrier.torsional_stiffness * scale;
+        let layout = Layout::new(cranks, discs, torsional.is_finite(), free_sun);
+        let turning_arm = |k: usize, j: usize| {
+            let mut bearing = RadialBearing::new(&machine.bearings.turning_arm, scale);
+            bearing.widen(disc_bore(k, j).map_or(0.0, |bore| bore.diameter));
+            bearing
+        };
+        let support = |k: usize| {
+            let mut bearing = RadialBearing::new(&machine.bearings.crank_support, scale);
+            bearing.widen(errors.carrier_bores.get(k).map_or(0.0, |bore| bore.diameter));
+            bearing
+        };
+        let stage = &machine.gear_stage;
+        let ratio = kinematics.housing_fixed_ratio();
+        Ok(BearingJoints {
+            rings: (0..discs).map(|j| ring(machine, settings, j)).collect(),
+            meshes: (0..cranks)
+                .map(|k| {
+                    let mut mesh = PlanarMesh::new(machine, k, shaft.torsion);
+                    let planet = run_out(&errors.planets, k);
+                    mesh.planet_run_out = (planet.amplitude, planet.phase);
+                    mesh.sun_run_out = (errors.sun.amplitude, errors.sun.phase);
+                    mesh
+                })
+                .collect(),
+            turning_arms: (0..cranks).map(|k| (0..discs).map(|j| turning_arm(k, j)).collect()).collect(),
+            supports: (0..cranks).map(support).collect(),
+            main: (machine.bearings.main.radial * scale, 0.5 * machine.bearings.main.clearance),
+            sun_support: machine.bearings.sun.radial * scale,
+            carrier_torsion: torsional,
+            eccentrics: (0..cranks)
+                .map(|k| {
+                    (0..discs)
+                        .map(|j| {
+                            let EccentricError { eccentricity, phase } = eccentric_error(k, j);
+                            Arm { radius: machine.crankshafts.eccentricity + eccentricity, phase: kinematics.phases[j] + phase }
+                        })
+                        .collect()
+                })
+                .collect(),
+            disc_bores: (0..cranks)
+                .map(|k| {
+                    // The disc's own angle zero is that of its flank; the bores are turned back by the mounting angle.
+                    (0..discs).map(|j| bore(disc_bore(k, j), place(k) - kinematics.mounting_angle(j))).collect()
+                })
+                .collect(),
+            carrier_bores: (0..cranks).map(|k| bore(errors.carrier_bores.get(k), place(k))).collect(),
+            journals: (0..cranks)
+                .map(|k| {
+                    let RunOut { amplitude, phase } = run_out(&errors.journals, k);
+                    Arm { radius: amplitude, phase }
+                })
+                .collect(),
+            mass: layout.mass(machine),
+            scale: layout.scale(&kinematics, radius),
+            input,
+            load,
+            drag: drag + machine.friction.seal_drag,
+            drag_speed: (0.01 * machine.rated.input_speed / ratio).abs().max(1e-6),
+            friction: machine.friction,
+            // Mean distance of the contact from the pitch point: a quarter of a path of contact of 1.6 base pitches.
+            mesh_sliding: 0.4 * std::f64::consts::PI * stage.module * stage.pressure_angle.cos(),
+            loss_time: if settings.damped { LOSS_TIME } else { 0.0 },
+            shaft,
+            layout,
+            kinematics,
+        })
+    }
+
+    pub fn kinematics(&self) -> &Kinematics {
+        &self.kinematics
+    }
+
+    /// Holds the sun at an angle (rad); friction sees the speed (rad/s).
+    pub fn hold_sun(&mut self, angle: f64, speed: f64) {
+        self.input = Input::Held { angle, speed };
+    }
+
+    /// Constant torque at the output in N·m, positive against positive motion.
+    pub fn set_load(&mut self, torque: f64) {
+        self.load = OutputLoad::Constant { torque };
+    }
+
+    /// Index of the output's angle among the coordinates.
+    pub fn output_index(&self) -> usize {
+        self.layout.output()
+    }
+
+    /// Coordinates of the nominal machine at a sun angle in rad.
+    pub fn nominal_position_at(&self, sun: f64) -> Vec<f64> {
+        self.layout.nominal(&self.kinematics, &self.carrier_bores, sun)
+    }
+
+    /// Velocities of the nominal machine at a sun angle (rad) and speed (rad/s).
+    pub fn nominal_velocity_at(&self, sun: f64, speed: f64) -> Vec<f64> {
+        // Nominal motion is smooth: a central difference over 1e-6 rad is exact to rounding.
+        let h = 1e-6;
+        let (ahead, behind) = (self.nominal_position_at(sun + h), self.nominal_position_at(sun - h));
+        ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
+    }
+
+    /// θ_out − θ_s/i in rad with the sun held.
+    pub fn output_error(&self, position: &[f64]) -> f64 {
+        let sun = match self.input {
+            Input::Held { angle, .. } => angle,
+            Input::Driven(_) => 0.0,
+        };
+        position[self.layout.output()] - sun / self.kinematics.housing_fixed_ratio()
+    }
+
+    /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates (rad/(N·m), m/(N·m)).
+    pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
+        let mut split = Split { motion, compliance: [0.0; Part::ALL.len()] };
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        self.visit(&q, &v, &mut split);
+        self.split_rings(&q, &mut split);
+        split.compliance
+    }
+
+    fn split_rings(&self, q: &[f64], split: &mut Split<'_>) {
+        for (j, ring) in self.rings.iter().enumerate() {
+            let at = self.layout.disc(j);
+            let g = &split.motion[at..at + 3];
+            let (pose, _) = self.disc_state(j, q, q);
+            let seat = ring.contact().seat_compliance();
+            let rest = crate::contact::DiscVelocity::REST;
+            let reaction = ring.react(pose, rest);
+            let mut whole = 0.0;
+            for a in 0..3 {
+                for b in 0..3 {
+                    whole += g[a] * reaction.stiffness[a][b] * g[b];
+                }
+            }
+            let mut seats = 0.0;
+            ring.visit(pose, rest, false, |contact| {
+                if contact.force > 0.0 {
+                    let rate: f64 = contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum();
+                    seats += contact.stiffness * contact.stiffness * seat * rate * rate;
+                }
+            });
+            split.compliance[Part::Teeth as usize] += whole - seats;
+            split.compliance[Part::PinSeat as usize] += seats;
+        }
+    }
+
+    /// Relative displacement of eccentric and bore (m) and cage angle (rad) of a turning-arm bearing.
+    fn turning_arm_state(&self, k: usize, j: usize, q: &[f64]) -> ([f64; 2], f64) {
+        let (s, t, d) = (self.layout.disc_station(k, j), self.layout.crank_angle(k), self.layout.disc(j));
+        let u = Vec2::new(q[s] - q[d], q[s + 1] - q[d + 1]) + self.eccentrics[k][j].at(q[t]) - self.disc_bores[k][j].at(q[d + 2]);
+        let w = self.turning_arms[k][j].inner_share;
+        ([u.x, u.y], w * q[t] + (1.0 - w) * q[d + 2])
+    }
+
+    fn support_state(&self, k: usize, end: usize, q: &[f64]) -> ([f64; 2], f64) {
+        let (s, t, c) = (self.layout.support(k, end), self.layout.crank_angle(k), self.layout.carrier());
+        let u = Vec2::new(q[s] - q[c], q[s + 1] - q[c + 1]) + self.journals[k].at(q[t]) - self.carrier_bores[k].at(q[c + 2]);
+        let w = self.supports[k].inner_share;
+        ([u.x, u.y], w * q[t] + (1.0 - w) * q[c + 2])
+    }
+
+    /// Force (N) on the inner ring and rolling element forces of a turning-arm bearing.
+    pub fn turning_arm_load(&self, crankshaft: usize, disc: usize, position: &[f64]) -> (BearingState, Vec<f64>) {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let (u, cage) = self.turning_arm_state(crankshaft, disc, &q);
+        let bearing = &self.turning_arms[crankshaft][disc];
+        (bearing.react(u, cage), bearing.element_forces(u, cage).collect())
+    }
+
+    /// The same of a crank support; `end` is 0 (planet side) or 1.
+    pub fn support_load(&self, crankshaft: usize, end: usize, position: &[f64]) -> (BearingState, Vec<f64>) {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let (u, cage) = self.support_state(crankshaft, end, &q);
+        let bearing = &self.supports[crankshaft];
+        (bearing.react(u, cage), bearing.element_forces(u, cage).collect())
+    }
+
+    /// State of every pin on one disc.
+    pub fn pin_contacts(&self, disc: usize, position: &[f64]) -> Vec<crate::contact::PinContact> {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let (pose, rate) = self.disc_state(disc, &q, &v);
+        self.rings[disc].contacts(pose, rate)
+    }
+}
+
+/// The pins against disc j, with the errors of ring and disc.
+fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts {
+    let errors = &settings.errors;
+    let mut pins = machine.pins();
+    for (i, pin) in pins.iter_mut().enumerate() {
+        let own = errors.pins.get(i).copied().unwrap_or_default();
+        let outward = pin.centre.normalize();
+        pin.centre += (errors.pin_circle_radius + own.radial) * outward + own.tangential * quarter_turn(outward);
+        pin.radius += errors.pin_radius + own.radius;
+    }
+    let contact = machine.line_contact().with_seat_compliance(machine.ring.seat_compliance / settings.stiffness_scale);
+    let mut ring = PinContacts::new(machine.profile(), pins, machine.designed_relief().plus(&settings.flank_wear), contact);
+    ring.set_pin_relief(settings.pin_wear.clone());
+    if let Some(error) = errors.discs.get(disc) {
+        ring.set_flank_error(error.flank.clone());
+    }
+    ring.set_damping(settings.damped.then_some(machine.contact_damping));
+    ring.set_conservative(true);
+    let friction = &machine.friction;
+    let coefficient = match machine.ring.mounting {
+        PinMounting::Fixed => friction.flank,
+        PinMounting::Spinning => friction.flank.min(friction.pin_seat),
+    };
+    ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
+    ring
+}
+
+fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
+    let check = DynamicsError::require;
+    if machine.fixed_member == FixedMember::Carrier {
+        return Err(DynamicsError::NotModelled("bearings are modelled with the housing at rest; for a fixed carrier use ideal joints"));
+    }
+    check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
+    let positive = [
+        ("stiffness scale", settings.stiffness_scale, ""),
+        ("mesh stiffness", machine.gear_stage.mesh_stiffness, "N/m"),
+        ("radial stiffness of the main bearings", machine.bearings.main.radial, "N/m"),
+        ("radial stiffness of the sun's support", machine.bearings.sun.radial, "N/m"),
+        ("mass of a crankshaft", machine.crankshafts.mass, "kg"),
+        ("inertia of a crankshaft", machine.crankshafts.inertia, "kg·m²"),
+        ("mass of a disc", machine.disc.mass, "kg"),
+        ("inertia of a disc", machine.disc.inertia, "kg·m²"),
+        ("mass of the carrier", machine.carrier.mass, "kg"),
+        ("inertia of the carrier", machine.carrier.inertia, "kg·m²"),
+        ("span of the crank supports", machine.bearings.crank_support_span, "m"),
+        ("diameter of the crankshaft", machine.crankshafts.shaft_diameter, "m"),
+        ("regularisation speed of the friction", machine.friction.regularisation_speed, "m/s"),
+    ];
+    for (name, value, unit) in positive {
+        check(value > 0.0 && value.is_finite(), name, value, unit, "must be positive")?;
+    }
+    check(machine.carrier.torsional_stiffness > 0.0, "torsional stiffness of the carrier", machine.carrier.torsional_stiffness, "N·m/rad", "must be positive")
+}

@@ -1,0 +1,100 @@
+use super::*;
+use crate::contact::ContactLaw;
+use crate::dynamics::{EquilibriumControl, IdealJoints, Linearisation, Reducer, System, solve_equilibrium};
+use crate::units::{ARCMIN, RPM};
+
+fn machine() -> Machine {
+    let mut machine = crate::templates::rv_40e_81();
+    machine.contact_law = ContactLaw::Linear { stiffness: 2.85e8 };
+    machine
+}
+
+fn settle(model: &BearingJoints, sun: f64) -> Vec<f64> {
+    let control = EquilibriumControl { tolerance: 1e-9, ..EquilibriumControl::default() };
+    solve_equilibrium(model, 0.0, &model.nominal_position_at(sun), control).unwrap().position
+}
+
+/// Every force against the numerical derivative of the stored energy, every tangent against the forces.
+#[test]
+fn forces_and_tangents_derive_from_the_energy() {
+    let mut machine = machine();
+    machine.carrier.torsional_stiffness = 5e6;
+    machine.ring.seat_compliance = 1e-9;
+    let mut model = BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+    let sun = 2.0;
+    model.hold_sun(sun, 0.0);
+    model.set_load(412.0);
+    let q = settle(&model, sun);
+    let n = q.len();
+    let rest = vec![0.0; n];
+    let (mut f, mut lin) = (vec![0.0; n], model.linearisation());
+    let mut scratch = model.linearisation();
+    model.evaluate(0.0, &q, &rest, &mut f, &mut lin);
+    let scale = model.scale().to_vec();
+    for i in 0..n {
+        let h = 1e-4 * scale[i];
+        let (mut up, mut down) = (q.clone(), q.clone());
+        up[i] += h;
+        down[i] -= h;
+        let (mut fu, mut fd) = (vec![0.0; n], vec![0.0; n]);
+        let bu = model.evaluate(0.0, &up, &rest, &mut fu, &mut scratch);
+        let bd = model.evaluate(0.0, &down, &rest, &mut fd, &mut scratch);
+        let load = if i == model.output_index() { 412.0 } else { 0.0 };
+        let force = -(bu.stored - bd.stored) / (2.0 * h) - load;
+        let size = lin.stiffness(i, i) * scale[i];
+        assert!((force - f[i]).abs() < 2e-4 * size, "force {i}: {force} {} of {size}", f[i]);
+        for j in 0..n {
+            let k = -(fu[j] - fd[j]) / (2.0 * h);
+            let size = (lin.stiffness(i, i) * lin.stiffness(j, j)).abs().sqrt();
+            assert!((k - lin.stiffness(j, i)).abs() < 1e-3 * size, "stiffness {j} {i}: {k} {}", lin.stiffness(j, i));
+        }
+    }
+}
+
+/// Bearings, shafts and supports a million times stiffer, no clearance: the ideal joints' transmission error.
+#[test]
+fn val_stiff_bearings_are_ideal_joints() {
+    let mut machine = machine();
+    machine.bearings.turning_arm.clearance = 0.0;
+    let settings = JointSettings { stiffness_scale: 1e6, damped: false, ..JointSettings::default() };
+    for sun in [0.0, 1.3, 7.7] {
+        for torque in [412.0, -206.0] {
+            let mut model = BearingJoints::held(&machine, &settings).unwrap();
+            model.hold_sun(sun, 0.0);
+            model.set_load(torque);
+            let q = settle(&model, sun);
+            let bearings = model.output_error(&q) / ARCMIN;
+            let drive = Drive::SpeedTable(crate::dynamics::TimeTable::new("speed", &[(0.0, sun), (1.0, sun)]).unwrap());
+            let ideal = IdealJoints::new(&machine, &Relief::uniform(0.0), drive, OutputLoad::Constant { torque }, 0.0).unwrap();
+            let output = sun / 81.0;
+            let rest = solve_equilibrium(&ideal, 1.0, &[-39.0 * output, output], EquilibriumControl::default()).unwrap();
+            let expected = ideal.transmission_error(1.0, &rest.position, &[0.0, 0.0]) / ARCMIN;
+            assert!((bearings - expected).abs() < 1e-4, "{sun} {torque}: {bearings} {expected}");
+        }
+    }
+}
+
+#[test]
+fn split_adds_up_to_the_tangent_compliance() {
+    let machine = crate::templates::rv_40e_81();
+    let mut model = BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+    model.set_load(412.0);
+    let q = settle(&model, 0.0);
+    let n = q.len();
+    let (mut f, mut lin) = (vec![0.0; n], model.linearisation());
+    model.evaluate(0.0, &q, &vec![0.0; n], &mut f, &mut lin);
+    let mut motion = vec![0.0; n];
+    motion[model.output_index()] = 1.0;
+    let weights = crate::dynamics::Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
+    lin.solve(&vec![0.0; n], weights, &mut motion).unwrap();
+    let parts = model.split(&q, &motion);
+    let whole = motion[model.output_index()];
+    let sum: f64 = parts.iter().sum();
+    assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} {whole}");
+    println!("stiffness {} N·m/arcmin", ARCMIN / whole);
+    for (part, c) in Part::ALL.iter().zip(parts) {
+        println!("{:30} {:6.2} %", part.name(), 100.0 * c / whole);
+    }
+    println!("TE {}", model.output_error(&q) / ARCMIN);
+    let _ = RPM;
+}
