@@ -87,7 +87,10 @@ fn an_error_finding_exits_with_one_and_says_what_to_change() {
     let output = arcmin(directory.path(), &["check", "d.toml"]);
     assert_eq!(output.status.code(), Some(1));
     let (out, _) = texts(&output);
-    assert!(out.contains("ERROR    undercut: the generating pin radius 4.900 mm exceeds the smallest convex radius of the pin path, 4.612 mm at 64.9°"), "{out}");
+    assert!(
+        out.contains("ERROR    undercut: the generating pin radius 4.900 mm exceeds the smallest convex radius of the pin path, 4.612 mm at 64.9°"),
+        "{out}"
+    );
     assert!(out.contains("change: smaller pins, smaller eccentricity, or a larger pin circle"));
 }
 
@@ -161,7 +164,8 @@ fn a_missing_design_and_a_binary_one_are_clear_errors() {
     let directory = tempfile::tempdir().unwrap();
     let missing = arcmin(directory.path(), &["check", "nowhere.toml"]);
     assert_eq!(missing.status.code(), Some(2));
-    let expected = "  × cannot read nowhere.toml: No such file or directory (os error 2)\n  help: `arcmin new FILE` writes a design file to start from\n";
+    let expected =
+        "  × cannot read nowhere.toml: No such file or directory (os error 2)\n  help: `arcmin new FILE` writes a design file to start from\n";
     assert_eq!(texts(&missing).1, expected);
     std::fs::write(directory.path().join("b.toml"), [0xff, 0xfe, 0x00]).unwrap();
     let binary = arcmin(directory.path(), &["check", "b.toml"]);
