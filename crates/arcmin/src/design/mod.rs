@@ -33,7 +33,7 @@ use crate::machine::{FixedMember, Machine};
 section! {
     /// A design file.
     pub struct DesignSections {
-        /// Name of the design. It names the output folder and heads the report.
+        /// Name of the design, for reports.
         name: String => word(),
         /// One sentence for reports.
         description: String => default_word(""),
@@ -117,6 +117,14 @@ impl Design {
         self.sections.canonical_fields("", &mut lines);
         lines.retain(|line| !line.starts_with("description = "));
         lines.join("\n")
+    }
+
+    /// Keys that the file leaves to their defaults, dotted. Keys without which something is simply not there are not among them.
+    pub fn defaulted(&self) -> Vec<String> {
+        let mut keys = Vec::new();
+        self.sections.defaulted_fields("", &mut keys);
+        keys.retain(|key| key != "description");
+        keys
     }
 
     /// SHA-256 of [`Design::canonical`] as 64 hexadecimal digits.
