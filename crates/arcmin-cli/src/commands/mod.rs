@@ -3,6 +3,8 @@
 use crate::failure::Failure;
 use crate::run::Verdict;
 
+mod elastic;
+
 macro_rules! commands {
     ($($(#[doc = $doc:literal])* $Name:ident => $module:ident,)*) => {
         $(mod $module;)*

@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 
 use arcmin::contact::ContactLaw;
 use arcmin::dynamics::{
-    Checkpoint, Drive, DynamicsError, IdealJoints, OutputLoad, Reducer, Run as Motion, RunPlan, RunResult, StartSpread, StepControl, TimeTable,
+    Checkpoint, Drive, DynamicsError, FlexibleJoints, IdealJoints, OutputLoad, Reducer, Run as Motion, RunPlan, RunResult, StartSpread, StepControl, TimeTable,
     spread_over_starts,
 };
 use arcmin::geometry::Relief;
@@ -32,7 +32,7 @@ use crate::run::{Common, Run, Table, Verdict, write_file};
 pub struct Options {
     #[command(flatten)]
     common: Common,
-    /// Cycloid discs: rigid.
+    /// Cycloid discs: rigid, or elastic by finite elements.
     #[arg(long, value_enum, default_value = "rigid")]
     model: Model,
     /// Joints between the bodies.
@@ -101,6 +101,8 @@ pub struct Options {
     /// Perturbed starts of an unloaded run without drag, for its spread.
     #[arg(long, value_name = "N", default_value_t = 4)]
     starts: usize,
+    #[command(flatten)]
+    elastic: super::elastic::Options,
     /// Go on from the checkpoint in the output directory.
     #[arg(long)]
     resume: bool,
@@ -110,6 +112,8 @@ pub struct Options {
 enum Model {
     /// Rigid discs.
     Rigid,
+    /// Elastic discs: finite elements reduced to modes and flank compliances.
+    Flexible,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -181,13 +185,27 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let drive = drive(&options, &machine)?;
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
-    let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
-    if let Some(pin) = &worn.pin {
-        model.set_pin_wear(pin);
-    }
     let plan = plan(&options);
     let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
-    execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+    match options.model {
+        Model::Rigid => {
+            let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
+            if let Some(pin) = &worn.pin {
+                model.set_pin_wear(pin);
+            }
+            execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+        }
+        Model::Flexible => {
+            run.progress().report("reducing the discs", 0.0);
+            let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
+            let elastic = options.elastic.dynamics();
+            let mut model = FlexibleJoints::new(&machine, discs, &worn.flank, drive, load, options.drag_nm, elastic).map_err(invalid)?;
+            if let Some(pin) = &worn.pin {
+                model.set_pin_wear(pin);
+            }
+            execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+        }
+    }
 }
 
 struct Worn {
@@ -347,12 +365,14 @@ fn setup(error: DynamicsError) -> Failure {
 
 fn settings(options: &Options) -> String {
     let Options { model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm, rise_s, .. } = options;
+    let elastic = &options.elastic;
     let Options { drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, .. } = options;
     format!(
         "{:?}",
         (
             (model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm),
-            (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s)
+            (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s),
+            (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio)
         )
     )
 }

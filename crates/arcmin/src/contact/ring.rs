@@ -200,6 +200,10 @@ impl PinContacts {
         self.conservative = conservative && self.contact.energy_by_log_radius(1.0) > 0.0;
     }
 
+    pub(crate) fn sliding(&self) -> Option<&Sliding> {
+        self.sliding.as_ref()
+    }
+
     /// Sets the friction between flank and pins; none at first.
     pub fn set_sliding(&mut self, sliding: Option<Sliding>) {
         self.sliding = sliding.filter(|sliding| sliding.coefficient > 0.0);
@@ -365,7 +369,7 @@ impl PinContacts {
 
 impl Sliding {
     /// (F_t/F, its derivative with respect to the sliding speed).
-    fn share(&self, speed: f64) -> (f64, f64) {
+    pub(crate) fn share(&self, speed: f64) -> (f64, f64) {
         let reach = 1.0 / speed.hypot(self.regularisation_speed);
         (self.coefficient * speed * reach, self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3))
     }
