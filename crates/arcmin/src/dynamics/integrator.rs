@@ -433,6 +433,7 @@ impl<'s, S: System> Integrator<'s, S> {
         }
         // Trapezia: at the kinks of contacts a parabola through three steps is no better.
         let integral = |f: fn(&Balance) -> f64| 0.5 * h * (f(&old.balance) + f(&new.balance));
+        let energy = &mut state.energy;
         energy.input += integral(|balance| balance.input_power);
         energy.load += integral(|balance| balance.load_power);
         energy.dissipated += integral(|balance| balance.dissipation);
