@@ -162,9 +162,9 @@ fn val_fixed_carrier() {
     let result = simulate(&machine, 10.0, RATED, 0.0, RunPlan::default());
     assert!((result.mean_ratio.unwrap() / -80.0 - 1.0).abs() < 1e-4);
     let te = statistics(&result).mean / ARCMIN;
-    // The load lags the output, whichever direction it turns: the torque opposes counter-clockwise motion here as well. With locked input the
-    // play shows as φ·80/81 of the housing-fixed arrangement: 1/(1 + z_1/(z_2 z_p)).
-    assert!((-0.86..-0.78).contains(&te), "{te}");
+    // With locked input the disc's play shows at the housing by z_c/z_p instead of 1/(1 + (z_1+z_2)/(z_2 z_c)) = 0.96296: 1.0125 times as much,
+    // and the wind-up by the square of that: 0.6536' and 0.1720' become 0.838' (the mesh's 0.003' of it aside).
+    assert!((te / -0.838 - 1.0).abs() < 5e-3, "{te}");
     assert!(result.energy.residual() < 1e-6, "{:e}", result.energy.residual());
 }
 
@@ -221,10 +221,10 @@ fn interrupted_run_continues_bit_by_bit() {
     assert_eq!(study(1), study(3));
 }
 
-/// A table that ends in nonsense stops the run with time, angle and residual; what came before stays.
+/// A load beyond all numbers stops the run with time, angle and residual; what came before stays.
 #[test]
 fn a_run_that_fails_keeps_what_was_computed() {
-    let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), OutputLoad::Stepped(vec![(0.05, 1e30)]), 0.0).unwrap();
+    let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), OutputLoad::Stepped(vec![(0.05, 1e308)]), 0.0).unwrap();
     let mut run = Run::new(&model, RunPlan { end: 0.1, ..RunPlan::default() }).unwrap();
     let error = run.finish().unwrap_err();
     assert!(error.to_string().starts_with("the step at t = 0.05"), "{error}");
