@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 
 use arcmin::contact::ContactLaw;
 use arcmin::dynamics::{
-    Checkpoint, Drive, DynamicsError, IdealJoints, OutputLoad, Reducer, Run as Motion, RunPlan, RunResult, StartSpread, StepControl, TimeTable,
+    BearingJoints, Checkpoint, Drive, DynamicsError, IdealJoints, JointSettings, OutputLoad, Reducer, Run as Motion, RunPlan, RunResult, StartSpread, StepControl, TimeTable,
     spread_over_starts,
 };
 use arcmin::geometry::Relief;
@@ -116,6 +116,8 @@ enum Model {
 enum Joints {
     /// Without clearance and compliance.
     Ideal,
+    /// Every body free in its bearings.
+    Bearings,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -181,6 +183,13 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let drive = drive(&options, &machine)?;
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
+    if options.joints == Joints::Bearings {
+        let none = Relief::uniform(0.0);
+        let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone().unwrap_or(none), ..JointSettings::default() };
+        let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
+        let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
+        return execute(run, &options, &model, model.output_index(), plan(&options), unloaded, &worn);
+    }
     let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
     if let Some(pin) = &worn.pin {
         model.set_pin_wear(pin);
