@@ -15,11 +15,18 @@ pub struct Template {
 }
 
 /// All shipped designs, the default first.
-pub const TEMPLATES: [Template; 1] = [Template {
-    name: "rv-40e-81",
-    summary: "RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m",
-    text: include_str!("../../../designs/rv-40e-81.toml"),
-}];
+pub const TEMPLATES: [Template; 2] = [
+    Template {
+        name: "rv-40e-81",
+        summary: "RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m",
+        text: include_str!("../../../designs/rv-40e-81.toml"),
+    },
+    Template {
+        name: "rv-80e",
+        summary: "RV-80E with the teeth of Yang 2021: 40 pins, 39 lobes, ratio 153, 784 N·m",
+        text: include_str!("../../../designs/rv-80e.toml"),
+    },
+];
 
 /// The RV-40E-81 of Tao2024, with the assumptions that the paper leaves open.
 pub fn rv_40e_81() -> Machine {
@@ -47,7 +54,7 @@ mod tests {
         let machine = rv_40e_81();
         assert_eq!(machine.kinematics().ratio(), 81.0);
         assert_eq!(machine.ring.pin_circle_radius, 64.0 * MM);
-        assert!((machine.disc.mass - 0.6366).abs() < 5e-5 && (machine.disc.inertia - 1.338e-3).abs() < 5e-7);
+        assert!((machine.disc.mass - 0.6366).abs() < 5e-5 && (machine.disc.inertia - 1.3394e-3).abs() < 5e-8);
         assert_eq!(machine.gear_stage.mesh_stiffness, 2e8);
         assert!((machine.rated.input_speed - 1500.0 * RPM).abs() < 1e-12);
         assert_eq!(machine.bearings.turning_arm.clearance, 5.0 * UM);

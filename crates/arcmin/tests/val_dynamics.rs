@@ -86,7 +86,8 @@ fn statistics_are_converged() {
     for load in [RATED, SINE] {
         let (coarse, fine) = (with(&load, 0.0, tolerance), with(&load, 0.0, 0.5 * tolerance));
         let scale = fine.rms;
-        for value in [|s: &ErrorStatistics| s.mean, |s| s.mean_abs, |s| s.max_abs, |s| s.rms] {
+        let values: [fn(&ErrorStatistics) -> f64; 4] = [|s| s.mean, |s| s.mean_abs, |s| s.max_abs, |s| s.rms];
+        for value in values {
             assert!((value(&coarse) - value(&fine)).abs() < 1e-3 * scale, "{load:?}: {coarse:?} {fine:?}");
         }
     }

@@ -1,4 +1,4 @@
-use arcmin::checks::{Finding, Severity, check, worst};
+use arcmin::checks::{Finding, Severity, check_design, worst};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -20,7 +20,7 @@ pub struct Options {
 
 pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("check", &options.common)?;
-    let findings = check(&run.design.machine());
+    let findings = check_design(&run.design);
     let mut table = Table::new(&["code", "severity", "value", "limit", "unit", "message", "why", "change"]);
     for finding in &findings {
         table.row(&[

@@ -3,6 +3,8 @@
 use crate::failure::Failure;
 use crate::run::Verdict;
 
+mod elastic;
+
 macro_rules! commands {
     ($($(#[doc = $doc:literal])* $Name:ident => $module:ident,)*) => {
         $(mod $module;)*
@@ -25,6 +27,8 @@ macro_rules! commands {
 commands! {
     /// Write a commented design file to start from
     New => new,
+    /// Print the reference of all keys of the design file
+    Keys => keys,
     /// Judge a design: findings with value, limit, reason and remedy
     Check => check,
     /// Compute the flank of the cycloid disc: points, normals, curvature

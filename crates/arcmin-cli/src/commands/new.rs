@@ -9,8 +9,8 @@ use crate::run::{Verdict, say, write_file};
 #[command(
     allow_missing_positional = true,
     long_about = "Writes a design file that can be run as it is. Its comments say which values its source gives and which are assumed, and why.\n\n\
-                  Templates:\n  rv-40e-81  RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m (default)",
-    after_help = "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-40e-81 designs/a.toml --force"
+                  Templates:\n  rv-40e-81  RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m (default)\n  rv-80e     RV-80E with the teeth of Yang 2021: ratio 153, 784 N·m",
+    after_help = "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-80e bigger.toml --force"
 )]
 pub struct Options {
     /// Template to start from.

@@ -3,7 +3,8 @@ use std::time::{Duration, Instant};
 
 use arcmin::contact::ContactLaw;
 use arcmin::dynamics::{
-    BearingJoints, Checkpoint, Drive, DynamicsError, IdealJoints, JointSettings, OutputLoad, Reducer, Run as Motion, RunPlan, RunResult, StartSpread, StepControl, TimeTable,
+    BearingJoints, Checkpoint, Drive, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, OutputLoad, Reducer, Run as Motion, RunPlan,
+    RunResult, StartSpread, StepControl, TimeTable,
     spread_over_starts,
 };
 use arcmin::geometry::Relief;
@@ -32,7 +33,7 @@ use crate::run::{Common, Run, Table, Verdict, write_file};
 pub struct Options {
     #[command(flatten)]
     common: Common,
-    /// Cycloid discs: rigid.
+    /// Cycloid discs: rigid, or elastic by finite elements.
     #[arg(long, value_enum, default_value = "rigid")]
     model: Model,
     /// Joints between the bodies.
@@ -101,6 +102,8 @@ pub struct Options {
     /// Perturbed starts of an unloaded run without drag, for its spread.
     #[arg(long, value_name = "N", default_value_t = 4)]
     starts: usize,
+    #[command(flatten)]
+    elastic: super::elastic::Options,
     /// Go on from the checkpoint in the output directory.
     #[arg(long)]
     resume: bool,
@@ -110,6 +113,8 @@ pub struct Options {
 enum Model {
     /// Rigid discs.
     Rigid,
+    /// Elastic discs: finite elements reduced to modes and flank compliances.
+    Flexible,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -183,20 +188,37 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let drive = drive(&options, &machine)?;
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
-    if options.joints == Joints::Bearings {
-        let none = Relief::uniform(0.0);
-        let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone().unwrap_or(none), ..JointSettings::default() };
-        let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
-        let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
-        return execute(run, &options, &model, model.output_index(), plan(&options), unloaded, &worn);
-    }
-    let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
-    if let Some(pin) = &worn.pin {
-        model.set_pin_wear(pin);
-    }
     let plan = plan(&options);
     let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
-    execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+    match (options.model, options.joints) {
+        (Model::Rigid, Joints::Bearings) => {
+            let pin_wear = worn.pin.clone().unwrap_or_else(|| Relief::uniform(0.0));
+            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear, ..JointSettings::default() };
+            let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
+            execute(run, &options, &model, model.output_index(), plan, unloaded, &worn)
+        }
+        (Model::Flexible, Joints::Bearings) => Err(Failure::Usage {
+            message: "flexible discs do not run in bearings yet".to_owned(),
+            help: "choose --model rigid --joints bearings, or --model flexible --joints ideal".to_owned(),
+        }),
+        (Model::Rigid, Joints::Ideal) => {
+            let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
+            if let Some(pin) = &worn.pin {
+                model.set_pin_wear(pin);
+            }
+            execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+        }
+        (Model::Flexible, Joints::Ideal) => {
+            run.progress().report("reducing the discs", 0.0);
+            let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
+            let elastic = options.elastic.dynamics();
+            let mut model = FlexibleJoints::new(&machine, discs, &worn.flank, drive, load, options.drag_nm, elastic).map_err(invalid)?;
+            if let Some(pin) = &worn.pin {
+                model.set_pin_wear(pin);
+            }
+            execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+        }
+    }
 }
 
 struct Worn {
@@ -356,12 +378,14 @@ fn setup(error: DynamicsError) -> Failure {
 
 fn settings(options: &Options) -> String {
     let Options { model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm, rise_s, .. } = options;
+    let elastic = &options.elastic;
     let Options { drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, .. } = options;
     format!(
         "{:?}",
         (
             (model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm),
-            (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s)
+            (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s),
+            (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio)
         )
     )
 }

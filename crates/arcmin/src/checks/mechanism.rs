@@ -16,7 +16,7 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
         bearing(machine, "turning-arm-bearing", &machine.bearings.turning_arm),
         bearing(machine, "crank-support-bearing", &machine.bearings.crank_support),
     ]);
-    findings.extend([eccentric_fit(machine), width(machine), crank_count(machine)]);
+    findings.extend([eccentric_fit(machine), width(machine), pin_slenderness(machine), crank_count(machine)]);
     findings
 }
 
@@ -205,6 +205,23 @@ fn width(machine: &Machine) -> Finding {
         unit: "mm",
         why: "all discs stand side by side between the two supports of each crankshaft",
         change: "narrower discs or supports further apart",
+    }
+}
+
+fn pin_slenderness(machine: &Machine) -> Finding {
+    let length = machine.disc_count as f64 * machine.disc.width;
+    let diameter = 2.0 * machine.ring.pin_radius;
+    let ratio = length / diameter;
+    let limit = 8.0;
+    Finding {
+        code: "pin-slenderness",
+        severity: severity_if(ratio > limit, Severity::Warning),
+        message: format!("pins Ø{:.2} mm carry discs of {:.2} mm together: length over diameter {ratio:.1}", diameter / MM, length / MM),
+        value: ratio,
+        limit,
+        unit: "",
+        why: "pressure is taken to be even over the width; long thin pins bend, and the pressure gathers at their ends",
+        change: "narrower discs or thicker pins",
     }
 }
 

@@ -7,6 +7,7 @@ mod flank;
 mod mechanism;
 mod strength;
 
+use crate::design::Design;
 use crate::machine::Machine;
 
 /// How serious a finding is.
@@ -51,6 +52,26 @@ pub struct Finding {
 /// Runs all checks, in a fixed order.
 pub fn check(machine: &Machine) -> Vec<Finding> {
     [flank::check(machine), mechanism::check(machine), strength::check(machine), duty::check(machine)].concat()
+}
+
+/// All checks of the machine, and what only the file can tell: which inputs were left to their defaults.
+pub fn check_design(design: &Design) -> Vec<Finding> {
+    let mut findings = check(&design.machine());
+    let defaulted = design.defaulted();
+    findings.push(Finding {
+        code: "defaults",
+        severity: Severity::Info,
+        message: match defaulted.len() {
+            0 => "every key is given".to_owned(),
+            count => format!("{count} keys are left to their defaults: {}", defaulted.join(", ")),
+        },
+        value: defaulted.len() as f64,
+        limit: 0.0,
+        unit: "",
+        why: "a default is an assumption; results are no better than the inputs nobody has looked at",
+        change: "write the keys with their true values (`arcmin keys` explains each)",
+    });
+    findings
 }
 
 /// The worst severity among findings.

@@ -1,6 +1,9 @@
 use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
+/// Sectors of the meshing angle with a bound of their own for the relief.
+const FLOOR_SECTORS: usize = 72;
+
 /// One installed pin, in the housing frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pin {
@@ -118,7 +121,10 @@ pub struct PinContacts {
     pin_relief: Option<Relief>,
     /// Errors of this disc's flank around its circumference, if any.
     flank_error: Option<FlankError>,
-    shallowest_relief: f64,
+    /// Bound from below of what pins and flank errors take off, in m.
+    shallowest_elsewhere: f64,
+    /// Bound from below of the flank's relief within ±20° of each sector of the meshing angle, in m.
+    relief_floors: [f64; FLOOR_SECTORS],
     contact: LineContact,
     sliding: Option<Sliding>,
     conservative: bool,
@@ -135,7 +141,8 @@ impl PinContacts {
             relief: Relief::uniform(0.0),
             pin_relief: None,
             flank_error: None,
-            shallowest_relief: 0.0,
+            shallowest_elsewhere: 0.0,
+            relief_floors: [0.0; FLOOR_SECTORS],
             contact,
             sliding: None,
             conservative: false,
@@ -163,21 +170,21 @@ impl PinContacts {
     /// Replaces the metal removed from the flanks (modifications and wear together).
     pub fn set_relief(&mut self, relief: Relief) {
         self.relief = relief;
-        self.shallowest_relief = self.shallowest();
+        self.update_bounds();
     }
 
     /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's own place on the ring
     /// to the flank normal, 0 where the pin faces the centre of the ring.
     pub fn set_pin_relief(&mut self, relief: Relief) {
         self.pin_relief = (!relief.is_zero()).then_some(relief);
-        self.shallowest_relief = self.shallowest();
+        self.update_bounds();
     }
 
     /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank is left out: an amplitude of 10 µm
     /// at order z_c tilts the normal by some mrad, a second-order change of the gap.
     pub fn set_flank_error(&mut self, error: FlankError) {
         self.flank_error = (!error.is_zero()).then_some(error);
-        self.shallowest_relief = self.shallowest();
+        self.update_bounds();
     }
 
     /// Sets the damping of every contact; none at first.
@@ -193,26 +200,31 @@ impl PinContacts {
         self.conservative = conservative && self.contact.energy_by_log_radius(1.0) > 0.0;
     }
 
+    pub(crate) fn sliding(&self) -> Option<&Sliding> {
+        self.sliding.as_ref()
+    }
+
     /// Sets the friction between flank and pins; none at first.
     pub fn set_sliding(&mut self, sliding: Option<Sliding>) {
         self.sliding = sliding.filter(|sliding| sliding.coefficient > 0.0);
     }
 
-    /// A bound from below for flank and pin relief together. A spline may undershoot its samples a little; half the range
-    /// of the samples is a safe margin.
-    fn shallowest(&self) -> f64 {
-        [Some(&self.relief), self.pin_relief.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(|relief| {
-                if relief.is_uniform() {
-                    return relief.samples()[0];
-                }
-                let (low, high) = relief.samples().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
-                low - 0.5 * (high - low)
-            })
-            .sum::<f64>()
-            + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest)
+    /// Bounds from below for culling. A spline may undershoot its samples a little; a share of the range of the samples is a safe margin.
+    fn update_bounds(&mut self) {
+        let floor = |samples: &mut dyn Iterator<Item = f64>, margin: f64| {
+            let (low, high) = samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
+            low - margin * (high - low)
+        };
+        self.shallowest_elsewhere = self.pin_relief.as_ref().map_or(0.0, |relief| floor(&mut relief.samples().iter().copied(), 0.5))
+            + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
+        let samples = self.relief.samples();
+        let count = samples.len();
+        let reach = (count / 18).max(2);
+        for (sector, bound) in self.relief_floors.iter_mut().enumerate() {
+            let first = sector * count / FLOOR_SECTORS;
+            let last = (sector + 1) * count / FLOOR_SECTORS;
+            *bound = floor(&mut (first + count - reach.min(count)..=last + count + reach).map(|i| samples[i % count]), 0.1);
+        }
     }
 
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
@@ -245,11 +257,15 @@ impl PinContacts {
             let arm = pin.centre - pose.centre;
             let p = turned(arm, back);
             let e = turned(self.directions[index], back);
-            let extra = self.profile.pin_radius - pin.radius;
-            if !all && self.is_clear(p, e, ez, extra) {
-                continue;
-            }
             let tau0 = std::f64::consts::TAU * index as f64 / self.pins.len() as f64 - pose.angle;
+            if !all {
+                let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
+                let floor = self.relief_floors[((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)];
+                let extra = self.profile.pin_radius - pin.radius + floor + self.shallowest_elsewhere;
+                if self.is_clear(p, e, ez, extra) {
+                    continue;
+                }
+            }
             visit(&self.contact_of(index, arm, p, tau0, e, ez, rotation, velocity));
         }
     }
@@ -295,7 +311,7 @@ impl PinContacts {
         let along = off.dot(&c1) / speed;
         let curvature = cross(c1, c2).abs() / (speed2 * speed);
         // Only where the curvature cannot change its size on the way to the foot.
-        curvature * (height.abs() + along.abs()) < 0.3 && height + extra + self.shallowest_relief > 2.0 * curvature * along * along + 1e-6
+        curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + 1e-6
     }
 
     #[inline]
@@ -353,7 +369,7 @@ impl PinContacts {
 
 impl Sliding {
     /// (F_t/F, its derivative with respect to the sliding speed).
-    fn share(&self, speed: f64) -> (f64, f64) {
+    pub(crate) fn share(&self, speed: f64) -> (f64, f64) {
         let reach = 1.0 / speed.hypot(self.regularisation_speed);
         (self.coefficient * speed * reach, self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3))
     }

@@ -37,6 +37,13 @@ pub(super) trait FieldValue: Sized {
 
     /// Appends `path = value` lines that do not depend on how the file is laid out.
     fn canonical(&self, path: &str, out: &mut Vec<String>);
+
+    /// Appends `path` if the value is a default that stands for something (not merely absent).
+    fn defaulted(&self, key: &Key, written: bool, path: &str, out: &mut Vec<String>) {
+        if !written && matches!(key.rule.presence, Presence::Number(_) | Presence::Word(_)) {
+            out.push(path.to_owned());
+        }
+    }
 }
 
 /// A section, see the `section!` macro.
@@ -46,6 +53,8 @@ pub(super) trait SectionValue: Sized {
     fn from_table(table: &Table<'_>) -> Result<Self>;
 
     fn canonical_fields(&self, path: &str, out: &mut Vec<String>);
+
+    fn defaulted_fields(&self, path: &str, out: &mut Vec<String>);
 }
 
 /// A closed set of words.
@@ -259,6 +268,12 @@ impl<T: FieldValue> FieldValue for Option<T> {
             value.canonical(path, out);
         }
     }
+
+    fn defaulted(&self, key: &Key, written: bool, path: &str, out: &mut Vec<String>) {
+        if let Some(value) = self {
+            value.defaulted(key, written, path, out);
+        }
+    }
 }
 
 impl<T: Choice> FieldValue for T {
@@ -361,6 +376,10 @@ impl<T: SectionValue> FieldValue for Section<T> {
 
     fn canonical(&self, path: &str, out: &mut Vec<String>) {
         self.0.canonical_fields(path, out);
+    }
+
+    fn defaulted(&self, _: &Key, _: bool, path: &str, out: &mut Vec<String>) {
+        self.0.defaulted_fields(path, out);
     }
 }
 

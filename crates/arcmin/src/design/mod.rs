@@ -7,14 +7,18 @@ mod consistency;
 mod error;
 mod field;
 mod hint;
+mod reference;
 mod resolve;
 mod schema;
 mod sections;
 mod service;
 mod solids;
+#[cfg(test)]
+mod tests;
 
 pub use error::{DesignError, DesignErrorKind};
 pub use field::Section;
+pub use reference::markdown as reference_of_keys;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub use sections::*;
 pub use service::*;
@@ -29,7 +33,7 @@ use crate::machine::{FixedMember, Machine};
 section! {
     /// A design file.
     pub struct DesignSections {
-        /// Name of the design. It names the output folder and heads the report.
+        /// Name of the design, for reports.
         name: String => word(),
         /// One sentence for reports.
         description: String => default_word(""),
@@ -113,6 +117,14 @@ impl Design {
         self.sections.canonical_fields("", &mut lines);
         lines.retain(|line| !line.starts_with("description = "));
         lines.join("\n")
+    }
+
+    /// Keys that the file leaves to their defaults, dotted. Keys without which something is simply not there are not among them.
+    pub fn defaulted(&self) -> Vec<String> {
+        let mut keys = Vec::new();
+        self.sections.defaulted_fields("", &mut keys);
+        keys.retain(|key| key != "description");
+        keys
     }
 
     /// SHA-256 of [`Design::canonical`] as 64 hexadecimal digits.

@@ -175,6 +175,14 @@ macro_rules! section {
                 Ok($Name { $($field: table.read(&mut keys)?,)* })
             }
 
+            fn defaulted_fields(&self, path: &str, out: &mut Vec<String>) {
+                let mut keys = $Name::SCHEMA.keys.iter();
+                $(if let Some(key) = keys.next() {
+                    let path = $crate::design::field::join(path, stringify!($field));
+                    $crate::design::field::FieldValue::defaulted(&self.$field.value, key, self.$field.span.is_some(), &path, out);
+                })*
+            }
+
             fn canonical_fields(&self, path: &str, out: &mut Vec<String>) {
                 $($crate::design::field::FieldValue::canonical(&self.$field.value, &$crate::design::field::join(path, stringify!($field)), out);)*
             }

@@ -14,9 +14,10 @@ impl Section {
     /// What the flank encloses, by Green's theorem: A = ½∮(x dy − y dx), J = ¼∮(x² + y²)(x dy − y dx).
     ///
     /// The integrand is smooth and periodic, so the trapezoidal rule converges exponentially. It needs f′ = c′ (1 + r κ) with the
-    /// curvature κ = 1/ρ0 of the trace; 64 points per lobe reach rounding for every undercut-free flank.
+    /// curvature κ = 1/ρ0 of the trace. The nearest singularity, cosh φ = (1 + K1²)/(2 K1), decides: 512 points per lobe reach rounding
+    /// up to K1 = 0.93 and 1e-6 up to 0.97.
     pub fn inside_flank(profile: &Profile) -> Section {
-        let count = 64 * profile.lobe_count();
+        let count = 512 * profile.lobe_count();
         let step = std::f64::consts::TAU / count as f64;
         let mut sum = Section { area: 0.0, polar_moment: 0.0 };
         for i in 0..count {
@@ -55,7 +56,8 @@ mod tests {
         Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
     }
 
-    /// Mass 0.6366 kg and 1.338e-3 kg·m² of the disc with two bores Ø27 at 40.5 mm and a hole Ø40, to the printed digits.
+    /// Disc with two bores Ø27 at 40.5 mm and a hole Ø40: 0.6366 kg, 1.3394e-3 kg·m², also from a polygon of 1.6 million corners computed by
+    /// another program. (1.338e-3, met elsewhere for this disc, is 0.1 % low.)
     #[test]
     fn val_mass_and_inertia_of_the_disc() {
         let bore = |centre_angle: f64| Bore { radius: 13.5e-3, centre_radius: 40.5e-3, centre_angle };
@@ -66,7 +68,8 @@ mod tests {
         });
         let density_times_width = 7830.0 * 8.75e-3;
         assert!((section.area * density_times_width - 0.6366).abs() < 5e-5, "{}", section.area * density_times_width);
-        assert!((section.polar_moment * density_times_width - 1.338e-3).abs() < 5e-7, "{}", section.polar_moment * density_times_width);
+        assert!((section.area * density_times_width - 0.636_569_192).abs() < 1e-8);
+        assert!((section.polar_moment * density_times_width - 1.339_418_6e-3).abs() < 1e-9, "{}", section.polar_moment * density_times_width);
     }
 
     /// The same by triangles of a fine polygon: second order in the number of points.

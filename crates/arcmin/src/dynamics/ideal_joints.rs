@@ -275,23 +275,7 @@ impl System for IdealJoints {
         for disc in 0..self.rings.len() {
             self.add_disc(disc, &angle, &speed, &mut total);
         }
-        let output = self.members[IdealJoints::OUTPUT];
-        let load = self.load.torque(time);
-        total.torque[output] -= load;
-        total.balance.load_power = load * speed[output];
-        let reach = 1.0 / speed[output].hypot(self.drag_speed);
-        total.torque[output] -= self.drag * speed[output] * reach;
-        total.damping[output][output] += self.drag * self.drag_speed * self.drag_speed * reach.powi(3);
-        total.balance.dissipation += self.drag * speed[output] * speed[output] * reach + self.oil_drag * speed[SUN] * speed[SUN];
-        let input_torque = if self.drive.leaves_sun_free() {
-            let (torque, slope) = self.drive.torque(time, speed[SUN]);
-            total.torque[SUN] += torque - self.oil_drag * speed[SUN];
-            total.damping[SUN][SUN] += slope + self.oil_drag;
-            torque
-        } else {
-            self.oil_drag * speed[SUN] - total.torque[SUN]
-        };
-        total.balance.input_power = input_torque * speed[SUN];
+        self.add_drive_and_load(time, &speed, &mut total);
         lin.clear();
         for (i, row) in self.members.iter().enumerate() {
             force[i] = total.torque[*row];
@@ -309,6 +293,29 @@ impl System for IdealJoints {
 
     fn crank_angle(&self, position: &[f64]) -> f64 {
         position[0]
+    }
+}
+
+impl IdealJoints {
+    /// Load, drag and drive: the last to be added, as the input torque balances everything on the sun.
+    fn add_drive_and_load(&self, time: f64, speed: &[f64; 4], total: &mut Torques) {
+        let output = self.members[IdealJoints::OUTPUT];
+        let load = self.load.torque(time);
+        total.torque[output] -= load;
+        total.balance.load_power = load * speed[output];
+        let reach = 1.0 / speed[output].hypot(self.drag_speed);
+        total.torque[output] -= self.drag * speed[output] * reach;
+        total.damping[output][output] += self.drag * self.drag_speed * self.drag_speed * reach.powi(3);
+        total.balance.dissipation += self.drag * speed[output] * speed[output] * reach + self.oil_drag * speed[SUN] * speed[SUN];
+        let input_torque = if self.drive.leaves_sun_free() {
+            let (torque, slope) = self.drive.torque(time, speed[SUN]);
+            total.torque[SUN] += torque - self.oil_drag * speed[SUN];
+            total.damping[SUN][SUN] += slope + self.oil_drag;
+            torque
+        } else {
+            self.oil_drag * speed[SUN] - total.torque[SUN]
+        };
+        total.balance.input_power = input_torque * speed[SUN];
     }
 }
 
@@ -373,5 +380,8 @@ fn housing_inertia(machine: &Machine) -> f64 {
     pins + 0.5 * PI * CAST_IRON * width * (outer.powi(4) - inner.powi(4))
 }
 
+mod flexible;
 #[cfg(test)]
 mod tests;
+
+pub use flexible::{FlexibleJoints, FlexibleOptions};

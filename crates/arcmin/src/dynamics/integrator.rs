@@ -30,7 +30,7 @@ impl Default for StepControl {
             first_step: 1e-7,
             largest_step: 1e-4,
             smallest_step: 1e-13,
-            velocity_time: 2e-5,
+            velocity_time: 1e-4,
             spectral_radius: 0.9,
         }
     }
@@ -424,7 +424,6 @@ impl<'s, S: System> Integrator<'s, S> {
 
     fn accept(&mut self, h: f64, wish: f64, error: f64) {
         let state = &mut self.state;
-        let (before, last_step) = (state.previous.balance, state.last_step);
         std::mem::swap(&mut state.previous, &mut state.current);
         std::mem::swap(&mut state.current, &mut self.trial);
         std::mem::swap(&mut state.auxiliary, &mut self.auxiliary);
@@ -432,18 +431,13 @@ impl<'s, S: System> Integrator<'s, S> {
         for i in 0..state.jerk.len() {
             state.jerk[i] = (new.acceleration[i] - old.acceleration[i]) / h;
         }
-        // The parabola through the last three values; the trapezium after a restart.
-        let parabola = |a: f64, b: f64, c: f64| {
-            let bend = if last_step > 0.0 { ((c - b) / h - (b - a) / last_step) / (h + last_step) } else { 0.0 };
-            0.5 * h * (b + c) - h * h * h / 6.0 * bend
-        };
-        let integral = |f: fn(&Balance) -> f64| parabola(f(&before), f(&old.balance), f(&new.balance));
+        // Trapezia: at the kinks of contacts a parabola through three steps is no better.
+        let integral = |f: fn(&Balance) -> f64| 0.5 * h * (f(&old.balance) + f(&new.balance));
         let energy = &mut state.energy;
         energy.input += integral(|balance| balance.input_power);
         energy.load += integral(|balance| balance.load_power);
         energy.dissipated += integral(|balance| balance.dissipation);
-        let turnover = |balance: &Balance| balance.input_power.abs() + balance.load_power.abs() + balance.dissipation;
-        energy.turnover += 0.5 * h * (turnover(&old.balance) + turnover(&new.balance));
+        energy.turnover += integral(|balance| balance.input_power.abs() + balance.load_power.abs() + balance.dissipation);
         state.last_step = h;
         state.counts.accepted += 1;
         if self.control.fixed_step.is_none() {

@@ -21,7 +21,7 @@ pub use drive::{Drive, InputMotion};
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium};
 pub use error::DynamicsError;
 pub use gear_mesh::{GearMesh, MeshForce};
-pub use ideal_joints::IdealJoints;
+pub use ideal_joints::{FlexibleJoints, FlexibleOptions, IdealJoints};
 pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepControl, StepCounts};
 pub use load::OutputLoad;
 pub use reducer::{ForceSummary, Reducer};

@@ -9,6 +9,7 @@
 
 pub mod assembly;
 pub mod boundary;
+pub mod cache;
 pub mod contacts;
 pub mod disc;
 pub mod elements;
@@ -21,11 +22,16 @@ mod reduced;
 pub mod reduction;
 pub mod shape;
 pub mod solve;
+mod stress;
+#[cfg(test)]
+mod tests;
 #[cfg(test)]
 mod verification;
+pub mod vtu;
 
 pub use assembly::{BoreTie, DofMap, MasterMotion, SymmetricMatrix, TiedBore};
 pub use boundary::Boundary;
+pub use cache::{CacheError, CacheKey};
 pub use contacts::{CoupledContact, CoupledForces, FlexibleDiscs};
 pub use disc::{DiscModel, FlankLoad};
 pub use flank::{FlankStations, Stencil};
@@ -34,6 +40,7 @@ pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
 pub use shape::{BoreInterface, DiscElement, DiscShape, FlexibleSettings, RoundHole};
+pub use vtu::DeformedPicture;
 
 /// What can go wrong between a disc's outline and its reduced model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

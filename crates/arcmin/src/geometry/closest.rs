@@ -33,7 +33,7 @@ struct Station {
 }
 
 /// The last step (rad of φ) when the iteration stops; convergence is quadratic.
-const LAST_STEP: f64 = 1e-8;
+const LAST_STEP: f64 = 1e-11;
 
 impl Profile {
     /// Closest point of the flank f(τ) − w(τ) n(τ) to a pin of radius `pin_radius` at `p`, started at the foot on the unworn flank.
@@ -44,6 +44,7 @@ impl Profile {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
         let mut place = foot.place;
         let mut before: Option<(f64, f64)> = None;
+        let mut last_step = 1.0;
         for _ in 0..20 {
             let here = self.station(p, place, relief, pin_radius);
             // Never trust a hollow: a quarter of the unworn curvature keeps the step finite.
@@ -56,9 +57,11 @@ impl Profile {
             let step = (-here.slope / bend).clamp(-0.1 / lobes, 0.1 / lobes);
             before = Some((place.tau, here.slope));
             place = place.moved(step, z);
-            if (step * lobes).abs() < LAST_STEP {
+            // A secant leaves an error of the order of the product of its last two steps.
+            if (step * lobes).abs() * last_step < LAST_STEP {
                 return self.station(p, place, relief, pin_radius).closest(place, pin_radius);
             }
+            last_step = (step * lobes).abs();
         }
         let at = |tau: f64| Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
         let gap = |tau: f64| self.station(p, at(tau), relief, pin_radius).gap(pin_radius);

@@ -10,9 +10,9 @@ mod profile;
 mod relief;
 
 pub use closest::Closest;
+pub use flank_error::{FlankError, FlankHarmonic};
 pub use foot::Foot;
 pub use profile::Profile;
-pub use flank_error::{FlankError, FlankHarmonic};
 pub use relief::{DepthSample, Relief};
 
 /// A point or a vector in the plane, in metres unless stated otherwise.

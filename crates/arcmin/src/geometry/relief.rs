@@ -79,10 +79,11 @@ impl Relief {
             return DepthSample { depth: self.values[0], ..DepthSample::default() };
         }
         let h = TAU / n as f64;
-        let x = (meshing_angle + PI) / h;
-        let cell = x.floor();
-        let t = x - cell;
-        let left = (cell as isize).rem_euclid(n as isize) as usize;
+        // Truncation, not `floor` and a remainder: this is the innermost loop, and φ lies within one turn.
+        let x = ((meshing_angle + PI) / h).max(0.0);
+        let cell = x as usize;
+        let t = x - cell as f64;
+        let left = if cell < n { cell } else { cell % n };
         let right = if left + 1 == n { 0 } else { left + 1 };
         let (y0, y1, m0, m1) = (self.values[left], self.values[right], self.bends[left], self.bends[right]);
         let s = 1.0 - t;

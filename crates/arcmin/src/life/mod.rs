@@ -128,15 +128,21 @@ pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress)
     }
     let updates = wear.updates();
     let limit = machine.limits.lost_motion;
-    let searched_hours = options.search_factor.max(1.0) * service_hours;
+    let furthest = options.search_factor.max(1.0) * service_hours;
     let mut history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.lost_motion.radians())).collect();
     let mut hours_to_limit = crossing(&history, limit);
-    let mut hours = service_hours;
-    while hours_to_limit.is_none() && hours < searched_hours {
-        hours = (hours + service_hours / 4.0).min(searched_hours);
-        advance(&mut wear, exposure.at(hours * HOUR), progress)?;
-        let lost = contact_lost_motion(&wear.state().meshing(machine), machine.rated.torque, LOST_MOTION_POSITIONS)?;
-        history.push((hours, lost.radians()));
+    let mut searched_hours = service_hours;
+    while hours_to_limit.is_none() && searched_hours < furthest {
+        let hours = (searched_hours + service_hours / 4.0).min(furthest);
+        let lost = advance(&mut wear, exposure.at(hours * HOUR), progress)
+            .and_then(|()| contact_lost_motion(&wear.state().meshing(machine), machine.rated.torque, LOST_MOTION_POSITIONS));
+        match lost {
+            Ok(lost) => history.push((hours, lost.radians())),
+            // Far beyond the service life a flank may be worn out of the model's reach; the search ends where it still held.
+            Err(WearError::Load(_)) => break,
+            Err(error) => return Err(error),
+        }
+        searched_hours = hours;
         hours_to_limit = crossing(&history, limit);
     }
     Ok(Prediction { points, surfaces, exposure, updates, hours_to_limit, searched_hours })

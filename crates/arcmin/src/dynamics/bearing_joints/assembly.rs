@@ -14,16 +14,8 @@ pub enum Part {
 }
 
 impl Part {
-    pub const ALL: [Part; 8] = [
-        Part::TurningArm,
-        Part::CrankSupport,
-        Part::CrankBending,
-        Part::Teeth,
-        Part::PinSeat,
-        Part::GearStage,
-        Part::Carrier,
-        Part::Housing,
-    ];
+    pub const ALL: [Part; 8] =
+        [Part::TurningArm, Part::CrankSupport, Part::CrankBending, Part::Teeth, Part::PinSeat, Part::GearStage, Part::Carrier, Part::Housing];
 
     /// Words for tables.
     pub fn name(self) -> &'static str {

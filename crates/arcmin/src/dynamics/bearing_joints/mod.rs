@@ -54,7 +54,10 @@ impl Default for JointSettings {
 enum Input {
     Driven(Drive),
     /// At an angle (rad) with a speed (rad/s) that only friction sees.
-    Held { angle: f64, speed: f64 },
+    Held {
+        angle: f64,
+        speed: f64,
+    },
 }
 
 /// A centre that goes round with a body: place in polar coordinates of the body.
@@ -136,7 +139,14 @@ impl BearingJoints {
         BearingJoints::build(machine, settings, Input::Held { angle: 0.0, speed: 0.0 }, false, OutputLoad::None, 0.0)
     }
 
-    fn build(machine: &Machine, settings: &JointSettings, input: Input, free_sun: bool, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
+    fn build(
+        machine: &Machine,
+        settings: &JointSettings,
+        input: Input,
+        free_sun: bool,
+        load: OutputLoad,
+        drag: f64,
+    ) -> Result<BearingJoints, DynamicsError> {
         load.validate()?;
         validate(machine, settings, drag)?;
         let kinematics = machine.kinematics();
@@ -388,5 +398,11 @@ fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<()
     for (name, value, unit) in positive {
         check(value > 0.0 && value.is_finite(), name, value, unit, "must be positive")?;
     }
-    check(machine.carrier.torsional_stiffness > 0.0, "torsional stiffness of the carrier", machine.carrier.torsional_stiffness, "N·m/rad", "must be positive")
+    check(
+        machine.carrier.torsional_stiffness > 0.0,
+        "torsional stiffness of the carrier",
+        machine.carrier.torsional_stiffness,
+        "N·m/rad",
+        "must be positive",
+    )
 }

@@ -121,8 +121,7 @@ impl PlanarMesh {
             for i in 0..MESH_COORDINATES {
                 state.gradient[i] += elastic * slope[i] + k1 * half_square * sigma[i];
                 for j in 0..MESH_COORDINATES {
-                    state.hessian[i][j] += k * slope[i] * slope[j]
-                        - elastic * across.dot(&motion[i]) * turning.dot(&motion[j])
+                    state.hessian[i][j] += k * slope[i] * slope[j] - elastic * across.dot(&motion[i]) * turning.dot(&motion[j])
                         + k1 * overlap * (slope[i] * sigma[j] + sigma[i] * slope[j])
                         + k2 * half_square * sigma[i] * sigma[j];
                 }

@@ -179,13 +179,7 @@ impl BearingJoints {
         let flat = |m: &[[f64; MESH_COORDINATES]; MESH_COORDINATES]| -> [f64; MESH_COORDINATES * MESH_COORDINATES] {
             std::array::from_fn(|i| m[i / MESH_COORDINATES][i % MESH_COORDINATES])
         };
-        sink.element(&Element {
-            part: Part::GearStage,
-            index: &index,
-            gradient: &mesh.gradient,
-            hessian: &flat(&mesh.hessian),
-            stored: mesh.stored,
-        });
+        sink.element(&Element { part: Part::GearStage, index: &index, gradient: &mesh.gradient, hessian: &flat(&mesh.hessian), stored: mesh.stored });
         let mut force = mesh.damping_force;
         let mut damping = flat(&mesh.damping);
         let mut dissipation = mesh.dissipation;

@@ -70,7 +70,8 @@ startCopying();
 startContents();
 
 // Paper has another width: every figure is drawn again for it, in light colours.
-const printing = on => { if (on) root.dataset.printing = 'yes'; else delete root.dataset.printing; redraw(); };
+const folded = [...document.querySelectorAll('details.code:not([open])')];
+const printing = on => { for (const part of folded) part.open = on; if (on) root.dataset.printing = 'yes'; else delete root.dataset.printing; redraw(); };
 matchMedia('print').addEventListener('change', event => printing(event.matches));
 window.addEventListener('beforeprint', () => printing(true));
 window.addEventListener('afterprint', () => printing(false));

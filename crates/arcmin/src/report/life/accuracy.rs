@@ -31,26 +31,24 @@ fn angles(life: &LifePage) -> Plot {
     let mut plot = Plot::new("Accuracy over running time", hours(), Axis::new("Angle at the output", "arcmin").from_zero());
     let rows = life.prediction;
     if rows.iter().any(|row| row.lost_motion_arcmin.is_some()) {
-        plot.series
-            .push(Series::line("lost motion at ±3 % torque", over_hours(rows, |row| row.lost_motion_arcmin)).strong().coloured(Colour::Palette(0)));
+        plot.series.push(
+            Series::line("lost motion of the contacts at ±3 % torque", over_hours(rows, |row| row.lost_motion_arcmin))
+                .strong()
+                .coloured(Colour::Palette(0)),
+        );
     }
     plot.series.push(Series::line("play, one-sided", over_hours(rows, |row| Some(row.play_arcmin))).coloured(Colour::Palette(2)));
     plot.series.push(
         Series::line("transmission error at rated torque, size of its mean", over_hours(rows, |row| Some(row.te_loaded_arcmin.abs())))
             .coloured(Colour::Palette(1)),
     );
-    if rows.iter().any(|row| row.te_no_load_arcmin.is_some()) {
-        plot.series.push(
-            Series::new("transmission error without load", Style::Dashed, over_hours(rows, |row| row.te_no_load_arcmin.map(f64::abs)))
-                .coloured(Colour::Palette(3)),
-        );
-    }
     let limit = life.limit_arcmin();
     plot.limit_at(limit, format!("limit {} arcmin lost motion", compact(limit, 3)));
-    if let Some(at) = life.hours_to_limit {
+    // Far beyond the computed life it would only squeeze the curves.
+    if let Some(at) = life.hours_to_limit.filter(|at| rows.last().is_some_and(|row| *at <= 1.1 * row.hours)) {
         plot.annotations.push(Annotation::Vertical { at, label: format!("limit reached, {at:.0} h"), tone: Tone::Bad });
     }
-    plot.note = "Prediction with coupled wear. While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, \
+    plot.note = "Prediction with coupled wear, from the contacts of discs and pins alone; bearings and gears add theirs. While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, \
                  which no one notices; it shows when the torque reverses, as lost motion."
         .into();
     plot

@@ -15,6 +15,7 @@ mod wear;
 mod tests;
 
 use crate::checks::{Finding, Severity};
+use crate::dynamics::StartSpread;
 use crate::geometry::Relief;
 use crate::load::Cycle;
 use crate::machine::Machine;
@@ -83,6 +84,8 @@ pub struct LifePage<'a> {
     pub flanks: &'a [WornFlank<'a>],
     /// Until the lost motion of the prediction reaches its limit; `None` if that lies beyond what was computed.
     pub hours_to_limit: Option<f64>,
+    /// How far the limit was looked for.
+    pub searched_hours: f64,
     pub prediction_coefficient_per_pa: f64,
     /// The paper's study: uniform depths 0, 10, …, 60 µm.
     pub study: &'a [LifeRow],
@@ -90,6 +93,8 @@ pub struct LifePage<'a> {
     pub ste_rigid_run: Option<RunTrace<'a>>,
     pub dte_rigid_run: Option<RunTrace<'a>>,
     pub ste_flexible_run: Option<RunTrace<'a>>,
+    /// How the static runs depend on where in the play they start, at the points of the study; empty if not asked for.
+    pub ste_starts: Vec<Option<&'a StartSpread>>,
     /// Verdicts on the design; those that are mere facts are not shown.
     pub findings: &'a [Finding],
     /// What the user can change, best first; a default sentence is written when empty.

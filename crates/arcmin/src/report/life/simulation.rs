@@ -3,6 +3,7 @@
 use super::{LifePage, LifeRow, MeanAndMax, RunTrace};
 use crate::machine::Machine;
 use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant};
+use crate::units::ARCMIN;
 
 /// Values printed in the text of Tao2024 (section 4); its curves are not digitised.
 const STE_MEAN_AT_10_UM: f64 = 0.5351;
@@ -164,6 +165,22 @@ fn rigid_over_life(life: &LifePage) -> Plot {
         plot.series.push(Series::new(format!("{name}, mean"), Style::LineMarkers, means).coloured(Colour::Palette(colour)).strong());
         plot.series.push(
             Series::new(format!("{name}, largest"), Style::Dashed, over_hours(life.study, value, |v| v.max_arcmin)).coloured(Colour::Palette(colour)),
+        );
+    }
+    let starts: Vec<(f64, f64, f64)> = life
+        .study
+        .iter()
+        .zip(&life.ste_starts)
+        .filter_map(|(row, spread)| {
+            let means = || spread.iter().flat_map(|spread| &spread.runs).map(|run| run.mean_abs / ARCMIN);
+            means().next()?;
+            Some((row.hours, means().fold(f64::INFINITY, f64::min), means().fold(0.0, f64::max)))
+        })
+        .collect();
+    if !starts.is_empty() {
+        plot.series.push(Series::band("STE means of other starts", starts).coloured(Colour::Palette(0)));
+        plot.note.push_str(
+            " The darker band holds the means of runs that start elsewhere in the clearance: undamped rattling is chaotic, so that no single mean is a result.",
         );
     }
     if is_the_papers(life.machine) {

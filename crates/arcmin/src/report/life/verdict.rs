@@ -13,7 +13,7 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
     };
     let service = life.service_hours();
     let limit = life.limit_arcmin();
-    let computed = end.hours;
+    let computed = life.searched_hours;
     // The row at the end of the planned life, which the prediction may run beyond.
     let worn = life.prediction.iter().rfind(|row| row.hours <= service * (1.0 + 1e-9)).unwrap_or(end);
     let (tone, headline) = match life.hours_to_limit {
@@ -49,7 +49,7 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
             "Accuracy now (new)",
             significant(lost(new), 3),
             "arcmin",
-            format!("{lost_kind}; loaded transmission error {} arcmin", significant(new.te_loaded_arcmin, 3)),
+            format!("{lost_kind}, tooth contacts alone; loaded transmission error {} arcmin", significant(new.te_loaded_arcmin, 3)),
             Tone::Neutral,
         ),
         figure(

@@ -1,0 +1,80 @@
+use std::path::{Path, PathBuf};
+
+use arcmin::dynamics::FlexibleOptions;
+use arcmin::fem::{BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc};
+use arcmin::machine::Machine;
+
+use crate::failure::Failure;
+use crate::run::write_file;
+
+/// Options of everything that lets the discs deform.
+#[derive(Debug, Clone, PartialEq, clap::Args)]
+pub struct Options {
+    /// Finite elements of the elastic disc.
+    #[arg(long, value_enum, default_value = "plane-stress")]
+    pub element: Element,
+    /// What the bores are tied to.
+    #[arg(long, value_enum, default_value = "per-bore")]
+    pub bores: Bores,
+    /// Elastic discs: modes up to this frequency vibrate, the compliance of the others acts without inertia.
+    #[arg(long, value_name = "F", default_value_t = FlexibleOptions::default().mode_frequency)]
+    pub mode_frequency_hz: f64,
+    /// Elastic discs: damping ratio of every mode.
+    #[arg(long, value_name = "Z", default_value_t = FlexibleOptions::default().damping_ratio)]
+    pub damping_ratio: f64,
+    /// Directory for reduced discs, so that the next run need not reduce them again [default: the output directory].
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Element {
+    /// Six-node triangles in plane stress.
+    PlaneStress,
+    /// Ten-node tetrahedra through the width.
+    Solid,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Bores {
+    /// Each bore carries its own bearing.
+    PerBore,
+    /// One rigid spider for all bores.
+    Common,
+}
+
+impl Options {
+    pub fn dynamics(&self) -> FlexibleOptions {
+        FlexibleOptions { mode_frequency: self.mode_frequency_hz, damping_ratio: self.damping_ratio }
+    }
+
+    pub fn settings(&self, shape: &DiscShape) -> FlexibleSettings {
+        let settings = match self.element {
+            Element::PlaneStress => FlexibleSettings::plane_stress(shape),
+            Element::Solid => FlexibleSettings::solid(shape),
+        };
+        let interface = match self.bores {
+            Bores::PerBore => BoreInterface::PerBore,
+            Bores::Common => BoreInterface::Common,
+        };
+        FlexibleSettings { interface, mode_frequency: settings.mode_frequency.max(self.mode_frequency_hz), ..settings }
+    }
+}
+
+/// The reduced discs of a machine, from the cache where it holds them. A damaged or foreign cache file is replaced.
+pub fn discs(machine: &Machine, options: &Options, directory: &Path) -> Result<FlexibleDiscs, Failure> {
+    let directory = options.cache.as_deref().unwrap_or(directory);
+    FlexibleDiscs::with(machine, |shape| {
+        let settings = options.settings(shape);
+        let key = CacheKey::of(shape, &settings);
+        let path = directory.join(format!("disc-{}.reduced", &key.hex()[..16]));
+        let cached = std::fs::read(&path).ok().and_then(|bytes| ReducedDisc::from_bytes(&bytes, shape, &settings).ok());
+        if let Some(reduced) = cached {
+            return Ok(reduced);
+        }
+        let (reduced, _) =
+            DiscModel::new(shape.clone(), settings).and_then(|model| model.reduce()).map_err(Failure::compute("reduce the elastic disc"))?;
+        write_file(&path, &reduced.to_bytes(&key))?;
+        Ok(reduced)
+    })
+}

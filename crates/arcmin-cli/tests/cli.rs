@@ -1,0 +1,246 @@
+//! The command as a user meets it: exit status, texts, files.
+
+use std::path::Path;
+use std::process::Output;
+
+use tempfile::TempDir;
+
+fn arcmin(directory: &Path, arguments: &[&str]) -> Output {
+    assert_cmd::Command::cargo_bin("arcmin").unwrap().current_dir(directory).args(arguments).output().unwrap()
+}
+
+fn texts(output: &Output) -> (String, String) {
+    (String::from_utf8(output.stdout.clone()).unwrap(), String::from_utf8(output.stderr.clone()).unwrap())
+}
+
+/// A directory with the default design as d.toml.
+fn with_design() -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    assert!(arcmin(directory.path(), &["new", "d.toml"]).status.success());
+    directory
+}
+
+fn summary(path: &Path) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(path.join("summary.json")).unwrap()).unwrap()
+}
+
+fn edit(directory: &Path, from: &str, to: &str) {
+    let file = directory.join("d.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.contains(from));
+    std::fs::write(file, text.replacen(from, to, 1)).unwrap();
+}
+
+fn leftovers(directory: &Path) -> Vec<String> {
+    let names = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| name.starts_with('.')).collect()
+}
+
+#[test]
+fn help_of_every_command_runs_and_shows_an_example() {
+    let directory = tempfile::tempdir().unwrap();
+    let (help, _) = texts(&arcmin(directory.path(), &["--help"]));
+    let commands: Vec<&str> = help
+        .lines()
+        .skip_while(|line| !line.starts_with("Commands:"))
+        .skip(1)
+        .take_while(|line| !line.trim().is_empty())
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
+    assert!(commands.len() >= 4, "{help}");
+    for command in commands.into_iter().filter(|command| *command != "help") {
+        let output = arcmin(directory.path(), &[command, "--help"]);
+        assert!(output.status.success() && texts(&output).0.contains("Examples:"), "{command}");
+    }
+}
+
+#[test]
+fn new_does_not_overwrite_unless_told_so() {
+    let directory = with_design();
+    std::fs::write(directory.path().join("d.toml"), "mine").unwrap();
+    let refused = arcmin(directory.path(), &["new", "d.toml"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert_eq!(texts(&refused).1, "  × d.toml exists already\n  help: --force overwrites it\n");
+    assert_eq!(std::fs::read_to_string(directory.path().join("d.toml")).unwrap(), "mine");
+    assert!(arcmin(directory.path(), &["new", "rv-80e", "d.toml", "--force"]).status.success());
+    assert!(std::fs::read_to_string(directory.path().join("d.toml")).unwrap().contains("RV-80E"));
+    let unknown = arcmin(directory.path(), &["new", "rv-9", "e.toml"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert_eq!(texts(&unknown).1, "  × no template is called \"rv-9\"\n  help: templates are rv-40e-81, rv-80e\n");
+}
+
+#[test]
+fn shipped_designs_have_no_error_findings() {
+    let directory = with_design();
+    arcmin(directory.path(), &["new", "rv-80e", "e.toml"]);
+    for design in ["d.toml", "e.toml"] {
+        let output = arcmin(directory.path(), &["check", design]);
+        assert_eq!(output.status.code(), Some(0), "{}", texts(&output).0);
+    }
+    assert_eq!(summary(&directory.path().join("out/d/check"))["errors"], 0);
+}
+
+#[test]
+fn an_error_finding_exits_with_one_and_says_what_to_change() {
+    let directory = with_design();
+    edit(directory.path(), "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
+    let output = arcmin(directory.path(), &["check", "d.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let (out, _) = texts(&output);
+    assert!(
+        out.contains("ERROR    undercut: the generating pin radius 4.900 mm exceeds the smallest convex radius of the pin path, 4.612 mm at 64.9°"),
+        "{out}"
+    );
+    assert!(out.contains("change: smaller pins, smaller eccentricity, or a larger pin circle"));
+}
+
+#[test]
+fn profile_writes_the_flank_with_its_closed_forms() {
+    let directory = with_design();
+    assert!(arcmin(directory.path(), &["profile", "d.toml", "--points", "50"]).status.success());
+    let out = directory.path().join("out/d/profile");
+    let summary = summary(&out);
+    assert_eq!(summary["ratio"], 81.0);
+    assert_eq!(summary["short_width_coefficient"], 0.8125);
+    assert!((summary["inflection_deg"].as_f64().unwrap() - 34.644).abs() < 5e-4);
+    assert!((summary["min_convex_flank_radius_mm"].as_f64().unwrap() - 1.6117).abs() < 5e-5);
+    assert_eq!(summary["design"]["name"], "RV-40E-81");
+    let table = std::fs::read_to_string(out.join("profile.csv")).unwrap();
+    assert!(table.starts_with("tau_deg,meshing_angle_deg,x_mm,y_mm,normal_x,normal_y,curvature_radius_mm,"));
+    assert_eq!(table.lines().count(), 1 + 39 * 50);
+    // Tip and root radii: R_p ± a − r_p.
+    let radii: Vec<f64> = table
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let fields: Vec<f64> = line.split(',').take(6).map(|field| field.parse().unwrap()).collect();
+            assert!((fields[4].hypot(fields[5]) - 1.0).abs() < 1e-12);
+            fields[2].hypot(fields[3])
+        })
+        .collect();
+    let (low, high) = radii.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), r| (low.min(*r), high.max(*r)));
+    assert!((low - 59.7).abs() < 1e-9 && (high - 62.3).abs() < 1e-9, "{low} {high}");
+}
+
+#[test]
+fn uniform_wear_moves_the_flank_along_its_normal() {
+    let directory = with_design();
+    assert!(arcmin(directory.path(), &["profile", "d.toml", "--points", "20", "--wear-um", "60", "--out", "worn"]).status.success());
+    let table = std::fs::read_to_string(directory.path().join("worn/profile.csv")).unwrap();
+    for line in table.lines().skip(1) {
+        let f: Vec<Option<f64>> = line.split(',').map(|field| field.parse().ok()).collect();
+        let at = |index: usize| f[index].unwrap();
+        assert!((at(2) - at(7) - 0.06 * at(4)).abs() < 1e-12 && (at(3) - at(8) - 0.06 * at(5)).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn same_input_same_bytes() {
+    let directory = with_design();
+    for (out, threads) in [("a", "1"), ("b", "2")] {
+        assert!(arcmin(directory.path(), &["profile", "d.toml", "--out", out, "--threads", threads, "--quiet"]).status.success());
+    }
+    let read = |out: &str| std::fs::read(directory.path().join(out).join("profile.csv")).unwrap();
+    assert!(read("a") == read("b"));
+}
+
+#[test]
+fn design_errors_show_the_line_and_the_remedy() {
+    let directory = with_design();
+    edit(directory.path(), "pin_radius_mm = 3 ", "pin_radius = 3 ");
+    let output = arcmin(directory.path(), &["check", "d.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    insta::assert_snapshot!("length_without_unit", texts(&output).1);
+    edit(directory.path(), "pin_radius = 3 ", "pin_radius_mm = 3000 ");
+    insta::assert_snapshot!("absurd_value", texts(&arcmin(directory.path(), &["check", "d.toml"])).1);
+    edit(directory.path(), "pin_radius_mm = 3000 ", "pin_radius_mm = 3 ");
+    edit(directory.path(), "[load]", "[lead]");
+    insta::assert_snapshot!("missing_section", texts(&arcmin(directory.path(), &["profile", "d.toml"])).1);
+    assert!(!directory.path().join("out").exists(), "nothing is created for a design that cannot be read");
+}
+
+#[test]
+fn a_missing_design_and_a_binary_one_are_clear_errors() {
+    let directory = tempfile::tempdir().unwrap();
+    let missing = arcmin(directory.path(), &["check", "nowhere.toml"]);
+    assert_eq!(missing.status.code(), Some(2));
+    let expected =
+        "  × cannot read nowhere.toml: No such file or directory (os error 2)\n  help: `arcmin new FILE` writes a design file to start from\n";
+    assert_eq!(texts(&missing).1, expected);
+    std::fs::write(directory.path().join("b.toml"), [0xff, 0xfe, 0x00]).unwrap();
+    let binary = arcmin(directory.path(), &["check", "b.toml"]);
+    assert_eq!(binary.status.code(), Some(2));
+    assert!(texts(&binary).1.contains("cannot read b.toml: invalid utf-8"));
+}
+
+#[test]
+fn a_file_in_place_of_the_output_directory_is_a_clear_error() {
+    let directory = with_design();
+    std::fs::write(directory.path().join("blocked"), "precious").unwrap();
+    for out in ["blocked", "blocked/deeper"] {
+        let output = arcmin(directory.path(), &["profile", "d.toml", "--out", out]);
+        assert_eq!(output.status.code(), Some(2));
+        let (_, error) = texts(&output);
+        assert!(error.contains(&format!("cannot write {out}: ")) && error.contains("choose another place with --out"), "{error}");
+    }
+    assert_eq!(std::fs::read_to_string(directory.path().join("blocked")).unwrap(), "precious");
+}
+
+/// A disk that is full after some kilobytes: the limit of the file size with its signal ignored gives the same kind of write error.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_a_clear_error_and_keeps_earlier_results() {
+    let directory = with_design();
+    let out = directory.path().join("full");
+    assert!(arcmin(directory.path(), &["profile", "d.toml", "--points", "4", "--out", "full"]).status.success());
+    let before = (std::fs::read(out.join("profile.csv")).unwrap(), std::fs::read(out.join("summary.json")).unwrap());
+    let script = "trap '' XFSZ; ulimit -f 16; exec \"$0\" profile d.toml --points 2000 --out full";
+    let binary = assert_cmd::cargo::cargo_bin("arcmin");
+    let output = std::process::Command::new("bash").args(["-c", script]).arg(binary).current_dir(directory.path()).output().unwrap();
+    let (_, error) = texts(&output);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("cannot write full/profile.csv: File too large") && error.contains("make room"), "{error}");
+    assert!(before == (std::fs::read(out.join("profile.csv")).unwrap(), std::fs::read(out.join("summary.json")).unwrap()));
+    assert!(leftovers(&out).is_empty(), "{:?}", leftovers(&out));
+}
+
+/// Kills runs at many moments: whatever is found under a final name is complete.
+#[test]
+fn a_killed_run_leaves_no_damaged_file() {
+    let directory = with_design();
+    let binary = assert_cmd::cargo::cargo_bin("arcmin");
+    let out = directory.path().join("killed");
+    let arguments = ["profile", "d.toml", "--points", "3000", "--out", "killed", "--quiet"];
+    assert!(arcmin(directory.path(), &arguments).status.success());
+    let complete = std::fs::read(out.join("profile.csv")).unwrap();
+    let mut interrupted = 0;
+    for attempt in 0..30 {
+        let mut child = std::process::Command::new(&binary).args(arguments).current_dir(directory.path()).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(4 * attempt));
+        if child.try_wait().unwrap().is_none() {
+            interrupted += 1;
+        }
+        let _ = child.kill();
+        child.wait().unwrap();
+        assert!(std::fs::read(out.join("profile.csv")).unwrap() == complete, "attempt {attempt}");
+        summary(&out);
+    }
+    assert!(interrupted > 0, "no run was interrupted: nothing was tested");
+}
+
+#[test]
+fn a_reader_who_leaves_early_does_no_harm() {
+    let directory = with_design();
+    let script = "\"$0\" check d.toml | head -c 1 > /dev/null; exit ${PIPESTATUS[0]}";
+    let binary = assert_cmd::cargo::cargo_bin("arcmin");
+    let output = std::process::Command::new("bash").args(["-c", script]).arg(binary).current_dir(directory.path()).output().unwrap();
+    assert_eq!((output.status.code(), texts(&output).1.as_str()), (Some(0), ""));
+}
+
+#[test]
+fn wrong_usage_exits_with_two() {
+    let directory = with_design();
+    for arguments in [&["profile"][..], &["profil", "d.toml"], &["profile", "d.toml", "--wear-um", "nan"], &["profile", "d.toml", "--points", "0"]] {
+        assert_eq!(arcmin(directory.path(), arguments).status.code(), Some(2), "{arguments:?}");
+    }
+}

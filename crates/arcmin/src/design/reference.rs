@@ -1,0 +1,108 @@
+//! The reference of all keys, written from the same declarations that the reader obeys.
+
+use super::DesignSections;
+use super::field::join;
+use super::hint::plain;
+use super::schema::{Key, Kind, Presence, SectionSchema};
+use crate::materials::Material;
+
+const INTRODUCTION: &str = "\
+# The design file
+
+A design file is [TOML](https://toml.io). Units are part of the keys, so that no value can be read in the wrong one. Keys that the
+program does not know are errors, and so are values outside of the range given here, values that are not finite, and values that
+contradict each other. `arcmin new FILE` writes a complete file to start from.
+
+Materials are given by name or as an inline table, for example
+`material = { name = \"42CrMo4\", youngs_modulus_gpa = 210, poisson_ratio = 0.3, density_g_cm3 = 7.85 }`.
+
+This chapter is the output of `arcmin keys`.
+";
+
+/// The chapter in Markdown.
+pub fn markdown() -> String {
+    let mut out = INTRODUCTION.to_owned();
+    out.push_str("\n## Materials known by name\n\n| name | E/GPa | ν | density/(g/cm³) |\n|---|---|---|---|\n");
+    for material in Material::known_names().filter_map(Material::by_name) {
+        let (e, density) = (plain(material.youngs_modulus / 1e9), plain(material.density / 1e3));
+        out.push_str(&format!("| {} | {e} | {} | {density} |\n", material.name, material.poisson_ratio));
+    }
+    section(&mut out, &DesignSections::SCHEMA, "", "Top of the file");
+    out
+}
+
+fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
+    let (inner, own): (Vec<&Key>, Vec<&Key>) = schema.keys.iter().partition(|key| matches!((key.kind)(), Kind::Section(_) | Kind::Sections(_)));
+    out.push_str(&format!("\n## {title}\n\n{}\n", paragraph(schema.doc)));
+    if !own.is_empty() {
+        out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");
+    }
+    for key in own {
+        out.push_str(&format!("| `{}` | {} | {} | {} |\n", key.name, value(key), default(key), meaning(key)));
+    }
+    for key in inner {
+        let path = join(path, key.name);
+        match (key.kind)() {
+            Kind::Section(schema) => section(out, schema, &path, &format!("`[{path}]`")),
+            Kind::Sections(schema) => section(out, schema, &path, &format!("`[[{path}]]`, any number")),
+            _ => {}
+        }
+    }
+}
+
+fn value(key: &Key) -> String {
+    let unit = if key.unit().is_empty() { String::new() } else { format!(" {}", key.unit()) };
+    let range = format!("{} … {}{unit}", plain(key.rule.low), plain(key.rule.high));
+    match (key.kind)() {
+        Kind::Number => range,
+        Kind::Count => format!("whole, {range}"),
+        Kind::Text => "text".to_owned(),
+        Kind::Choice(_) => "one of those listed".to_owned(),
+        Kind::Material(_) => "material".to_owned(),
+        Kind::Pairs => "pairs [°, µm]".to_owned(),
+        Kind::Section(_) | Kind::Sections(_) => "section".to_owned(),
+    }
+}
+
+fn default(key: &Key) -> String {
+    match key.rule.presence {
+        Presence::Required => "required".to_owned(),
+        Presence::Optional => "may be left out".to_owned(),
+        Presence::Number(number) => plain(number),
+        Presence::Word("") => "none".to_owned(),
+        Presence::Word(word) => format!("`\"{word}\"`"),
+    }
+}
+
+fn meaning(key: &Key) -> String {
+    let mut text = paragraph(key.doc);
+    if let Kind::Choice(words) = (key.kind)() {
+        let list: Vec<String> = words.iter().map(|(word, what)| format!("`\"{word}\"` {what}")).collect();
+        text.push_str(&format!(" {}.", list.join("; ")));
+    }
+    text
+}
+
+/// Documentation comments on one line.
+fn paragraph(doc: &str) -> String {
+    doc.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|")
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_chapter_in_the_book_is_this_one() {
+        let book = include_str!("../../../../docs/src/design-file.md");
+        assert!(book == super::markdown(), "rewrite it with `arcmin keys > docs/src/design-file.md`");
+    }
+
+    #[test]
+    fn every_key_is_explained() {
+        let text = super::markdown();
+        for row in text.lines().filter(|line| line.starts_with("| `")) {
+            let meaning = row.trim_end_matches('|').rsplit(" | ").next().unwrap().trim();
+            assert!(meaning.len() > 3 && meaning.ends_with('.'), "{row}");
+        }
+        assert!(text.lines().filter(|line| line.starts_with("| `")).count() > 90);
+    }
+}

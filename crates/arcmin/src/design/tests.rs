@@ -1,0 +1,189 @@
+use super::*;
+use crate::templates::TEMPLATES;
+
+fn text() -> &'static str {
+    TEMPLATES[0].text
+}
+
+/// The answer to the shipped design with one line changed, as a user meets it.
+fn answer(from: &str, to: &str) -> String {
+    assert!(text().contains(from), "{from} is not in the shipped design");
+    match Design::parse(&text().replacen(from, to, 1), "d.toml") {
+        Ok(_) => "accepted".to_owned(),
+        Err(error) => {
+            let lines: Vec<&str> = error.text.lines().take(1).collect();
+            format!("{error} | {} | {}", lines.join(""), error.hint.as_deref().unwrap_or_default())
+        }
+    }
+}
+
+#[test]
+fn wrong_files_are_answered_with_line_text_and_remedy() {
+    let cases: &[(&str, &str, &str)] = &include!("answers.in");
+    let mut report = String::new();
+    for (from, to, expected) in cases {
+        let answer = answer(from, to);
+        if answer != *expected {
+            report.push_str(&format!("({from:?}, {to:?}, {answer:?}),\n"));
+        }
+    }
+    assert!(report.is_empty(), "{report}");
+}
+
+#[test]
+fn hash_depends_on_values_alone() {
+    let hash = |text: &str| Design::parse(text, "d.toml").unwrap().hash();
+    let base = hash(text());
+    assert_eq!(base.len(), 64);
+    // Comments, layout, order of sections, notation of numbers, written defaults, the description.
+    assert_eq!(hash(&format!("# a comment\n{}", text())), base);
+    assert_eq!(hash(&text().replace("pin_radius_mm = 3 ", "pin_radius_mm   =  3.0e0 ")), base);
+    assert_eq!(hash(&text().replace("seat_compliance_um_per_kn = 0 ", "# ")), base);
+    assert_eq!(hash(&text().replace("missing data assumed", "other words")), base);
+    let limits = text().find("[limits]").unwrap();
+    let moved = format!("{}\n{}", &text()[..limits].replace("[ring]", &format!("{}\n[ring]", &text()[limits..])), "");
+    assert_eq!(hash(&moved), base);
+    // A value, however small the change.
+    assert_ne!(hash(&text().replace("pin_radius_mm = 3 ", "pin_radius_mm = 3.0001 ")), base);
+    assert_ne!(hash(&text().replace("\"fixed\"", "\"spinning\"")), base);
+}
+
+#[test]
+fn wear_coefficients_in_all_their_units_are_the_same_number() {
+    let k = |lines: &str| {
+        let design = Design::parse(&text().replace("coefficient_mm2_per_n = 8.4e-13", lines), "d.toml").unwrap();
+        match design.machine().wear.coupled {
+            crate::machine::WearCoefficient::Given(k) => k,
+            other => panic!("{other:?}"),
+        }
+    };
+    for lines in ["coefficient_per_pa = 8.4e-19", "coefficient_mm2_per_n = 8.4e-13", "archard_coefficient = 5.88e-9\nhardness_mpa = 7000"] {
+        assert!((k(lines) / 8.4e-19 - 1.0).abs() < 1e-12, "{lines}");
+    }
+}
+
+#[test]
+fn computed_inertias_give_way_to_given_ones() {
+    let with = |from: &str, to: &str| Design::parse(&text().replacen(from, to, 1), "d.toml").unwrap().machine();
+    let disc = with("width_mm = 8.75 ", "mass_kg = 0.7\nwidth_mm = 8.75 ").disc;
+    assert!(disc.mass == 0.7 && (disc.inertia - 1.3394e-3).abs() < 5e-8);
+    let cranks = with("mass_kg = 0.27 ", "# ").crankshafts;
+    // Shaft Ø18 × 40 and planet Ø54 × 10 of 7.83 g/cm³; the eccentrics have the shaft's diameter here.
+    let expected = 7830.0 * std::f64::consts::PI * (0.009f64.powi(2) * 0.04 + 0.027f64.powi(2) * 0.01);
+    assert!((cranks.mass / expected - 1.0).abs() < 1e-12 && cranks.inertia == 4e-5);
+}
+
+#[test]
+fn free_form_passes_through_its_points_without_overshoot() {
+    let points = "free_form_deg_um = [[-120, 0], [-60, 4], [0, 10], [60, 4], [120, 0]]\nequidistant_offset_um = 0";
+    let machine = Design::parse(&text().replace("equidistant_offset_um = 0", points), "d.toml").unwrap().machine();
+    let form = machine.disc.modification.free_form.unwrap();
+    for (degrees, depth) in [(-120.0, 0.0), (-60.0, 4e-6), (0.0, 10e-6), (60.0, 4e-6), (120.0, 0.0), (180.0, 0.0), (150.0, 0.0)] {
+        let here = form.at(degrees * crate::units::DEG).depth;
+        assert!((here - depth).abs() < 1e-9, "{degrees}: {here}");
+    }
+    assert!(form.samples().iter().all(|depth| (-1e-12..=10.0000001e-6).contains(depth)));
+}
+
+mod properties {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Any number a user may write, weighted towards the believable ones.
+    fn number() -> impl Strategy<Value = String> {
+        prop_oneof![
+            4 => (1e-3f64..200.0).prop_map(|x| format!("{x}")),
+            2 => (1u32..60).prop_map(|x| x.to_string()),
+            1 => any::<f64>().prop_map(|x| format!("{x:?}").replace("NaN", "nan")),
+            1 => prop::sample::select(vec!["0", "-1", "nan", "-inf", "1e400", "9223372036854775807", "true", "\"3\"", "[]", "{}", "0x10", ""])
+                .prop_map(str::to_owned),
+        ]
+    }
+
+    /// The shipped design with some of its `key = value` lines rewritten, dropped or doubled.
+    fn mutated() -> impl Strategy<Value = String> {
+        let lines = text().lines().count();
+        prop::collection::vec((0..lines, 0..8u8, number()), 0..6).prop_map(|edits| {
+            let mut lines: Vec<String> = text().lines().map(str::to_owned).collect();
+            for (line, action, number) in edits {
+                let key = lines[line].split('=').next().unwrap_or_default().trim().to_owned();
+                lines[line] = match action {
+                    0 => String::new(),
+                    1 => format!("{key}x = {number}"),
+                    2 => lines[line].chars().rev().collect(),
+                    _ => format!("{key} = {number}"),
+                };
+            }
+            lines.join("\n")
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// An error with a place inside of the file, or a machine whose geometry and checks are free of NaN.
+        #[test]
+        fn any_file_gives_an_error_or_a_sound_machine(text in mutated()) {
+            match Design::parse(&text, "d.toml") {
+                Err(error) => {
+                    prop_assert!(error.span.end <= text.len() && error.line >= 1 && error.column >= 1);
+                    prop_assert_eq!(text.get(error.span.clone()), Some(error.text.as_str()));
+                }
+                Ok(design) => sound(&design)?,
+            }
+        }
+
+        #[test]
+        fn any_bytes_give_an_error(text in "\\PC{0,200}") {
+            let _ = Design::parse(&text, "d.toml");
+        }
+
+        /// Whole random mechanisms: sizes over two decades, any tooth numbers.
+        #[test]
+        fn any_mechanism_gives_an_error_or_a_sound_machine(
+            pins in 4usize..120, circle in 5.0f64..500.0, pin in 0.01f64..0.2, k1 in 0.05f64..1.1, sun in 6usize..60, planet in 6usize..90,
+            bore in 0.05f64..0.6, hole in 0.0f64..1.2, width in 0.02f64..0.5, discs in 1usize..4, offsets in (-50.0f64..50.0, -50.0f64..50.0),
+        ) {
+            let eccentricity = k1 * circle / pins as f64;
+            let module = 0.6 * circle * 2.0 / (sun + planet) as f64;
+            let bore = bore * circle;
+            let edits = [
+                ("pin_count = 40", format!("pin_count = {pins}")), ("pin_circle_radius_mm = 64", format!("pin_circle_radius_mm = {circle}")),
+                ("pin_radius_mm = 3", format!("pin_radius_mm = {}", pin * circle)), ("lobe_count = 39", String::new()),
+                ("count = 2 ", format!("count = {discs}")), ("width_mm = 8.75", format!("width_mm = {}", width * circle)),
+                ("crank_bore_diameter_mm = 27", format!("crank_bore_diameter_mm = {bore}")),
+                ("centre_hole_diameter_mm = 40", format!("centre_hole_diameter_mm = {}", hole * circle)),
+                ("eccentricity_mm = 1.3", format!("eccentricity_mm = {eccentricity}")), ("circle_radius_mm = 40.5", String::new()),
+                ("sun_teeth = 18", format!("sun_teeth = {sun}")), ("planet_teeth = 36", format!("planet_teeth = {planet}")),
+                ("module_mm = 1.5", format!("module_mm = {module}")), ("ratio = 81", String::new()),
+                ("equidistant_offset_um = 0", format!("equidistant_offset_um = {}", offsets.0)),
+                ("radial_offset_um = 0", format!("radial_offset_um = {}", offsets.1)),
+            ];
+            let text = edits.iter().fold(text().to_owned(), |text, (from, to)| text.replacen(from, to, 1));
+            if let Ok(design) = Design::parse(&text, "d.toml") {
+                sound(&design)?;
+            }
+        }
+    }
+
+    fn sound(design: &Design) -> Result<(), TestCaseError> {
+        let machine = design.machine();
+        for positive in [machine.disc.mass, machine.disc.inertia, machine.crankshafts.mass, machine.crankshafts.inertia, machine.rated.torque] {
+            prop_assert!(positive > 0.0 && positive.is_finite());
+        }
+        let profile = machine.profile();
+        for step in 0..97 {
+            let tau = std::f64::consts::TAU * step as f64 / 97.0;
+            let point = profile.flank_point(tau);
+            prop_assert!(point.norm().is_finite() && (profile.outward_normal(tau).norm() - 1.0).abs() < 1e-9);
+            prop_assert!(!profile.flank_curvature_radius(profile.meshing_angle(tau).cos()).is_nan());
+        }
+        let relief = machine.designed_relief();
+        prop_assert!(relief.samples().iter().all(|depth| depth.is_finite() && *depth >= -1e-12));
+        for finding in crate::checks::check(&machine) {
+            prop_assert!(finding.value.is_finite() && !finding.limit.is_nan(), "{:?}", finding);
+        }
+        Ok(())
+    }
+}

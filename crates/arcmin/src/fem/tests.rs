@@ -1,0 +1,234 @@
+//! The reduced disc against the full mesh, and what must not depend on choices of the model.
+
+use std::sync::OnceLock;
+
+use super::solve::ModeRange;
+use super::*;
+use crate::contact::ContactLaw;
+use crate::geometry::Relief;
+use crate::machine::{CrankAngle, Machine};
+use crate::templates::rv_40e_81;
+use crate::units::ARCMIN;
+
+/// Plane stress on a mesh coarse enough for tests: half as long again at the edges.
+fn coarse(shape: &DiscShape) -> FlexibleSettings {
+    let fine = FlexibleSettings::plane_stress(shape);
+    let sizes = MeshSizes { flank: 1.5 * fine.sizes.flank, flank_rows: 2, bore: 1.5 * fine.sizes.bore, ..fine.sizes };
+    FlexibleSettings { sizes, ..fine }
+}
+
+struct Fixture {
+    model: DiscModel,
+    reduced: ReducedDisc,
+    report: ReductionReport,
+}
+
+fn fixture() -> &'static Fixture {
+    static FIXTURE: OnceLock<Fixture> = OnceLock::new();
+    FIXTURE.get_or_init(|| {
+        let shape = DiscShape::of(&rv_40e_81(), 0);
+        let model = DiscModel::new(shape.clone(), coarse(&shape)).unwrap();
+        let (reduced, report) = model.reduce().unwrap();
+        Fixture { model, reduced, report }
+    })
+}
+
+fn discs(machine: &Machine) -> FlexibleDiscs {
+    FlexibleDiscs::with(machine, |_| Ok::<_, FemError>(fixture().reduced.clone())).unwrap()
+}
+
+#[test]
+fn reduction_reports_small_errors_against_the_full_mesh() {
+    let report = fixture().report;
+    assert!(report.own_compliance_error < 0.01, "{report:?}");
+    assert!(report.cross_compliance_error < 0.01, "{report:?}");
+    // Modes alone do not resolve a load that moves along the flank: that is why the compliance is kept.
+    assert!(report.modal_compliance_gap > 0.1, "{report:?}");
+}
+
+/// Craig–Bampton with the interface let loose reproduces the free disc of the full mesh.
+#[test]
+fn free_frequencies_of_the_reduced_disc_are_those_of_the_mesh() {
+    let Fixture { model, reduced, .. } = fixture();
+    let exact = model.free_modes(8).unwrap().frequencies();
+    let found = reduced.free_frequencies().unwrap();
+    for k in 0..3 {
+        assert!(found[k] < 1.0, "three rigid motions: {found:?}");
+    }
+    for k in 3..8 {
+        // Rayleigh–Ritz from above; nine normal modes up to 40 kHz carry the first five elastic ones to a few per cent.
+        assert!(found[k] >= exact[k] * (1.0 - 1e-9) && found[k] < 1.02 * exact[k], "{} {}", found[k], exact[k]);
+    }
+}
+
+#[test]
+fn held_modes_are_reproduced() {
+    let Fixture { model, reduced, .. } = fixture();
+    let exact = model.held_modes(ModeRange::Count(6)).unwrap();
+    for (a, b) in exact.eigenvalues.iter().zip(&reduced.eigenvalues) {
+        assert!((a / b - 1.0).abs() < 1e-6);
+    }
+}
+
+/// Any number of modes as coordinates plus the residual compliance is the same static disc.
+#[test]
+fn modes_and_residual_compliance_add_up_to_the_static_compliance() {
+    let reduced = &fixture().reduced;
+    let (a, b) = (reduced.stations.stencil(0.012), reduced.stations.stencil(1.7));
+    for modes in [0, 3, 9, reduced.eigenvalues.len()] {
+        let residual = reduced.residual_compliance(modes);
+        let modal = |p: &Stencil, q: &Stencil| (0..modes).map(|m| reduced.mode_at(m, p) * reduced.mode_at(m, q) / reduced.eigenvalues[m]).sum::<f64>();
+        let cross = residual.cross(&a, &b) + modal(&a, &b);
+        assert!((cross - reduced.compliance.cross(&a, &b)).abs() < 1e-9 * reduced.compliance.own(&a));
+        // φ² and its spline differ between stations.
+        let own = residual.own(&a) + modal(&a, &a);
+        assert!((own / reduced.compliance.own(&a) - 1.0).abs() < 5e-3);
+    }
+}
+
+/// The displacement a place sees under its own load, plus the half-space down to where it was read, is the same for any reading depth:
+/// nothing is counted twice or left out. Plane stress inside, plane strain in the logarithm: they differ by ν² of the change.
+#[test]
+fn total_compliance_does_not_depend_on_the_reading_depth() {
+    let Fixture { model, reduced, .. } = fixture();
+    let material = &model.shape.material;
+    for station in [2.0, 5.0, 7.0] {
+        let tau = reduced.stations.parameter(station);
+        let unknowns = model.deflect(&[FlankLoad { tau, force: 1.0 }]);
+        let total = |depth: f64| {
+            let inside = model.read_at_depth(&unknowns, tau, depth).unwrap();
+            inside + 2.0 * material.plane_strain_compliance() / (std::f64::consts::PI * model.shape.width) * depth.ln()
+        };
+        let own = model.read_at_depth(&unknowns, tau, 1e-3).unwrap();
+        for depth in [1.25e-3, 1.5e-3, 2e-3] {
+            assert!((total(depth) - total(1e-3)).abs() < 0.03 * own, "{depth}: {} of {own}", total(depth) - total(1e-3));
+        }
+        // The trap: the whole Johnson formula down to 2 r_p on top of the mesh counts 1–6 mm twice, a quarter of the compliance.
+        let twice = 2.0 * material.plane_strain_compliance() / (std::f64::consts::PI * model.shape.width) * 6.0_f64.ln();
+        assert!(twice > 0.2 * own);
+    }
+}
+
+#[test]
+fn both_discs_of_the_reference_machine_are_one_part() {
+    let machine = rv_40e_81();
+    let (first, second) = (DiscShape::of(&machine, 0), DiscShape::of(&machine, 1));
+    let turn = second.turned_onto(&first).expect("half a turn brings 39 lobes and two bores onto each other");
+    // 39 lobes: half a turn is a whole number of pitches plus a half, which the mounting angle makes up for.
+    assert!(turn > 0.0);
+    assert!(discs(&machine).is_shared(0, 1));
+}
+
+fn lag(machine: &Machine, wear: f64, torque: f64, flexible: bool) -> f64 {
+    let relief = Relief::uniform(wear);
+    let at = CrankAngle::from_radians(0.7);
+    let error = if flexible {
+        machine.flexible_meshing(&relief, discs(machine)).load_sharing(at, torque).unwrap().output_error
+    } else {
+        machine.meshing(&relief).load_sharing(at, torque).unwrap().output_error
+    };
+    error.radians() / ARCMIN
+}
+
+#[test]
+fn at_vanishing_torque_elastic_and_rigid_discs_touch_alike() {
+    let machine = rv_40e_81();
+    for wear in [10e-6, 60e-6] {
+        for torque in [1e-3, -1e-3] {
+            let difference = lag(&machine, wear, torque, true) - lag(&machine, wear, torque, false);
+            // First touch is the same; 1e-3 N·m winds an elastic disc up by some 1e-6'.
+            assert!(difference.abs() < 1e-5, "{wear} {torque}: {difference}");
+        }
+    }
+}
+
+/// 412 N·m: the excess over rigid discs equals what the full mesh gives way under the forces found, by virtual work.
+#[test]
+fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
+    let machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..rv_40e_81() };
+    let meshing = machine.flexible_meshing(&Relief::uniform(10e-6), discs(&machine));
+    let at = CrankAngle::from_radians(0.7);
+    let sharing = meshing.load_sharing(at, 412.0).unwrap();
+    let model = &fixture().model;
+    let loads: Vec<(f64, FlankLoad)> =
+        sharing.discs[0].iter().filter(|c| c.force > 0.0).map(|c| (c.gap, FlankLoad { tau: c.tau, force: c.force })).collect();
+    let unknowns = model.deflect(&loads.iter().map(|(_, load)| *load).collect::<Vec<_>>());
+    let rigid = machine.meshing(&Relief::uniform(10e-6));
+    let k = rigid.kinematics();
+    let error = sharing.output_error.radians();
+    let crank = at.radians() + k.crank_per_output_locked() * error;
+    let pose = k.disc_pose(0, crank, k.nominal_output_angle(at.radians()) + error);
+    let geometric = rigid.contacts().contacts(pose, crate::contact::DiscVelocity::REST);
+    for (local, load) in &loads {
+        let own = |h: f64| model.read_at_depth(&model.deflect(&[*load]), load.tau, h).unwrap();
+        // Everything by the mesh: the surface under all forces, its own part read at depth instead.
+        let surface = model.read_surface(&unknowns, load.tau) - model.read_surface(&model.deflect(&[*load]), load.tau) + own(fixture().reduced.reading_depth);
+        let contact = geometric.iter().min_by(|a, b| (a.tau - load.tau).abs().total_cmp(&(b.tau - load.tau).abs())).unwrap();
+        let reduced = -contact.gap + local;
+        assert!((reduced / surface - 1.0).abs() < 0.02, "τ {}: {reduced:e} {surface:e}", load.tau);
+    }
+}
+
+#[test]
+fn a_disc_ten_thousand_times_stiffer_is_rigid() {
+    let mut machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..rv_40e_81() };
+    machine.disc.material.youngs_modulus *= 1e4;
+    let stiff = fixture().reduced.stiffened(1e4);
+    let discs = FlexibleDiscs::with(&machine, |_| Ok::<_, FemError>(stiff.clone())).unwrap();
+    for wear in [0.0, 10e-6, 60e-6] {
+        let relief = Relief::uniform(wear);
+        let at = CrankAngle::from_radians(0.7);
+        let flexible = machine.flexible_meshing(&relief, discs.clone()).load_sharing(at, 412.0).unwrap();
+        let rigid = machine.meshing(&relief).load_sharing(at, 412.0).unwrap();
+        assert!((flexible.output_error.radians() - rigid.output_error.radians()).abs() < 1e-4 * ARCMIN);
+    }
+}
+
+#[test]
+fn cache_returns_the_same_disc_and_refuses_everything_else() {
+    let Fixture { model, reduced, .. } = fixture();
+    let key = CacheKey::of(&model.shape, &model.settings);
+    let bytes = reduced.to_bytes(&key);
+    let back = ReducedDisc::from_bytes(&bytes, &model.shape, &model.settings).unwrap();
+    assert_eq!(back.to_bytes(&key), bytes);
+    for place in [0, 20, 60, bytes.len() / 2, bytes.len() - 1] {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 1;
+        assert!(ReducedDisc::from_bytes(&damaged, &model.shape, &model.settings).is_err(), "{place}");
+    }
+    assert_eq!(ReducedDisc::from_bytes(&bytes[..bytes.len() - 8], &model.shape, &model.settings).err(), Some(CacheError::Damaged));
+    assert_eq!(ReducedDisc::from_bytes(b"", &model.shape, &model.settings).err(), Some(CacheError::Foreign));
+    let other = FlexibleSettings { reading_depth: 1.1e-3, ..model.settings };
+    assert_eq!(ReducedDisc::from_bytes(&bytes, &model.shape, &other).err(), Some(CacheError::OtherKey));
+}
+
+#[test]
+fn vtu_holds_every_node_and_element() {
+    let model = &fixture().model;
+    let text = model.vtu(&[FlankLoad { tau: 0.05, force: 100.0 }], 2).unwrap();
+    assert!(text.contains(&format!("NumberOfPoints=\"{}\" NumberOfCells=\"{}\"", model.mesh.nodes.len(), model.mesh.element_count())));
+    assert!(text.trim_end().ends_with("</VTKFile>") && !text.contains("NaN"));
+}
+
+/// Plane stress and tetrahedra through the width: eight held modes and the torsion of the disc between bores and teeth.
+#[test]
+fn val_tetrahedra_agree_with_plane_stress() {
+    let shape = DiscShape::of(&rv_40e_81(), 0);
+    let plane = &fixture().model;
+    let sizes = MeshSizes { flank: 1.2e-3, flank_rows: 1, bore: 2.5e-3, hole: 3.5e-3, interior: 6e-3 };
+    let settings = FlexibleSettings { element: DiscElement::Solid { layers: 1 }, sizes, ..plane.settings };
+    let solid = DiscModel::new(shape.clone(), settings).unwrap();
+    let frequencies = |model: &DiscModel| model.held_modes(ModeRange::Count(8)).unwrap().frequencies();
+    for (a, b) in frequencies(plane).iter().zip(frequencies(&solid)) {
+        assert!((a / b - 1.0).abs() < 0.01, "{a} {b}");
+    }
+    // One newton at the same meshing angle on every tooth turns the disc about its bores.
+    let pitch = std::f64::consts::TAU / shape.profile.lobe_count() as f64;
+    let loads: Vec<FlankLoad> = (0..shape.profile.lobe_count()).map(|lobe| FlankLoad { tau: (lobe as f64 + 0.2) * pitch, force: 1.0 }).collect();
+    let twist = |model: &DiscModel| {
+        let unknowns = model.deflect(&loads);
+        loads.iter().map(|load| model.read_at_depth(&unknowns, load.tau, 3e-3).unwrap()).sum::<f64>()
+    };
+    let (flat, deep) = (twist(plane), twist(&solid));
+    assert!((flat / deep - 1.0).abs() < 0.01, "{flat:e} {deep:e}");
+}

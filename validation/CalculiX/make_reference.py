@@ -1,0 +1,209 @@
+"""Reference values for the finite element disc: geometry meshed by gmsh, solved by CalculiX.
+
+Neither program shares a line with arcmin: gmsh makes its own quadratic mesh of the analytic flank, CalculiX its own elements and eigensolver.
+Usage: python make_reference.py   (needs the Python package gmsh and the program ccx; writes reference.csv here)
+"""
+import csv
+import math
+import os
+import subprocess
+import tempfile
+
+import gmsh
+
+# RV-40E-81 of Tao2024, bores and centre hole assumed as in designs/rv-40e-81.toml. mm, t, s, N, MPa.
+ZP, RP, A, R_PIN, WIDTH = 40, 64.0, 1.3, 3.0, 8.75
+BORE_R, BORE_AT, HOLE_R = 13.5, 40.5, 20.0
+E, NU, RHO = 219000.0, 0.3, 7.83e-9
+# Loaded flank places: (name, meshing angle in degrees, lobe). τ = (2π lobe − φ)/z_c.
+LOADS = [("lobe0", -60.0, 0), ("over_bore", -60.0, 10), ("other_flank", 100.0, 20)]
+DEPTH = 2.0
+
+
+def flank(tau):
+    x = RP * math.cos(tau) - A * math.cos(ZP * tau)
+    y = RP * math.sin(tau) - A * math.sin(ZP * tau)
+    dx = -RP * math.sin(tau) + A * ZP * math.sin(ZP * tau)
+    dy = RP * math.cos(tau) - A * ZP * math.cos(ZP * tau)
+    n = math.hypot(dx, dy)
+    inward = (-dy / n, dx / n)
+    return (x + R_PIN * inward[0], y + R_PIN * inward[1]), inward
+
+
+def tau_of(phi_deg, lobe):
+    return (2 * math.pi * lobe - math.radians(phi_deg)) / (ZP - 1)
+
+
+def mesh(size_flank, size_inner, layers):
+    """Quadratic mesh; returns nodes {tag: (x, y, z)}, elements [tags], tags of bore nodes, of load and reading nodes."""
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    g = gmsh.model.geo
+    # The flank as interpolating splines over the analytic curve, 60 points a lobe, split at every load point and at roots.
+    cuts = sorted({2 * math.pi * k / (ZP - 1) for k in range(ZP - 1)} | {tau_of(p, l) % (2 * math.pi) for _, p, l in LOADS})
+    points = {}
+    corner = []
+    for t in cuts:
+        (x, y), _ = flank(t)
+        corner.append(g.addPoint(x, y, 0, size_flank))
+        points[round(t, 12)] = corner[-1]
+    curves = []
+    for i, t in enumerate(cuts):
+        end = cuts[i + 1] if i + 1 < len(cuts) else cuts[0] + 2 * math.pi
+        inner = []
+        count = max(8, int(60 * (end - t) / (2 * math.pi / (ZP - 1))))
+        for k in range(1, count):
+            (x, y), _ = flank(t + (end - t) * k / count)
+            inner.append(g.addPoint(x, y, 0, size_flank))
+        curves.append(g.addSpline([corner[i], *inner, corner[(i + 1) % len(cuts)]]))
+    loops = [g.addCurveLoop(curves)]
+    bore_curves = []
+    for cx, cy, r, bore in [(0, BORE_AT, BORE_R, True), (0, -BORE_AT, BORE_R, True), (0, 0, HOLE_R, False)]:
+        centre = g.addPoint(cx, cy, 0)
+        rim = [g.addPoint(cx + r * math.cos(a), cy + r * math.sin(a), 0, size_inner) for a in (0, math.pi / 2, math.pi, 3 * math.pi / 2)]
+        arcs = [g.addCircleArc(rim[k], centre, rim[(k + 1) % 4]) for k in range(4)]
+        loops.append(g.addCurveLoop(arcs))
+        if bore:
+            bore_curves += arcs
+    surface = g.addPlaneSurface(loops)
+    reading = []
+    for _, p, l in LOADS:
+        (x, y), n = flank(tau_of(p, l))
+        reading.append(g.addPoint(x + DEPTH * n[0], y + DEPTH * n[1], 0, 0.4 * DEPTH))
+    g.synchronize()
+    if layers == 0:
+        gmsh.model.mesh.embed(0, reading, 2, surface)
+        dim, faces = 2, bore_curves
+    else:
+        out = g.extrude([(2, surface)], 0, 0, WIDTH, [layers])
+        g.synchronize()
+        dim = 3
+        # Side faces of the extrusion in the order of the loops' curves.
+        sides = [tag for d, tag in out if d == 2][1:]
+        faces = sides[len(curves):len(curves) + 8]
+    gmsh.model.mesh.generate(dim)
+    gmsh.model.mesh.setOrder(2)
+    tags, xyz, _ = gmsh.model.mesh.getNodes()
+    nodes = {int(t): tuple(xyz[3 * i:3 * i + 3]) for i, t in enumerate(tags)}
+    kind, per = (9, 6) if dim == 2 else (11, 10)
+    _, flat = gmsh.model.mesh.getElementsByType(kind)
+    elements = [[int(t) for t in flat[i:i + per]] for i in range(0, len(flat), per)]
+    if dim == 3:
+        # gmsh numbers the last two mid-side nodes of a tetrahedron the other way round.
+        for e in elements:
+            e[8], e[9] = e[9], e[8]
+    bore = set()
+    for f in faces:
+        got, _, _ = gmsh.model.mesh.getNodes(dim - 1, f, includeBoundary=True)
+        bore.update(int(t) for t in got)
+    near = lambda p: min(nodes, key=lambda t: math.dist(nodes[t], (*p, 0.0)))
+    load_nodes = [near(flank(tau_of(p, l))[0]) for _, p, l in LOADS] if dim == 2 else []
+    read_nodes = [near(tuple(gmsh.model.getValue(0, q, []))[:2]) for q in reading] if dim == 2 else []
+    gmsh.finalize()
+    used = {t for e in elements for t in e}
+    return {t: nodes[t] for t in used}, elements, sorted(bore & used), load_nodes, read_nodes
+
+
+def deck(nodes, elements, bore, kind):
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{t},{x:.12g},{y:.12g},{z:.12g}" for t, (x, y, z) in nodes.items()]
+    lines.append(f"*ELEMENT, TYPE={kind}, ELSET=DISC")
+    for i, e in enumerate(elements, 1):
+        lines.append(f"{i}," + ",".join(map(str, e)))
+    lines.append("*NSET, NSET=BORE")
+    lines += [f"{t}," for t in bore]
+    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"{E},{NU}", "*DENSITY", f"{RHO}"]
+    lines.append("*SOLID SECTION, ELSET=DISC, MATERIAL=STEEL")
+    if kind == "CPS6":
+        lines.append(f"{WIDTH}")
+    return lines
+
+
+def run(lines):
+    with tempfile.TemporaryDirectory() as folder:
+        with open(os.path.join(folder, "job.inp"), "w") as file:
+            file.write("\n".join(lines) + "\n")
+        done = subprocess.run(["ccx", "-i", "job"], cwd=folder, capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
+        path = os.path.join(folder, "job.dat")
+        if not os.path.exists(path):
+            raise SystemExit(done.stdout[-3000:])
+        return open(path).read(), done.stdout
+
+
+def frequencies(dat):
+    rows = []
+    on = False
+    for line in dat.splitlines():
+        if "E I G E N V A L U E" in line:
+            on = True
+        elif "P A R T I C I P A T I O N" in line:
+            on = False
+        parts = line.split()
+        if on and len(parts) >= 4 and parts[0].isdigit():
+            rows.append(float(parts[3]))
+    return rows
+
+
+def modal(nodes, elements, bore, kind, held, count):
+    lines = deck(nodes, elements, bore, kind)
+    if held:
+        lines += ["*BOUNDARY", "BORE,1,2" if kind == "CPS6" else "BORE,1,3"]
+    lines += ["*STEP", "*FREQUENCY", f"{count}", "*NODE PRINT, NSET=BORE, TOTALS=ONLY", "RF", "*END STEP"]
+    return frequencies(run(lines)[0])
+
+
+def static(nodes, elements, bore, load_nodes, read_nodes, case):
+    _, phi, lobe = LOADS[case]
+    _, inward = flank(tau_of(phi, lobe))
+    lines = deck(nodes, elements, bore, "CPS6")
+    lines += ["*NSET, NSET=READ"] + [f"{t}," for t in read_nodes + load_nodes]
+    lines += ["*BOUNDARY", "BORE,1,2", "*STEP", "*STATIC", "*CLOAD"]
+    lines += [f"{load_nodes[case]},1,{1000 * inward[0]:.12g}", f"{load_nodes[case]},2,{1000 * inward[1]:.12g}"]
+    lines += ["*NODE PRINT, NSET=READ", "U", "*END STEP"]
+    table = {}
+    for line in run(lines)[0].splitlines():
+        parts = line.split()
+        if len(parts) == 4 and parts[0].isdigit():
+            table[int(parts[0])] = (float(parts[1]), float(parts[2]))
+    normal = lambda node, other: sum(a * b for a, b in zip(table[node], flank(tau_of(*LOADS[other][1:]))[1]))
+    own = normal(read_nodes[case], case)
+    cross = [(LOADS[o][0], normal(load_nodes[o], o)) for o in range(len(LOADS)) if o != case]
+    return own, cross
+
+
+def write(rows):
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "reference.csv"), "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["quantity", "value", "unit"])
+        writer.writerows(rows)
+
+
+def main():
+    rows = []
+    version = subprocess.run(["ccx", "-v"], capture_output=True, text=True).stdout.strip().split()[-1]
+    rows.append(("ccx_version", version, ""))
+    plane = mesh(0.45, 1.2, 0)
+    rows.append(("plane_elements", len(plane[1]), ""))
+    for k, f in enumerate(modal(*plane[:3], "CPS6", False, 14)[3:11]):
+        rows.append((f"plane_free_{k + 1}", f"{f:.4f}", "Hz"))
+    for k, f in enumerate(modal(*plane[:3], "CPS6", True, 8)):
+        rows.append((f"plane_clamped_{k + 1}", f"{f:.4f}", "Hz"))
+    for case, (name, _, _) in enumerate(LOADS):
+        own, cross = static(*plane, case)
+        rows.append((f"plane_own_{name}", f"{own * 1e-3 / 1000:.8e}", "m/N"))
+        for other, value in cross:
+            rows.append((f"plane_cross_{name}_{other}", f"{value * 1e-3 / 1000:.8e}", "m/N"))
+    write(rows)
+    solid = mesh(1.3, 3.0, 2)
+    rows.append(("solid_elements", len(solid[1]), ""))
+    for k, f in enumerate(modal(*solid[:3], "C3D10", False, 14)[6:14]):
+        rows.append((f"solid_free_{k + 1}", f"{f:.4f}", "Hz"))
+    for k, f in enumerate(modal(*solid[:3], "C3D10", True, 8)):
+        rows.append((f"solid_clamped_{k + 1}", f"{f:.4f}", "Hz"))
+    write(rows)
+    for row in rows:
+        print(*row)
+
+
+if __name__ == "__main__":
+    main()
