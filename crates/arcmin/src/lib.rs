@@ -17,6 +17,7 @@ pub mod machine;
 pub mod materials;
 pub mod progress;
 pub mod report;
+pub mod rig;
 pub mod templates;
 pub mod units;
 pub mod wear;

@@ -43,4 +43,6 @@ commands! {
     Life => life,
     /// Integrate the equations of motion: transmission error in time
     Simulate => simulate,
+    /// Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency
+    Rig => rig,
 }

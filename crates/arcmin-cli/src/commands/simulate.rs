@@ -3,7 +3,8 @@ use std::time::{Duration, Instant};
 
 use arcmin::contact::ContactLaw;
 use arcmin::dynamics::{
-    Checkpoint, Drive, DynamicsError, FlexibleJoints, IdealJoints, OutputLoad, Reducer, Run as Motion, RunPlan, RunResult, StartSpread, StepControl, TimeTable,
+    BearingJoints, Checkpoint, Drive, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, OutputLoad, Reducer, Run as Motion, RunPlan,
+    RunResult, StartSpread, StepControl, TimeTable,
     spread_over_starts,
 };
 use arcmin::geometry::Relief;
@@ -120,6 +121,8 @@ enum Model {
 enum Joints {
     /// Without clearance and compliance.
     Ideal,
+    /// Every body free in its bearings.
+    Bearings,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -187,15 +190,25 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let invalid = Failure::compute("set up the simulation");
     let plan = plan(&options);
     let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
-    match options.model {
-        Model::Rigid => {
+    match (options.model, options.joints) {
+        (Model::Rigid, Joints::Bearings) => {
+            let pin_wear = worn.pin.clone().unwrap_or_else(|| Relief::uniform(0.0));
+            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear, ..JointSettings::default() };
+            let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
+            execute(run, &options, &model, model.output_index(), plan, unloaded, &worn)
+        }
+        (Model::Flexible, Joints::Bearings) => Err(Failure::Usage {
+            message: "flexible discs do not run in bearings yet".to_owned(),
+            help: "choose --model rigid --joints bearings, or --model flexible --joints ideal".to_owned(),
+        }),
+        (Model::Rigid, Joints::Ideal) => {
             let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
             if let Some(pin) = &worn.pin {
                 model.set_pin_wear(pin);
             }
             execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
         }
-        Model::Flexible => {
+        (Model::Flexible, Joints::Ideal) => {
             run.progress().report("reducing the discs", 0.0);
             let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
             let elastic = options.elastic.dynamics();

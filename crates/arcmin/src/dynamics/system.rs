@@ -100,6 +100,13 @@ impl DenseLinearisation {
         self.damping[row * self.size + column] += value;
     }
 
+    /// Adds the damping times `rate` (1/s) to the stiffness: velocities that are q times the rate, less a constant.
+    pub fn fold_damping(&mut self, rate: f64) {
+        for (stiffness, damping) in self.stiffness.iter_mut().zip(&self.damping) {
+            *stiffness += rate * damping;
+        }
+    }
+
     /// −∂Q_row/∂q_column.
     pub fn stiffness(&self, row: usize, column: usize) -> f64 {
         self.stiffness[row * self.size + column]

@@ -43,6 +43,7 @@ mod drawing;
 mod html;
 pub mod life;
 mod plot;
+pub mod rig;
 #[cfg(test)]
 mod tests;
 mod text;

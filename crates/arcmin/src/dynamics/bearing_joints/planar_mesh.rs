@@ -159,7 +159,7 @@ mod tests {
         mesh.sun_run_out = (10e-6, 1.1);
         let carrier = 0.3;
         let place = 0.0405 * unit(carrier + mesh.place);
-        (mesh, [1e-6, -2e-6, 0.9, place.x + 3e-6, place.y - 1e-6, carrier - 0.5 * (0.9 - carrier) + 8e-4, carrier])
+        (mesh, [1e-6, -2e-6, 0.9, place.x + 3e-6, place.y - 1e-6, carrier - 0.5 * (0.9 - carrier) + 3e-3, carrier])
     }
 
     #[test]

@@ -1,0 +1,118 @@
+use std::f64::consts::TAU;
+
+use super::settle::run;
+use super::RigError;
+use crate::dynamics::{BearingJoints, JointSettings};
+use crate::machine::{Machine, RollerBearing, RollerKind};
+use crate::units::HOUR;
+
+/// Loads of one bearing over a crank turn at rated torque, and its basic rating life.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BearingLoad {
+    pub name: String,
+    /// Radial force (N) at equidistant crank angles.
+    pub forces: Vec<f64>,
+    /// Largest force on one rolling element, N.
+    pub largest_element: f64,
+    /// Equivalent dynamic load P in N: mean of the 10/3rd (balls: third) power.
+    pub equivalent: f64,
+    /// C in N, given or by ISO 281.
+    pub rating: f64,
+    /// L10h in s: (C/P)^p 10⁶ turns at the relative speed of the rings.
+    pub life: f64,
+}
+
+/// Basic dynamic radial load rating C in N by ISO 281: b_m f_c (L cos α)^(7/9) Z^(3/4) D^(29/27) for rollers and
+/// b_m f_c (cos α)^0.7 Z^(2/3) D^1.8 for balls up to 25.4 mm, f_c from the formulae behind its tables (ISO/TR 1281-1), one row.
+pub fn dynamic_load_rating(bearing: &RollerBearing) -> f64 {
+    if let Some(rating) = bearing.dynamic_load_rating {
+        return rating;
+    }
+    let (d, z) = (bearing.roller_diameter * 1e3, bearing.roller_count as f64);
+    let cosine = bearing.contact_angle.cos();
+    let gamma = d * cosine / (bearing.pitch_diameter * 1e3);
+    let ratio = (1.0 - gamma) / (1.0 + gamma);
+    match bearing.kind {
+        RollerKind::Cylindrical | RollerKind::Tapered => {
+            let inner_outer = (1.0 + (1.04 * ratio.powf(143.0 / 108.0)).powf(4.5)).powf(-2.0 / 9.0);
+            let fc = 207.9 * 0.83 * gamma.powf(2.0 / 9.0) * (1.0 - gamma).powf(29.0 / 27.0) / (1.0 + gamma).powf(0.25) * inner_outer;
+            1.1 * fc * (bearing.roller_length * 1e3 * cosine).powf(7.0 / 9.0) * z.powf(0.75) * d.powf(29.0 / 27.0)
+        }
+        RollerKind::Ball => {
+            // Groove radii 0.52 d on both raceways.
+            let inner_outer = (1.0 + (1.04 * ratio.powf(1.72)).powf(10.0 / 3.0)).powf(-0.3);
+            let groove = (1.04_f64 / 0.04).powf(0.41);
+            let fc = 98.0665 * 0.41 * 0.95 * groove * gamma.powf(0.3) * (1.0 - gamma).powf(1.39) / (1.0 + gamma).powf(1.0 / 3.0) * inner_outer / 9.80665;
+            let size = if d <= 25.4 { d.powf(1.8) } else { 3.647 * d.powf(1.4) };
+            1.3 * fc * cosine.powf(0.7) * z.powf(2.0 / 3.0) * size
+        }
+    }
+}
+
+/// Forces of all turning-arm bearings and crank supports over one turn of the crankshaft relative to the carrier, rated torque and speed.
+///
+/// # Errors
+/// [`RigError`] where a balance cannot be found.
+pub fn bearing_loads(machine: &Machine, settings: &JointSettings, positions: usize) -> Result<Vec<BearingLoad>, RigError> {
+    let mut model = BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?;
+    let kinematics = model.kinematics().clone();
+    let ratio = kinematics.housing_fixed_ratio();
+    let (cranks, discs) = (machine.crankshafts.count, machine.disc_count);
+    let (output_speed, crank_speed, _) = kinematics.speeds(machine.rated.input_speed);
+    let mut names = Vec::new();
+    for k in 0..cranks {
+        names.extend((0..discs).map(|j| format!("turning arm, crankshaft {}, disc {}", k + 1, j + 1)));
+        names.extend(["planet side", "far side"].map(|side| format!("support, crankshaft {}, {side}", k + 1)));
+    }
+    let mut forces = vec![Vec::with_capacity(positions); names.len()];
+    let mut largest = vec![0.0_f64; names.len()];
+    let direction = machine.rated.input_speed.signum();
+    let mut deviation: Vec<f64> = Vec::new();
+    for i in 0..positions {
+        let sun = direction * TAU * i as f64 / positions as f64 * ratio / (kinematics.lobe_count + 1.0);
+        model.hold_sun(sun, machine.rated.input_speed);
+        model.set_load(machine.rated.torque);
+        let nominal = model.nominal_position_at(sun);
+        let velocity = model.nominal_velocity_at(sun, machine.rated.input_speed);
+        let start: Vec<f64> = nominal.iter().enumerate().map(|(n, x)| x + deviation.get(n).copied().unwrap_or(0.0)).collect();
+        let q = run(&model, &start, velocity)?;
+        let mut at = 0;
+        for k in 0..cranks {
+            let loads = (0..discs).map(|j| model.turning_arm_load(k, j, &q).0).chain((0..2).map(|end| model.support_load(k, end, &q).0));
+            for state in loads.collect::<Vec<_>>() {
+                forces[at].push(state.gradient[0].hypot(state.gradient[1]));
+                largest[at] = largest[at].max(state.largest_element);
+                at += 1;
+            }
+        }
+        deviation = q.iter().zip(&nominal).map(|(q, n)| q - n).collect();
+    }
+    // Both rings' relative turn: disc and carrier turn alike.
+    let turns_per_second = (crank_speed - output_speed).abs() / TAU;
+    Ok(names
+        .into_iter()
+        .zip(forces)
+        .zip(largest)
+        .enumerate()
+        .map(|(index, ((name, forces), largest_element))| {
+            let bearing = if index % (discs + 2) < discs { &machine.bearings.turning_arm } else { &machine.bearings.crank_support };
+            let power = if bearing.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 };
+            let equivalent = (forces.iter().map(|f| f.powf(power)).sum::<f64>() / forces.len().max(1) as f64).powf(1.0 / power);
+            let rating = dynamic_load_rating(bearing);
+            let life = 1e6 * (rating / equivalent).powf(power) / turns_per_second;
+            BearingLoad { name, forces, largest_element, equivalent, rating, life }
+        })
+        .collect())
+}
+
+impl BearingLoad {
+    /// L10h in hours.
+    pub fn life_h(&self) -> f64 {
+        self.life / HOUR
+    }
+
+    pub fn mean_force(&self) -> f64 {
+        self.forces.iter().sum::<f64>() / self.forces.len().max(1) as f64
+    }
+}
+

@@ -1,0 +1,40 @@
+//! Virtual test bench: what makers print in their catalogues, from the model with bearings and without inertia.
+//!
+//! Definitions as in GB/T 35089 and GB/T 40731: input locked, output torque cycled to ± rated; lost motion between the mid-points of the two branches
+//! at ± 3 % of rated torque; backlash as the width of the loop at zero torque; torsional stiffness as the slope of the branches.
+
+mod bearing_life;
+mod efficiency;
+mod hysteresis;
+mod orders;
+mod settle;
+#[cfg(test)]
+mod tests;
+mod transmission;
+
+pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
+pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
+pub use hysteresis::{Branch, LoopFigures, LoopPoint, StiffnessSplit, evaluate_loop, hysteresis_loop, stiffness_split};
+pub use orders::{NamedOrder, name_orders};
+pub use transmission::{ErrorCurve, TransmissionSettings, transmission_error_curves};
+
+use crate::dynamics::DynamicsError;
+use crate::machine::Friction;
+
+/// Why a test could not be carried out.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RigError {
+    #[error("test bench: {0}")]
+    Balance(#[from] DynamicsError),
+    #[error("test bench: the machine has a body without hold at rated torque")]
+    Loose,
+    #[error("test bench: the rated torque must not be zero")]
+    NoTorque,
+    #[error("the measured loop is not usable: {0}")]
+    BadLoop(&'static str),
+}
+
+/// Friction to assume where a design gives none: grease-lubricated mixed friction on pins that stay in their seats, ISO/TR 14179's order for
+/// gear meshes and rolling bearings, lip seals of a middle size. Assumptions, to be replaced by measured values.
+pub const ASSUMED_FRICTION: Friction =
+    Friction { flank: 0.06, pin_seat: 0.06, bearing: 0.002, gear_mesh: 0.06, seal_drag: 4.0, oil_drag: 1e-4, regularisation_speed: 1e-3 };

@@ -1,0 +1,88 @@
+use std::f64::consts::TAU;
+
+use super::settle::run;
+use super::RigError;
+use crate::dynamics::{BearingJoints, JointSettings};
+use crate::machine::Machine;
+
+/// How one output turn is measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TransmissionSettings {
+    /// Positions over the turn.
+    pub positions: usize,
+    /// Torque in N·m that holds the flanks in the no-load test.
+    pub holding_torque: f64,
+}
+
+impl TransmissionSettings {
+    /// 1 % of the rated torque holds the flanks; 1024 positions resolve orders up to several times the pin count.
+    pub fn new(machine: &Machine) -> TransmissionSettings {
+        TransmissionSettings { positions: 1024, holding_torque: 0.01 * machine.rated.torque.abs() }
+    }
+}
+
+/// Transmission error over one output turn at low speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorCurve {
+    /// +1 or −1: sense of rotation.
+    pub direction: f64,
+    /// N·m, against the motion.
+    pub torque: f64,
+    /// (nominal output angle, θ_out − θ_s/i) in rad, in the order of the test; the last closes the turn.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl ErrorCurve {
+    pub fn mean(&self) -> f64 {
+        let n = self.points.len().saturating_sub(1).max(1);
+        self.points.iter().take(n).map(|p| p.1).sum::<f64>() / n as f64
+    }
+
+    pub fn peak_to_peak(&self) -> f64 {
+        let fold = |start: f64, pick: fn(f64, f64) -> f64| self.points.iter().map(|p| p.1).fold(start, pick);
+        fold(f64::NEG_INFINITY, f64::max) - fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// One output turn with a torque against the motion.
+///
+/// # Errors
+/// [`RigError`] where a balance cannot be found.
+fn one_turn(machine: &Machine, settings: &JointSettings, positions: usize, direction: f64, torque: f64) -> Result<ErrorCurve, RigError> {
+    let settings = JointSettings { damped: false, ..settings.clone() };
+    let mut model = BearingJoints::held(machine, &settings)?;
+    let ratio = model.kinematics().housing_fixed_ratio();
+    let speed = direction * machine.rated.input_speed.abs();
+    let mut deviation: Option<Vec<f64>> = None;
+    let mut points = Vec::with_capacity(positions + 1);
+    for i in 0..=positions {
+        let output = direction * TAU * i as f64 / positions as f64;
+        let sun = ratio * output;
+        model.hold_sun(sun, speed);
+        let nominal = model.nominal_position_at(sun);
+        let velocity = model.nominal_velocity_at(sun, speed);
+        if deviation.is_none() {
+            // Into the flank with a good part of the load first.
+            model.set_load(direction * machine.rated.torque.abs().max(torque));
+            let q = run(&model, &nominal, velocity.clone())?;
+            deviation = Some(q.iter().zip(&nominal).map(|(q, n)| q - n).collect());
+        }
+        model.set_load(direction * torque);
+        let start: Vec<f64> = nominal.iter().zip(deviation.iter().flatten()).map(|(n, d)| n + d).collect();
+        let q = run(&model, &start, velocity)?;
+        points.push((output, model.output_error(&q)));
+        deviation = Some(q.iter().zip(&nominal).map(|(q, n)| q - n).collect());
+    }
+    Ok(ErrorCurve { direction, torque, points })
+}
+
+/// Transmission error of one output turn in both directions, held lightly and at rated torque: four curves in that order.
+///
+/// # Errors
+/// [`RigError`] where a balance cannot be found.
+pub fn transmission_error_curves(machine: &Machine, settings: &JointSettings, test: TransmissionSettings) -> Result<Vec<ErrorCurve>, RigError> {
+    use rayon::prelude::*;
+    let rated = machine.rated.torque.abs();
+    let cases = [(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
+    cases.into_par_iter().map(|(direction, torque)| one_turn(machine, settings, test.positions, direction, torque)).collect()
+}
