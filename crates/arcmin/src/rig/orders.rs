@@ -33,7 +33,11 @@ fn cause(order: usize, machine: &Machine) -> String {
         return "position of the crankshafts or their bores".to_owned();
     }
     if near(ratio) || near(ratio - 1.0) {
-        return "run-out of the sun".to_owned();
+        // The sun turns i − 1 times against the carrier: with z_2/z_1 whole that is a multiple of the crankshafts' own turns as well.
+        return match of(pins) {
+            Some(multiple) => format!("run-out of the sun; {multiple} × {pins}: stiffness over the crankshaft's turn, pins"),
+            None => "run-out of the sun".to_owned(),
+        };
     }
     if near(sun_mesh) {
         return "tooth mesh of sun and planets".to_owned();
