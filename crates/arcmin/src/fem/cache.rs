@@ -69,7 +69,8 @@ impl ReducedDisc {
         bytes.extend_from_slice(&self.reading_depth.to_le_bytes());
         let [x, y, turn] = &self.momentum;
         let (c, i) = (&self.compliance, &self.interface);
-        for field in [&self.eigenvalues, &self.flank_modes, &c.cross, &c.own, &c.own_detail, x, y, turn, &i.stiffness, &i.mass, &i.coupling, &i.flank] {
+        for field in [&self.eigenvalues, &self.flank_modes, &c.cross, &c.own, &c.own_detail, x, y, turn, &i.stiffness, &i.mass, &i.coupling, &i.flank]
+        {
             field.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
         }
         let checksum: [u8; 32] = Sha256::digest(&bytes).into();

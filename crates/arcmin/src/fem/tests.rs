@@ -77,7 +77,8 @@ fn modes_and_residual_compliance_add_up_to_the_static_compliance() {
     let (a, b) = (reduced.stations.stencil(0.012), reduced.stations.stencil(1.7));
     for modes in [0, 3, 9, reduced.eigenvalues.len()] {
         let residual = reduced.residual_compliance(modes);
-        let modal = |p: &Stencil, q: &Stencil| (0..modes).map(|m| reduced.mode_at(m, p) * reduced.mode_at(m, q) / reduced.eigenvalues[m]).sum::<f64>();
+        let modal =
+            |p: &Stencil, q: &Stencil| (0..modes).map(|m| reduced.mode_at(m, p) * reduced.mode_at(m, q) / reduced.eigenvalues[m]).sum::<f64>();
         let cross = residual.cross(&a, &b) + modal(&a, &b);
         assert!((cross - reduced.compliance.cross(&a, &b)).abs() < 1e-9 * reduced.compliance.own(&a));
         // φ² and its spline differ between stations.
@@ -162,7 +163,8 @@ fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
     for (local, load) in &loads {
         let own = |h: f64| model.read_at_depth(&model.deflect(&[*load]), load.tau, h).unwrap();
         // Everything by the mesh: the surface under all forces, its own part read at depth instead.
-        let surface = model.read_surface(&unknowns, load.tau) - model.read_surface(&model.deflect(&[*load]), load.tau) + own(fixture().reduced.reading_depth);
+        let surface =
+            model.read_surface(&unknowns, load.tau) - model.read_surface(&model.deflect(&[*load]), load.tau) + own(fixture().reduced.reading_depth);
         let contact = geometric.iter().min_by(|a, b| (a.tau - load.tau).abs().total_cmp(&(b.tau - load.tau).abs())).unwrap();
         let reduced = -contact.gap + local;
         assert!((reduced / surface - 1.0).abs() < 0.02, "τ {}: {reduced:e} {surface:e}", load.tau);

@@ -18,7 +18,10 @@ pub fn render(mesh: &Mesh, fields: &[NodeField<'_>]) -> String {
     let per_element = mesh.kind.nodes_per_element();
     let mut text = String::new();
     // Writing into a String cannot fail.
-    let _ = writeln!(text, "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>");
+    let _ = writeln!(
+        text,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>"
+    );
     let _ = writeln!(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", mesh.nodes.len(), mesh.element_count());
     let _ = writeln!(text, "<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">");
     for [x, y, z] in &mesh.nodes {

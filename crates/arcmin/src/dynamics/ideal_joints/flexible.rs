@@ -95,7 +95,13 @@ impl FlexibleJoints {
                 scale.push(machine.ring.pin_circle_radius * crate::units::ARCMIN * machine.disc.mass.sqrt());
             }
         }
-        check(mass[IdealJoints::OUTPUT] > 0.0, "moment of inertia of the output", mass[IdealJoints::OUTPUT], "kg·m²", "must exceed that of the discs' modes")?;
+        check(
+            mass[IdealJoints::OUTPUT] > 0.0,
+            "moment of inertia of the output",
+            mass[IdealJoints::OUTPUT],
+            "kg·m²",
+            "must exceed that of the discs' modes",
+        )?;
         Ok(FlexibleJoints { rigid, discs, law, residual, modes, damping_ratio: options.damping_ratio, carrier_turns, mass, scale })
     }
 
@@ -358,7 +364,8 @@ impl Reducer for FlexibleJoints {
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
         let (angle, speed) = self.rigid.angles(time, position, velocity);
         let members = self.rigid.members.len();
-        let mut summary = ForceSummary { mesh_force: self.rigid.mesh_force(time, &position[..members], &velocity[..members]).force, ..ForceSummary::default() };
+        let mut summary =
+            ForceSummary { mesh_force: self.rigid.mesh_force(time, &position[..members], &velocity[..members]).force, ..ForceSummary::default() };
         for disc in 0..self.discs.count() {
             let (q, q_rate) = self.modal_state(disc, position, velocity, &angle, &speed);
             for force in self.contacts_of(disc, &angle, &speed, &q, &q_rate).forces.force.iter().filter(|force| **force > 0.0) {
