@@ -96,7 +96,7 @@ fn statistics_are_converged() {
 /// The same equations by the variable-order BDF of the diffsol crate, to 1e-4' over the first 0.15 s of a loaded run.
 #[test]
 fn val_independent_bdf_solver_agrees() {
-    use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverState, Vector, VectorHost};
+    use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, Vector};
     let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), SINE, 0.0).unwrap();
     let rest = solve_equilibrium(&model, 0.0, &model.nominal_position(), EquilibriumControl::default()).unwrap().position;
     let evaluate = |t: f64, y: &[f64]| {
@@ -112,30 +112,16 @@ fn val_independent_bdf_solver_agrees() {
         .h0(1e-8)
         .rhs_implicit(
             |x, _p, t, y| {
-                let x = x.as_slice();
                 let force = evaluate(t, x).0;
-                let y = y.as_mut_slice();
-                (y[0], y[1]) = (x[2], x[3]);
-                (y[2], y[3]) = (force[0] / mass[0], force[1] / mass[1]);
+                y.copy_from_slice(&[x[2], x[3], force[0] / mass[0], force[1] / mass[1]]);
             },
             |x, _p, t, v, y| {
-                let lin = evaluate(t, x.as_slice()).1;
-                let v = v.as_slice();
-                let y = y.as_mut_slice();
-                (y[0], y[1]) = (v[2], v[3]);
-                for i in 0..2 {
-                    let sum: f64 = (0..2).map(|j| lin.stiffness(i, j) * v[j] + lin.damping(i, j) * v[2 + j]).sum();
-                    y[2 + i] = -sum / mass[i];
-                }
+                let lin = evaluate(t, x).1;
+                let slope = |i: usize| -(0..2).map(|j| lin.stiffness(i, j) * v[j] + lin.damping(i, j) * v[2 + j]).sum::<f64>() / mass[i];
+                y.copy_from_slice(&[v[2], v[3], slope(0), slope(1)]);
             },
         )
-        .init(
-            |_p, _t, y| {
-                let y = y.as_mut_slice();
-                (y[0], y[1], y[2], y[3]) = (rest[0], rest[1], 0.0, 0.0);
-            },
-            4,
-        )
+        .init(|_p, _t, y| y.copy_from_slice(&[rest[0], rest[1], 0.0, 0.0]), 4)
         .build()
         .unwrap();
     let mut solver = problem.bdf::<NalgebraLU<f64>>().unwrap();
@@ -144,7 +130,7 @@ fn val_independent_bdf_solver_agrees() {
     run.finish().unwrap();
     let mut worst: f64 = 0.0;
     for sample in &run.result().series {
-        while solver.state().t() < sample.time {
+        while solver.state().t < sample.time {
             solver.step().unwrap();
         }
         let y = solver.interpolate(sample.time).unwrap();
@@ -162,9 +148,9 @@ fn val_fixed_carrier() {
     let result = simulate(&machine, 10.0, RATED, 0.0, RunPlan::default());
     assert!((result.mean_ratio.unwrap() / -80.0 - 1.0).abs() < 1e-4);
     let te = statistics(&result).mean / ARCMIN;
-    // The load lags the output, whichever direction it turns: the torque opposes counter-clockwise motion here as well. With locked input the
-    // play shows as φ·80/81 of the housing-fixed arrangement: 1/(1 + z_1/(z_2 z_p)).
-    assert!((-0.86..-0.78).contains(&te), "{te}");
+    // With locked input the disc's play shows at the housing by z_c/z_p instead of 1/(1 + (z_1+z_2)/(z_2 z_c)) = 0.96296: 1.0125 times as much,
+    // and the wind-up by the square of that: 0.6536' and 0.1720' become 0.838' (the mesh's 0.003' of it aside).
+    assert!((te / -0.838 - 1.0).abs() < 5e-3, "{te}");
     assert!(result.energy.residual() < 1e-6, "{:e}", result.energy.residual());
 }
 
@@ -221,10 +207,10 @@ fn interrupted_run_continues_bit_by_bit() {
     assert_eq!(study(1), study(3));
 }
 
-/// A table that ends in nonsense stops the run with time, angle and residual; what came before stays.
+/// A load beyond all numbers stops the run with time, angle and residual; what came before stays.
 #[test]
 fn a_run_that_fails_keeps_what_was_computed() {
-    let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), OutputLoad::Stepped(vec![(0.05, 1e30)]), 0.0).unwrap();
+    let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), OutputLoad::Stepped(vec![(0.05, 1e308)]), 0.0).unwrap();
     let mut run = Run::new(&model, RunPlan { end: 0.1, ..RunPlan::default() }).unwrap();
     let error = run.finish().unwrap_err();
     assert!(error.to_string().starts_with("the step at t = 0.05"), "{error}");

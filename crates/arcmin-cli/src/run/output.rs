@@ -19,7 +19,8 @@ impl Staged {
         let path = directory.join(name);
         let write = || {
             let mut file = tempfile::Builder::new().prefix(".arcmin-").permissions(permissions()).tempfile_in(directory)?;
-            file.write_all(bytes)?;
+            // Through the file itself: the wrapper's errors name the temporary file, which tells the user nothing.
+            file.as_file_mut().write_all(bytes)?;
             // Without this the rename can reach the disk before the bytes do.
             file.as_file().sync_all()?;
             Ok(file)
@@ -51,7 +52,7 @@ fn permissions() -> std::fs::Permissions {
 pub fn prepare(directory: &Path) -> Result<(), Failure> {
     let try_it = || {
         std::fs::create_dir_all(directory)?;
-        tempfile::Builder::new().prefix(".arcmin-").tempfile_in(directory)?.write_all(&[0; 4096])
+        tempfile::Builder::new().prefix(".arcmin-").tempfile_in(directory)?.as_file_mut().write_all(&[0; 4096])
     };
     try_it().map_err(|cause| Failure::Write { path: directory.to_owned(), cause })
 }

@@ -45,8 +45,8 @@ pub enum DesignErrorKind {
     NotPositive { key: String },
     #[error("`{key}` must not be negative")]
     Negative { key: String },
-    #[error("`{key}` is outside of what this program believes: {low} to {high}{unit}")]
-    OutOfRange { key: String, low: f64, high: f64, unit: String },
+    #[error("`{key}` is outside of what this program believes")]
+    OutOfRange { key: String },
     #[error("`{key}` does not know the choice \"{choice}\"")]
     UnknownChoice { key: String, choice: String },
     #[error("no material is called \"{name}\"")]

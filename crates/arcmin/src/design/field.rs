@@ -126,10 +126,7 @@ impl Table<'_> {
         let kind = match number {
             x if x <= 0.0 && rule.low > 0.0 => DesignErrorKind::NotPositive { key: name() },
             x if x < 0.0 && rule.low == 0.0 => DesignErrorKind::Negative { key: name() },
-            _ => {
-                let unit = if key.unit().is_empty() { String::new() } else { format!(" {}", key.unit()) };
-                DesignErrorKind::OutOfRange { key: name(), low: rule.low, high: rule.high, unit }
-            }
+            _ => DesignErrorKind::OutOfRange { key: name() },
         };
         Err(self.source.error(kind, span, Some(hint::for_number(key, number))))
     }

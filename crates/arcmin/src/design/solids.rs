@@ -72,7 +72,7 @@ mod tests {
         assert!((section.polar_moment * density_times_width - 1.339_418_6e-3).abs() < 1e-9, "{}", section.polar_moment * density_times_width);
     }
 
-    /// The same by triangles of a fine polygon: second order in the number of points.
+    /// The same by triangles of a fine polygon, whose own error is of second order: 2e-8 with this many corners (4 times fewer: 16 times more).
     #[test]
     fn quadrature_agrees_with_a_fine_polygon() {
         let profile = rv_40e();
@@ -86,7 +86,7 @@ mod tests {
             polar += sweep / 12.0 * (a.norm_squared() + a.dot(b) + b.norm_squared());
         }
         let section = Section::inside_flank(&profile);
-        assert!((section.area / area - 1.0).abs() < 1e-8, "{}", section.area / area - 1.0);
-        assert!((section.polar_moment / polar - 1.0).abs() < 1e-8);
+        assert!((section.area / area - 1.0).abs() < 5e-8, "{}", section.area / area - 1.0);
+        assert!((section.polar_moment / polar - 1.0).abs() < 1e-7);
     }
 }

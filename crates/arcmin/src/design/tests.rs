@@ -120,7 +120,7 @@ mod properties {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #![proptest_config(ProptestConfig::with_cases(600))]
 
         /// An error with a place inside of the file, or a machine whose geometry and checks are free of NaN.
         #[test]

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::gear_mesh::{GearMesh, MeshForce};
-use super::{Balance, DenseLinearisation, Drive, DynamicsError, ForceSummary, OutputLoad, Reducer, System};
+use super::{Balance, DenseLinearisation, Drive, DynamicsError, EquilibriumControl, ForceSummary, OutputLoad, Reducer, System, solve_equilibrium};
 use crate::contact::{DiscVelocity, PinContact, PinContacts, Reaction, Sliding};
 use crate::geometry::{Relief, quarter_turn};
 use crate::machine::{FixedMember, Kinematics, Machine, PinMounting};
@@ -343,6 +343,21 @@ impl Reducer for IdealJoints {
     /// Everything at angle zero.
     fn nominal_position(&self) -> Vec<f64> {
         vec![0.0; self.members.len()]
+    }
+
+    /// A free sun is held until the run begins: under load nothing else keeps it at rest.
+    fn rest_position(&self) -> Result<Vec<f64>, DynamicsError> {
+        if !self.drive.leaves_sun_free() {
+            return Ok(solve_equilibrium(self, 0.0, &self.nominal_position(), EquilibriumControl::default())?.position);
+        }
+        let mut held = self.clone();
+        held.drive = Drive::SpeedLaw { speed: 0.0, rise_time: 1.0 };
+        held.members.truncate(2);
+        held.mass.truncate(2);
+        held.scale.truncate(2);
+        let mut position = held.rest_position()?;
+        position.push(0.0);
+        Ok(position)
     }
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::System;
+use super::{DynamicsError, EquilibriumControl, System, solve_equilibrium};
 
 /// A [`System`] that is a reducer: what a run needs to know beyond the equations of motion.
 pub trait Reducer: System {
@@ -18,6 +18,17 @@ pub trait Reducer: System {
 
     /// Coordinates of the nominal pose at time 0, where the search for the first equilibrium starts.
     fn nominal_position(&self) -> Vec<f64>;
+
+    /// State of rest at time 0 from which a run starts: static equilibrium with the load.
+    ///
+    /// # Errors
+    /// [`DynamicsError::NoEquilibrium`].
+    fn rest_position(&self) -> Result<Vec<f64>, DynamicsError>
+    where
+        Self: Sized,
+    {
+        Ok(solve_equilibrium(self, 0.0, &self.nominal_position(), EquilibriumControl::default())?.position)
+    }
 
     /// Largest forces at one state.
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary;

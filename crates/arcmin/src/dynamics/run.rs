@@ -3,9 +3,7 @@ use serde::{Deserialize, Serialize};
 use super::integrator::hermite;
 use super::spectrum::{SpectrumLine, order_spectrum};
 use super::statistics::{ErrorIntegrals, ErrorStatistics};
-use super::{
-    DynamicsError, EnergyAccount, EquilibriumControl, ForceSummary, Integrator, IntegratorState, Reducer, StepControl, StepCounts, solve_equilibrium,
-};
+use super::{DynamicsError, EnergyAccount, ForceSummary, Integrator, IntegratorState, Reducer, StepControl, StepCounts};
 
 /// What to compute and what to write down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -128,8 +126,8 @@ impl<'m, M: Reducer> Run<'m, M> {
     /// Values without meaning in the plan, or no equilibrium.
     pub fn new(model: &'m M, plan: RunPlan) -> Result<Self, DynamicsError> {
         plan.validate()?;
-        let rest = solve_equilibrium(model, 0.0, &model.nominal_position(), EquilibriumControl::default())?;
-        Run::from_state(model, plan, &rest.position, &vec![0.0; rest.position.len()])
+        let rest = model.rest_position()?;
+        Run::from_state(model, plan, &rest, &vec![0.0; rest.len()])
     }
 
     /// A run from a given state at time 0.

@@ -61,7 +61,7 @@ function linearTicks(low, high, wanted, unit) {
   }
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];
-  for (let index = Math.ceil(low / step - 1e-9); index * step <= high + step * 1e-9; index++) {
+  for (let index = Math.ceil(low / step - 1e-9); index * step <= high + step * 1e-9 && ticks.length < 100; index++) {
     const at = index * step;
     const far = Math.max(Math.abs(low), Math.abs(high));
     const label = at === 0 ? '0' : far < 1e-4 || far >= 1e7 ? exponentForm(at, 1) : groupDigits(at.toFixed(Math.min(decimals, 12)));
@@ -111,7 +111,10 @@ function fitRange(axis, values, air = 0.05) {
   }
   const touchesZero = { low: low === 0, high: high === 0 };
   if (axis.include_zero) { if (low > 0) { low = 0; touchesZero.low = true; } if (high < 0) { high = 0; touchesZero.high = true; } }
-  const span = high - low || Math.abs(high) || 1;
+  // Values that agree to rounding are one value: a range of their differences would have no ticks to count.
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  if (high - low < 1e-9 * size) { low -= 0.05 * size; high += 0.05 * size; }
+  const span = high - low || 1;
   return [touchesZero.low && axis.include_zero ? 0 : low - span * air, touchesZero.high && axis.include_zero ? 0 : high + span * air];
 }
 

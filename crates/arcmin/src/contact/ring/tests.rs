@@ -1,0 +1,126 @@
+use super::*;
+use crate::units::{ARCMIN, UM, wrap_angle};
+
+fn machine() -> crate::machine::Machine {
+    crate::templates::rv_40e_81()
+}
+
+fn worn(phi: f64) -> f64 {
+    12.0 * UM * (0.5 - 0.5 * (2.0 * phi).cos())
+}
+
+#[test]
+fn nominal_pose_touches_every_pin_with_zero_gap() {
+    let machine = machine();
+    let contacts = machine.pin_contacts(&Relief::uniform(0.0));
+    let kinematics = machine.kinematics();
+    for disc in 0..2 {
+        for step in 0..50 {
+            let crank = 0.3 + 0.1 * step as f64;
+            let pose = kinematics.disc_pose(disc, crank, kinematics.nominal_output_angle(crank));
+            for contact in contacts.contacts(pose, DiscVelocity::REST) {
+                assert!(contact.gap.abs() < 1e-15);
+                let eccentric = crank + kinematics.phases[disc];
+                let expected = std::f64::consts::TAU * contact.pin as f64 / 40.0 - eccentric;
+                assert!(wrap_angle(contact.meshing_angle - expected).abs() < 1e-7);
+            }
+        }
+    }
+}
+
+#[test]
+fn pins_at_positive_meshing_angle_push_the_disc_clockwise() {
+    let machine = machine();
+    let contacts = machine.pin_contacts(&Relief::uniform(0.0));
+    let pose = machine.kinematics().disc_pose(0, 0.0, 5e-5);
+    contacts.visit(pose, DiscVelocity::REST, false, |contact| {
+        if contact.force > 0.0 {
+            assert!(contact.gradient[2] * contact.meshing_angle < 0.0);
+        }
+    });
+}
+
+/// Exact for a law without curvature; the line contact leaves out how R_eq changes while the foot travels (0.3 % of the stiffness).
+#[test]
+fn stiffness_is_the_derivative_of_the_force() {
+    use crate::contact::ContactLaw;
+    for (law, tolerance) in [(ContactLaw::Linear { stiffness: 2.85e8 }, 2e-6), (ContactLaw::LineHertz, 5e-3)] {
+        check_tangent(law, tolerance);
+    }
+}
+
+fn check_tangent(law: crate::contact::ContactLaw, tolerance: f64) {
+    let machine = crate::machine::Machine { contact_law: law, ..machine() };
+    let mut line = machine.line_contact();
+    line.damping = Some(Damping { coefficient: 2e3, ramp_depth: 1e-6 });
+    let contacts = PinContacts::new(machine.profile(), machine.pins(), Relief::uniform(0.0), line);
+    let kinematics = machine.kinematics();
+    let base = kinematics.disc_pose(0, 1.234, kinematics.nominal_output_angle(1.234) - 0.1 * ARCMIN);
+    let velocity = DiscVelocity { centre: Vec2::new(1e-4, -2e-4), angle: 3e-3 };
+    let shifted = |axis: usize, h: f64| {
+        let mut pose = base;
+        match axis {
+            0 => pose.centre.x += h,
+            1 => pose.centre.y += h,
+            _ => pose.angle += h / 0.05,
+        }
+        contacts.react(pose, velocity).force
+    };
+    let reaction = contacts.react(base, velocity);
+    let size = reaction.stiffness[0][0].abs();
+    for axis in 0..3 {
+        let h = 1e-10;
+        let (a, b) = (shifted(axis, -h), shifted(axis, h));
+        let scale = if axis == 2 { 1.0 / 0.05 } else { 1.0 };
+        for row in 0..3 {
+            let difference = -(b[row] - a[row]) / (2.0 * h);
+            let tangent = reaction.stiffness[row][axis] * scale;
+            assert!((difference - tangent).abs() < tolerance * size, "{row} {axis}: {difference} {tangent}");
+        }
+    }
+}
+
+/// Newton's closest point against the exact distance of the pin centre from the worn flank, by golden section.
+#[test]
+fn gap_on_an_unevenly_worn_flank_agrees_with_the_exact_distance() {
+    let machine = machine();
+    let relief = Relief::from_samples(Relief::grid(720).map(worn).collect());
+    let contacts = machine.pin_contacts(&relief);
+    let profile = machine.profile();
+    let kinematics = machine.kinematics();
+    let pose = kinematics.disc_pose(0, 0.4, kinematics.nominal_output_angle(0.4) - 0.2 * ARCMIN);
+    let surface = |tau: f64| {
+        let normal = profile.outward_normal(tau);
+        profile.flank_point(tau) - relief.at(profile.meshing_angle(tau)).depth * normal
+    };
+    let back = unit(-pose.angle);
+    let mut worst: f64 = 0.0;
+    for contact in contacts.contacts(pose, DiscVelocity::REST) {
+        let p = turned(contact.arm, back);
+        let distance = |tau: f64| (p - surface(tau)).norm();
+        let (mut a, mut b) = (contact.tau - 2e-3, contact.tau + 2e-3);
+        for _ in 0..200 {
+            let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
+            if distance(c) < distance(d) { b = d } else { a = c }
+        }
+        let exact = distance(0.5 * (a + b)) - 3e-3;
+        worst = worst.max((contact.gap - exact).abs());
+    }
+    assert!(worst < 1e-13, "{worst:e}");
+}
+
+#[test]
+fn culling_never_drops_a_pin_that_carries() {
+    let machine = machine();
+    let contacts = machine.pin_contacts(&Relief::uniform(10.0 * UM));
+    let kinematics = machine.kinematics();
+    for step in 0..400 {
+        let crank = 0.011 * step as f64;
+        let turn = (step as f64 * 0.7).sin() * ARCMIN;
+        let pose = kinematics.disc_pose(1, crank, kinematics.nominal_output_angle(crank) + turn);
+        let all: f64 = contacts.contacts(pose, DiscVelocity::REST).iter().map(|c| c.force).sum();
+        let mut culled = 0.0;
+        contacts.visit(pose, DiscVelocity::REST, false, |c| culled += c.force);
+        assert_eq!(all, culled);
+    }
+}
