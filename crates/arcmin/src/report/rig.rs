@@ -1,7 +1,8 @@
 //! The page of the test bench: loop, stiffness split, transmission error with named orders, efficiency, bearing loads.
 
 use super::{
-    Axis, Block, Colour, Column, HeatMap, KeyFigure, Page, Plot, Provenance, Reference, Section, Series, Shares, Style, Table, Tone, Verdict, Width, significant,
+    Axis, Block, Colour, Column, HeatMap, KeyFigure, Page, Plot, Provenance, Reference, Section, Series, Shares, Style, Table, Tone, Verdict, Width,
+    significant,
 };
 use crate::dynamics::SpectrumLine;
 use crate::machine::Machine;
@@ -134,7 +135,8 @@ impl RigPage<'_> {
     }
 
     fn loops(&self) -> Plot {
-        let mut plot = Plot::new("Hysteresis loop, input locked", Axis::new("Torque at the output", "N·m"), Axis::new("Angle of the output", "arcmin"));
+        let mut plot =
+            Plot::new("Hysteresis loop, input locked", Axis::new("Torque at the output", "N·m"), Axis::new("Angle of the output", "arcmin"));
         let mut add = |points: &[LoopPoint], name: String, colour: Colour, strong: bool| {
             for branch in [Branch::Falling, Branch::Rising] {
                 let line = points.iter().filter(|p| p.branch == branch).map(|p| (p.torque, p.angle / ARCMIN));
@@ -192,8 +194,9 @@ impl RigPage<'_> {
             plot.series.push(Series::line(format!("{way}, {} N·m", significant(curve.torque, 3)), points));
         }
         let bars = state.spectrum.iter().filter(|line| (1..=200).contains(&line.order)).map(|line| (line.order as f64, line.amplitude / ARCMIN));
-        let spectrum = Plot::new("Spectrum at rated torque, forward", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero())
-            .with(Series::new("amplitude", Style::Bars, bars));
+        let spectrum =
+            Plot::new("Spectrum at rated torque, forward", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero())
+                .with(Series::new("amplitude", Style::Bars, bars));
         let table = Table {
             title: "Strongest orders".into(),
             columns: vec![Column::number("Order", ""), Column::number("Amplitude", "arcmin"), Column::text("Likely cause")],
@@ -233,7 +236,8 @@ impl RigPage<'_> {
 
     fn bearings(&self) -> Vec<Block> {
         let bearings = &self.state().bearings;
-        let mut plot = Plot::new("Bearing forces over a crank turn at rated torque", Axis::new("Crank angle", "°"), Axis::new("Radial force", "N").from_zero());
+        let mut plot =
+            Plot::new("Bearing forces over a crank turn at rated torque", Axis::new("Crank angle", "°"), Axis::new("Radial force", "N").from_zero());
         for bearing in bearings {
             let step = 360.0 / bearing.forces.len().max(1) as f64;
             plot.series.push(Series::line(bearing.name.clone(), bearing.forces.iter().enumerate().map(|(i, f)| (step * i as f64, *f))));
@@ -269,10 +273,15 @@ impl RigPage<'_> {
 }
 
 fn references() -> Vec<Reference> {
-    let entry = |key: &str, citation: &str, used_for: &str| Reference { key: key.into(), citation: citation.into(), doi: None, used_for: used_for.into() };
+    let entry =
+        |key: &str, citation: &str, used_for: &str| Reference { key: key.into(), citation: citation.into(), doi: None, used_for: used_for.into() };
     vec![
         entry("Harris", "T. A. Harris, M. N. Kotzalas: Rolling Bearing Analysis, 5th ed., CRC Press 2006", "stiffness of rollers between raceways"),
         entry("ISO281", "ISO 281:2007 Rolling bearings: Dynamic load ratings and rating life", "bearing life"),
-        entry("GBT35089", "GB/T 35089-2018 Precision gear transmission for robots: Test method", "definitions of lost motion, backlash and stiffness"),
+        entry(
+            "GBT35089",
+            "GB/T 35089-2018 Precision gear transmission for robots: Test method",
+            "definitions of lost motion, backlash and stiffness",
+        ),
     ]
 }

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
-use super::settle::run;
 use super::RigError;
+use super::settle::run;
 use crate::dynamics::{BearingJoints, JointSettings};
 use crate::machine::{Machine, RollerBearing, RollerKind};
 use crate::units::HOUR;
@@ -42,7 +42,8 @@ pub fn dynamic_load_rating(bearing: &RollerBearing) -> f64 {
             // Groove radii 0.52 d on both raceways.
             let inner_outer = (1.0 + (1.04 * ratio.powf(1.72)).powf(10.0 / 3.0)).powf(-0.3);
             let groove = (1.04_f64 / 0.04).powf(0.41);
-            let fc = 98.0665 * 0.41 * 0.95 * groove * gamma.powf(0.3) * (1.0 - gamma).powf(1.39) / (1.0 + gamma).powf(1.0 / 3.0) * inner_outer / 9.80665;
+            let fc =
+                98.0665 * 0.41 * 0.95 * groove * gamma.powf(0.3) * (1.0 - gamma).powf(1.39) / (1.0 + gamma).powf(1.0 / 3.0) * inner_outer / 9.80665;
             let size = if d <= 25.4 { d.powf(1.8) } else { 3.647 * d.powf(1.4) };
             1.3 * fc * cosine.powf(0.7) * z.powf(2.0 / 3.0) * size
         }
@@ -115,4 +116,3 @@ impl BearingLoad {
         self.forces.iter().sum::<f64>() / self.forces.len().max(1) as f64
     }
 }
-

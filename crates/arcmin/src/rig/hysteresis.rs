@@ -1,5 +1,5 @@
-use super::settle::{creep, tangent};
 use super::RigError;
+use super::settle::{creep, tangent};
 use crate::dynamics::{BearingJoints, JointSettings, Part};
 use crate::machine::Machine;
 

@@ -22,7 +22,6 @@ fn cause(order: usize, machine: &Machine) -> String {
     let pins = machine.ring.pin_count;
     let lobes = pins - 1;
     let ratio = machine.kinematics().housing_fixed_ratio().abs();
-    let planet = (lobes + 1) as f64;
     let sun_mesh = (ratio - 1.0) * machine.gear_stage.sun_teeth as f64;
     let near = |value: f64| (order as f64 - value).abs() < 0.5;
     let of = |base: usize| order.is_multiple_of(base).then(|| order / base);
@@ -32,18 +31,20 @@ fn cause(order: usize, machine: &Machine) -> String {
     if order == machine.crankshafts.count {
         return "position of the crankshafts or their bores".to_owned();
     }
-    if near(ratio) || near(ratio - 1.0) {
-        // The sun turns i − 1 times against the carrier: with z_2/z_1 whole that is a multiple of the crankshafts' own turns as well.
-        return match of(pins) {
-            Some(multiple) => format!("run-out of the sun; {multiple} × {pins}: stiffness over the crankshaft's turn, pins"),
-            None => "run-out of the sun".to_owned(),
-        };
+    if near(ratio) {
+        return "run-out of the sun".to_owned();
+    }
+    if near(ratio - 1.0) {
+        let turns = (ratio - 1.0) / pins as f64;
+        return format!(
+            "run-out of the sun against the carrier; {turns:.0} × crankshaft turn: stiffness of bearings and shafts as the load goes round"
+        );
     }
     if near(sun_mesh) {
         return "tooth mesh of sun and planets".to_owned();
     }
     if let Some(multiple) = of(pins) {
-        let what = format!("pins: pitch, radius, pin circle; planet run-out ({planet:.0} turns)");
+        let what = String::from("pins: pitch, radius, pin circle; planet run-out, which turns as often against the carrier");
         return if multiple == 1 { what } else { format!("{multiple} × {pins}: {what}") };
     }
     if let Some(multiple) = of(lobes) {

@@ -1,5 +1,5 @@
 use super::RigError;
-use crate::dynamics::{Balance, BearingJoints, DenseLinearisation, EquilibriumControl, System, Weights, Linearisation, solve_equilibrium};
+use crate::dynamics::{Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
 
 /// What the friction sees while the machine is in balance without inertia.
 enum Motion<'a> {
@@ -19,6 +19,9 @@ struct Slow<'a> {
 const PRESLIDING: f64 = 2e-8;
 /// Accuracy of the output angle in arcmin (and of all other coordinates likewise): far below the 1e-4' that anybody reads.
 const TOLERANCE: f64 = 1e-7;
+
+/// In N or N·m: where bodies just touch, rounding of places (1e-17 m) times the stiffness of all contacts (1e9 N/m) leaves more than 1e-9.
+const FORCE_TOLERANCE: f64 = 1e-6;
 
 impl System for Slow<'_> {
     type Linearisation = DenseLinearisation;
@@ -53,8 +56,7 @@ impl System for Slow<'_> {
 }
 
 fn control() -> EquilibriumControl {
-    // Rounding of a position (1e-17 m) times the stiffness of bearings and teeth leaves some 1e-8 N.
-    EquilibriumControl { tolerance: TOLERANCE, force_tolerance: 1e-7, ..EquilibriumControl::default() }
+    EquilibriumControl { tolerance: TOLERANCE, force_tolerance: FORCE_TOLERANCE, ..EquilibriumControl::default() }
 }
 
 /// Balance after a slow change of load from the balance `from`; friction opposes the change.

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
-use super::settle::run;
 use super::RigError;
+use super::settle::run;
 use crate::dynamics::{BearingJoints, JointSettings};
 use crate::machine::Machine;
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{EquilibriumControl, IdealJoints, Linearisation, Reducer, System, solve_equilibrium};
-use crate::units::{ARCMIN, RPM};
+use crate::units::ARCMIN;
 
 fn machine() -> Machine {
     let mut machine = crate::templates::rv_40e_81();
@@ -64,7 +64,8 @@ fn val_stiff_bearings_are_ideal_joints() {
             model.set_load(torque);
             let q = settle(&model, sun);
             let bearings = model.output_error(&q) / ARCMIN;
-            let drive = Drive::SpeedTable(crate::dynamics::TimeTable::new("speed", &[(0.0, sun), (1.0, sun)]).unwrap());
+            // Turned to the sun's angle and at rest there: a sun still turning would damp the mesh.
+            let drive = Drive::SpeedTable(crate::dynamics::TimeTable::new("speed", &[(0.0, 2.0 * sun), (1.0, 0.0)]).unwrap());
             let ideal = IdealJoints::new(&machine, &Relief::uniform(0.0), drive, OutputLoad::Constant { torque }, 0.0).unwrap();
             let output = sun / 81.0;
             let rest = solve_equilibrium(&ideal, 1.0, &[-39.0 * output, output], EquilibriumControl::default()).unwrap();
@@ -91,10 +92,8 @@ fn split_adds_up_to_the_tangent_compliance() {
     let whole = motion[model.output_index()];
     let sum: f64 = parts.iter().sum();
     assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} {whole}");
-    println!("stiffness {} N·m/arcmin", ARCMIN / whole);
-    for (part, c) in Part::ALL.iter().zip(parts) {
-        println!("{:30} {:6.2} %", part.name(), 100.0 * c / whole);
-    }
-    println!("TE {}", model.output_error(&q) / ARCMIN);
-    let _ = RPM;
+    // Bearings and shafts hold nearly all of the compliance; no part is negative beyond rounding.
+    assert!(parts.iter().all(|part| *part > -1e-12 * whole));
+    let share = |part: Part| parts[part as usize] / whole;
+    assert!(share(Part::TurningArm) + share(Part::CrankSupport) + share(Part::CrankBending) > 0.9);
 }
