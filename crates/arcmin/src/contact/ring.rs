@@ -192,7 +192,7 @@ impl PinContacts {
         self.contact.damping = damping;
     }
 
-    /// Whether reactions include the force that makes the line contact conservative, of some 1e-5 of the contact force; not at first.
+    /// Whether reactions include the force that makes the line contact conservative, which carries some 2.5e-4 of the rated torque; not at first.
     ///
     /// The energy U(δ, R_eq) of a line contact falls with sharper curvature. Rolling to another curvature therefore takes or gives work:
     /// a force −∂U/∂R_eq · dR_eq/ds along the flank through the pin centre, without which a mechanism gains or loses energy every turn.
