@@ -93,11 +93,12 @@ fn statistics_are_converged() {
     }
 }
 
-/// The same equations by the variable-order BDF of the diffsol crate, to 1e-4' over the first 0.15 s of a loaded run.
+/// The same equations by the variable-order BDF of the diffsol crate over the first 0.15 s of a loaded run: to 1e-4' at a fifth of the default
+/// tolerance (measured 2.8e-5'), and ten times closer at a tenth of that (measured 6.7e-6').
 #[test]
 fn val_independent_bdf_solver_agrees() {
     use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, Vector};
-    let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), SINE, 0.0).unwrap();
+    let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), RATED, 0.0).unwrap();
     let rest = solve_equilibrium(&model, 0.0, &model.nominal_position(), EquilibriumControl::default()).unwrap().position;
     let evaluate = |t: f64, y: &[f64]| {
         let mut lin = model.linearisation();
@@ -106,7 +107,7 @@ fn val_independent_bdf_solver_agrees() {
         (force, lin)
     };
     let mass = model.mass();
-    let problem = OdeBuilder::<NalgebraMat<f64>>::new()
+    let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
         .rtol(1e-9)
         .atol(vec![1e-11, 1e-12, 1e-7, 1e-8])
         .h0(1e-8)
@@ -124,20 +125,28 @@ fn val_independent_bdf_solver_agrees() {
         .init(|_p, _t, y| y.copy_from_slice(&[rest[0], rest[1], 0.0, 0.0]), 4)
         .build()
         .unwrap();
+    // Every pin that enters or leaves costs its Newton iteration a failure or two, and the default allows fifty in all.
+    problem.ode_options.max_nonlinear_solver_failures = 100_000;
+    problem.ode_options.max_error_test_failures = 100_000;
     let mut solver = problem.bdf::<NalgebraLU<f64>>().unwrap();
-    let plan = RunPlan { end: 0.15, ..RunPlan::default() };
-    let mut run = Run::from_state(&model, plan, &rest, &[0.0, 0.0]).unwrap();
-    run.finish().unwrap();
-    let mut worst: f64 = 0.0;
-    for sample in &run.result().series {
+    let series = [1e-5, 1e-6].map(|tolerance| {
+        let control = StepControl { tolerance, ..StepControl::default() };
+        let mut run = Run::from_state(&model, RunPlan { end: 0.15, control, ..RunPlan::default() }, &rest, &[0.0, 0.0]).unwrap();
+        run.finish().unwrap();
+        run.result().series
+    });
+    let mut worst = [0.0_f64; 2];
+    for (row, sample) in series[0].iter().enumerate() {
         while solver.state().t < sample.time {
             solver.step().unwrap();
         }
         let y = solver.interpolate(sample.time).unwrap();
         let error = y.get_index(1) - speed_law().motion(sample.time).angle / 81.0;
-        worst = worst.max((error - sample.transmission_error).abs() / ARCMIN);
+        for (worst, series) in worst.iter_mut().zip(&series) {
+            *worst = worst.max((error - series[row].transmission_error).abs() / ARCMIN);
+        }
     }
-    assert!(worst < 1e-4, "{worst:e}'");
+    assert!(worst[0] < 1e-4 && worst[1] < 2e-5, "{worst:?}'");
 }
 
 /// The same relative motion, seen from the carrier: the error of the housing is that of the carrier with the other sign, over −80 instead of 81.

@@ -132,9 +132,9 @@ fn equilibrium_splits_the_torque_between_discs_and_gear_stage() {
         let moments = model.pin_contacts(disc, 0.0, &rest.position, &[0.0; 2]);
         moments.iter().map(|c| c.force * c.gradient[2]).sum::<f64>()
     };
-    // Exact for nominal rolling; the approach of 1 µm shifts the levers by some 1e-5.
+    // Exact for nominal rolling and normal forces alone; the rolling forces of the conservative line contact carry 2.5e-4 of the torque.
     let share = (moment(0) + moment(1)) / 412.0;
-    assert!((share - model.kinematics.locked_play_factor()).abs() < 1e-4, "{share}");
+    assert!((share - model.kinematics.locked_play_factor()).abs() < 5e-4, "{share}");
     assert!(rest.residual < 1e-6);
     // About 0.1' of Hertzian wind-up, lagging.
     let te = model.transmission_error(0.0, &rest.position, &[0.0; 2]) / ARCMIN;

@@ -45,7 +45,7 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
     for (run, title, figures, kind) in runs {
         let Some(run) = run else { continue };
         blocks.push(Block::Heading(format!("{title}, {} µm uniform wear", compact(run.wear_um, 3))));
-        blocks.push(Block::Plot(speeds(title, figures, &run)));
+        blocks.push(Block::Plot(speeds(title, figures, &run, life.machine.kinematics().ratio())));
         let mut error = error(title, figures, &run, kind, is_the_papers(life.machine));
         if let Some(load) = load(title, figures, &run) {
             blocks.push(Block::Plot(load));
@@ -87,12 +87,7 @@ fn thinned(time: &[f64], value: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// Input over the ratio and output on one axis, so that they can be compared, and the load where there is one.
-fn speeds(title: &str, figures: &str, run: &RunTrace) -> Plot {
-    let ratio = {
-        let sum =
-            |values: &[f64]| run.time_s.iter().zip(values).filter(|(time, _)| **time >= run.steady_from_s).map(|(_, value)| *value).sum::<f64>();
-        sum(run.input_speed_deg_s) / sum(run.output_speed_deg_s)
-    };
+fn speeds(title: &str, figures: &str, run: &RunTrace, ratio: f64) -> Plot {
     let scaled: Vec<f64> = run.input_speed_deg_s.iter().map(|speed| speed / ratio).collect();
     Plot::new(format!("{title}: speeds"), Axis::new("Time", "s"), Axis::new("Speed at the output", "°/s"))
         .half()
