@@ -10,6 +10,8 @@ use crate::machine::{BoreError, CrankAngle, DiscError, PinError};
 use crate::units::UM;
 
 const TORQUE: f64 = 412.0;
+/// Small against the approach of the lightly loaded pins, so that hardly any contact opens: the closed forms are of first order.
+const SMALL: f64 = 0.02 * UM;
 
 fn machine() -> Machine {
     let mut machine = crate::templates::rv_40e_81();
@@ -54,11 +56,11 @@ fn agree(name: &str, sun: f64, found: f64, expected: f64, size: f64) {
 #[test]
 fn val_eccentricity() {
     let machine = machine();
-    let error = EccentricError { eccentricity: UM, phase: 0.0 };
+    let error = EccentricError { eccentricity: SMALL, phase: 0.0 };
     let errors = ManufacturingErrors { eccentrics: vec![vec![error; 2]; 2], ..ManufacturingErrors::default() };
     for sun in SUNS {
         let phases = [0.0, std::f64::consts::PI];
-        let expected = closed_form(&machine, sun, |j, crank, c| -UM * c.normal.dot(&unit(crank + phases[j])));
+        let expected = closed_form(&machine, sun, |j, crank, c| -SMALL * c.normal.dot(&unit(crank + phases[j])));
         agree("eccentricity", sun, shift(&machine, &errors, sun), expected, expected.abs());
     }
 }
@@ -66,12 +68,12 @@ fn val_eccentricity() {
 #[test]
 fn val_pin_circle_and_pin_radius() {
     let machine = machine();
-    let circle = ManufacturingErrors { pin_circle_radius: UM, ..ManufacturingErrors::default() };
-    let radius = ManufacturingErrors { pin_radius: -UM, ..ManufacturingErrors::default() };
+    let circle = ManufacturingErrors { pin_circle_radius: SMALL, ..ManufacturingErrors::default() };
+    let radius = ManufacturingErrors { pin_radius: -SMALL, ..ManufacturingErrors::default() };
     for sun in SUNS {
-        let expected = closed_form(&machine, sun, |_, _, c| UM * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0)));
+        let expected = closed_form(&machine, sun, |_, _, c| SMALL * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0)));
         agree("pin circle", sun, shift(&machine, &circle, sun), expected, expected.abs());
-        let expected = closed_form(&machine, sun, |_, _, _| UM);
+        let expected = closed_form(&machine, sun, |_, _, _| SMALL);
         agree("pin radius", sun, shift(&machine, &radius, sun), expected, expected.abs());
     }
 }
@@ -114,16 +116,19 @@ fn val_bore_position() {
     }
 }
 
-/// A planet whose gear is off by ε moves the mesh by its share along the line of action; all planets together turn the output by
-/// mean(δe)/(r_b2 z_c + r_b1 + r_b2). Amplitude over one turn of the planet against the carrier.
+/// Planets whose gears are off by ε move their meshes along the line of action. With the run-outs opposite on opposite planets all meshes move alike, the
+/// crankshafts turn together, and the output turns by ε/(r_b2 z_c + r_b1 + r_b2). Amplitude over one turn of the planet against the carrier.
+///
+/// One planet alone moves the output by half of that only where the crankshafts are tied to each other by the discs; in line with their centres they are not.
 #[test]
 fn val_planet_run_out() {
     let machine = machine();
     let amplitude = 5.0 * UM;
-    let errors = ManufacturingErrors { planets: vec![RunOut { amplitude, phase: 0.0 }], ..ManufacturingErrors::default() };
+    let planets = vec![RunOut { amplitude, phase: 0.0 }, RunOut { amplitude, phase: std::f64::consts::PI }];
+    let errors = ManufacturingErrors { planets, ..ManufacturingErrors::default() };
     let stage = &machine.gear_stage;
     let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
-    let expected = 0.5 * amplitude / (39.0 * r2 + r1 + r2);
+    let expected = amplitude / (39.0 * r2 + r1 + r2);
     // One turn of the crankshaft against the carrier: 81/40 of the sun's turn.
     let count = 16;
     let (mut cosine, mut sine) = (0.0, 0.0);
