@@ -18,7 +18,9 @@ fn bearings(criterion: &mut Criterion) {
     let rest = vec![0.0; position.len()];
     let mut force = rest.clone();
     let mut linearisation = model.linearisation();
-    group.bench_function("evaluate", |bencher| bencher.iter(|| black_box(model.evaluate(0.0, black_box(&position), &rest, &mut force, &mut linearisation))));
+    group.bench_function("evaluate", |bencher| {
+        bencher.iter(|| black_box(model.evaluate(0.0, black_box(&position), &rest, &mut force, &mut linearisation)))
+    });
     group.bench_function("run_0.8_s", |bencher| {
         bencher.iter(|| {
             let mut run = Run::new(&model, RunPlan::default()).unwrap_or_else(|error| panic!("{error}"));
