@@ -1,13 +1,16 @@
 use std::time::Instant;
 
 use arcmin::checks::{self, Severity};
-use arcmin::dynamics::{RunResult, StudySettings, TransmissionErrorStudy, transmission_error_study};
+use arcmin::dynamics::{
+    DynamicsError, FlexibleJoints, OutputLoad, Run as Motion, RunResult, StudySettings, TransmissionErrorStudy, transmission_error_study,
+};
 use arcmin::life::{LifeOptions, LifePoint, PaperStudy, Prediction, paper_depths, paper_study, predict};
 use arcmin::machine::Machine;
 use arcmin::report::Provenance;
 use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
 use arcmin::units::{ARCMIN, DEG, HOUR, MPA, UM};
 use arcmin::wear::WearError;
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
@@ -22,7 +25,7 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns); profiles of the \
                   worn flank are in wear.csv.",
     after_help = "Examples:\n  arcmin life my-reducer.toml\n  arcmin life my-reducer.toml --quasi-static        without the multibody runs, in a blink\n  \
-                  arcmin life my-reducer.toml --points 60 --out results"
+                  arcmin life my-reducer.toml --flexible            with elastic discs as well"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -30,6 +33,11 @@ pub struct Options {
     /// Leave out the multibody runs (STE and DTE).
     #[arg(long)]
     quasi_static: bool,
+    /// Add the static transmission error with elastic discs (finite elements) at every wear level: about half a minute.
+    #[arg(long, conflicts_with = "quasi_static")]
+    flexible: bool,
+    #[command(flatten)]
+    elastic: super::elastic::Options,
     /// Times between new and the end of the service life.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
@@ -65,14 +73,23 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         clock.lap("rigid");
     }
 
+    let elastic = if options.flexible { Some(simulate_elastic(&run, &options, &machine, &study)?) } else { None };
+    if elastic.is_some() {
+        clock.lap("flexible");
+    }
+
     let prediction_rows: Vec<LifeRow> = prediction.points.iter().map(|point| row(point, None)).collect();
     let study_rows: Vec<LifeRow> =
-        study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect();
+        study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect::<Vec<_>>();
+    let mut study_rows = study_rows;
+    for (row, result) in study_rows.iter_mut().zip(elastic.iter().flatten()) {
+        row.ste_flexible = mean_and_max(result);
+    }
     run.table("life.csv", table(&study_rows, &study.points))?;
     run.table("life_coupled.csv", table(&prediction_rows, &prediction.points))?;
     run.table("wear.csv", profiles(&prediction))?;
     let design_name = options.common.design.display().to_string();
-    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), &prediction_rows, &study_rows, &findings);
+    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_deref(), &prediction_rows, &study_rows, &findings);
     run.file("report.html", report.as_bytes())?;
     clock.lap("report");
 
@@ -113,6 +130,32 @@ fn simulate(run: &Run, machine: &Machine, study: &PaperStudy) -> Result<Transmis
     let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();
     transmission_error_study(machine, &wear, &StudySettings::tao2024(machine), run.progress()).map_err(|error| {
         if run.progress().is_cancelled() { Failure::Cancelled } else { Failure::compute("simulate the transmission error")(error) }
+    })
+}
+
+/// The unloaded run with elastic discs at every level of the study, in parallel.
+fn simulate_elastic(run: &Run, options: &Options, machine: &Machine, study: &PaperStudy) -> Result<Vec<RunResult>, Failure> {
+    let settings = StudySettings::tao2024(machine);
+    let discs = super::elastic::discs(machine, &options.elastic, &run.path("."))?;
+    let results: Result<Vec<RunResult>, DynamicsError> = study
+        .points
+        .par_iter()
+        .map(|point| {
+            let (drive, elastic) = (settings.drive.clone(), options.elastic.dynamics());
+            let model = FlexibleJoints::new(machine, discs.clone(), &point.flank, drive, OutputLoad::None, settings.drag, elastic)?;
+            let mut motion = Motion::new(&model, settings.plan)?;
+            while !motion.is_finished() {
+                if run.progress().is_cancelled() {
+                    return Err(DynamicsError::Cancelled { time: motion.time() });
+                }
+                motion.proceed(500)?;
+            }
+            Ok(motion.result())
+        })
+        .collect();
+    results.map_err(|error| match error {
+        DynamicsError::Cancelled { .. } => Failure::Cancelled,
+        error => Failure::compute("simulate the elastic discs")(error),
     })
 }
 
@@ -243,6 +286,7 @@ fn render(
     prediction: &Prediction,
     study: &PaperStudy,
     simulated: Option<&TransmissionErrorStudy>,
+    elastic: Option<&[RunResult]>,
     prediction_rows: &[LifeRow],
     study_rows: &[LifeRow],
     findings: &[checks::Finding],
@@ -259,6 +303,7 @@ fn render(
     let trace = |pick: fn(&arcmin::dynamics::StudyPoint) -> &RunResult| {
         simulated.and_then(|s| Trace::new(pick(&s.points[level]), study.points[level].max_depth / UM))
     };
+    let flexible = elastic.and_then(|runs| Trace::new(&runs[level], study.points[level].max_depth / UM));
     let (ste, dte) = (trace(|point| &point.no_load), trace(|point| &point.loaded));
     LifePage {
         machine,
@@ -279,7 +324,7 @@ fn render(
         study_coefficient_per_pa: study.wear.exposure.coefficient,
         ste_rigid_run: ste.as_ref().map(Trace::lend),
         dte_rigid_run: dte.as_ref().map(Trace::lend),
-        ste_flexible_run: None,
+        ste_flexible_run: flexible.as_ref().map(Trace::lend),
         ste_starts: simulated.map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
         findings,
         advice: Vec::new(),

@@ -6,6 +6,8 @@ mod duty;
 mod flank;
 mod mechanism;
 mod strength;
+#[cfg(test)]
+mod tests;
 
 use crate::design::Design;
 use crate::machine::Machine;

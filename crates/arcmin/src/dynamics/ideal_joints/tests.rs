@@ -114,7 +114,7 @@ fn elastic_forces_derive_from_the_stored_energy() {
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let mut q = q.clone();
             q[i] += sign * h;
-            energy[side] = model.evaluate(0.0, &q, &v, &mut vec![0.0; 3], &mut lin).stored;
+            energy[side] = model.evaluate(0.0, &q, &v, &mut [0.0; 3], &mut lin).stored;
         }
         let slope = (energy[0] - energy[1]) / (2.0 * h);
         assert!((slope / force[i] - 1.0).abs() < 1e-5, "{i}: {slope} {}", force[i]);
