@@ -53,7 +53,7 @@ impl ManufacturingErrors {
             let one = (0..discs).map(|_| EccentricError { eccentricity: deviate(t.eccentricity), phase: deviate(t.eccentric_phase) }).collect();
             errors.eccentrics.push(one);
         }
-        let mut bore = |deviate: &mut dyn FnMut(f64) -> f64| BoreError {
+        let bore = |deviate: &mut dyn FnMut(f64) -> f64| BoreError {
             radial: deviate(t.bore_position),
             tangential: deviate(t.bore_position),
             diameter: deviate(t.bore_diameter),
