@@ -8,6 +8,7 @@ mod bearings;
 mod errors;
 mod kinematics;
 mod parts;
+mod tolerances;
 
 pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness};
@@ -17,6 +18,7 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage, Lubrication, PinMounting, PinRing,
     RunningIn, WearCoefficient, WearLaw,
 };
+pub use tolerances::Tolerances;
 
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
 use crate::geometry::{Profile, Relief, unit};

@@ -1,6 +1,8 @@
 //! The machine with real joints: every body free in the plane, held by its bearings.
 
 mod assembly;
+#[cfg(test)]
+mod error_tests;
 mod layout;
 mod planar_mesh;
 mod roller;

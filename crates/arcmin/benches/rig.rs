@@ -1,0 +1,38 @@
+//! Wall time of the model with bearings: one evaluation, the 0.8 s run, one hysteresis loop, one output turn.
+
+use arcmin::dynamics::{BearingJoints, Drive, JointSettings, OutputLoad, Run, RunPlan, System};
+use arcmin::rig::{TransmissionSettings, hysteresis_loop, transmission_error_curves};
+use arcmin::units::RPM;
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+
+fn bearings(criterion: &mut Criterion) {
+    let machine = arcmin::templates::rv_40e_81();
+    let settings = JointSettings::default();
+    let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
+    let load = OutputLoad::Constant { torque: 412.0 };
+    let model = BearingJoints::new(&machine, &settings, drive, load, 5.0).unwrap_or_else(|error| panic!("{error}"));
+    let mut group = criterion.benchmark_group("bearings");
+    group.sample_size(10);
+    let position = model.nominal_position_at(0.0);
+    let rest = vec![0.0; position.len()];
+    let mut force = rest.clone();
+    let mut linearisation = model.linearisation();
+    group.bench_function("evaluate", |bencher| {
+        bencher.iter(|| black_box(model.evaluate(0.0, black_box(&position), &rest, &mut force, &mut linearisation)))
+    });
+    group.bench_function("run_0.8_s", |bencher| {
+        bencher.iter(|| {
+            let mut run = Run::new(&model, RunPlan::default()).unwrap_or_else(|error| panic!("{error}"));
+            run.finish().unwrap_or_else(|error| panic!("{error}"));
+            black_box(run.result().counts)
+        })
+    });
+    group.bench_function("hysteresis_loop", |bencher| bencher.iter(|| black_box(hysteresis_loop(&machine, &settings, 1.0).is_ok())));
+    let test = TransmissionSettings::new(&machine);
+    group.bench_function("output_turn_4_curves", |bencher| bencher.iter(|| black_box(transmission_error_curves(&machine, &settings, test).is_ok())));
+    group.finish();
+}
+
+criterion_group!(benches, bearings);
+criterion_main!(benches);

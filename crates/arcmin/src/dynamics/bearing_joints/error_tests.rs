@@ -1,0 +1,145 @@
+//! Single errors against their first-order closed forms.
+//!
+//! With stiff joints, a linear contact law and flanks without clearance, gaps that change by δg_i shift the output by δε = −Σ F_i δg_i/T (virtual work),
+//! with the forces F_i of the machine without errors, which come from the load sharing with ideal joints: another solver.
+
+use super::*;
+use crate::contact::{ContactLaw, PinContact};
+use crate::dynamics::{EquilibriumControl, Reducer, solve_equilibrium};
+use crate::machine::{BoreError, CrankAngle, DiscError, PinError};
+use crate::units::UM;
+
+const TORQUE: f64 = 412.0;
+/// Small against the approach of the lightly loaded pins, so that hardly any contact opens: the closed forms are of first order.
+const SMALL: f64 = 0.02 * UM;
+
+fn machine() -> Machine {
+    let mut machine = crate::templates::rv_40e_81();
+    machine.contact_law = ContactLaw::Linear { stiffness: 2.85e8 };
+    machine.bearings.turning_arm.clearance = 0.0;
+    machine
+}
+
+fn model(machine: &Machine, errors: &ManufacturingErrors, sun: f64) -> (BearingJoints, Vec<f64>) {
+    let settings = JointSettings { stiffness_scale: 1e6, damped: false, errors: errors.clone(), ..JointSettings::default() };
+    let mut model = BearingJoints::held(machine, &settings).unwrap();
+    model.hold_sun(sun, 0.0);
+    model.set_load(TORQUE);
+    // Bearings a million times stiffer leave rounding of some mN.
+    let control = EquilibriumControl { tolerance: 1e-9, ..EquilibriumControl::default() };
+    let q = solve_equilibrium(&model, 0.0, &model.nominal_position_at(sun), control).unwrap().position;
+    (model, q)
+}
+
+/// Shift of the output by the errors, rad.
+fn shift(machine: &Machine, errors: &ManufacturingErrors, sun: f64) -> f64 {
+    let (with, q) = model(machine, errors, sun);
+    let (without, q0) = model(machine, &ManufacturingErrors::default(), sun);
+    with.output_error(&q) - without.output_error(&q0)
+}
+
+/// −Σ F_i δg_i/T with δg_i from `gap` for the contacts of every disc.
+fn closed_form(machine: &Machine, sun: f64, gap: impl Fn(usize, f64, &PinContact) -> f64) -> f64 {
+    let crank = -sun * 39.0 / 81.0;
+    let sharing = machine.load_sharing(CrankAngle::from_radians(crank), TORQUE).unwrap();
+    let work: f64 =
+        sharing.discs.iter().enumerate().flat_map(|(j, disc)| disc.iter().map(move |c| (j, c))).map(|(j, c)| c.force * gap(j, crank, c)).sum();
+    -work / TORQUE
+}
+
+const SUNS: [f64; 4] = [0.3, 1.3, 2.9, 5.1];
+
+fn agree(name: &str, sun: f64, found: f64, expected: f64, size: f64) {
+    assert!((found - expected).abs() < 0.02 * size, "{name} at sun angle {sun}: {found:e}, closed form {expected:e}");
+}
+
+#[test]
+fn val_eccentricity() {
+    let machine = machine();
+    let error = EccentricError { eccentricity: SMALL, phase: 0.0 };
+    let errors = ManufacturingErrors { eccentrics: vec![vec![error; 2]; 2], ..ManufacturingErrors::default() };
+    for sun in SUNS {
+        let phases = [0.0, std::f64::consts::PI];
+        let expected = closed_form(&machine, sun, |j, crank, c| -SMALL * c.normal.dot(&unit(crank + phases[j])));
+        agree("eccentricity", sun, shift(&machine, &errors, sun), expected, expected.abs());
+    }
+}
+
+#[test]
+fn val_pin_circle_and_pin_radius() {
+    let machine = machine();
+    let circle = ManufacturingErrors { pin_circle_radius: SMALL, ..ManufacturingErrors::default() };
+    let radius = ManufacturingErrors { pin_radius: -SMALL, ..ManufacturingErrors::default() };
+    for sun in SUNS {
+        let expected = closed_form(&machine, sun, |_, _, c| SMALL * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0)));
+        agree("pin circle", sun, shift(&machine, &circle, sun), expected, expected.abs());
+        let expected = closed_form(&machine, sun, |_, _, _| SMALL);
+        agree("pin radius", sun, shift(&machine, &radius, sun), expected, expected.abs());
+    }
+}
+
+#[test]
+fn val_one_displaced_pin() {
+    let machine = machine();
+    for sun in SUNS {
+        // The pin that carries most moves 0.2 µm: little enough that no contact opens.
+        let sharing = machine.load_sharing(CrankAngle::from_radians(-sun * 39.0 / 81.0), TORQUE).unwrap();
+        let most = sharing.contacts().max_by(|a, b| a.force.total_cmp(&b.force)).unwrap().pin;
+        for (radial, tangential) in [(0.2 * UM, 0.0), (0.0, 0.2 * UM)] {
+            let mut pins = vec![PinError::default(); 40];
+            pins[most] = PinError { radial, tangential, radius: 0.0 };
+            let errors = ManufacturingErrors { pins, ..ManufacturingErrors::default() };
+            let outward = unit(std::f64::consts::TAU * most as f64 / 40.0);
+            let moved = radial * outward + tangential * quarter_turn(outward);
+            let expected = closed_form(&machine, sun, |_, _, c| if c.pin == most { c.normal.dot(&moved) } else { 0.0 });
+            agree(
+                "pin",
+                sun,
+                shift(&machine, &errors, sun),
+                expected,
+                expected.abs().max(0.1 * closed_form(&machine, sun, |_, _, c| if c.pin == most { -0.2 * UM } else { 0.0 })),
+            );
+        }
+    }
+}
+
+/// Both bores of one disc ahead by 1 µm turn it back by 1 µm/R_c, which the moment on that disc alone answers.
+#[test]
+fn val_bore_position() {
+    let machine = machine();
+    let bore = BoreError { tangential: UM, ..BoreError::default() };
+    let errors = ManufacturingErrors { discs: vec![DiscError { bores: vec![bore; 2], ..DiscError::default() }], ..ManufacturingErrors::default() };
+    for sun in SUNS {
+        let turn = -UM / machine.gear_stage.centre_distance();
+        let expected = closed_form(&machine, sun, |j, _, c| if j == 0 { c.gradient[2] * turn } else { 0.0 });
+        agree("bores", sun, shift(&machine, &errors, sun), expected, expected.abs());
+    }
+}
+
+/// Planets whose gears are off by ε move their meshes along the line of action. With the run-outs opposite on opposite planets all meshes move alike, the
+/// crankshafts turn together, and the output turns by ε/(r_b2 z_c + r_b1 + r_b2). Amplitude over one turn of the planet against the carrier.
+///
+/// One planet alone moves the output by half of that only where the crankshafts are tied to each other by the discs; in line with their centres they are not.
+#[test]
+fn val_planet_run_out() {
+    let machine = machine();
+    // Below the 1.1 µm by which the load winds up the meshes: more run-out brings the axes close enough for teeth without backlash to touch on both flanks.
+    let amplitude = 0.5 * UM;
+    let planets = vec![RunOut { amplitude, phase: 0.0 }, RunOut { amplitude, phase: std::f64::consts::PI }];
+    let errors = ManufacturingErrors { planets, ..ManufacturingErrors::default() };
+    let stage = &machine.gear_stage;
+    let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
+    let expected = amplitude / (39.0 * r2 + r1 + r2);
+    // One turn of the crankshaft against the carrier: 81/40 of the sun's turn.
+    let count = 16;
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for i in 0..count {
+        let turn = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+        let found = shift(&machine, &errors, turn * 81.0 / 40.0);
+        cosine += 2.0 / f64::from(count) * found * turn.cos();
+        sine += 2.0 / f64::from(count) * found * turn.sin();
+    }
+    agree("planet", 0.0, cosine.hypot(sine), expected, expected);
+    let (loaded, q) = model(&machine, &ManufacturingErrors::default(), 0.0);
+    assert!(loaded.forces(0.0, &q, &vec![0.0; q.len()]).mesh_force.abs() > 100.0, "the meshes are meant to carry");
+}
