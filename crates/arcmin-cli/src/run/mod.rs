@@ -107,7 +107,10 @@ impl Run {
         self.progress.clear();
         summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
         summary.insert("command".to_owned(), json!(self.command));
-        summary.insert("command_line".to_owned(), json!(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect::<Vec<_>>()));
+        summary.insert(
+            "command_line".to_owned(),
+            json!(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect::<Vec<_>>()),
+        );
         summary.insert("design".to_owned(), json!({ "name": *self.design.name, "hash": self.design.hash(), "short_hash": self.design.short_hash() }));
         let mut text = serde_json::to_string_pretty(&Value::Object(summary)).map_err(Failure::compute("write the summary"))?;
         text.push('\n');

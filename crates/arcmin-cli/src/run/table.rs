@@ -75,7 +75,7 @@ impl<'a, T: Into<Cell<'a>>> From<Option<T>> for Cell<'a> {
 fn shortest(number: f64) -> String {
     match number {
         x if !x.is_finite() => String::new(),
-        x if x == 0.0 => "0".to_owned(),
+        0.0 => "0".to_owned(),
         x if (1e-5..1e15).contains(&x.abs()) => format!("{x}"),
         x => format!("{x:e}"),
     }

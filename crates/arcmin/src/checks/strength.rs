@@ -4,9 +4,7 @@ use crate::machine::Machine;
 use crate::units::{DEG, MPA, UM};
 
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    findings.push(contact_pressure(machine));
-    findings
+    vec![contact_pressure(machine)]
 }
 
 /// Largest Hertz pressure p0 of the closed form (one disc carries 0.55 T) at the largest torque of rating and duty.

@@ -177,7 +177,7 @@ impl LineContact {
         let beta = self.beta;
         let a = self.alpha / beta - (radius * approach / beta).ln();
         // 3 − ln 3.
-        if a <= 1.901_387_711_331_890_1 {
+        if a <= 1.901_387_711_331_89 {
             let limit = self.limit_force(radius);
             let stiffness = 1.0 / ((LIMIT - 1.0) * beta);
             return (limit + stiffness * (approach - LIMIT * beta * limit), stiffness);
