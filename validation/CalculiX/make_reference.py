@@ -17,7 +17,7 @@ BORE_R, BORE_AT, HOLE_R = 13.5, 40.5, 20.0
 E, NU, RHO = 219000.0, 0.3, 7.83e-9
 # Loaded flank places: (name, meshing angle in degrees, lobe). τ = (2π lobe − φ)/z_c.
 LOADS = [("lobe0", -60.0, 0), ("over_bore", -60.0, 10), ("other_flank", 100.0, 20)]
-DEPTH = 2.0
+DEPTH = 1.0
 
 
 def flank(tau):
@@ -51,7 +51,7 @@ def mesh(size_flank, size_inner, layers):
     for i, t in enumerate(cuts):
         end = cuts[i + 1] if i + 1 < len(cuts) else cuts[0] + 2 * math.pi
         inner = []
-        count = max(8, int(60 * (end - t) / (2 * math.pi / (ZP - 1))))
+        count = max(8, int(40 * (end - t) / (2 * math.pi / (ZP - 1))))
         for k in range(1, count):
             (x, y), _ = flank(t + (end - t) * k / count)
             inner.append(g.addPoint(x, y, 0, size_flank))
@@ -69,7 +69,7 @@ def mesh(size_flank, size_inner, layers):
     reading = []
     for _, p, l in LOADS:
         (x, y), n = flank(tau_of(p, l))
-        reading.append(g.addPoint(x + DEPTH * n[0], y + DEPTH * n[1], 0, 0.4 * DEPTH))
+        reading.append(g.addPoint(x + DEPTH * n[0], y + DEPTH * n[1], 0, 0.3 * DEPTH))
     g.synchronize()
     if layers == 0:
         gmsh.model.mesh.embed(0, reading, 2, surface)
@@ -182,7 +182,7 @@ def main():
     rows = []
     version = subprocess.run(["ccx", "-v"], capture_output=True, text=True).stdout.strip().split()[-1]
     rows.append(("ccx_version", version, ""))
-    plane = mesh(0.45, 1.2, 0)
+    plane = mesh(0.5, 1.6, 0)
     rows.append(("plane_elements", len(plane[1]), ""))
     for k, f in enumerate(modal(*plane[:3], "CPS6", False, 14)[3:11]):
         rows.append((f"plane_free_{k + 1}", f"{f:.4f}", "Hz"))
@@ -194,7 +194,7 @@ def main():
         for other, value in cross:
             rows.append((f"plane_cross_{name}_{other}", f"{value * 1e-3 / 1000:.8e}", "m/N"))
     write(rows)
-    solid = mesh(1.3, 3.0, 2)
+    solid = mesh(1.6, 4.0, 1)
     rows.append(("solid_elements", len(solid[1]), ""))
     for k, f in enumerate(modal(*solid[:3], "C3D10", False, 14)[6:14]):
         rows.append((f"solid_free_{k + 1}", f"{f:.4f}", "Hz"))

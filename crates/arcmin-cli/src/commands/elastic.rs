@@ -74,6 +74,8 @@ pub fn discs(machine: &Machine, options: &Options, directory: &Path) -> Result<F
         }
         let (reduced, _) =
             DiscModel::new(shape.clone(), settings).and_then(|model| model.reduce()).map_err(Failure::compute("reduce the elastic disc"))?;
+        // Should this fail, writing the file says so with its path.
+        let _ = std::fs::create_dir_all(directory);
         write_file(&path, &reduced.to_bytes(&key))?;
         Ok(reduced)
     })

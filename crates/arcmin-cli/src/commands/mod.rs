@@ -11,13 +11,13 @@ macro_rules! commands {
 
         #[derive(Debug, clap::Subcommand)]
         pub enum Command {
-            $($(#[doc = $doc])* $Name($module::Options),)*
+            $($(#[doc = $doc])* $Name(Box<$module::Options>),)*
         }
 
         impl Command {
             pub fn run(self) -> Result<Verdict, Failure> {
                 match self {
-                    $(Command::$Name(options) => $module::run(options),)*
+                    $(Command::$Name(options) => $module::run(*options),)*
                 }
             }
         }

@@ -49,7 +49,7 @@ impl Verdict {
 /// One run of a command on a design.
 ///
 /// Files are staged beside their final names and renamed together by [`Run::finish`], `summary.json` last: whoever finds a
-/// summary finds the tables that belong to it, and a run that is killed leaves the results of the one before.
+/// summary finds the tables that belong to it, and a run that is killed while it computes leaves the results of the one before.
 pub struct Run {
     pub design: Design,
     command: &'static str,
@@ -107,12 +107,17 @@ impl Run {
         self.progress.clear();
         summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
         summary.insert("command".to_owned(), json!(self.command));
-        summary.insert("command_line".to_owned(), json!(std::env::args().skip(1).collect::<Vec<_>>()));
+        summary.insert(
+            "command_line".to_owned(),
+            json!(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect::<Vec<_>>()),
+        );
         summary.insert("design".to_owned(), json!({ "name": *self.design.name, "hash": self.design.hash(), "short_hash": self.design.short_hash() }));
         let mut text = serde_json::to_string_pretty(&Value::Object(summary)).map_err(Failure::compute("write the summary"))?;
         text.push('\n');
         self.file("summary.json", text.as_bytes())?;
         let names: Vec<String> = self.staged.iter().map(|staged| staged.name().to_owned()).collect();
+        // From here to the new summary there is none: the old one must not stand beside new tables.
+        output::remove(&self.out.join("summary.json"))?;
         for staged in std::mem::take(&mut self.staged) {
             staged.publish()?;
         }

@@ -64,6 +64,14 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Staged::write(directory, &name, bytes)?.publish()
 }
 
+/// Removes a file, if there is one.
+pub fn remove(path: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(path) {
+        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => Err(Failure::Write { path: path.to_owned(), cause }),
+        _ => Ok(()),
+    }
+}
+
 /// Prints a line; a reader who has gone (`arcmin … | head`) is no reason to fail.
 pub fn say(line: &str) {
     let _ = writeln!(std::io::stdout(), "{line}");
