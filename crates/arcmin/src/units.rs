@@ -18,6 +18,7 @@ pub const ARCSEC: f64 = ARCMIN / 60.0;
 pub const RPM: f64 = std::f64::consts::PI / 30.0;
 
 /// Wraps an angle into (−π, π].
+#[inline]
 pub fn wrap_angle(angle: f64) -> f64 {
     let turn = std::f64::consts::TAU;
     // Rounding by truncation: `round` is a function call on the baseline instruction set, and this sits in the innermost loop.
