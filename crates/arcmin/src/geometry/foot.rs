@@ -93,14 +93,14 @@ impl Profile {
             }
             place = place.moved(step, z);
             if (z * step).abs() < LAST_STEP {
-                return if e_dot(&place) > ROOT_ZONE_COS { self.bracketed_foot(p, place.tau) } else { self.foot_at(p, place) };
+                return if e_dot(&place) > ROOT_ZONE_COS { self.bracketed_foot(p, place) } else { self.foot_at(p, place) };
             }
         }
-        self.bracketed_foot(p, place.tau)
+        self.bracketed_foot(p, place)
     }
 
     /// Safe search: Newton kept inside a shrinking bracket on the half lobe nearest to the pin.
-    fn bracketed_foot(&self, p: Vec2, guess: f64) -> Foot {
+    fn bracketed_foot(&self, p: Vec2, guess: Place) -> Foot {
         let z = self.pin_count as f64;
         let pitch = std::f64::consts::TAU / self.lobe_count() as f64;
         let derivative = |place: Place| {
@@ -108,17 +108,18 @@ impl Profile {
             let off = p - c;
             (off.dot(&c1), off.dot(&c2) - c1.norm_squared())
         };
-        let root = pitch * (guess / pitch).round();
+        let root = pitch * (guess.tau / pitch).round();
         // z τ and τ differ by whole turns there.
-        let root_place = Place { tau: root, e: unit(root), ez: unit(root) };
+        let axis = super::turned(guess.e, small_unit(root - guess.tau));
+        let root_place = Place { tau: root, e: axis, ez: axis };
         let (side, _) = derivative(root_place);
         if side == 0.0 {
             return self.foot_at(p, root_place);
         }
         // `low` holds a positive derivative, `high` a negative one.
         let (mut low, mut high) = if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
-        let mut tau = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
-        let mut place = root_place.moved(tau - root, z);
+        let mut place = if guess.tau > low && guess.tau < high { guess } else { root_place.moved(0.5 * (low + high) - root, z) };
+        let mut tau = place.tau;
         for _ in 0..80 {
             let (value, slope) = derivative(place);
             if value > 0.0 {
@@ -140,10 +141,11 @@ impl Profile {
         self.foot_at(p, place)
     }
 
+    #[inline]
     fn foot_at(&self, p: Vec2, place: Place) -> Foot {
         let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
-        let speed = c1.norm();
-        let normal = Vec2::new(c1.y, -c1.x) / speed;
+        let per_speed = 1.0 / c1.norm();
+        let normal = Vec2::new(c1.y, -c1.x) * per_speed;
         let (cos_meshing, sin_meshing) = Profile::meshing_cos_sin(place.e, place.ez);
         Foot {
             tau: place.tau,
@@ -151,7 +153,7 @@ impl Profile {
             normal,
             cos_meshing,
             sin_meshing,
-            trace_curvature: -cross(c1, c2) / (speed * speed * speed),
+            trace_curvature: -cross(c1, c2) * per_speed * per_speed * per_speed,
             place,
         }
     }

@@ -124,3 +124,37 @@ fn culling_never_drops_a_pin_that_carries() {
         assert_eq!(all, culled);
     }
 }
+
+/// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the gradient and `gap_bend`, the relative curvature
+/// with `relative_curvature_slope`, on even and uneven flanks.
+#[test]
+fn gap_and_curvature_follow_a_motion_of_the_disc() {
+    let machine = machine();
+    let kinematics = machine.kinematics();
+    for relief in [Relief::uniform(10.0 * UM), Relief::from_samples(Relief::grid(720).map(worn).collect())] {
+        let contacts = machine.pin_contacts(&relief);
+        let motion = Vec2::new(0.04, -0.03);
+        let at = |x: f64| {
+            let mut pose = kinematics.disc_pose(0, 0.3, kinematics.nominal_output_angle(0.3) - 5e-5);
+            pose.centre += x * motion;
+            pose.angle += x;
+            contacts.contacts(pose, DiscVelocity::REST)
+        };
+        let h = 1e-6;
+        let (before, here, after) = (at(-h), at(0.0), at(h));
+        for ((a, m), b) in before.iter().zip(&here).zip(&after) {
+            // At the root itself the flank bends within micrometres.
+            if m.meshing_angle.abs() < 0.2 {
+                continue;
+            }
+            let (bend, along) = m.gap_bend(3e-3, motion);
+            let slope = m.gradient[0] * motion.x + m.gradient[1] * motion.y + m.gradient[2];
+            assert!(((b.gap - a.gap) / (2.0 * h) - slope).abs() < 1e-8, "{}: {} {slope}", m.meshing_angle, (b.gap - a.gap) / (2.0 * h));
+            let difference = (b.gap - 2.0 * m.gap + a.gap) / (h * h);
+            assert!((difference - bend).abs() < 1e-3 * bend.abs() + 1e-4, "{}: {difference} {bend}", m.meshing_angle);
+            let curvature_slope = along * contacts.relative_curvature_slope(m, 3e-3);
+            let difference = (b.relative_curvature - a.relative_curvature) / (2.0 * h);
+            assert!((difference - curvature_slope).abs() < 1e-3 * curvature_slope.abs() + 1e-2 * m.relative_curvature, "{}: {difference} {curvature_slope}", m.meshing_angle);
+        }
+    }
+}
