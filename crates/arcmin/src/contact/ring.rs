@@ -76,8 +76,8 @@ pub struct PinContact {
     pub gradient: [f64; 3],
     /// Displacement of the disc's point of contact along the flank, per (x, y, θ).
     pub along: [f64; 3],
-    /// e(φ) of the meshing angle at the foot.
-    meshing_unit: Vec2,
+    /// e(φ) of the meshing angle.
+    pub(super) meshing_unit: Vec2,
 }
 
 impl PinContact {
@@ -103,13 +103,13 @@ impl PinContact {
         hessian
     }
 
-    /// jᵀ ∂²(gap)/∂q² j for a motion j = (j_x, j_y, 1) of the disc, and the displacement T·j along the flank at the pin centre, in m/rad.
+    /// jᵀ ∂²(gap)/∂q² j in m/rad² for a motion j = (j_x, j_y, 1) of the disc.
     #[inline]
-    pub(crate) fn gap_bend(&self, pin_radius: f64, motion: Vec2) -> (f64, f64) {
+    pub(crate) fn gap_bend(&self, pin_radius: f64, motion: Vec2) -> f64 {
         let n = self.normal;
         let along = self.along[0] * motion.x + self.along[1] * motion.y + self.along[2] + pin_radius;
         let turning = -self.flank_curvature / (1.0 - self.flank_curvature * (self.gap + pin_radius));
-        (turning * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm), along)
+        turning * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm)
     }
 }
 
@@ -225,12 +225,24 @@ impl PinContacts {
         self.contact.damping = damping;
     }
 
-    /// Whether reactions include the force that makes the line contact conservative, which carries some 2.5e-4 of the rated torque; not at first.
-    ///
-    /// The energy U(δ, R_eq) of a line contact falls with sharper curvature. Rolling to another curvature therefore takes or gives work:
-    /// a force −∂U/∂R_eq · dR_eq/ds along the flank through the pin centre, without which a mechanism gains or loses energy every turn.
+    /// Whether reactions include what makes them the gradient of the stored energy ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at
+    /// first. Without it a mechanism gains or loses energy every turn.
     pub fn set_conservative(&mut self, conservative: bool) {
-        self.conservative = conservative && self.contact.energy_by_log_radius(1.0) > 0.0;
+        self.conservative = conservative;
+    }
+
+    pub(super) fn flank_error(&self) -> Option<&FlankError> {
+        self.flank_error.as_ref()
+    }
+
+    pub(super) fn pin_relief(&self) -> Option<&Relief> {
+        self.pin_relief.as_ref()
+    }
+
+    /// ψ in rad: from the pin's own place on the ring to the flank normal.
+    pub(super) fn pin_angle(&self, contact: &PinContact) -> f64 {
+        let place = self.directions[contact.pin];
+        cross(place, contact.normal).atan2(place.dot(&contact.normal))
     }
 
     pub(crate) fn sliding(&self) -> Option<&Sliding> {
@@ -263,11 +275,13 @@ impl PinContacts {
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         let mut reaction = Reaction::default();
+        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || self.pin_relief.is_some() || self.flank_error.is_some();
         self.visit(pose, velocity, false, |contact| {
             let radius = self.pins[contact.pin].radius;
             reaction.add(contact, velocity, radius, self.sliding.as_ref());
-            if self.conservative && contact.force > 0.0 {
-                reaction.add_rolling(contact, radius, self.rolling_force(contact, radius));
+            if self.conservative && contact.elastic > 0.0 && rolls {
+                // Its tangents are left out: it is 1e-4 of the contact force.
+                reaction.force.iter_mut().zip(self.rolling_force(contact)).for_each(|(sum, force)| *sum += force);
             }
         });
         reaction
@@ -305,35 +319,6 @@ impl PinContacts {
             }
             visit(&self.contact_of(index, arm, p, tau0, e, ez, rotation, velocity));
         }
-    }
-
-    /// −∂U/∂R_eq · dR_eq/ds in N, towards rising τ, for the closest point moving along the flank; d(ln R) = −R d(1/R).
-    #[inline]
-    fn rolling_force(&self, contact: &PinContact, radius: f64) -> f64 {
-        self.contact.energy_by_log_radius(contact.elastic) * self.relative_curvature_slope(contact, radius) / contact.relative_curvature
-    }
-
-    /// Change of the relative curvature 1/R_eq in 1/m per m of displacement of the disc (at the pin centre) along the flank, in the direction
-    /// of the normal turned by +90°.
-    #[inline]
-    pub(crate) fn relative_curvature_slope(&self, contact: &PinContact, radius: f64) -> f64 {
-        let profile = &self.profile;
-        let slope = if self.relief.is_uniform() {
-            // dκ/ds of the flank from the closed form of the trace's curvature; s rises with τ, φ falls.
-            let (cos, sin) = (contact.meshing_unit.x, contact.meshing_unit.y);
-            let s = profile.speed_factor(cos);
-            let k1 = profile.short_width_coefficient();
-            let z = profile.pin_count as f64;
-            let trace = profile.trace_curvature(cos);
-            let speed = profile.pin_circle_radius * s;
-            let by_angle = -k1 * sin * ((1.0 + z) / speed + 3.0 * trace) / (s * s);
-            let stretch = 1.0 + (profile.pin_radius + self.relief.samples()[0]) * trace;
-            -(profile.lobe_count() as f64) * by_angle / (speed * stretch * stretch * stretch)
-        } else {
-            profile.worn_curvature_slope(contact.tau, &self.relief)
-        };
-        // d(1/R)/ds = −dκ/ds; the closest point moves by −1/(1 − κ D) of the disc's displacement along the flank.
-        slope / (1.0 - contact.flank_curvature * (contact.gap + radius))
     }
 
     /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the curvature can take back.
@@ -419,15 +404,6 @@ impl Sliding {
 }
 
 impl Reaction {
-    /// Adds a force along the flank with its line through the pin centre. Its tangents are left out: it is 1e-5 of the contact force.
-    #[inline]
-    fn add_rolling(&mut self, contact: &PinContact, radius: f64, force: f64) {
-        // At the pin centre the disc's point moves by `radius` per turn more than at the contact.
-        for (sum, along) in self.force.iter_mut().zip([contact.along[0], contact.along[1], contact.along[2] + radius]) {
-            *sum += force * along;
-        }
-    }
-
     /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included.
     #[inline]
     fn add(&mut self, contact: &PinContact, velocity: DiscVelocity, pin_radius: f64, sliding: Option<&Sliding>) {

@@ -27,13 +27,7 @@ struct Station {
     slope: f64,
     /// Its derivative with respect to τ in 1/rad.
     slope_by_tau: f64,
-    /// Slope of the depth along the flank.
-    depth_slope: f64,
-    /// Relative curvature of the unworn pair in 1/m.
-    unworn_curvature: f64,
-    /// Arc length of the flank per τ in m/rad.
-    length: f64,
-    meshing_angle: f64,
+    course: Course,
 }
 
 /// The last step (rad of φ) when the iteration stops: convergence is quadratic, so that the error left is of order 1e-12.
@@ -48,17 +42,18 @@ impl Profile {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
         let mut place = foot.place;
         for _ in 0..20 {
-            let here = self.station(p, place, relief, pin_radius);
+            let here = self.station(p, place, relief);
             // Never trust a hollow: a quarter of the unworn curvature keeps the step finite.
-            let bend = here.slope_by_tau.min(-0.25 * here.unworn_curvature * here.length);
+            let unworn_curvature = 1.0 / pin_radius - here.course.flank_curvature;
+            let bend = here.slope_by_tau.min(-0.25 * unworn_curvature * here.course.length);
             let step = (-here.slope / bend).clamp(-0.1 / lobes, 0.1 / lobes);
             place = place.moved(step, z);
             if (step * lobes).abs() < LAST_STEP {
-                return self.station(p, place, relief, pin_radius).closest(place, pin_radius);
+                return self.station(p, place, relief).closest(place, pin_radius);
             }
         }
         let at = |tau: f64| Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
-        let gap = |tau: f64| self.station(p, at(tau), relief, pin_radius).gap(pin_radius);
+        let gap = |tau: f64| self.station(p, at(tau), relief).gap(pin_radius);
         let (mut a, mut b) = (foot.tau - 0.3 / lobes, foot.tau + 0.3 / lobes);
         while b - a > 1e-6 / lobes {
             let (c, d) = (b - 0.618_033_988_75 * (b - a), a + 0.618_033_988_75 * (b - a));
@@ -72,32 +67,42 @@ impl Profile {
         (a, b) = (a - 1e-5 / lobes, b + 1e-5 / lobes);
         for _ in 0..45 {
             let middle = 0.5 * (a + b);
-            if self.station(p, at(middle), relief, pin_radius).slope > 0.0 {
+            if self.station(p, at(middle), relief).slope > 0.0 {
                 a = middle;
             } else {
                 b = middle;
             }
         }
         let place = at(0.5 * (a + b));
-        self.station(p, place, relief, pin_radius).closest(place, pin_radius)
+        self.station(p, place, relief).closest(place, pin_radius)
     }
 
-    /// Curvature of the worn flank at τ in 1/m, positive where concave.
-    fn worn_curvature(&self, place: Place, relief: &Relief) -> f64 {
-        let course = self.course(place, relief);
-        let Course { turning, length, length_rate, depth_rate, depth_bend, .. } = course;
-        let square = length * length + depth_rate * depth_rate;
-        (length * (length * turning - depth_bend) + depth_rate * (length_rate + depth_rate * turning)) / (square * square.sqrt())
-    }
-
-    /// dκ/ds of the worn flank in 1/m² towards rising τ: a central difference, short enough to stay in a cell of the depth's spline.
-    pub(crate) fn worn_curvature_slope(&self, tau: f64, relief: &Relief) -> f64 {
+    /// How the worn flank runs at τ, where `meshing` is e(φ).
+    pub(crate) fn worn_course(&self, tau: f64, meshing: Vec2, relief: &Relief, pin_radius: f64) -> WornCourse {
+        if relief.is_uniform() {
+            let (z, k1) = (self.pin_count as f64, self.short_width_coefficient());
+            let factor = self.speed_factor(meshing.x);
+            let speed = self.pin_circle_radius * factor;
+            let trace = self.trace_curvature(meshing.x);
+            let stretch = 1.0 + (self.pin_radius + relief.samples()[0]) * trace;
+            let trace_rate = self.lobe_count() as f64 * k1 * meshing.y * ((1.0 + z) / speed + 3.0 * trace) / (factor * factor);
+            return WornCourse {
+                curvature: trace / stretch,
+                length: speed * stretch.abs(),
+                relative_curvature_rate: -trace_rate / (stretch * stretch),
+            };
+        }
         let z = self.pin_count as f64;
-        let step = 1e-5 / self.lobe_count() as f64;
         let here = Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
-        let difference = self.worn_curvature(here.moved(step, z), relief) - self.worn_curvature(here.moved(-step, z), relief);
-        let Course { length, depth_rate, .. } = self.course(here, relief);
-        difference / (2.0 * step * (length * length + depth_rate * depth_rate).sqrt())
+        let course = self.course(here, relief);
+        // So short that it seldom leaves a cell of the depth's spline, whose third derivative jumps between cells.
+        let step = 1e-5 / self.lobe_count() as f64;
+        let relative = |step: f64| self.course(here.moved(step, z), relief).relative_curvature(pin_radius);
+        WornCourse {
+            curvature: 1.0 / pin_radius - course.relative_curvature(pin_radius),
+            length: course.length.hypot(course.depth_rate),
+            relative_curvature_rate: (relative(step) - relative(-step)) / (2.0 * step),
+        }
     }
 
     /// The worn flank f = c − (r + w) n and how it goes on: f′ = A t − w′ n with A = |c′| (1 + (r + w) κ0).
@@ -133,9 +138,9 @@ impl Profile {
         }
     }
 
-    fn station(&self, p: Vec2, place: Place, relief: &Relief, pin_radius: f64) -> Station {
+    fn station(&self, p: Vec2, place: Place, relief: &Relief) -> Station {
         let course = self.course(place, relief);
-        let Course { tangent, speed, turning, depth_below_trace, depth_rate, length, meshing_angle, .. } = course;
+        let Course { tangent, speed, turning, depth_below_trace, depth_rate, length, .. } = course;
         let normal = -quarter_turn(tangent);
         let off = p - course.trace;
         let per_length = 1.0 / length;
@@ -149,15 +154,29 @@ impl Profile {
         let height_rate = depth_rate - turning * along;
         let slope_by_tau =
             (along_rate - along * per_height * height_rate) * per_height - (course.depth_bend - depth_slope * course.length_rate) * per_length;
-        Station {
-            reach: height * normal + along * tangent,
-            slope,
-            slope_by_tau,
-            depth_slope,
-            unworn_curvature: 1.0 / pin_radius - course.flank_curvature,
-            length,
-            meshing_angle,
-        }
+        Station { reach: height * normal + along * tangent, slope, slope_by_tau, course }
+    }
+}
+
+/// The worn flank at one place as the contact sees it.
+pub(crate) struct WornCourse {
+    /// κ in 1/m, positive where concave.
+    pub curvature: f64,
+    /// Arc length in m/rad of τ.
+    pub length: f64,
+    /// d(1/R_eq)/dτ in 1/(m·rad).
+    pub relative_curvature_rate: f64,
+}
+
+impl Course {
+    /// 1/R_eq in 1/m against a pin. A hollow sharper than the pin would touch at two places; a tenth of the relative curvature without the waves of
+    /// the depth keeps the single contact that this model has (it enters the force only under a logarithm).
+    fn relative_curvature(&self, pin_radius: f64) -> f64 {
+        let Course { turning, length, length_rate, depth_rate, depth_bend, .. } = self;
+        let square = length * length + depth_rate * depth_rate;
+        let bends = length * (length * turning - depth_bend) + depth_rate * (length_rate + depth_rate * turning);
+        let curvature = bends / (square * square.sqrt());
+        (1.0 / pin_radius - curvature).max(0.1 * (1.0 / pin_radius - self.flank_curvature))
     }
 }
 
@@ -188,16 +207,11 @@ impl Station {
 
     fn closest(&self, place: Place, pin_radius: f64) -> Closest {
         let distance = self.reach.norm();
-        // The distance bends with 1/D − κ along the worn flank, which is longer than the unworn one by √(1 + w_s²) and steeper as well.
-        let w2 = self.depth_slope * self.depth_slope;
-        let curvature = 1.0 / distance + self.slope_by_tau / (self.length * (1.0 + w2) * (1.0 + w2).sqrt());
-        // A hollow sharper than the pin would touch at two places; a tenth of the unworn relative curvature keeps the single contact that
-        // this model has (it enters the force only under a logarithm).
-        let relative_curvature = (1.0 / pin_radius - curvature).max(0.1 * self.unworn_curvature);
+        let relative_curvature = self.course.relative_curvature(pin_radius);
         let (cos, sin) = Profile::meshing_cos_sin(place.e, place.ez);
         Closest {
             tau: place.tau,
-            meshing_angle: self.meshing_angle,
+            meshing_angle: self.course.meshing_angle,
             meshing_unit: Vec2::new(cos, sin),
             gap: distance - pin_radius,
             normal: self.reach / distance,
@@ -220,10 +234,10 @@ mod tests {
         for i in 0..60 {
             let tau = 0.4 + 0.0027 * i as f64;
             let p = profile.trace(tau) + crate::geometry::Vec2::new(2e-5, -1e-5);
-            let slope = |tau: f64| profile.station(p, at(tau), &relief, 3e-3).slope;
+            let slope = |tau: f64| profile.station(p, at(tau), &relief).slope;
             let h = 1e-7;
             let difference = (slope(tau + h) - slope(tau - h)) / (2.0 * h);
-            let exact = profile.station(p, at(tau), &relief, 3e-3).slope_by_tau;
+            let exact = profile.station(p, at(tau), &relief).slope_by_tau;
             // The difference quotient has rounding of 1e-16/h and the third derivative's h².
             assert!((difference / exact - 1.0).abs() < 1e-5, "{tau}: {difference} {exact}");
         }

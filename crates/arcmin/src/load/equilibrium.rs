@@ -69,6 +69,17 @@ impl LoadSharing {
     }
 }
 
+/// What a look at the contacts is for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scope {
+    /// A step on the way: the pins that may touch.
+    MayTouch,
+    /// All pins: out of the clearance, any may be the next to touch.
+    All,
+    /// All pins, expected to be in equilibrium: the model will be followed hardly any further.
+    Last,
+}
+
 const MAX_ITERATIONS: usize = 60;
 /// Largest Newton step of the output error in rad: some wind-ups. Further away other lobes would come into reach.
 const LARGEST_STEP: f64 = 1.0 * crate::units::ARCMIN;
@@ -129,8 +140,8 @@ impl Meshing {
         nominal + self.kinematics.crank_per_output_locked() * error
     }
 
-    /// Gaps and forces of the pins that may touch (of all if `whole`) at the output error ε, with their changes along ε; `visit` sees every contact.
-    fn survey(&self, nominal_crank: f64, error: f64, whole: bool, model: &mut GapModel, mut visit: impl FnMut(usize, &PinContact)) {
+    /// Gaps and forces at the output error ε with their changes along ε; `visit` sees every contact.
+    fn survey(&self, nominal_crank: f64, error: f64, scope: Scope, model: &mut GapModel, mut visit: impl FnMut(usize, &PinContact)) {
         let k = &self.kinematics;
         let crank = self.crank_angle_at(nominal_crank, error);
         let output = k.nominal_output_angle(nominal_crank) + error;
@@ -140,16 +151,15 @@ impl Meshing {
             // The crank circle bends the path: d²C/dε² = −(dθ_k/dε)² C.
             let pose = k.disc_pose(disc, crank, output);
             let path_bend = -k.crank_per_output_locked().powi(2) * pose.centre;
-            self.contacts.visit(pose, DiscVelocity::REST, whole, |contact| {
+            self.contacts.visit(pose, DiscVelocity::REST, scope != Scope::MayTouch, |contact| {
                 visit(disc, contact);
                 let g = contact.gradient;
                 let radius = self.contacts.pins()[contact.pin].radius;
                 let slope = g[0] * motion.x + g[1] * motion.y + g[2];
-                let (bend, along) = contact.gap_bend(radius, motion);
-                let bend = bend + g[0] * path_bend.x + g[1] * path_bend.y;
+                let bend = contact.gap_bend(radius, motion) + g[0] * path_bend.x + g[1] * path_bend.y;
                 // Further off the curvature will have to be found anew.
-                let curvature_slope = if contact.gap < CURVATURE_REACH {
-                    along * self.contacts.relative_curvature_slope(contact, radius)
+                let curvature_slope = if scope != Scope::Last && contact.gap < CURVATURE_REACH {
+                    self.contacts.rolling(contact).relative_curvature_change(contact, [motion.x, motion.y, 1.0])
                 } else {
                     0.0
                 };
@@ -173,7 +183,7 @@ impl Meshing {
         let (mut free, mut touching) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut model = self.empty_model();
         for _ in 0..MAX_ITERATIONS {
-            self.survey(nominal_crank, error, true, &mut model, |_, _| ());
+            self.survey(nominal_crank, error, Scope::Last, &mut model, |_, _| ());
             let step = direction * model.first_touch(direction, least_closing).ok_or_else(no_contact)?;
             if (error + direction * step).abs() > half_pitch {
                 return Err(no_contact());
@@ -222,11 +232,11 @@ impl Meshing {
         if torque == 0.0 {
             let touch = self.first_touch(crank_angle.radians(), -1.0, 0.0)?;
             let mut discs = self.no_contacts();
-            self.survey(crank_angle.radians(), touch, true, &mut self.empty_model(), |disc, contact| discs[disc].push(*contact));
+            self.survey(crank_angle.radians(), touch, Scope::Last, &mut self.empty_model(), |disc, contact| discs[disc].push(*contact));
             let output_error = OutputAngle::from_radians(touch);
             return Ok(LoadSharing { crank_angle, torque, output_error, residual: 0.0, stiffness: 0.0, discs });
         }
-        self.solve(crank_angle, torque, 0.0, true)
+        self.solve(crank_angle, torque, 0.0, Scope::All)
     }
 
     /// [`Meshing::load_sharing`] started from a known output error, such as that of the neighbouring crank angle.
@@ -237,12 +247,11 @@ impl Meshing {
         if !torque.is_finite() || torque == 0.0 {
             return self.load_sharing(crank_angle, torque);
         }
-        self.solve(crank_angle, torque, start.radians(), false)
+        self.solve(crank_angle, torque, start.radians(), Scope::MayTouch)
     }
 
-    /// Newton's method kept in a bracket, its steps taken on the second-order model of all gaps at the last place. `whole`: look at all pins at first,
-    /// not only at those that may touch there.
-    fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64, mut whole: bool) -> Result<LoadSharing, LoadError> {
+    /// Newton's method kept in a bracket, its steps taken on the second-order model of all gaps at the last place. `scope` is that of the first look.
+    fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64, mut scope: Scope) -> Result<LoadSharing, LoadError> {
         let nominal = crank_angle.radians();
         let law = self.contacts.contact();
         let wind_up = (torque.abs() / EXPECTED_STIFFNESS).min(LARGEST_STEP);
@@ -256,10 +265,10 @@ impl Meshing {
         let mut was_clear = false;
         for _ in 0..MAX_ITERATIONS {
             discs.iter_mut().for_each(Vec::clear);
-            self.survey(nominal, error, whole, &mut model, |disc, contact| discs[disc].push(*contact));
+            self.survey(nominal, error, scope, &mut model, |disc, contact| discs[disc].push(*contact));
             residual = model.torque - torque;
             let is_clear = model.torque == 0.0;
-            if whole && residual.abs() <= LAST_RESIDUAL * torque.abs() {
+            if scope != Scope::MayTouch && residual.abs() <= LAST_RESIDUAL * torque.abs() {
                 // What is left of the way is so short that the forces change in proportion: the square of the residual is below rounding.
                 let change = residual / model.stiffness;
                 residual = model.carry_over(discs.iter_mut().flatten(), change) - torque;
@@ -268,8 +277,8 @@ impl Meshing {
                     return Ok(LoadSharing { crank_angle, torque, output_error, residual, stiffness: model.stiffness, discs });
                 }
             }
-            if !whole && (is_clear || residual.abs() <= LAST_RESIDUAL * torque.abs()) {
-                whole = true;
+            if scope == Scope::MayTouch && (is_clear || residual.abs() <= LAST_RESIDUAL * torque.abs()) {
+                scope = Scope::All;
                 continue;
             }
             if residual > 0.0 {
@@ -292,7 +301,11 @@ impl Meshing {
                 }
             };
             was_clear = is_clear;
-            whole = is_clear || (next - error).abs() < NEAR_THE_SOLUTION;
+            scope = match (next - error).abs() < NEAR_THE_SOLUTION {
+                true => Scope::Last,
+                false if is_clear => Scope::All,
+                false => Scope::MayTouch,
+            };
             error = next;
         }
         Err(LoadError::NotConverged { crank_angle_deg: crank_angle.degrees(), torque, residual: residual.abs(), iterations: MAX_ITERATIONS })
