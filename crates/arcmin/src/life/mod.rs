@@ -1,5 +1,7 @@
 //! Accuracy over life: the coupled prediction, and beside it the paper's study of uniform depths.
 
+use rayon::prelude::*;
+
 use crate::geometry::Relief;
 use crate::load::{Cycle, Meshing};
 use crate::machine::{Machine, OutputAngle};
@@ -117,15 +119,23 @@ pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress)
     let exposure = machine.coupled_exposure(options.wear)?;
     let mut wear = CoupledWear::new(machine, options.wear);
     let service_hours = machine.limits.service_life / HOUR;
-    let mut points = Vec::with_capacity(options.intervals + 1);
+    let hours_of = |interval: usize| service_hours * interval as f64 / options.intervals as f64;
     let mut surfaces = Vec::with_capacity(options.intervals + 1);
     for interval in 0..=options.intervals {
-        let hours = service_hours * interval as f64 / options.intervals as f64;
-        advance(&mut wear, exposure.at(hours * HOUR), progress)?;
-        points.push(accuracy(machine, &wear.state().meshing(machine), &wear.state().flank, hours, options.crank_positions)?);
+        advance(&mut wear, exposure.at(hours_of(interval) * HOUR), progress)?;
         surfaces.push(wear.state().clone());
         progress.report("wear", interval as f64 / options.intervals as f64);
     }
+    let points = surfaces
+        .par_iter()
+        .enumerate()
+        .map(|(interval, worn)| {
+            if progress.is_cancelled() {
+                return Err(WearError::Stopped);
+            }
+            accuracy(machine, &worn.meshing(machine), &worn.flank, hours_of(interval), options.crank_positions)
+        })
+        .collect::<Result<Vec<LifePoint>, WearError>>()?;
     let updates = wear.updates();
     let limit = machine.limits.lost_motion;
     let furthest = options.search_factor.max(1.0) * service_hours;
