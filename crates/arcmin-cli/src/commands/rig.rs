@@ -10,9 +10,10 @@ use arcmin::rig::{
     stiffness_split, transmission_error_curves,
 };
 use arcmin::units::{ARCMIN, DEG, HOUR};
-use arcmin::wear::{CoupledOptions, CoupledWear};
+use arcmin::wear::CoupledOptions;
 use serde_json::{Value, json};
 
+use super::deviations::{Choice, Deviations};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
 
@@ -41,6 +42,8 @@ pub struct Options {
     /// Positions over the output turn.
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(64..=65536))]
     te_positions: u32,
+    #[command(flatten)]
+    deviations: super::deviations::Options,
     /// No friction, even where the design gives none and some would be assumed.
     #[arg(long)]
     frictionless: bool,
@@ -54,9 +57,19 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if assumed {
         run.say("friction: assumed (flank 0.06, bearings 0.002, gear mesh 0.06, seals 4 N·m): the design gives none");
     }
-    let new = test(&run, &machine, &JointSettings::default(), 0.0, &options)?;
+    let deviations = Deviations::new(&run, &options.common.design, &machine, &options.deviations)?;
+    deviations.sentence().iter().for_each(|line| run.say(line));
+    if deviations.choice != Choice::None {
+        run.table("errors.csv", deviations.table())?;
+    }
+    let as_made = JointSettings { errors: deviations.errors.clone(), ..JointSettings::default() };
+    let new = test(&run, &machine, &as_made, 0.0, &options)?;
     let worn = match options.hours {
-        Some(hours) if hours > 0.0 => Some(test(&run, &machine, &worn_surfaces(&machine, hours)?, hours, &options)?),
+        Some(hours) if hours > 0.0 => {
+            let surfaces = machine.worn_surfaces(hours * HOUR, CoupledOptions::default()).map_err(Failure::compute("compute the wear"))?;
+            let worn = JointSettings { flank_wear: surfaces.flank, pin_wear: surfaces.pin, ..as_made };
+            Some(test(&run, &machine, &worn, hours, &options)?)
+        }
         _ => None,
     };
     let state = worn.as_ref().unwrap_or(&new);
@@ -70,7 +83,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             design_hash: run.design.hash(),
             command: std::env::args().skip(1).collect::<Vec<_>>().join(" "),
-            seeds: Vec::new(),
+            seeds: deviations.seeds(),
         },
         new: &new,
         worn: worn.as_ref(),
@@ -90,6 +103,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     };
     let Value::Object(mut summary) = figure(state) else { unreachable!("an object") };
     summary.insert("new".to_owned(), figure(&new));
+    summary.insert("errors".to_owned(), deviations.summary());
     summary.insert("friction_assumed".to_owned(), json!(assumed));
     summary.insert("no_load_running_torque_n_m".to_owned(), json!(state.torques.no_load));
     summary.insert("starting_torque_n_m".to_owned(), json!(state.torques.starting));
@@ -129,16 +143,6 @@ fn assume_friction(machine: &mut Machine, frictionless: bool) -> bool {
         machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..ASSUMED_FRICTION };
     }
     none
-}
-
-fn worn_surfaces(machine: &Machine, hours: f64) -> Result<JointSettings, Failure> {
-    let failure = || Failure::compute("compute the wear");
-    let settings = CoupledOptions::default();
-    let exposure = machine.coupled_exposure(settings).map_err(failure())?;
-    let mut wear = CoupledWear::new(machine, settings);
-    wear.advance_to(exposure.at(hours * HOUR)).map_err(failure())?;
-    let state = wear.state();
-    Ok(JointSettings { flank_wear: state.flank_seen_by_contact().clone(), pin_wear: state.pin_seen_by_contact().clone(), ..JointSettings::default() })
 }
 
 /// All tests of one state of the machine.

@@ -314,7 +314,7 @@ impl PinContacts {
             gap += pin_relief.at(cross(e, flank_normal).atan2(e.dot(&flank_normal))).depth;
         }
         if let Some(error) = &self.flank_error {
-            gap += error.depth(tau);
+            gap += error.depth(tau, flank_normal);
         }
         let normal = turned(flank_normal, rotation);
         let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];

@@ -6,6 +6,8 @@
 mod bearing_life;
 mod efficiency;
 mod hysteresis;
+#[cfg(test)]
+mod order_tests;
 mod orders;
 mod settle;
 #[cfg(test)]
@@ -16,7 +18,7 @@ pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
 pub use hysteresis::{Branch, LoopFigures, LoopPoint, StiffnessSplit, evaluate_loop, hysteresis_loop, stiffness_split};
 pub use orders::{NamedOrder, name_orders};
-pub use transmission::{ErrorCurve, TransmissionSettings, transmission_error_curves};
+pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};
 
 use crate::dynamics::DynamicsError;
 use crate::machine::Friction;

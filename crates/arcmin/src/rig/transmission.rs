@@ -44,11 +44,11 @@ impl ErrorCurve {
     }
 }
 
-/// One output turn with a torque against the motion.
+/// One output turn of `positions` steps in the direction ±1 with a torque (N·m) against the motion.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
-fn one_turn(machine: &Machine, settings: &JointSettings, positions: usize, direction: f64, torque: f64) -> Result<ErrorCurve, RigError> {
+pub fn error_curve(machine: &Machine, settings: &JointSettings, positions: usize, direction: f64, torque: f64) -> Result<ErrorCurve, RigError> {
     let settings = JointSettings { damped: false, ..settings.clone() };
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().housing_fixed_ratio();
@@ -84,5 +84,5 @@ pub fn transmission_error_curves(machine: &Machine, settings: &JointSettings, te
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
     let cases = [(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
-    cases.into_par_iter().map(|(direction, torque)| one_turn(machine, settings, test.positions, direction, torque)).collect()
+    cases.into_par_iter().map(|(direction, torque)| error_curve(machine, settings, test.positions, direction, torque)).collect()
 }
