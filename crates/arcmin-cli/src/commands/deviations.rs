@@ -172,7 +172,9 @@ fn read_flank(path: &Path, lobe_count: usize) -> Result<FlankError, Failure> {
     }
     let points: Vec<(f64, f64)> = angles.iter().zip(&depths).map(|(angle, depth)| (angle * DEG, depth * UM)).collect();
     FlankError::from_measured(&points, lobe_count).map_err(|error| match error {
-        FlankDataError::NotRising(row) => columns.wrong(columns.line(row), &format!("the angles must rise, but {}° follows {}°", angles[row], angles[row - 1])),
+        FlankDataError::NotRising(row) => {
+            columns.wrong(columns.line(row), &format!("the angles must rise, but {}° follows {}°", angles[row], angles[row - 1]))
+        }
         FlankDataError::MoreThanATurn(row) => {
             columns.wrong(columns.line(row), &format!("{}° lies more than a turn after the first angle, {}°", angles[row], angles[0]))
         }

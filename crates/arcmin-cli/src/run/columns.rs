@@ -42,6 +42,10 @@ impl Columns {
         Failure::Usage { message: format!("{}, line {line}: {what}", self.path.display()), help: self.help.to_owned() }
     }
 
+    pub fn line_of_header(&self) -> usize {
+        self.header_line
+    }
+
     /// Line of a row, both counted as a user does: rows from 0, lines from 1.
     pub fn line(&self, row: usize) -> usize {
         self.rows.get(row).map_or(self.header_line, |row| row.0)
@@ -53,9 +57,8 @@ impl Columns {
             let what = if semicolons { "the columns must be separated by commas".to_owned() } else { format!("there is no column {name}") };
             return Err(self.wrong(self.header_line, &what));
         };
-        let field = |(line, fields): &'_ (usize, Vec<String>)| (*line, fields.get(column).map(String::len).is_some());
-        if let Some((line, _)) = self.rows.iter().map(field).find(|(_, there)| !there) {
-            return Err(self.wrong(line, &format!("the row ends before the column {name}")));
+        if let Some((line, _)) = self.rows.iter().find(|(_, fields)| fields.len() <= column) {
+            return Err(self.wrong(*line, &format!("the row ends before the column {name}")));
         }
         Ok(self.rows.iter().map(|(_, fields)| fields[column].as_str()).collect())
     }

@@ -52,8 +52,8 @@ impl PinContacts {
 
         let (mut read, mut error_slope, mut pin_slope) = (0.0, 0.0, 0.0);
         if let Some(error) = self.flank_error() {
-            read += error.depth(contact.tau);
-            error_slope = error.slope(contact.tau);
+            read += error.depth(contact.tau, profile.outward_normal(contact.tau));
+            error_slope = error.slope(contact.tau, profile);
         }
         if let Some(pin_relief) = self.pin_relief() {
             let sample = pin_relief.at(self.pin_angle(contact));

@@ -72,8 +72,7 @@ pub(super) fn errors(design: &DesignSections, source: &Source) -> Result<Option<
     for row in section.pins.iter() {
         let pin = seen.one(&row.pin, pins, "pin")?;
         seen.once((pin, 0), &row.pin.span, &format!("pin {}", pin + 1))?;
-        *slot(&mut all.pins, pin) =
-            PinError { radial: *row.radial_um * UM, tangential: *row.tangential_um * UM, radius: *row.radius_um * UM };
+        *slot(&mut all.pins, pin) = PinError { radial: *row.radial_um * UM, tangential: *row.tangential_um * UM, radius: *row.radius_um * UM };
     }
     for row in section.flanks.iter() {
         let disc = numbers().one(&row.disc, discs, "disc")?;

@@ -18,9 +18,9 @@ mod solids;
 #[cfg(test)]
 mod tests;
 
+pub use deviations::MeasuredFlank;
 pub use error::{DesignError, DesignErrorKind};
 pub use field::Section;
-pub use deviations::MeasuredFlank;
 pub use manufacturing::*;
 pub use reference::markdown as reference_of_keys;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};

@@ -249,25 +249,20 @@ fn wrong_manufacturing_errors_are_answered_with_line_and_remedy() {
     for (lines, line, message, hint) in [
         ("[[errors.pins]]\npin = 41\n", 1, "pin 41 does not exist: the design has 40", "write a number from 1 to 40"),
         ("[[errors.pins]]\npin = 3\n[[errors.pins]]\npin = 3\n", 3, "pin 3 is given twice", "give all of its errors in one table"),
-        (
-            "[[errors.eccentrics]]\ncrankshaft = 3\ndisc = 1\n",
-            1,
-            "crankshaft 3 does not exist: the design has 2",
-            "write a number from 1 to 2",
-        ),
+        ("[[errors.eccentrics]]\ncrankshaft = 3\ndisc = 1\n", 1, "crankshaft 3 does not exist: the design has 2", "write a number from 1 to 2"),
         (
             "[[errors.flanks]]\ndisc = 1\nkind = \"run-out\"\norder = 1\namplitude_um = 4\n",
             2,
             "`kind` does not know the choice \"run-out\"",
             "known are \"radial\", \"pitch\", \"profile\"",
         ),
-        ("[[errors.flanks]]\ndisc = 1\nkind = \"pitch\"\norder = 1\n", 0, "[errors.flanks] lacks the key `amplitude_um`", "add `amplitude_um = …`: Amplitude"),
         (
-            "[errors]\npin_radius = 1\n",
-            1,
-            "`pin_radius` lacks its unit",
-            "units are part of the keys: write `pin_radius_um = 1` if 1 is in µm",
+            "[[errors.flanks]]\ndisc = 1\nkind = \"pitch\"\norder = 1\n",
+            0,
+            "[errors.flanks] lacks the key `amplitude_um`",
+            "add `amplitude_um = …`: Amplitude",
         ),
+        ("[errors]\npin_radius = 1\n", 1, "`pin_radius` lacks its unit", "units are part of the keys: write `pin_radius_um = 1` if 1 is in µm"),
         (
             "[[errors.measured_flanks]]\ndisc = 1\nfile = \"a.csv\"\n[[errors.measured_flanks]]\ndisc = 1\nfile = \"b.csv\"\n",
             4,

@@ -114,11 +114,6 @@ impl FlankError {
         (at(tau + STEP) - at(tau - STEP)) / (2.0 * STEP)
     }
 
-    /// Its derivative in m/rad.
-    pub fn slope(&self, tau: f64) -> f64 {
-        self.harmonics.iter().map(|h| -h.amplitude * h.order as f64 * (h.order as f64 * (tau - h.phase)).sin()).sum()
-    }
-
     /// A bound from below in m.
     pub fn shallowest(&self) -> f64 {
         let measured = self.measured.as_ref().map_or(0.0, |relief| {

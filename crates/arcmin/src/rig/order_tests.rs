@@ -3,7 +3,8 @@
 //! With the housing at rest the crankshafts turn z_c times per output turn against the ring of pins and z_p times against the carrier. A machine whose only
 //! errors stand still in the housing therefore repeats itself after 1/z_c of an output turn, one whose errors all go round with carrier, discs and
 //! shafts after 1/z_p: their transmission errors hold multiples of z_c and of z_p only. Errors of both kinds together give sums and differences, 1 among them.
-//! Only the cages of the bearings break that rule a little, as they turn at fractions of their own.
+//! Two things blur that a little: the stiffness of the bearings goes round with the carrier and modulates errors of the ring by 2 z_p, and cages turn at
+//! fractions of their own.
 
 use super::*;
 use crate::dynamics::{JointSettings, order_spectrum};
@@ -15,7 +16,7 @@ use crate::units::{ARCSEC, UM};
 fn orders(machine: &Machine, errors: &ManufacturingErrors) -> Vec<f64> {
     let curve = |errors: &ManufacturingErrors| {
         let settings = JointSettings { errors: errors.clone(), ..JointSettings::default() };
-        let test = TransmissionSettings { positions: 512, ..TransmissionSettings::new(machine) };
+        let test = TransmissionSettings { positions: 1024, ..TransmissionSettings::new(machine) };
         error_curve(machine, &settings, test.positions, 1.0, machine.rated.torque).unwrap()
     };
     let (with, without) = (curve(errors), curve(&ManufacturingErrors::default()));
@@ -29,19 +30,23 @@ fn machine() -> Machine {
 
 /// The strongest order, its amplitude, and the strongest among the orders that are no multiple of `base`.
 fn strongest(orders: &[f64], base: usize) -> (usize, f64, f64) {
-    let top = (1..256).max_by(|a, b| orders[*a].total_cmp(&orders[*b])).unwrap();
-    let stray = (1..256_usize).filter(|order| !order.is_multiple_of(base)).map(|order| orders[order]).fold(0.0, f64::max);
+    let top = (1..400).max_by(|a, b| orders[*a].total_cmp(&orders[*b])).unwrap();
+    let stray = (1..400_usize).filter(|order| !order.is_multiple_of(base)).map(|order| orders[order]).fold(0.0, f64::max);
     (top, orders[top], stray)
 }
 
 /// Errors, the order they must be strongest at, and the base that all of their orders are multiples of.
-fn check(name: &str, errors: &ManufacturingErrors, order: usize, base: usize) {
+fn check(name: &str, errors: &ManufacturingErrors, order: usize, base: usize, blur: f64) {
     let found = orders(&machine(), errors);
     let (top, amplitude, stray) = strongest(&found, base);
     assert_eq!(top, order, "{name}: {amplitude:e}, order {order} has {:e}", found[order]);
-    // Rolling elements going round under a load that the error shares out differently: 1 % at most was seen.
-    assert!(stray < 0.02 * amplitude, "{name}: {stray:e} against {amplitude:e}");
+    assert!(stray < blur * amplitude, "{name}: {stray:e} against {amplitude:e}");
 }
+
+/// 80 − 78 = 2 and 80 + 78 = 158 reach 12 % of order 78.
+const BY_BEARINGS: f64 = 0.15;
+/// Rolling elements under a load that the error shares out differently: 1 % was seen.
+const BY_CAGES: f64 = 0.02;
 
 fn one<T: Default + Clone>(error: T) -> Vec<T> {
     vec![error]
@@ -57,23 +62,23 @@ fn flank(order: usize, direction: FlankDirection) -> ManufacturingErrors {
 fn errors_of_the_ring_lie_at_multiples_of_the_lobe_count() {
     let mut pins = vec![PinError::default(); 40];
     pins[7].radial = 3.0 * UM;
-    check("one pin out of place", &ManufacturingErrors { pins: pins.clone(), ..Default::default() }, 78, 39);
+    check("one pin out of place", &ManufacturingErrors { pins: pins.clone(), ..Default::default() }, 78, 39, BY_BEARINGS);
     pins[7] = PinError { radius: -3.0 * UM, ..PinError::default() };
-    check("one thin pin", &ManufacturingErrors { pins, ..Default::default() }, 78, 39);
+    check("one thin pin", &ManufacturingErrors { pins, ..Default::default() }, 78, 39, BY_BEARINGS);
     // Pitch of the pins in two waves around the ring: once per half turn of the crankshafts, in step on both discs.
     let wave = |i: usize| PinError { tangential: 3.0 * UM * (2.0 * std::f64::consts::TAU * i as f64 / 40.0).cos(), ..PinError::default() };
-    check("pitch of the pins in two waves", &ManufacturingErrors { pins: (0..40).map(wave).collect(), ..Default::default() }, 78, 39);
+    check("pitch of the pins in two waves", &ManufacturingErrors { pins: (0..40).map(wave).collect(), ..Default::default() }, 78, 39, BY_BEARINGS);
 }
 
 #[test]
 fn errors_that_go_round_lie_at_multiples_of_the_pin_count() {
-    check("radial run-out of a flank", &flank(1, FlankDirection::Inwards), 40, 40);
-    check("pitch of a flank in one wave", &flank(1, FlankDirection::Around), 40, 40);
-    check("pitch of a flank in three waves", &flank(3, FlankDirection::Around), 120, 40);
+    check("radial run-out of a flank", &flank(1, FlankDirection::Inwards), 40, 40, BY_CAGES);
+    check("pitch of a flank in one wave", &flank(1, FlankDirection::Around), 40, 40, BY_CAGES);
+    check("pitch of a flank in three waves", &flank(3, FlankDirection::Around), 120, 40, BY_CAGES);
     let eccentric = EccentricError { eccentricity: 2.0 * UM, phase: 0.0 };
-    check("one eccentric", &ManufacturingErrors { eccentrics: vec![one(eccentric)], ..Default::default() }, 40, 40);
-    check("a journal", &ManufacturingErrors { journals: one(RunOut { amplitude: 2.0 * UM, phase: 0.3 }), ..Default::default() }, 40, 40);
-    check("a planet", &ManufacturingErrors { planets: one(RunOut { amplitude: UM, phase: 0.3 }), ..Default::default() }, 40, 40);
+    check("one eccentric", &ManufacturingErrors { eccentrics: vec![one(eccentric)], ..Default::default() }, 40, 40, BY_CAGES);
+    check("a journal", &ManufacturingErrors { journals: one(RunOut { amplitude: 2.0 * UM, phase: 0.3 }), ..Default::default() }, 40, 40, BY_CAGES);
+    check("a planet", &ManufacturingErrors { planets: one(RunOut { amplitude: UM, phase: 0.3 }), ..Default::default() }, 40, 40, BY_CAGES);
 }
 
 /// What all lobes, pins or eccentrics of a disc have in common moves the mean; its ripple has the order of one pin passing one lobe, z_c z_p = 1560.
@@ -88,22 +93,23 @@ fn common_errors_move_the_mean() {
     ] {
         let found = orders(&machine(), &errors);
         let (top, amplitude, _) = strongest(&found, 1);
-        assert!(found[0] > 20.0 * amplitude, "{name}: mean {:e}, order {top} {amplitude:e}", found[0]);
+        // What is left, mostly at 80, is the other sharing of the load.
+        assert!(found[0] > 8.0 * amplitude, "{name}: mean {:e}, order {top} {amplitude:e}", found[0]);
     }
 }
 
-/// Bores of one disc turn it against the other: a shift of the mean. Carrier bores move the gear stage and the discs alike.
+/// A bore out of place in a disc shifts the disc in a direction that goes round with the carrier, and turns it: order z_p, and the mean. Both bores
+/// alike turn the disc only; bores of the carrier move gear stage and discs alike.
 #[test]
-fn bores_move_the_mean_of_a_true_ring() {
+fn bores_lie_at_the_pin_count_or_move_the_mean() {
     let bore = BoreError { tangential: 3.0 * UM, ..BoreError::default() };
-    let disc = DiscError { bores: one(bore), ..DiscError::default() };
-    for (name, errors) in [
-        ("disc", ManufacturingErrors { discs: one(disc), ..Default::default() }),
-        ("carrier", ManufacturingErrors { carrier_bores: one(bore), ..Default::default() }),
-    ] {
+    let discs =
+        |count: usize| ManufacturingErrors { discs: one(DiscError { bores: vec![bore; count], ..DiscError::default() }), ..Default::default() };
+    check("one bore of a disc", &discs(1), 40, 40, BY_CAGES);
+    for (name, errors) in [("both bores of a disc", discs(2)), ("carrier", ManufacturingErrors { carrier_bores: one(bore), ..Default::default() })] {
         let found = orders(&machine(), &errors);
         let (_, amplitude, stray) = strongest(&found, 40);
-        assert!(found[0] > 5.0 * amplitude, "{name}: {:e} {amplitude:e}", found[0]);
+        assert!(found[0] > 8.0 * amplitude, "{name}: {:e} {amplitude:e}", found[0]);
         assert!(stray < 0.02 * found[0], "{name}: {stray:e}");
     }
 }

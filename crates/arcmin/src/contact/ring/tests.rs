@@ -128,11 +128,14 @@ fn culling_never_drops_a_pin_that_carries() {
 /// The forces of conservative contacts are minus the gradient of the stored energy, on every kind of flank and pin.
 #[test]
 fn forces_are_the_gradient_of_the_stored_energy() {
-    use crate::geometry::{FlankError, FlankHarmonic};
+    use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
     let machine = machine();
     let uneven = Relief::from_samples(Relief::grid(720).map(|phi| worn(phi) + 2.0 * UM * (3.0 * phi).sin()).collect());
     let pin = Relief::from_samples(Relief::grid(180).map(|psi| 3.0 * UM * (1.0 + (2.0 * psi).cos())).collect());
-    let error = FlankError { harmonics: vec![FlankHarmonic { order: 39, amplitude: 2.0 * UM, phase: 0.3 }] };
+    let error = FlankError {
+        harmonics: vec![FlankHarmonic { order: 39, amplitude: 2.0 * UM, phase: 0.3, direction: FlankDirection::Normal }],
+        measured: None,
+    };
     let kinematics = machine.kinematics();
     let mut rolling_share: f64 = 0.0;
     for relief in [Relief::uniform(8.0 * UM), uneven] {

@@ -225,16 +225,7 @@ impl BearingJoints {
     }
 
     /// Linear radial support of stiffness and radial clearance to the housing; `seat` is what it holds on a body that turns with the last coordinate.
-    fn add_support(
-        &self,
-        part: Part,
-        index: [usize; 3],
-        (stiffness, clearance): (f64, f64),
-        seat: Vec2,
-        q: &[f64],
-        v: &[f64],
-        sink: &mut impl Sink,
-    ) {
+    fn add_support(&self, part: Part, index: [usize; 3], (stiffness, clearance): (f64, f64), seat: Vec2, q: &[f64], v: &[f64], sink: &mut impl Sink) {
         let u = Vec2::new(q[index[0]], q[index[1]]) + seat;
         let distance = u.norm();
         if distance < clearance {
