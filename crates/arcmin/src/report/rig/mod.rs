@@ -5,7 +5,7 @@ mod figures;
 
 pub use causes::lost_motion_causes;
 
-use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, significant};
+use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
 use crate::dynamics::SpectrumLine;
 use crate::machine::Machine;
 use crate::rig::{BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RunningTorques, StiffnessSplit};
@@ -126,10 +126,10 @@ impl RigPage<'_> {
     /// The sections, for this page or as part of another: loop, stiffness split, efficiency, transmission error, bearings.
     pub fn sections(&self) -> Vec<Section> {
         let mut states = vec![("new".to_owned(), self.new)];
-        states.extend(self.worn.map(|worn| (format!("{} h", significant(worn.hours, 6)), worn)));
+        states.extend(self.worn.map(|worn| (format!("{} h", compact(worn.hours, 6)), worn)));
         let state = self.state();
         let of = match self.worn {
-            Some(worn) => format!(" after {} h", significant(worn.hours, 6)),
+            Some(worn) => format!(" after {} h", compact(worn.hours, 6)),
             None => String::new(),
         };
         let mut bench = figures::hysteresis(self.machine, &states, self.measured);
