@@ -3,7 +3,7 @@
 use super::{MeasuredOnBench, RigState};
 use crate::machine::Machine;
 use crate::report::{Annotation, Axis, Block, Colour, Column, HeatMap, Plot, Series, Shares, Style, Table, Tone, Width, compact, significant};
-use crate::rig::{Branch, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
+use crate::rig::{Branch, ErrorCurve, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
 use crate::units::{ARCMIN, RPM};
 
 /// Loops of every state and the measured one: whole, and near zero torque.
@@ -12,10 +12,10 @@ pub(super) fn hysteresis(machine: &Machine, states: &[(String, &RigState)], meas
     let build = |title: &str, window: f64, note: String| {
         let axis = Axis::new("Output torque, input locked", "N·m").between(-window, window);
         let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
-        // Both branches in one series: a loop is read as it was run.
+        // Both branches in one series: a loop is read as it was run, and what leaves the window is a gap.
         let points = |one: &[LoopPoint], shift: f64| -> Vec<(f64, f64)> {
-            let near = |p: &&LoopPoint| p.torque.abs() <= 1.0001 * window;
-            one.iter().filter(near).map(|p| (p.torque, (p.angle + shift) / ARCMIN)).collect()
+            let seen = |p: &LoopPoint| if p.torque.abs() <= 1.0001 * window { (p.angle + shift) / ARCMIN } else { f64::NAN };
+            one.iter().map(|p| (p.torque.clamp(-window, window), seen(p))).collect()
         };
         for (index, (name, state)) in states.iter().enumerate() {
             if let Some(one) = state.loops.first() {
@@ -143,6 +143,12 @@ pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
         note: "Output power over input power of the running machine: friction at pins, bearings and meshes, seals and oil.".into(),
         width: Width::Half,
     };
+    let mut lines = Plot::new("Efficiency over torque", Axis::new("Output torque", "N·m").from_zero(), Axis::new("Efficiency", "%")).half();
+    let count = map.speeds.len().saturating_sub(1).max(1) as f64;
+    for (index, (speed, row)) in map.speeds.iter().zip(&map.efficiency).enumerate() {
+        let points = map.torques.iter().zip(row).map(|(torque, e)| (*torque, 100.0 * e));
+        lines.series.push(Series::line(format!("{} rpm", compact(speed / RPM, 4)), points).coloured(Colour::Ordered(index as f64 / count)));
+    }
     let t = &state.torques;
     let row = |name: &str, value: f64| vec![name.to_owned(), if value.is_finite() { significant(value, 3) } else { "self-locking".into() }];
     let table = Table {
@@ -155,32 +161,47 @@ pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
         ],
         note: "Starting and back-driving without the drag of the oil; static friction is no larger here than sliding friction.".into(),
     };
-    vec![Block::HeatMap(heat), Block::Table(table)]
+    vec![Block::HeatMap(heat), Block::Plot(lines), Block::Table(table)]
 }
 
 pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>) -> Vec<Block> {
-    let mut plot = Plot::new("Transmission error of one output turn", Axis::new("Output angle", "°"), Axis::new("θ_out − θ_in/i", "arcmin"));
-    let way = |direction: f64| if direction > 0.0 { "forward" } else { "backward" };
-    for curve in &state.curves {
-        let points = curve.points.iter().map(|(angle, error)| (angle.to_degrees().abs(), error / ARCMIN));
-        plot.series.push(Series::line(format!("{}, {} N·m", way(curve.direction), significant(curve.torque, 3)), points));
+    let mut plot = Plot::new(
+        "Transmission error of one output turn, about its mean",
+        Axis::new("Output angle", "°").between(0.0, 360.0),
+        Axis::new("θ_out − θ_in/i", "arcmin"),
+    );
+    let name = |c: &ErrorCurve| {
+        let way = if c.direction > 0.0 { "forward" } else { "backward" };
+        format!("{way}, {} N·m", significant(c.torque, 3))
+    };
+    let about_mean = |c: &ErrorCurve| -> Vec<(f64, f64)> {
+        let (mean, first) = (c.mean(), c.points.first().map_or(0.0, |p| p.0));
+        c.points.iter().map(|(angle, error)| ((angle - first).to_degrees().abs(), (error - mean) / ARCMIN)).collect()
+    };
+    let row = |name: String, c: &ErrorCurve, mean: bool| {
+        let mean = if mean { significant(c.mean() / ARCMIN, 3) } else { "–".into() };
+        vec![name, mean, significant(c.peak_to_peak() / ARCMIN, 3)]
+    };
+    let mut rows = Vec::new();
+    for (index, curve) in state.curves.iter().enumerate() {
+        // Four lines over each other are a thicket: those at rated torque are there on demand.
+        let mut series = Series::line(name(curve), about_mean(curve)).coloured(Colour::Palette(index as u8));
+        series.hidden = index >= 2;
+        plot.series.push(series);
+        rows.push(row(name(curve), curve, true));
     }
     let measured = measured.filter(|m| !m.curves.is_empty());
     for curve in measured.iter().flat_map(|m| &m.curves) {
-        let like = state
-            .curves
-            .iter()
-            .filter(|c| c.direction == curve.direction)
-            .min_by(|a, b| (a.torque - curve.torque).abs().total_cmp(&(b.torque - curve.torque).abs()));
-        let shift = like.map_or(0.0, |like| like.mean()) - curve.mean();
-        let first = curve.points.first().map_or(0.0, |p| p.0);
-        let points = curve.points.iter().map(|(angle, error)| ((angle - first).to_degrees().abs(), (error + shift) / ARCMIN));
-        let name = format!("measured, {}, {} N·m", way(curve.direction), significant(curve.torque, 3));
-        plot.series.push(Series::line(name, points).coloured(Colour::Reference).strong());
+        plot.series.push(Series::line(format!("measured, {}", name(curve)), about_mean(curve)).coloured(Colour::Reference).strong());
+        rows.push(row(format!("measured, {}", name(curve)), curve, false));
     }
-    if measured.is_some() {
-        plot.note = "A measured curve has no zero: it is laid over the computed one of its direction and nearest torque, mean on mean, from its first angle on.".into();
-    }
+    plot.note = "Every curve begins at its first angle; those at rated torque appear on a click in the legend.".into();
+    let values = Table {
+        title: "Transmission error".into(),
+        columns: vec![Column::text("Test"), Column::number("Mean", "arcmin"), Column::number("Peak to peak", "arcmin")],
+        rows,
+        note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero.".into(),
+    };
     let mut spectrum =
         Plot::new("Spectrum at rated torque, forward", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero());
     let last = state.orders.iter().map(|o| o.order).fold(200, usize::max);
@@ -204,6 +225,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
     };
     let mut blocks = vec![
         Block::Plot(plot),
+        Block::Table(values),
         Block::Plot(spectrum),
         table(
             "Strongest orders",

@@ -120,6 +120,15 @@ impl RigPage<'_> {
             figure("Torsional stiffness", state.stiffness() * ARCMIN, "N·m/arcmin", "slope between 50 and 100 % of rated torque"),
             figure("Efficiency", 100.0 * state.efficiency.rated, "%", "at rated torque and speed"),
         ];
+        let softest = state.split.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        verdict.answers.extend(softest.map(|(part, c)| {
+            ("What gives way most".to_owned(), format!("{}, {} % of the compliance", part.name(), significant(100.0 * c / state.split.whole, 2)))
+        }));
+        let shortest = state.bearings.iter().min_by(|a, b| a.life_h().total_cmp(&b.life_h()));
+        let life = |b: &BearingLoad| format!("{}: L10h {} h at rated torque and speed", b.name, significant(b.life_h(), 3));
+        verdict.answers.extend(shortest.map(|b| ("Which bearing lives shortest".to_owned(), life(b))));
+        let order = |o: &NamedOrder| format!("order {}, {} arcsec: {}", o.order, significant(60.0 * o.amplitude / ARCMIN, 3), o.cause);
+        verdict.answers.extend(state.orders.first().map(|o| ("Strongest order of the transmission error at rated torque".to_owned(), order(o))));
         verdict
     }
 
@@ -141,7 +150,7 @@ impl RigPage<'_> {
             bench.push(Block::Note(
                 Tone::Caution,
                 "The design gives no friction. The width of the loop, the efficiency and the running torques rest on assumed coefficients: flank 0.06, bearings \
-                 0.002, gear mesh 0.06, seals 4 N·m, oil 1e-4 N·m·s."
+                 0.002, gear mesh 0.06, seals 4 N·m, oil 0.0001 N·m·s."
                     .into(),
             ));
         }
