@@ -226,3 +226,23 @@ fn measured_curves_are_checked() {
     assert!(matches!(ErrorCurve::measured(torn, 0.0), Err(RigError::BadCurve(_))));
     assert!(ErrorCurve::measured(vec![(0.0, 0.0); 3], 0.0).is_err());
 }
+
+/// A carrier of finite torsional stiffness lies in series with all that is computed: 1/k = 1/k_rigid + 1/k_carrier. 195 N·m/arcmin would bring the RV-40E-81 to its
+/// catalogue's 108 N·m/arcmin; that is a calibration, and the shipped design leaves the carrier rigid.
+#[test]
+fn val_carrier_torsion_closes_the_gap_to_the_catalogue() {
+    let rigid = machine();
+    assert!(rigid.carrier.torsional_stiffness.is_infinite());
+    let mut soft = rigid.clone();
+    soft.carrier.torsional_stiffness = 195.0 / ARCMIN;
+    let settings = JointSettings::default();
+    let stiffness =
+        |machine: &Machine| evaluate_loop(&hysteresis_loop(machine, &settings, 1.0).unwrap(), machine.rated.torque).unwrap().stiffness * ARCMIN;
+    let (before, after) = (stiffness(&rigid), stiffness(&soft));
+    assert!((1.0 / after - 1.0 / before - 1.0 / 195.0).abs() < 1e-3 / after, "{before} {after}");
+    // Catalogue values are rounded, and this is one of several crank positions.
+    assert!((after / 108.0 - 1.0).abs() < 0.03, "{after}");
+    let split = stiffness_split(&soft, &settings, 1.0).unwrap();
+    let carrier = split.parts.iter().find(|(part, _)| part.name() == "carrier torsion").unwrap().1;
+    assert!((carrier * 195.0 / ARCMIN - 1.0).abs() < 1e-6);
+}
