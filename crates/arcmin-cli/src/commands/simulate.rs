@@ -1,15 +1,16 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use arcmin::contact::ContactLaw;
+use arcmin::contact::{ContactLaw, MeshContact};
 use arcmin::dynamics::{
     BearingJoints, Checkpoint, Drive, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, OutputLoad, Reducer, Run as Motion, RunPlan,
     RunResult, StartSpread, StepControl, TimeTable,
     spread_over_starts,
 };
+use arcmin::fem::boundary::FlankArc;
 use arcmin::geometry::Relief;
 use arcmin::machine::Machine;
-use arcmin::units::{ARCMIN, DEG, HOUR, UM};
+use arcmin::units::{ARCMIN, DEG, HOUR, MM, UM};
 use arcmin::wear::{CoupledOptions, CoupledWear};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -39,6 +40,12 @@ pub struct Options {
     /// Joints between the bodies.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
+    /// What the pins touch: the smooth flank, or what a mesh of linear elements leaves of it.
+    #[arg(long, value_enum, default_value = "smooth")]
+    flank: Flank,
+    /// Edge length of that mesh in mm.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = facet_mm)]
+    facet_mm: f64,
     /// Depth removed from the whole flank in µm.
     #[arg(long, value_name = "X", conflicts_with = "hours", value_parser = crate::run::depth_um)]
     wear_um: Option<f64>,
@@ -126,6 +133,23 @@ enum Joints {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Flank {
+    /// The worn flank itself.
+    Smooth,
+    /// Straight edges from node to node.
+    Faceted,
+    /// The nodes alone.
+    Nodes,
+}
+
+fn facet_mm(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.02..=5.0).contains(&value) => Ok(value),
+        _ => Err("give the edge length in mm, from 0.02 to 5".to_owned()),
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum LoadKind {
     None,
     Constant,
@@ -191,7 +215,23 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
     let plan = plan(&options);
+    let facets = match options.flank {
+        Flank::Smooth => None,
+        Flank::Faceted => Some(MeshContact::Edges),
+        Flank::Nodes => Some(MeshContact::Nodes),
+    }
+    .map(|contact| {
+        let arc = FlankArc::new(&machine.profile());
+        // Whole edges to a lobe, four at least.
+        (contact, arc.nodes(((arc.lobe_length() / (options.facet_mm * MM)).round() as usize).max(4)))
+    });
     let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
+    if facets.is_some() && options.joints == Joints::Bearings {
+        return Err(Failure::Usage {
+            message: "faceted flanks do not run in bearings".to_owned(),
+            help: "choose --joints ideal, or --flank smooth".to_owned(),
+        });
+    }
     match (options.model, options.joints) {
         (Model::Rigid, Joints::Bearings) => {
             let pin_wear = worn.pin.clone().unwrap_or_else(|| Relief::uniform(0.0));
@@ -208,6 +248,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             if let Some(pin) = &worn.pin {
                 model.set_pin_wear(pin);
             }
+            facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
             execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
         }
         (Model::Flexible, Joints::Ideal) => {
@@ -218,6 +259,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             if let Some(pin) = &worn.pin {
                 model.set_pin_wear(pin);
             }
+            facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
             execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
         }
     }
@@ -387,7 +429,8 @@ fn settings(options: &Options) -> String {
         (
             (model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm),
             (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s),
-            (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio)
+            (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio),
+            (options.flank, options.facet_mm)
         )
     )
 }
@@ -469,6 +512,7 @@ fn write<M: Reducer>(
         "mean_ratio": result.mean_ratio,
         "wear_um": worn.deepest / UM,
         "hours": options.hours,
+        "facet_mm": (options.flank != Flank::Smooth).then_some(options.facet_mm),
         "complete": failed.is_none(),
         "reached_s": result.reached,
         "te": te,
