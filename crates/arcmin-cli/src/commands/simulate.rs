@@ -1,11 +1,13 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use arcmin::contact::MeshContact;
 use arcmin::dynamics::{
     BearingJoints, Checkpoint, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, Reducer, Run as Motion, RunPlan, StepControl,
     spread_over_starts,
 };
-use arcmin::units::{HOUR, UM};
+use arcmin::fem::boundary::FlankArc;
+use arcmin::units::{HOUR, MM, UM};
 use arcmin::wear::{CoupledOptions, WornSurfaces};
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +41,12 @@ pub struct Options {
     /// Joints between the bodies.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
+    /// What the pins touch: the smooth flank, or what a mesh of linear elements leaves of it.
+    #[arg(long, value_enum, default_value = "smooth")]
+    flank: Flank,
+    /// Edge length of that mesh in mm.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = facet_mm)]
+    facet_mm: f64,
     /// Depth removed from the whole flank in µm.
     #[arg(long, value_name = "X", conflicts_with = "hours", value_parser = crate::run::depth_um)]
     wear_um: Option<f64>,
@@ -128,6 +136,23 @@ enum Joints {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Flank {
+    /// The worn flank itself.
+    Smooth,
+    /// Straight edges from node to node.
+    Faceted,
+    /// The nodes alone.
+    Nodes,
+}
+
+fn facet_mm(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.02..=5.0).contains(&value) => Ok(value),
+        _ => Err("give the edge length in mm, from 0.02 to 5".to_owned()),
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum LoadKind {
     None,
     Constant,
@@ -195,8 +220,25 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
     let plan = plan(&options);
+    let facets = match options.flank {
+        Flank::Smooth => None,
+        Flank::Faceted => Some(MeshContact::Edges),
+        Flank::Nodes => Some(MeshContact::Nodes),
+    }
+    .map(|contact| {
+        let arc = FlankArc::new(&machine.profile());
+        // Whole edges to a lobe, four at least.
+        (contact, arc.nodes(((arc.lobe_length() / (options.facet_mm * MM)).round() as usize).max(4)))
+    });
     let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
-    let case = Case { hours: options.hours, unloaded, worn: &worn, deviations: &deviations };
+    if facets.is_some() && options.joints == Joints::Bearings {
+        return Err(Failure::Usage {
+            message: "faceted flanks do not run in bearings".to_owned(),
+            help: "choose --joints ideal, or --flank smooth".to_owned(),
+        });
+    }
+    let facet_mm = facets.is_some().then_some(options.facet_mm);
+    let case = Case { hours: options.hours, facet_mm, unloaded, worn: &worn, deviations: &deviations };
     match (options.model, options.joints) {
         (Model::Rigid, Joints::Bearings) => {
             let errors = deviations.errors.clone();
@@ -213,6 +255,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             if !worn.pin.is_zero() {
                 model.set_pin_wear(&worn.pin);
             }
+            facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
             execute(run, &options, &model, IdealJoints::OUTPUT, plan, &case)
         }
         (Model::Flexible, Joints::Ideal) => {
@@ -223,6 +266,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             if !worn.pin.is_zero() {
                 model.set_pin_wear(&worn.pin);
             }
+            facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
             execute(run, &options, &model, IdealJoints::OUTPUT, plan, &case)
         }
     }
@@ -231,6 +275,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
 /// What a run is about, beside its model.
 struct Case<'a> {
     hours: Option<f64>,
+    /// Edge length of a faceted flank.
+    facet_mm: Option<f64>,
     /// Neither load nor drag: the machine rattles.
     unloaded: bool,
     worn: &'a WornSurfaces,
@@ -332,7 +378,7 @@ fn settings(options: &Options) -> String {
             (model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm),
             (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s),
             (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio),
-            (options.deviations.errors, options.deviations.seed)
+            (options.flank, options.facet_mm, options.deviations.errors, options.deviations.seed)
         )
     )
 }

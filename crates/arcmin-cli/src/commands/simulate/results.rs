@@ -78,6 +78,7 @@ pub(super) fn write<M: Reducer>(
         "mean_ratio": result.mean_ratio,
         "wear_um": case.worn.deepest / UM,
         "hours": case.hours,
+        "facet_mm": case.facet_mm,
         "errors": case.deviations.summary(),
         "complete": failed.is_none(),
         "reached_s": result.reached,
