@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use crate::run::Verdict;
 
+mod deviations;
 mod elastic;
 
 macro_rules! commands {

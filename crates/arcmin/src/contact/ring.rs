@@ -1,3 +1,4 @@
+use super::facets::{Facets, MeshContact};
 use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{Closest, FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
@@ -161,6 +162,8 @@ pub struct PinContacts {
     contact: LineContact,
     sliding: Option<Sliding>,
     conservative: bool,
+    /// Straight edges in place of the flank, if asked for.
+    facets: Option<Facets>,
 }
 
 impl PinContacts {
@@ -179,6 +182,7 @@ impl PinContacts {
             contact,
             sliding: None,
             conservative: false,
+            facets: None,
         };
         contacts.set_relief(relief);
         contacts
@@ -203,7 +207,18 @@ impl PinContacts {
     /// Replaces the metal removed from the flanks (modifications and wear together).
     pub fn set_relief(&mut self, relief: Relief) {
         self.relief = relief;
+        self.facets = self.facets.take().map(|facets| facets.with_relief(&self.profile, &self.relief));
         self.update_bounds();
+    }
+
+    /// Replaces the flank by what a mesh of linear elements with nodes at the given τ (rad) leaves of it. Such contacts have R_eq = r_p, that of
+    /// a pin on a plane. Worn pins and flank errors act as on the smooth flank.
+    pub fn set_facets(&mut self, contact: MeshContact, nodes: Vec<f64>) {
+        self.facets = Some(Facets::new(contact, nodes, &self.profile, &self.relief));
+    }
+
+    pub(super) fn is_faceted(&self) -> bool {
+        self.facets.is_some()
     }
 
     /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's own place on the ring
@@ -305,7 +320,7 @@ impl PinContacts {
             let p = turned(arm, back);
             let e = turned(self.directions[index], back);
             let tau0 = std::f64::consts::TAU * index as f64 / self.pins.len() as f64 - pose.angle;
-            if !all {
+            if !all && self.facets.is_none() {
                 let sector = if self.relief.is_uniform() {
                     0
                 } else {
@@ -338,7 +353,18 @@ impl PinContacts {
     fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, tau0: f64, e: Vec2, ez: Vec2, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
         let radius = self.pins[pin].radius;
         let foot = self.profile.foot_from(p, tau0, e, ez);
-        let closest = if self.relief.is_uniform() {
+        let closest = if let Some(facets) = &self.facets {
+            let nearest = facets.nearest(p, foot.tau, radius);
+            Closest {
+                tau: foot.tau,
+                meshing_angle: self.profile.meshing_angle(foot.tau),
+                meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
+                gap: nearest.gap,
+                normal: nearest.normal,
+                flank_curvature: nearest.curvature,
+                relative_curvature: 1.0 / radius,
+            }
+        } else if self.relief.is_uniform() {
             let depth = self.relief.samples()[0];
             let curvature = foot.trace_curvature / (1.0 + (self.profile.pin_radius + depth) * foot.trace_curvature);
             Closest {
@@ -360,7 +386,7 @@ impl PinContacts {
             gap += pin_relief.at(cross(e, flank_normal).atan2(e.dot(&flank_normal))).depth;
         }
         if let Some(error) = &self.flank_error {
-            gap += error.depth(tau);
+            gap += error.depth(tau, flank_normal);
         }
         let normal = turned(flank_normal, rotation);
         let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];

@@ -27,13 +27,15 @@ impl PinContacts {
     /// Travel of the foot of `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
         let pin_radius = self.pins()[contact.pin].radius;
-        let course = self.profile().worn_course(contact.tau, contact.meshing_unit, self.relief(), pin_radius);
-        let log_radius_slope = -course.relative_curvature_rate / contact.relative_curvature;
+        let profile = self.profile();
+        let course = profile.worn_course(contact.tau, contact.meshing_unit, self.relief(), pin_radius);
+        // Facets leave the radius of the pin.
+        let log_radius_slope = if self.is_faceted() { 0.0 } else { -course.relative_curvature_rate / contact.relative_curvature };
 
         let (mut read, mut error_slope, mut pin_slope) = (0.0, 0.0, 0.0);
         if let Some(error) = self.flank_error() {
-            read += error.depth(contact.tau);
-            error_slope = error.slope(contact.tau);
+            read += error.depth(contact.tau, profile.outward_normal(contact.tau));
+            error_slope = error.slope(contact.tau, profile);
         }
         if let Some(pin_relief) = self.pin_relief() {
             let sample = pin_relief.at(self.pin_angle(contact));

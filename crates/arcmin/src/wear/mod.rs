@@ -11,11 +11,13 @@ mod exposure;
 mod film;
 pub mod paper;
 mod smoothing;
+mod surfaces;
 
 pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
 pub use deposit::FlankArc;
 pub use exposure::Exposure;
 pub use film::film_ratio;
+pub use surfaces::WornSurfaces;
 
 #[cfg(test)]
 mod tests;
