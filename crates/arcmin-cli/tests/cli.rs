@@ -261,6 +261,59 @@ fn a_killed_run_leaves_no_damaged_file() {
     assert!(interrupted > 0, "no run was interrupted: nothing was tested");
 }
 
+/// Runs with `arguments` and sends SIGINT after each of the delays (ms) until a run was interrupted while it computed; returns what it said.
+#[cfg(unix)]
+fn interrupted(directory: &Path, arguments: &[&str], delays: impl Iterator<Item = u64>) -> Option<String> {
+    let binary = assert_cmd::cargo::cargo_bin("arcmin");
+    for delay in delays {
+        let mut command = std::process::Command::new(&binary);
+        let child = command.args(arguments).current_dir(directory).stderr(std::process::Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(delay));
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        let output = child.wait_with_output().unwrap();
+        // Before the handler stands the signal ends the process without a code.
+        if output.status.code() == Some(2) {
+            return Some(texts(&output).1);
+        }
+    }
+    None
+}
+
+/// Ctrl-C ends the main job cleanly: it says so, leaves no temporary file, and the results of the run before untouched.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_life_keeps_earlier_results() {
+    let directory = with_design();
+    let arguments = ["life", "d.toml", "--quasi-static", "--points", "2", "--out", "life", "--quiet"];
+    assert!(arcmin(directory.path(), &arguments).status.success());
+    let out = directory.path().join("life");
+    let read = |name: &str| std::fs::read(out.join(name)).unwrap();
+    let before: Vec<_> = ["life.csv", "wear.csv", "report.html", "summary.json"].map(read).into();
+    let said = interrupted(directory.path(), &arguments, (0..20).map(|i| 60 + 10 * i)).expect("no run was interrupted: nothing was tested");
+    assert!(said.contains("stopped before the end"), "{said}");
+    let after: Vec<_> = ["life.csv", "wear.csv", "report.html", "summary.json"].map(read).into();
+    assert!(before == after);
+    assert_eq!(leftovers(&out), Vec::<String>::new());
+}
+
+/// An interrupted simulation goes on from its checkpoint to the same bytes.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_simulation_resumes_to_the_same_result() {
+    let directory = with_design();
+    let arguments = ["simulate", "d.toml", "--load", "constant", "--end-s", "6", "--quiet", "--out"];
+    let whole = [&arguments[..], &["whole"]].concat();
+    assert!(arcmin(directory.path(), &whole).status.success());
+    let parts = [&arguments[..], &["parts"]].concat();
+    let said = interrupted(directory.path(), &parts, (0..20).map(|i| 150 + 10 * i)).expect("no run was interrupted: nothing was tested");
+    assert!(said.contains("checkpoint.json"), "{said}");
+    assert!(directory.path().join("parts/checkpoint.json").exists());
+    let resumed = arcmin(directory.path(), &[&parts[..], &["--resume"]].concat());
+    assert!(resumed.status.success(), "{}", texts(&resumed).1);
+    let read = |name: &str| std::fs::read(directory.path().join(name).join("timeseries.csv")).unwrap();
+    assert!(read("whole") == read("parts"));
+}
+
 #[test]
 fn a_reader_who_leaves_early_does_no_harm() {
     let directory = with_design();
