@@ -24,8 +24,8 @@ const ROOT_ZONE_COS: f64 = 0.94;
 /// The last step (rad of z τ) when the iteration stops: convergence is cubic, so the error left is of order step³ ≲ 1e-12. A laxer bound
 /// would do for the distance, which is stationary in τ, but the depth of a worn flank is read at τ and must not jump.
 const LAST_STEP: f64 = 1e-4;
-/// The last Newton step (rad) in the bracket, where convergence is quadratic.
-const LAST_NEWTON_STEP: f64 = 1e-10;
+/// The same for a step of Newton's method, whose error is of order step² times the ratio of the flank's size to its sharpest bend.
+const LAST_NEWTON_STEP: f64 = 1e-8;
 
 /// Unit vectors e(τ), e(z τ), carried along so that small steps need no new sine or cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,6 +57,13 @@ fn small_unit(x: f64) -> Vec2 {
     Vec2::new(cos, sin)
 }
 
+/// D = (p − c(τ))·c′(τ), D′ and D″.
+struct Slopes {
+    value: f64,
+    slope: f64,
+    bend: f64,
+}
+
 impl Profile {
     /// Foot of the pin centre `p` (disc frame, m) on the trace, started at parameter `guess`.
     ///
@@ -77,12 +84,7 @@ impl Profile {
             if e_dot(&place) > ROOT_ZONE_COS {
                 break;
             }
-            let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
-            let c3 = self.trace_third_derivative(place.e, place.ez);
-            let off = p - c;
-            let value = off.dot(&c1);
-            let slope = off.dot(&c2) - c1.norm_squared();
-            let bend = off.dot(&c3) - 3.0 * c1.dot(&c2);
+            let Slopes { value, slope, bend } = self.slopes(p, place);
             let per_slope = 1.0 / slope;
             let newton = -value * per_slope;
             let step = newton * (1.0 - 0.5 * newton * bend * per_slope);
@@ -103,16 +105,12 @@ impl Profile {
     fn bracketed_foot(&self, p: Vec2, guess: Place) -> Foot {
         let z = self.pin_count as f64;
         let pitch = std::f64::consts::TAU / self.lobe_count() as f64;
-        let derivative = |place: Place| {
-            let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
-            let off = p - c;
-            (off.dot(&c1), off.dot(&c2) - c1.norm_squared())
-        };
         let root = pitch * (guess.tau / pitch).round();
         // z τ and τ differ by whole turns there.
         let axis = super::turned(guess.e, small_unit(root - guess.tau));
         let root_place = Place { tau: root, e: axis, ez: axis };
-        let (side, _) = derivative(root_place);
+        // D there: the trace runs across its axis.
+        let side = cross(axis, p) * (self.pin_circle_radius - z * self.eccentricity);
         if side == 0.0 {
             return self.foot_at(p, root_place);
         }
@@ -121,24 +119,34 @@ impl Profile {
         let mut place = if guess.tau > low && guess.tau < high { guess } else { root_place.moved(0.5 * (low + high) - root, z) };
         let mut tau = place.tau;
         for _ in 0..80 {
-            let (value, slope) = derivative(place);
+            let Slopes { value, slope, bend } = self.slopes(p, place);
             if value > 0.0 {
                 low = tau;
             } else {
                 high = tau;
             }
-            let newton = tau - value / slope;
-            // An end of the bracket may be the solution itself to rounding: a Newton step that misses it by less than 1e-7 rad is good.
-            let inside = newton > low - 1e-7 && newton < high + 1e-7;
-            let next = if slope < 0.0 && inside { newton } else { 0.5 * (low + high) };
+            let newton = -value / slope;
+            let correction = 0.5 * newton * bend / slope;
+            let (step, last_step) = if correction.abs() < 0.35 { (newton * (1.0 - correction), LAST_STEP) } else { (newton, LAST_NEWTON_STEP) };
+            // An end of the bracket may be the solution itself to rounding: a step that misses it by less than 1e-7 rad is good.
+            let inside = tau + step > low - 1e-7 && tau + step < high + 1e-7;
+            let (next, last_step) = if slope < 0.0 && inside { (tau + step, 0.1 * last_step) } else { (0.5 * (low + high), 1e-10) };
             let step = next - tau;
             place = place.moved(step, z);
-            if step.abs() < LAST_NEWTON_STEP {
+            if (z * step).abs() < last_step {
                 break;
             }
             tau = next;
         }
         self.foot_at(p, place)
+    }
+
+    #[inline]
+    fn slopes(&self, p: Vec2, place: Place) -> Slopes {
+        let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
+        let c3 = self.trace_third_derivative(place.e, place.ez);
+        let off = p - c;
+        Slopes { value: off.dot(&c1), slope: off.dot(&c2) - c1.norm_squared(), bend: off.dot(&c3) - 3.0 * c1.dot(&c2) }
     }
 
     #[inline]
