@@ -4,7 +4,7 @@ use arcmin::checks::{self, Severity};
 use arcmin::dynamics::{
     DynamicsError, FlexibleJoints, OutputLoad, Run as Motion, RunResult, StudySettings, TransmissionErrorStudy, transmission_error_study,
 };
-use arcmin::life::{LifeOptions, LifePoint, PaperStudy, Prediction, paper_depths, paper_study, predict};
+use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_with};
 use arcmin::machine::Machine;
 use arcmin::report::Provenance;
 use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
@@ -13,6 +13,7 @@ use arcmin::wear::WearError;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
+use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
 
@@ -22,10 +23,12 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   Predicts the wear of the flanks coupled to the load sharing, evaluates play, lost motion, transmission error, forces and pressures over \
                   the service life, and finds the hours until the limit of the design. Beside it stands the study of Tao2024: uniform depths 0, 10, …, \
                   60 µm with the static and dynamic transmission error of the multibody model (STE, DTE).\n\n\
-                  report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns); profiles of the \
+                  report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns), \
+                  lost_motion_causes.csv the lost motion of the whole machine with its bearings by cause; profiles of the \
                   worn flank are in wear.csv.",
     after_help = "Examples:\n  arcmin life my-reducer.toml\n  arcmin life my-reducer.toml --quasi-static        without the multibody runs, in a blink\n  \
-                  arcmin life my-reducer.toml --flexible            with elastic discs as well"
+                  arcmin life my-reducer.toml --flexible            with elastic discs as well\n  \
+                  arcmin life my-reducer.toml --joints bearings     the prediction with the machine in its bearings"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -36,6 +39,9 @@ pub struct Options {
     /// Add the static transmission error with elastic discs (finite elements) at every wear level: about half a minute.
     #[arg(long, conflicts_with = "quasi_static")]
     flexible: bool,
+    /// Joints of the prediction; the study of Tao2024 keeps ideal joints.
+    #[arg(long, value_enum, default_value = "ideal")]
+    joints: Joints,
     #[command(flatten)]
     elastic: super::elastic::Options,
     /// Times between new and the end of the service life.
@@ -64,7 +70,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     clock.lap("check");
 
     let settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
-    let prediction = predict(&machine, settings, run.progress()).map_err(wear_failure)?;
+    let prediction = match options.joints {
+        Joints::Ideal => predict(&machine, settings, run.progress()),
+        Joints::Bearings => predict_with(&machine, bearing_meshing(&machine)?, settings, run.progress()),
+    }
+    .map_err(wear_failure)?;
     clock.lap("wear");
     let study = paper_study(&machine, &paper_depths(), settings).map_err(wear_failure)?;
     clock.lap("study");
@@ -88,15 +98,23 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     run.table("life.csv", table(&study_rows, &study.points))?;
     run.table("life_coupled.csv", table(&prediction_rows, &prediction.points))?;
     run.table("wear.csv", profiles(&prediction))?;
+    let parts: Vec<(f64, &PartsPoint)> = prediction.points.iter().filter_map(|point| Some((point.hours, point.parts.as_ref()?))).collect();
+    if !parts.is_empty() {
+        run.table("lost_motion_causes.csv", super::causes::table(parts.iter().copied()))?;
+    }
     let design_name = options.common.design.display().to_string();
-    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_deref(), &prediction_rows, &study_rows, &findings);
+    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_deref(), &prediction_rows, &study_rows, &findings, &parts);
     run.file("report.html", report.as_bytes())?;
     clock.lap("report");
 
-    say(&run, &machine, &prediction, &prediction_rows, &study_rows, &findings);
+    say(&run, &machine, &prediction, &prediction_rows, &study_rows, &findings, options.joints);
+    if let Some((hours, point)) = parts.last() {
+        run.say(&format!("\nafter {hours:.0} h, {}", super::causes::say(point)));
+    }
     let last = &prediction_rows[prediction_rows.len() - 1];
     run.finish(json!({
         "ratio": machine.kinematics().ratio(),
+        "joints": options.joints.word(),
         "hours_to_limit": prediction.hours_to_limit,
         "hours_to_limit_searched": prediction.searched_hours,
         "hours_to_limit_paper_study": study.hours_to_limit,
@@ -107,6 +125,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         "play_arcmin": last.play_arcmin,
         "lost_motion_arcmin": last.lost_motion_arcmin,
         "te_loaded_arcmin": last.te_loaded_arcmin,
+        "lost_motion_causes": parts.last().map(|(_, point)| super::causes::summary(point)),
         "max_force_n": last.max_force_n,
         "max_pressure_mpa": last.max_pressure_mpa,
         "loaded_pairs": last.loaded_pairs,
@@ -290,6 +309,7 @@ fn render(
     prediction_rows: &[LifeRow],
     study_rows: &[LifeRow],
     findings: &[checks::Finding],
+    parts: &[(f64, &PartsPoint)],
 ) -> String {
     // New, four stations on the way, and the end: as many curves as a reader can tell apart.
     let intervals = prediction.points.len() - 1;
@@ -328,14 +348,14 @@ fn render(
         ste_starts: simulated.map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
         findings,
         advice: Vec::new(),
-        more: Vec::new(),
+        more: if parts.is_empty() { Vec::new() } else { vec![super::causes::section(parts)] },
     }
     .page()
     .render()
 }
 
 /// The terminal's table: a handful of rows of the prediction, the study, the verdict.
-fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], study: &[LifeRow], findings: &[checks::Finding]) {
+fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], study: &[LifeRow], findings: &[checks::Finding], joints: Joints) {
     run.say(&format!("{}: accuracy over {:.0} h, wear coupled to the load", machine.name, machine.limits.service_life / HOUR));
     run.say("   hours   depth µm   play '   lost motion '   loaded TE '   max force N   pairs");
     let intervals = rows.len() - 1;
@@ -359,9 +379,10 @@ fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], 
         run.say(&format!("{:8.0} {:10.1} {:8.3} {} {}", row.hours, row.max_depth_um, row.play_arcmin, pair(row.ste_rigid), pair(row.dte_rigid)));
     }
     let limit = machine.limits.lost_motion / ARCMIN;
+    let whose = if joints == Joints::Ideal { "contacts" } else { "machine" };
     run.say(&match prediction.hours_to_limit {
-        Some(hours) => format!("\nlost motion of the contacts reaches its limit of {limit:.2}' after {hours:.0} h"),
-        None => format!("\nlost motion of the contacts stays below its limit of {limit:.2}' for {:.0} h at least", prediction.searched_hours),
+        Some(hours) => format!("\nlost motion of the {whose} reaches its limit of {limit:.2}' after {hours:.0} h"),
+        None => format!("\nlost motion of the {whose} stays below its limit of {limit:.2}' for {:.0} h at least", prediction.searched_hours),
     });
     let count = |severity: Severity| findings.iter().filter(|finding| finding.severity == severity).count();
     if count(Severity::Error) + count(Severity::Warning) > 0 {

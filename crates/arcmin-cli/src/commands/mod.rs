@@ -3,7 +3,9 @@
 use crate::failure::Failure;
 use crate::run::Verdict;
 
+mod causes;
 mod elastic;
+mod joints;
 
 macro_rules! commands {
     ($($(#[doc = $doc:literal])* $Name:ident => $module:ident,)*) => {

@@ -14,6 +14,7 @@ use arcmin::wear::{CoupledOptions, CoupledWear};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::joints::Joints;
 use crate::failure::Failure;
 use crate::run::{Common, Run, Table, Verdict, write_file};
 
@@ -115,14 +116,6 @@ enum Model {
     Rigid,
     /// Elastic discs: finite elements reduced to modes and flank compliances.
     Flexible,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Joints {
-    /// Without clearance and compliance.
-    Ideal,
-    /// Every body free in its bearings.
-    Bearings,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]

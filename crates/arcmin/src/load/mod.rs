@@ -7,6 +7,7 @@ pub mod closed_form;
 mod cycle;
 mod equilibrium;
 mod flexible;
+mod share;
 
 pub use cycle::{Cycle, FlankForce, HarmonicError};
 #[cfg(test)]
@@ -14,3 +15,4 @@ mod tests;
 
 pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing};
 pub use flexible::FlexibleMeshing;
+pub use share::{ShareLoad, lost_motion};

@@ -10,12 +10,14 @@ mod deposit;
 mod exposure;
 mod film;
 pub mod paper;
+pub mod parts;
 mod smoothing;
 
 pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
 pub use deposit::FlankArc;
 pub use exposure::Exposure;
 pub use film::film_ratio;
+pub use parts::PartLoads;
 
 #[cfg(test)]
 mod tests;
