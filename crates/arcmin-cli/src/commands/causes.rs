@@ -2,7 +2,7 @@
 
 use arcmin::dynamics::Cause;
 use arcmin::life::PartsPoint;
-use arcmin::report::{Block, Section, Tone, bench};
+use arcmin::report::{Block, Section, Shares, Tone, bench};
 use arcmin::units::{ARCMIN, UM};
 use serde_json::{Map, Value, json};
 
@@ -52,6 +52,24 @@ pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
          at ±3 % of rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in the displacements, manufacturing errors."
     );
     Section::new("causes", "Lost motion of the whole machine", vec![bench::lost_motion_causes(&series), Block::Note(Tone::Neutral, note)])
+}
+
+/// For the report of one state: which cause gives how much.
+pub fn shares(hours: f64, point: &PartsPoint) -> Section {
+    let split = &point.lost_motion;
+    let rows =
+        Cause::ALL.into_iter().map(|cause| (cause.name().to_owned(), split.of(cause) / ARCMIN, String::new())).filter(|row| row.1 > 1e-4).collect();
+    let note = format!(
+        "After {hours:.0} h, friction aside, mean over a turn of the crankshafts. Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second \
+         order in the displacements, manufacturing errors).",
+        split.whole / ARCMIN,
+        split.residual() / ARCMIN
+    );
+    Section::new(
+        "causes",
+        "Lost motion by cause",
+        vec![Block::Shares(Shares { title: "Which cause gives how much".into(), unit: "arcmin".into(), rows, note })],
+    )
 }
 
 /// For the terminal.

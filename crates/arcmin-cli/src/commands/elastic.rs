@@ -2,7 +2,9 @@ use std::path::{Path, PathBuf};
 
 use arcmin::dynamics::FlexibleOptions;
 use arcmin::fem::{BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc};
-use arcmin::machine::Machine;
+use arcmin::geometry::Relief;
+use arcmin::machine::{CrankAngle, Machine};
+use arcmin::report::Section;
 
 use crate::failure::Failure;
 use crate::run::write_file;
@@ -79,4 +81,14 @@ pub fn discs(machine: &Machine, options: &Options, directory: &Path) -> Result<F
         write_file(&path, &reduced.to_bytes(&key))?;
         Ok(reduced)
     })
+}
+
+/// The section of a report about the disc: mesh and shape under rated torque.
+pub fn section(machine: &Machine, options: &Options, discs: FlexibleDiscs) -> Result<Section, Failure> {
+    let shape = DiscShape::of(machine, 0);
+    let model = DiscModel::new(shape.clone(), options.settings(&shape)).map_err(Failure::compute("mesh the elastic disc"))?;
+    let frequencies = discs.reduced(0).frequencies();
+    let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs);
+    let sharing = meshing.load_sharing(CrankAngle::from_radians(0.0), machine.rated.torque).map_err(Failure::compute("load the elastic disc"))?;
+    Ok(arcmin::report::elastic::section(machine, &model, &frequencies, &sharing))
 }

@@ -2,15 +2,14 @@ use std::time::Instant;
 
 use arcmin::checks::{self, Severity};
 use arcmin::dynamics::{
-    DynamicsError, FlexibleJoints, OutputLoad, Run as Motion, RunResult, StudySettings, TransmissionErrorStudy, transmission_error_study,
+    DynamicsError, RunResult, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, transmission_error_study,
 };
 use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_with};
 use arcmin::machine::Machine;
-use arcmin::report::Provenance;
+use arcmin::report::{Provenance, Section};
 use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
 use arcmin::units::{ARCMIN, DEG, HOUR, MPA, UM};
 use arcmin::wear::WearError;
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::joints::{Joints, bearing_meshing};
@@ -36,7 +35,7 @@ pub struct Options {
     /// Leave out the multibody runs (STE and DTE).
     #[arg(long)]
     quasi_static: bool,
-    /// Add the static transmission error with elastic discs (finite elements) at every wear level: about half a minute.
+    /// Add the static and the dynamic transmission error with elastic discs (finite elements) at every wear level: some ten seconds.
     #[arg(long, conflicts_with = "quasi_static")]
     flexible: bool,
     /// Joints of the prediction; the study of Tao2024 keeps ideal joints.
@@ -89,11 +88,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     }
 
     let prediction_rows: Vec<LifeRow> = prediction.points.iter().map(|point| row(point, None)).collect();
-    let study_rows: Vec<LifeRow> =
-        study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect::<Vec<_>>();
-    let mut study_rows = study_rows;
-    for (row, result) in study_rows.iter_mut().zip(elastic.iter().flatten()) {
-        row.ste_flexible = mean_and_max(result);
+    let mut study_rows: Vec<LifeRow> =
+        study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect();
+    for (row, point) in study_rows.iter_mut().zip(elastic.iter().flat_map(|(study, _)| &study.points)) {
+        (row.ste_flexible, row.dte_flexible) = (mean_and_max(&point.no_load), mean_and_max(&point.loaded));
     }
     run.table("life.csv", table(&study_rows, &study.points))?;
     run.table("life_coupled.csv", table(&prediction_rows, &prediction.points))?;
@@ -103,7 +101,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         run.table("lost_motion_causes.csv", super::causes::table(parts.iter().copied()))?;
     }
     let design_name = options.common.design.display().to_string();
-    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_deref(), &prediction_rows, &study_rows, &findings, &parts);
+    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts);
     run.file("report.html", report.as_bytes())?;
     clock.lap("report");
 
@@ -152,30 +150,18 @@ fn simulate(run: &Run, machine: &Machine, study: &PaperStudy) -> Result<Transmis
     })
 }
 
-/// The unloaded run with elastic discs at every level of the study, in parallel.
-fn simulate_elastic(run: &Run, options: &Options, machine: &Machine, study: &PaperStudy) -> Result<Vec<RunResult>, Failure> {
-    let settings = StudySettings::tao2024(machine);
+/// The same runs with elastic discs, and the section of the report about the disc.
+fn simulate_elastic(run: &Run, options: &Options, machine: &Machine, study: &PaperStudy) -> Result<(TransmissionErrorStudy, Section), Failure> {
+    run.progress().report("reducing the discs", 0.0);
     let discs = super::elastic::discs(machine, &options.elastic, &run.path("."))?;
-    let results: Result<Vec<RunResult>, DynamicsError> = study
-        .points
-        .par_iter()
-        .map(|point| {
-            let (drive, elastic) = (settings.drive.clone(), options.elastic.dynamics());
-            let model = FlexibleJoints::new(machine, discs.clone(), &point.flank, drive, OutputLoad::None, settings.drag, elastic)?;
-            let mut motion = Motion::new(&model, settings.plan)?;
-            while !motion.is_finished() {
-                if run.progress().is_cancelled() {
-                    return Err(DynamicsError::Cancelled { time: motion.time() });
-                }
-                motion.proceed(500)?;
-            }
-            Ok(motion.result())
-        })
-        .collect();
-    results.map_err(|error| match error {
+    let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();
+    let settings = StudySettings { perturbed_starts: 0, ..StudySettings::tao2024(machine) };
+    let result = flexible_transmission_error_study(machine, &discs, options.elastic.dynamics(), &wear, &settings, run.progress());
+    let study = result.map_err(|error| match error {
         DynamicsError::Cancelled { .. } => Failure::Cancelled,
         error => Failure::compute("simulate the elastic discs")(error),
-    })
+    })?;
+    Ok((study, super::elastic::section(machine, &options.elastic, discs)?))
 }
 
 fn mean_and_max(result: &RunResult) -> Option<MeanAndMax> {
@@ -196,6 +182,7 @@ fn row(point: &LifePoint, simulated: Option<&arcmin::dynamics::StudyPoint>) -> L
         ste_rigid: simulated.and_then(|s| mean_and_max(&s.no_load)),
         dte_rigid: simulated.and_then(|s| mean_and_max(&s.loaded)),
         ste_flexible: None,
+        dte_flexible: None,
     }
 }
 
@@ -213,6 +200,8 @@ fn table(rows: &[LifeRow], points: &[LifePoint]) -> Table {
         "ste_flexible_mean_arcmin",
         "ste_flexible_max_arcmin",
         "lost_motion_arcmin",
+        "dte_flexible_mean_arcmin",
+        "dte_flexible_max_arcmin",
         "free_travel_arcmin",
         "te_loaded_peak_to_peak_arcmin",
         "max_depth_at_deg",
@@ -235,6 +224,8 @@ fn table(rows: &[LifeRow], points: &[LifePoint]) -> Table {
             cell(row.ste_flexible.map(|te| te.mean_arcmin)),
             cell(row.ste_flexible.map(|te| te.max_arcmin)),
             cell(row.lost_motion_arcmin),
+            cell(row.dte_flexible.map(|te| te.mean_arcmin)),
+            cell(row.dte_flexible.map(|te| te.max_arcmin)),
             point.free_travel.arcmin().into(),
             point.loaded_peak_to_peak.arcmin().into(),
             (point.max_depth_at.abs() / DEG).into(),
@@ -305,7 +296,7 @@ fn render(
     prediction: &Prediction,
     study: &PaperStudy,
     simulated: Option<&TransmissionErrorStudy>,
-    elastic: Option<&[RunResult]>,
+    elastic: Option<&(TransmissionErrorStudy, Section)>,
     prediction_rows: &[LifeRow],
     study_rows: &[LifeRow],
     findings: &[checks::Finding],
@@ -323,7 +314,10 @@ fn render(
     let trace = |pick: fn(&arcmin::dynamics::StudyPoint) -> &RunResult| {
         simulated.and_then(|s| Trace::new(pick(&s.points[level]), study.points[level].max_depth / UM))
     };
-    let flexible = elastic.and_then(|runs| Trace::new(&runs[level], study.points[level].max_depth / UM));
+    let flexible = |pick: fn(&arcmin::dynamics::StudyPoint) -> &RunResult| {
+        elastic.and_then(|(s, _)| Trace::new(pick(&s.points[level]), study.points[level].max_depth / UM))
+    };
+    let (flexible_ste, flexible_dte) = (flexible(|point| &point.no_load), flexible(|point| &point.loaded));
     let (ste, dte) = (trace(|point| &point.no_load), trace(|point| &point.loaded));
     LifePage {
         machine,
@@ -344,11 +338,12 @@ fn render(
         study_coefficient_per_pa: study.wear.exposure.coefficient,
         ste_rigid_run: ste.as_ref().map(Trace::lend),
         dte_rigid_run: dte.as_ref().map(Trace::lend),
-        ste_flexible_run: flexible.as_ref().map(Trace::lend),
+        ste_flexible_run: flexible_ste.as_ref().map(Trace::lend),
+        dte_flexible_run: flexible_dte.as_ref().map(Trace::lend),
         ste_starts: simulated.map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
         findings,
         advice: Vec::new(),
-        more: if parts.is_empty() { Vec::new() } else { vec![super::causes::section(parts)] },
+        more: (!parts.is_empty()).then(|| super::causes::section(parts)).into_iter().chain(elastic.iter().map(|(_, section)| section.clone())).collect(),
     }
     .page()
     .render()
@@ -373,10 +368,13 @@ fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], 
         ));
     }
     run.say("\nstudy of Tao2024 (uniform depth)");
-    run.say("   hours   depth µm   play '   STE mean/max '   DTE mean/max '");
+    let elastic = study.iter().any(|row| row.ste_flexible.is_some());
+    let heading = "   hours   depth µm   play '   STE mean/max '   DTE mean/max '";
+    run.say(&format!("{heading}{}", if elastic { "  elastic: STE           DTE" } else { "" }));
     for row in study {
         let pair = |te: Option<MeanAndMax>| te.map_or("        –       ".to_owned(), |te| format!("{:7.3}/{:<8.3}", te.mean_arcmin, te.max_arcmin));
-        run.say(&format!("{:8.0} {:10.1} {:8.3} {} {}", row.hours, row.max_depth_um, row.play_arcmin, pair(row.ste_rigid), pair(row.dte_rigid)));
+        let rigid = format!("{:8.0} {:10.1} {:8.3} {} {}", row.hours, row.max_depth_um, row.play_arcmin, pair(row.ste_rigid), pair(row.dte_rigid));
+        run.say(&if elastic { format!("{rigid} {} {}", pair(row.ste_flexible), pair(row.dte_flexible)) } else { rigid });
     }
     let limit = machine.limits.lost_motion / ARCMIN;
     let whose = if joints == Joints::Ideal { "contacts" } else { "machine" };

@@ -9,8 +9,8 @@ use arcmin::rig::{
     ASSUMED_FRICTION, Branch, LoopPoint, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop, hysteresis_loop, name_orders, running_torques,
     stiffness_split, transmission_error_curves,
 };
-use arcmin::units::{ARCMIN, DEG, HOUR};
-use arcmin::wear::{CoupledOptions, CoupledWear};
+use arcmin::units::{ARCMIN, DEG};
+use arcmin::life::{PartsPoint, lost_motion_causes, worn_settings};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -22,7 +22,7 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   (mid-points at ± 3 %), backlash (width at zero torque), torsional stiffness (50–100 % of rated torque); then one output turn in both \
                   directions, held lightly and at rated torque; efficiency, running torques, bearing loads and lives.\n\n\
                   hysteresis.csv: torque_n_m, angle_arcmin, branch. spectrum.csv: order, amplitude_arcmin (rated torque, forward).\n\
-                  te.csv: output_angle_deg, te_arcmin, direction, torque_n_m. stiffness.csv, bearings.csv, efficiency.csv.\n\n\
+                  te.csv: output_angle_deg, te_arcmin, direction, torque_n_m. stiffness.csv, bearings.csv, efficiency.csv, lost_motion_causes.csv.\n\n\
                   A design without friction is tested with assumed coefficients, and the run says so; --frictionless switches that off.",
     after_help = "Examples:\n  arcmin rig my-reducer.toml\n  arcmin rig my-reducer.toml --hours 2000\n  arcmin rig my-reducer.toml --measured loop.csv"
 )]
@@ -56,9 +56,22 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     }
     let new = test(&run, &machine, &JointSettings::default(), 0.0, &options)?;
     let worn = match options.hours {
-        Some(hours) if hours > 0.0 => Some(test(&run, &machine, &worn_surfaces(&machine, hours)?, hours, &options)?),
+        Some(hours) if hours > 0.0 => {
+            let settings = worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?;
+            let causes = lost_motion_causes(&machine, &settings).map_err(Failure::compute("split the lost motion"))?;
+            Some((test(&run, &machine, &settings, hours, &options)?, causes))
+        }
         _ => None,
     };
+    let new_causes = lost_motion_causes(&machine, &JointSettings::default()).map_err(Failure::compute("split the lost motion"))?;
+    let (worn, worn_causes) = worn.unzip();
+    let causes: Vec<(f64, &PartsPoint)> = [(0.0, new_causes.as_ref()), (options.hours.unwrap_or(0.0), worn_causes.as_ref().and_then(Option::as_ref))]
+        .into_iter()
+        .filter_map(|(hours, point)| Some((hours, point?)))
+        .collect();
+    if !causes.is_empty() {
+        run.table("lost_motion_causes.csv", super::causes::table(causes.iter().copied()))?;
+    }
     let state = worn.as_ref().unwrap_or(&new);
     let measured = options.measured.as_deref().map(read_loop).transpose()?;
     let measured_figures =
@@ -77,7 +90,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         measured: measured.as_deref().zip(measured_figures),
         friction_assumed: assumed,
     };
-    run.file("report.html", page.page().render().as_bytes())?;
+    let mut page = page.page();
+    if let Some((hours, point)) = causes.last() {
+        page.sections.insert(1, super::causes::shares(*hours, point));
+    }
+    run.file("report.html", page.render().as_bytes())?;
     let figure = |state: &RigState| {
         json!({
             "hours": state.hours,
@@ -111,8 +128,12 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             json!({ "lost_motion_arcmin": m.lost_motion / ARCMIN, "backlash_arcmin": m.backlash / ARCMIN, "stiffness_nm_per_arcmin": m.stiffness * ARCMIN }),
         );
     }
+    summary.insert("lost_motion_causes".to_owned(), causes.last().map_or(Value::Null, |(_, point)| super::causes::summary(point)));
     summary.insert("wall_s".to_owned(), json!(started.elapsed().as_secs_f64()));
     run.say(&terminal_table(&new, worn.as_ref(), measured_figures.as_ref()));
+    if let Some((_, point)) = causes.last() {
+        run.say(&format!("{}, friction aside", super::causes::say(point)));
+    }
     run.finish(Value::Object(summary))?;
     Ok(Verdict::Fine)
 }
@@ -129,16 +150,6 @@ fn assume_friction(machine: &mut Machine, frictionless: bool) -> bool {
         machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..ASSUMED_FRICTION };
     }
     none
-}
-
-fn worn_surfaces(machine: &Machine, hours: f64) -> Result<JointSettings, Failure> {
-    let failure = || Failure::compute("compute the wear");
-    let settings = CoupledOptions::default();
-    let exposure = machine.coupled_exposure(settings).map_err(failure())?;
-    let mut wear = CoupledWear::new(machine, settings);
-    wear.advance_to(exposure.at(hours * HOUR)).map_err(failure())?;
-    let state = wear.state();
-    Ok(JointSettings { flank_wear: state.flank_seen_by_contact().clone(), pin_wear: state.pin_seen_by_contact().clone(), ..JointSettings::default() })
 }
 
 /// All tests of one state of the machine.

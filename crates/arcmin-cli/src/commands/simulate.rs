@@ -10,6 +10,7 @@ use arcmin::dynamics::{
 use arcmin::geometry::Relief;
 use arcmin::machine::Machine;
 use arcmin::units::{ARCMIN, DEG, HOUR, UM};
+use arcmin::life::worn_settings;
 use arcmin::wear::{CoupledOptions, CoupledWear};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -188,7 +189,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     match (options.model, options.joints) {
         (Model::Rigid, Joints::Bearings) => {
             let pin_wear = worn.pin.clone().unwrap_or_else(|| Relief::uniform(0.0));
-            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear, ..JointSettings::default() };
+            let part_wear = match options.hours {
+                Some(hours) if machine.wear.parts.any() => worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?.part_wear,
+                _ => arcmin::machine::PartWear::default(),
+            };
+            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear, part_wear, ..JointSettings::default() };
             let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
             execute(run, &options, &model, model.output_index(), plan, unloaded, &worn)
         }

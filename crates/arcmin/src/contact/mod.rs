@@ -2,6 +2,8 @@
 
 mod law;
 mod ring;
+mod rolling;
 
 pub use law::{ContactForce, ContactLaw, Damping, LineContact};
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, Sliding, TOLERABLE_DEPTH};
+pub use rolling::Rolling;

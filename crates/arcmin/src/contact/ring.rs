@@ -76,8 +76,6 @@ pub struct PinContact {
     pub gradient: [f64; 3],
     /// Displacement of the disc's point of contact along the flank, per (x, y, θ).
     pub along: [f64; 3],
-    /// e(φ) of the meshing angle at the foot.
-    meshing_unit: Vec2,
 }
 
 /// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
@@ -200,12 +198,24 @@ impl PinContacts {
         self.contact.damping = damping;
     }
 
-    /// Whether reactions include the force that makes the line contact conservative, which carries some 2.5e-4 of the rated torque; not at first.
-    ///
-    /// The energy U(δ, R_eq) of a line contact falls with sharper curvature. Rolling to another curvature therefore takes or gives work:
-    /// a force −∂U/∂R_eq · dR_eq/ds along the flank through the pin centre, without which a mechanism gains or loses energy every turn.
+    /// Whether reactions include what makes them the gradient of the stored energy ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at
+    /// first. Without it a mechanism gains or loses energy every turn.
     pub fn set_conservative(&mut self, conservative: bool) {
-        self.conservative = conservative && self.contact.energy_by_log_radius(1.0) > 0.0;
+        self.conservative = conservative;
+    }
+
+    pub(super) fn flank_error(&self) -> Option<&FlankError> {
+        self.flank_error.as_ref()
+    }
+
+    pub(super) fn pin_relief(&self) -> Option<&Relief> {
+        self.pin_relief.as_ref()
+    }
+
+    /// ψ in rad: from the pin's own place on the ring to the flank normal.
+    pub(super) fn pin_angle(&self, contact: &PinContact) -> f64 {
+        let place = self.directions[contact.pin];
+        cross(place, contact.normal).atan2(place.dot(&contact.normal))
     }
 
     pub(crate) fn sliding(&self) -> Option<&Sliding> {
@@ -238,11 +248,13 @@ impl PinContacts {
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         let mut reaction = Reaction::default();
+        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || self.pin_relief.is_some() || self.flank_error.is_some();
         self.visit(pose, velocity, false, |contact| {
             let radius = self.pins[contact.pin].radius;
             reaction.add(contact, velocity, radius, self.sliding.as_ref());
-            if self.conservative && contact.force > 0.0 {
-                reaction.add_rolling(contact, radius, self.rolling_force(contact, radius));
+            if self.conservative && contact.elastic > 0.0 && rolls {
+                // Its tangents are left out: it is 1e-4 of the contact force.
+                reaction.force.iter_mut().zip(self.rolling_force(contact)).for_each(|(sum, force)| *sum += force);
             }
         });
         reaction
@@ -276,36 +288,6 @@ impl PinContacts {
             }
             visit(&self.contact_of(index, arm, p, tau0, e, ez, rotation, velocity));
         }
-    }
-
-    /// −∂U/∂R_eq · dR_eq/ds in N, towards rising τ, for the closest point moving along the flank.
-    #[inline]
-    fn rolling_force(&self, contact: &PinContact, radius: f64) -> f64 {
-        let profile = &self.profile;
-        let (cos, sin) = (contact.meshing_unit.x, contact.meshing_unit.y);
-        let lobes = profile.lobe_count() as f64;
-        // dκ/ds of the flank from the closed form of the trace's curvature; s rises with τ, φ falls.
-        let s2 = profile.speed_factor(cos).powi(2);
-        let k1 = profile.short_width_coefficient();
-        let z = profile.pin_count as f64;
-        let trace = profile.trace_curvature(cos);
-        let speed = profile.pin_circle_radius * s2.sqrt();
-        let by_angle = -k1 * sin * ((1.0 + z) / (profile.pin_circle_radius * s2 * s2.sqrt()) + 3.0 * trace / s2);
-        let stretch = 1.0 + profile.pin_radius * trace;
-        let mut slope = -lobes * by_angle / (speed * stretch.powi(3));
-        if !self.relief.is_uniform() {
-            // What the worn flank adds to the curvature, −w_ss, changes as well.
-            let step = 1e-3;
-            let bend = |phi: f64| {
-                let length = profile.flank_length_per_meshing_angle(phi.cos());
-                self.relief.at(crate::units::wrap_angle(phi)).bend / (length * length)
-            };
-            let length = profile.flank_length_per_meshing_angle(cos);
-            slope += (bend(contact.meshing_angle + step) - bend(contact.meshing_angle - step)) / (2.0 * step * length);
-        }
-        // d(ln R)/ds = R dκ/ds; the closest point moves by −1/(1 − κ D) of the disc's displacement along the flank.
-        let reach = 1.0 - contact.flank_curvature * (contact.gap + radius);
-        self.contact.energy_by_log_radius(contact.elastic) * slope / contact.relative_curvature / reach
     }
 
     /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the curvature can take back.
@@ -370,7 +352,6 @@ impl PinContacts {
             relative_curvature,
             gradient,
             along,
-            meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
         }
     }
 }
@@ -384,15 +365,6 @@ impl Sliding {
 }
 
 impl Reaction {
-    /// Adds a force along the flank with its line through the pin centre. Its tangents are left out: it is 1e-5 of the contact force.
-    #[inline]
-    fn add_rolling(&mut self, contact: &PinContact, radius: f64, force: f64) {
-        // At the pin centre the disc's point moves by `radius` per turn more than at the contact.
-        for (sum, along) in self.force.iter_mut().zip([contact.along[0], contact.along[1], contact.along[2] + radius]) {
-            *sum += force * along;
-        }
-    }
-
     /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included:
     /// ∂²g/∂q² = −κ/(1 − κ D) T Tᵀ plus the turning of the arm, with T = (t_x, t_y, t·(k × arm)).
     #[inline]

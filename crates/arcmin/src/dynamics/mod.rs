@@ -28,6 +28,9 @@ pub use reducer::{ForceSummary, Reducer};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use spectrum::{SpectrumLine, order_spectrum};
 pub use statistics::{ErrorIntegrals, ErrorStatistics};
-pub use study::{StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, simulate_rigid, spread_over_starts, transmission_error_study};
+pub use study::{
+    StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, simulate_rigid, spread_over_starts,
+    transmission_error_study,
+};
 pub use system::{Balance, DenseLinearisation, Linearisation, Singular, System, Weights};
 pub use table::TimeTable;

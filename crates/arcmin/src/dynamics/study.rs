@@ -2,13 +2,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Drive, DynamicsError, ErrorStatistics, IdealJoints, OutputLoad, Reducer, Run, RunPlan, RunResult};
+use super::{Drive, DynamicsError, ErrorStatistics, FlexibleJoints, FlexibleOptions, IdealJoints, OutputLoad, Reducer, Run, RunPlan, RunResult};
+use crate::fem::FlexibleDiscs;
 use crate::geometry::Relief;
 use crate::machine::Machine;
 use crate::progress::Progress;
 use crate::units::ARCMIN;
 
-/// Static and dynamic transmission error of the rigid model over a list of wear states.
+/// Static and dynamic transmission error of one model over a list of wear states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransmissionErrorStudy {
     pub points: Vec<StudyPoint>,
@@ -127,13 +128,39 @@ pub fn transmission_error_study(
     settings: &StudySettings,
     progress: &dyn Progress,
 ) -> Result<TransmissionErrorStudy, DynamicsError> {
+    study(wear, settings, progress, |wear, load| IdealJoints::new(machine, wear, settings.drive.clone(), load, settings.drag))
+}
+
+/// [`transmission_error_study`] with elastic discs.
+///
+/// # Errors
+/// As there, and of [`FlexibleJoints::new`].
+pub fn flexible_transmission_error_study(
+    machine: &Machine,
+    discs: &FlexibleDiscs,
+    options: FlexibleOptions,
+    wear: &[Relief],
+    settings: &StudySettings,
+    progress: &dyn Progress,
+) -> Result<TransmissionErrorStudy, DynamicsError> {
+    study(wear, settings, progress, |wear, load| {
+        FlexibleJoints::new(machine, discs.clone(), wear, settings.drive.clone(), load, settings.drag, options)
+    })
+}
+
+/// Two runs of a model of the ideal-joint kind, whose output is coordinate [`IdealJoints::OUTPUT`], at every wear state.
+fn study<M: Reducer + Sync>(
+    wear: &[Relief],
+    settings: &StudySettings,
+    progress: &dyn Progress,
+    model: impl Fn(&Relief, OutputLoad) -> Result<M, DynamicsError> + Sync,
+) -> Result<TransmissionErrorStudy, DynamicsError> {
     let (total, done) = (2 * wear.len(), AtomicUsize::new(0));
     let jobs: Vec<(usize, bool)> = (0..wear.len()).flat_map(|i| [(i, false), (i, true)]).collect();
     let mut results = jobs
         .into_par_iter()
         .map(|(i, loaded)| {
-            let load = if loaded { settings.load.clone() } else { OutputLoad::None };
-            let model = IdealJoints::new(machine, &wear[i], settings.drive.clone(), load, settings.drag)?;
+            let model = model(&wear[i], if loaded { settings.load.clone() } else { OutputLoad::None })?;
             let mut run = Run::new(&model, settings.plan)?;
             while !run.is_finished() {
                 if progress.is_cancelled() {

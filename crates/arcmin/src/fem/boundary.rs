@@ -134,6 +134,14 @@ impl FlankArc {
         lobe * self.lobe_length() + self.length[i] + (x - i as f64) * (self.length[i + 1] - self.length[i])
     }
 
+    /// Derivative of [`FlankArc::arc`], as tabulated: constant within a cell.
+    pub fn rate(&self, tau: f64) -> f64 {
+        let cells = (self.length.len() - 1) as f64;
+        let i = ((tau / self.pitch).rem_euclid(1.0) * cells) as usize;
+        let i = i.min(self.length.len() - 2);
+        (self.length[i + 1] - self.length[i]) * cells / self.pitch
+    }
+
     /// τ at a length from the root τ = 0, for any length.
     pub fn parameter(&self, arc: f64) -> f64 {
         let lobe = (arc / self.lobe_length()).floor();

@@ -64,6 +64,13 @@ impl FlexibleDiscs {
         reduced.stations.stencil(tau + turn)
     }
 
+    /// As [`FlexibleDiscs::stencil`], for derivatives with respect to τ.
+    #[inline]
+    pub fn slope_stencil(&self, disc: usize, tau: f64) -> Stencil {
+        let (reduced, turn) = &self.discs[disc];
+        reduced.stations.slope_stencil(tau + turn)
+    }
+
     /// The machine's contact law with the disc's own approach read at the reduction's depth.
     pub fn line_contact(&self, machine: &Machine) -> LineContact {
         let depth = self.discs.first().map_or(2.0 * machine.ring.pin_radius, |(reduced, _)| reduced.reading_depth);

@@ -71,8 +71,8 @@ impl DiscModel {
     }
 
     pub(super) fn surface(&self) -> FlankSurface<'_> {
-        // A patch of one element to either side; its width stays well below the reading depth.
-        FlankSurface::new(&self.mesh, &self.shape.profile, self.settings.sizes.flank.min(0.5 * self.settings.reading_depth))
+        // Well below the reading depth, about an element to either side.
+        FlankSurface::new(&self.mesh, &self.shape.profile, 0.5 * self.settings.reading_depth)
     }
 
     /// Lowest modes with the interface held.

@@ -53,14 +53,32 @@ impl FlankStations {
         let x = self.arc.arc(tau) / self.spacing();
         Stencil { stations: spline_weights(x, self.count()), lobe: spline_weights(x * LOBE_REFINEMENT as f64, self.per_lobe * LOBE_REFINEMENT) }
     }
+
+    /// The stencil that gives derivatives with respect to τ.
+    pub fn slope_stencil(&self, tau: f64) -> Stencil {
+        let x = self.arc.arc(tau) / self.spacing();
+        let rate = self.arc.rate(tau) / self.spacing();
+        let finer = LOBE_REFINEMENT as f64;
+        Stencil { stations: spline_slopes(x, self.count(), rate), lobe: spline_slopes(x * finer, self.per_lobe * LOBE_REFINEMENT, rate * finer) }
+    }
 }
 
 /// Cubic B-spline weights at x on a periodic grid of `count` cells of unit length.
 fn spline_weights(x: f64, count: usize) -> [(usize, f64); 4] {
+    at_stations(x, count, |t, u| [u * u * u / 6.0, (4.0 - 3.0 * t * t * (2.0 - t)) / 6.0, (4.0 - 3.0 * u * u * (2.0 - u)) / 6.0, t * t * t / 6.0])
+}
+
+/// Their derivatives with respect to x, times `rate`.
+fn spline_slopes(x: f64, count: usize, rate: f64) -> [(usize, f64); 4] {
+    at_stations(x, count, |t, u| [-0.5 * rate * u * u, rate * t * (1.5 * t - 2.0), -rate * u * (1.5 * u - 2.0), 0.5 * rate * t * t])
+}
+
+/// Four neighbours of x with weights from its place t = 1 − u in the cell.
+#[inline]
+fn at_stations(x: f64, count: usize, weights: impl Fn(f64, f64) -> [f64; 4]) -> [(usize, f64); 4] {
     let cell = x.floor();
     let t = x - cell;
-    let u = 1.0 - t;
-    let weights = [u * u * u / 6.0, (4.0 - 3.0 * t * t * (2.0 - t)) / 6.0, (4.0 - 3.0 * u * u * (2.0 - u)) / 6.0, t * t * t / 6.0];
+    let weights = weights(t, 1.0 - t);
     let mut index = (cell as isize - 1).rem_euclid(count as isize) as usize;
     weights.map(|weight| {
         let here = index;

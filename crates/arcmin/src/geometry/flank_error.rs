@@ -20,6 +20,11 @@ impl FlankError {
         self.harmonics.iter().map(|h| h.amplitude * (h.order as f64 * (tau - h.phase)).cos()).sum()
     }
 
+    /// Its derivative in m/rad.
+    pub fn slope(&self, tau: f64) -> f64 {
+        self.harmonics.iter().map(|h| -h.amplitude * h.order as f64 * (h.order as f64 * (tau - h.phase)).sin()).sum()
+    }
+
     /// A bound from below in m.
     pub fn shallowest(&self) -> f64 {
         -self.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>()

@@ -93,6 +93,13 @@ impl Relief {
             bend: s * m0 + t * m1,
         }
     }
+
+    /// d³w/dφ³ in m/rad³, constant between two samples.
+    pub fn twist(&self, meshing_angle: f64) -> f64 {
+        let n = self.values.len();
+        let cell = (((meshing_angle + PI) / TAU * n as f64).max(0.0) as usize) % n;
+        (self.bends[(cell + 1) % n] - self.bends[cell]) * n as f64 / TAU
+    }
 }
 
 /// Second derivatives of the periodic cubic spline through equidistant values: m_{i−1} + 4 m_i + m_{i+1} = 6 Δ²y/h², solved by the

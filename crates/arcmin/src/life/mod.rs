@@ -2,7 +2,7 @@
 
 mod parts;
 
-pub use parts::{PartsFollower, PartsPoint};
+pub use parts::{PartsFollower, PartsPoint, lost_motion_causes, worn_settings};
 
 use crate::geometry::Relief;
 use crate::load::{Cycle, ShareLoad, lost_motion};

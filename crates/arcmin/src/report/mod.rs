@@ -40,6 +40,7 @@
 
 pub mod bench;
 mod drawing;
+pub mod elastic;
 mod html;
 pub mod life;
 mod plot;

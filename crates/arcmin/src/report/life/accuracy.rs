@@ -114,6 +114,7 @@ fn table(title: &str, rows: &[LifeRow]) -> Table {
         (Column::number("STE rigid, mean / max", "arcmin"), Box::new(move |row| pair(row.ste_rigid)), any(|row| row.ste_rigid.is_some())),
         (Column::number("DTE rigid, mean / max", "arcmin"), Box::new(move |row| pair(row.dte_rigid)), any(|row| row.dte_rigid.is_some())),
         (Column::number("STE flexible, mean / max", "arcmin"), Box::new(move |row| pair(row.ste_flexible)), any(|row| row.ste_flexible.is_some())),
+        (Column::number("DTE flexible, mean / max", "arcmin"), Box::new(move |row| pair(row.dte_flexible)), any(|row| row.dte_flexible.is_some())),
     ];
     let cells: Vec<Cell> = cells.into_iter().filter(|cell| cell.2).collect();
     Table {

@@ -39,6 +39,7 @@ pub struct LifeRow {
     pub ste_rigid: Option<MeanAndMax>,
     pub dte_rigid: Option<MeanAndMax>,
     pub ste_flexible: Option<MeanAndMax>,
+    pub dte_flexible: Option<MeanAndMax>,
 }
 
 /// Mean and maximum of |TE| over the steady part of a simulated run.
@@ -93,6 +94,7 @@ pub struct LifePage<'a> {
     pub ste_rigid_run: Option<RunTrace<'a>>,
     pub dte_rigid_run: Option<RunTrace<'a>>,
     pub ste_flexible_run: Option<RunTrace<'a>>,
+    pub dte_flexible_run: Option<RunTrace<'a>>,
     /// How the static runs depend on where in the play they start, at the points of the study; empty if not asked for.
     pub ste_starts: Vec<Option<&'a StartSpread>>,
     /// Verdicts on the design; those that are mere facts are not shown.

@@ -57,6 +57,7 @@ fn page_with(machine: &Machine, change: impl FnOnce(&mut LifePage)) -> Page {
         ste_rigid_run: None,
         dte_rigid_run: None,
         ste_flexible_run: None,
+        dte_flexible_run: None,
         findings: &findings,
         advice: Vec::new(),
         more: Vec::new(),

@@ -1,0 +1,86 @@
+//! The finite element disc against gmsh and CalculiX: `validation/CalculiX/make_reference.py` made the reference.
+
+use arcmin::fem::solve::{Cholesky, ModeRange, lowest_modes};
+use arcmin::fem::{BoreInterface, DiscElement, DiscModel, DiscShape, DofMap, FlankLoad, FlexibleSettings, MeshSizes, assembly};
+
+const REFERENCE: &str = include_str!("../../../validation/CalculiX/reference.csv");
+/// What two independent meshes may differ by.
+const TOLERANCE: f64 = 0.005;
+/// Loaded flank places of the reference: name, meshing angle in degrees, lobe.
+const LOADS: [(&str, f64, usize); 3] = [("lobe0", -60.0, 0), ("over_bore", -60.0, 10), ("other_flank", 100.0, 20)];
+
+fn reference(quantity: &str) -> f64 {
+    let row = REFERENCE.lines().find(|line| line.split(',').next() == Some(quantity)).unwrap_or_else(|| panic!("{quantity} is missing"));
+    row.split(',').nth(1).unwrap().parse().unwrap()
+}
+
+fn agree(quantity: &str, value: f64) {
+    let expected = reference(quantity);
+    println!("{quantity}: {value:.6e}, CalculiX {expected:.6e}, {:+.3} %", 100.0 * (value / expected - 1.0));
+    assert!((value / expected - 1.0).abs() < TOLERANCE, "{quantity}: {value:e}, CalculiX {expected:e}");
+}
+
+fn shape() -> DiscShape {
+    DiscShape::of(&arcmin::templates::rv_40e_81(), 0)
+}
+
+fn clamped() -> DiscModel {
+    let settings = FlexibleSettings { interface: BoreInterface::Common, ..FlexibleSettings::plane_stress(&shape()) };
+    DiscModel::new(shape(), settings).unwrap()
+}
+
+/// Displacements under a tooth load, and natural frequencies, with clamped bores.
+#[test]
+fn val_calculix_clamped_disc() {
+    let model = clamped();
+    for (k, frequency) in model.held_modes(ModeRange::Count(8)).unwrap().frequencies().iter().enumerate() {
+        agree(&format!("plane_clamped_{}", k + 1), *frequency);
+    }
+    let tau = |phi_deg: f64, lobe: usize| (std::f64::consts::TAU * lobe as f64 - phi_deg.to_radians()) / 39.0;
+    for (name, phi, lobe) in LOADS {
+        let unknowns = model.deflect(&[FlankLoad { tau: tau(phi, lobe), force: 1.0 }]);
+        let own = model.read_at_depth(&unknowns, tau(phi, lobe), model.settings.reading_depth).unwrap();
+        agree(&format!("plane_own_{name}"), own);
+        for (other, phi_other, lobe_other) in LOADS.into_iter().filter(|(other, ..)| *other != name) {
+            let quantity = format!("plane_cross_{name}_{other}");
+            let (cross, expected) = (model.read_surface(&unknowns, tau(phi_other, lobe_other)), reference(&quantity));
+            println!("{quantity}: {cross:.4e}, CalculiX {expected:.4e}");
+            // Hundreds of times smaller than the own displacement: what matters is the sum of all.
+            assert!((cross - expected).abs() < 1e-3 * own, "{quantity}: {cross:e} {expected:e}");
+        }
+    }
+    assert!((model.settings.reading_depth - 1e-3).abs() < 1e-12, "the reference is read at 1 mm");
+}
+
+/// Frequencies of the disc alone in space.
+fn free_frequencies(model: &DiscModel, count: usize) -> Vec<f64> {
+    let map = DofMap::new(&model.mesh, &[]);
+    let (stiffness, mass) = assembly::assemble(&model.mesh, &model.shape.material, &map).unwrap();
+    let sigma = (std::f64::consts::TAU * 1e3).powi(2);
+    let factor = Cholesky::new(&stiffness.shifted(sigma, &mass)).unwrap();
+    let frequencies = lowest_modes(&mass, &factor, sigma, ModeRange::Count(3 + count)).unwrap().frequencies();
+    assert!(frequencies[2] < 1.0, "three rigid motions: {frequencies:?}");
+    frequencies[3..].to_vec()
+}
+
+#[test]
+fn val_calculix_free_disc() {
+    for (k, frequency) in free_frequencies(&clamped(), 8).iter().enumerate() {
+        agree(&format!("plane_free_{}", k + 1), *frequency);
+    }
+}
+
+/// Tetrahedra through half the width, symmetric about the middle plane, on both sides.
+#[test]
+fn val_calculix_solid_disc() {
+    let sizes = MeshSizes { flank: 1.2e-3, flank_rows: 1, bore: 2.5e-3, hole: 3.5e-3, interior: 6e-3 };
+    let plane = FlexibleSettings::plane_stress(&shape());
+    let settings = FlexibleSettings { element: DiscElement::Solid { layers: 1 }, interface: BoreInterface::Common, sizes, ..plane };
+    let model = DiscModel::new(shape(), settings).unwrap();
+    for (k, frequency) in model.held_modes(ModeRange::Count(8)).unwrap().frequencies().iter().enumerate() {
+        agree(&format!("solid_clamped_{}", k + 1), *frequency);
+    }
+    for (k, frequency) in free_frequencies(&model, 8).iter().enumerate() {
+        agree(&format!("solid_free_{}", k + 1), *frequency);
+    }
+}
