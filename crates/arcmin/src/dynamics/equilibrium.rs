@@ -32,6 +32,9 @@ impl Default for EquilibriumControl {
     }
 }
 
+/// A full Newton step from a place accepted at a jump is shorter than this, in units of the system's scale.
+const NEAR_JUMP: f64 = 1e-2;
+
 /// Finds q with Q(q, 0, t) = 0 near `start`.
 ///
 /// Newton's method with a mass term that vanishes as the forces do (pseudo-transient continuation): (μ M + K) Δq = Q. Bodies that hang free
@@ -103,7 +106,7 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             trust = (2.0 * trust).min(control.trust);
         } else {
             trust = 0.25 * length.min(trust);
-            if trust < control.tolerance && mu == 0.0 && size <= control.jump_tolerance {
+            if trust < control.tolerance && length < NEAR_JUMP && mu < 1e-3 * natural && size <= control.jump_tolerance {
                 return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
             }
             mu = if mu == 0.0 { 0.0 } else { 2.0 * mu };
