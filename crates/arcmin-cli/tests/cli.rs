@@ -301,3 +301,66 @@ fn bearings_serve_load_sharing_wear_and_life() {
     let wrong = arcmin(directory.path(), &["contact", "d.toml", "--joints", "bearings", "--method", "closed-form"]);
     assert_eq!(wrong.status.code(), Some(2));
 }
+
+/// A bench run whose own tables are given back as measured finds its own figures, and draws them into the report.
+#[test]
+fn rig_evaluates_measured_curves_as_its_own() {
+    let directory = with_design();
+    let quick = ["rig", "d.toml", "--positions", "2", "--te-positions", "256", "--errors", "drawn", "--seed", "7"];
+    assert!(arcmin(directory.path(), &[&quick[..], &["--out", "a"]].concat()).status.success());
+    let measured = ["--measured", "a/hysteresis.csv", "--measured", "a/te.csv", "--out", "b"];
+    let (stdout, stderr) = texts(&arcmin(directory.path(), &[&quick[..], &measured].concat()));
+    assert!(stdout.contains("measured"), "{stdout}{stderr}");
+    let (a, b) = (summary(&directory.path().join("a")), summary(&directory.path().join("b")));
+    assert_eq!(a["errors"], serde_json::json!({ "source": "drawn", "seed": 7 }));
+    for key in ["lost_motion_arcmin", "backlash_arcmin", "stiffness_nm_per_arcmin"] {
+        let (own, read) = (a[key].as_f64().unwrap(), b["measured"][key].as_f64().unwrap());
+        assert!((own - read).abs() < 1e-9 * own, "{key}: {own} {read}");
+    }
+    assert_eq!(b["measured"]["transmission_error"].as_array().unwrap().len(), 4);
+    let mean = |s: &serde_json::Value| s[1]["mean_arcmin"].as_f64().unwrap();
+    assert!((mean(&a["transmission_error"]) - mean(&b["measured"]["transmission_error"])).abs() < 1e-9);
+    let page = std::fs::read_to_string(directory.path().join("b/report.html")).unwrap();
+    assert!(page.contains("Strongest orders, measured") && page.contains("seed 7"));
+    let errors = std::fs::read_to_string(directory.path().join("a/errors.csv")).unwrap();
+    assert!(errors.lines().count() > 120 && errors.contains("pin 40,tangential,"), "{errors}");
+    // Another seed is another machine.
+    let other = ["rig", "d.toml", "--positions", "1", "--te-positions", "64", "--errors", "drawn", "--seed", "8", "--out", "c"];
+    assert!(arcmin(directory.path(), &other).status.success());
+    assert_ne!(std::fs::read_to_string(directory.path().join("c/errors.csv")).unwrap(), errors);
+}
+
+#[test]
+fn measured_files_and_manufacturing_errors_that_do_not_fit_are_answered_with_their_line() {
+    let directory = with_design();
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let output = arcmin(directory.path(), arguments);
+        let text = texts(&output).1.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?} {text}");
+        words.iter().for_each(|word| assert!(text.contains(word), "{arguments:?}: {text}"));
+    };
+    let write = |name: &str, text: &str| std::fs::write(directory.path().join(name), text).unwrap();
+    write("loop.csv", "torque_n_m,angle_arcmin,branch\n1,0.1,falling\n\n2,0.2,up\n");
+    refused(&["rig", "d.toml", "--measured", "loop.csv"], &["loop.csv, line 4", "\"up\"", "neither falling nor rising"]);
+    write("te.csv", "output_angle_deg,te_arcmin\n0,0.1\n1,x\n");
+    refused(&["rig", "d.toml", "--measured", "te.csv"], &["te.csv, line 3", "\"x\" in the column te_arcmin is not a number"]);
+    write("other.csv", "# a comment\na,b\n1,2\n");
+    refused(&["rig", "d.toml", "--measured", "other.csv"], &["other.csv, line 2", "neither a hysteresis loop nor a transmission error"]);
+    refused(&["rig", "d.toml", "--errors", "given"], &["the design gives no manufacturing errors", "[errors]"]);
+    refused(&["rig", "d.toml", "--seed", "3"], &["--errors drawn"]);
+    refused(&["simulate", "d.toml", "--errors", "drawn"], &["ideal joints have no place for manufacturing errors", "--joints bearings"]);
+    edit(directory.path(), "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]");
+    refused(&["rig", "d.toml"], &["flank.csv"]);
+    let flank = |change: &dyn Fn(usize) -> f64| {
+        let rows: Vec<String> = (0..720).map(|i| format!("{},{}", change(i), 2.0 * (i as f64 / 40.0).sin())).collect();
+        write("flank.csv", &format!("angle_deg,depth_um\n{}\n", rows.join("\n")));
+    };
+    flank(&|i| if i == 100 { 3.0 } else { 0.5 * i as f64 });
+    refused(&["rig", "d.toml"], &["flank.csv, line 102", "the angles must rise, but 3° follows 49.5°"]);
+    flank(&|i| 0.3 * i as f64);
+    refused(&["rig", "d.toml"], &["flank.csv, line 721", "39 lobes need a point every 2.308° at least"]);
+    flank(&|i| 0.5 * i as f64);
+    let output = arcmin(directory.path(), &["rig", "d.toml", "--positions", "1", "--te-positions", "64", "--out", "r"]);
+    assert!(output.status.success(), "{}", texts(&output).1);
+    assert_eq!(summary(&directory.path().join("r"))["errors"]["source"], "given");
+}

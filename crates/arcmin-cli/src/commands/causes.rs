@@ -2,7 +2,7 @@
 
 use arcmin::dynamics::Cause;
 use arcmin::life::PartsPoint;
-use arcmin::report::{Block, Section, Shares, Tone, bench};
+use arcmin::report::{Block, Section, Shares, Tone, lost_motion_causes};
 use arcmin::units::{ARCMIN, UM};
 use serde_json::{Map, Value, json};
 
@@ -51,7 +51,7 @@ pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
         "The machine with its bearings, without friction, input locked, mean over a turn of the crankshafts. The causes follow from virtual work with the forces \
          at ±3 % of rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in the displacements, manufacturing errors."
     );
-    Section::new("causes", "Lost motion of the whole machine", vec![bench::lost_motion_causes(&series), Block::Note(Tone::Neutral, note)])
+    Section::new("causes", "Lost motion of the whole machine", vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)])
 }
 
 /// For the report of one state: which cause gives how much.

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::run::Verdict;
 
 mod causes;
+mod deviations;
 mod elastic;
 mod joints;
 

@@ -1,23 +1,26 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use arcmin::contact::ContactLaw;
+use arcmin::contact::MeshContact;
 use arcmin::dynamics::{
-    BearingJoints, Checkpoint, Drive, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, OutputLoad, Reducer, Run as Motion, RunPlan,
-    RunResult, StartSpread, StepControl, TimeTable,
+    BearingJoints, Checkpoint, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, Reducer, Run as Motion, RunPlan, StepControl,
     spread_over_starts,
 };
-use arcmin::geometry::Relief;
-use arcmin::machine::Machine;
-use arcmin::units::{ARCMIN, DEG, HOUR, UM};
+use arcmin::fem::boundary::FlankArc;
+use arcmin::units::{HOUR, MM, UM};
 use arcmin::life::worn_settings;
-use arcmin::wear::{CoupledOptions, CoupledWear};
+use arcmin::machine::PartWear;
+use arcmin::wear::{CoupledOptions, WornSurfaces};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
+use self::inputs::{contact_law, drive, load};
+use super::deviations::{Choice, Deviations};
 use super::joints::Joints;
 use crate::failure::Failure;
-use crate::run::{Common, Run, Table, Verdict, write_file};
+use crate::run::{Common, Run, Verdict, write_file};
+
+mod inputs;
+mod results;
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -41,6 +44,12 @@ pub struct Options {
     /// Joints between the bodies.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
+    /// What the pins touch: the smooth flank, or what a mesh of linear elements leaves of it.
+    #[arg(long, value_enum, default_value = "smooth")]
+    flank: Flank,
+    /// Edge length of that mesh in mm.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = facet_mm)]
+    facet_mm: f64,
     /// Depth removed from the whole flank in µm.
     #[arg(long, value_name = "X", conflicts_with = "hours", value_parser = crate::run::depth_um)]
     wear_um: Option<f64>,
@@ -105,6 +114,8 @@ pub struct Options {
     #[arg(long, value_name = "N", default_value_t = 4)]
     starts: usize,
     #[command(flatten)]
+    deviations: super::deviations::Options,
+    #[command(flatten)]
     elastic: super::elastic::Options,
     /// Go on from the checkpoint in the output directory.
     #[arg(long)]
@@ -117,6 +128,23 @@ enum Model {
     Rigid,
     /// Elastic discs: finite elements reduced to modes and flank compliances.
     Flexible,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Flank {
+    /// The worn flank itself.
+    Smooth,
+    /// Straight edges from node to node.
+    Faceted,
+    /// The nodes alone.
+    Nodes,
+}
+
+fn facet_mm(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.02..=5.0).contains(&value) => Ok(value),
+        _ => Err("give the edge length in mm, from 0.02 to 5".to_owned()),
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -170,8 +198,6 @@ struct SavedRun {
 
 /// A run shorter than this is not worth a checkpoint.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(10);
-/// Stiffness of one pin of the RV-40E-81 at half its rated torque, as published comparisons use it, in N/m.
-const LINEAR_STIFFNESS: f64 = 2.85e8;
 const CHECKPOINT: &str = "checkpoint.json";
 
 pub fn run(options: Options) -> Result<Verdict, Failure> {
@@ -180,22 +206,44 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if let Some(law) = contact_law(&options)? {
         machine.contact_law = law;
     }
-    let worn = worn_surfaces(&options, &machine)?;
+    let worn = match options.hours {
+        Some(hours) => machine.worn_surfaces(hours * HOUR, CoupledOptions::default()).map_err(Failure::compute("compute the wear"))?,
+        None => WornSurfaces::uniform(options.wear_um.unwrap_or(0.0) * UM),
+    };
+    let deviations = deviations(&run, &options, &machine)?;
     let drive = drive(&options, &machine)?;
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
     let plan = plan(&options);
+    let facets = match options.flank {
+        Flank::Smooth => None,
+        Flank::Faceted => Some(MeshContact::Edges),
+        Flank::Nodes => Some(MeshContact::Nodes),
+    }
+    .map(|contact| {
+        let arc = FlankArc::new(&machine.profile());
+        // Whole edges to a lobe, four at least.
+        (contact, arc.nodes(((arc.lobe_length() / (options.facet_mm * MM)).round() as usize).max(4)))
+    });
     let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
+    if facets.is_some() && options.joints == Joints::Bearings {
+        return Err(Failure::Usage {
+            message: "faceted flanks do not run in bearings".to_owned(),
+            help: "choose --joints ideal, or --flank smooth".to_owned(),
+        });
+    }
+    let facet_mm = facets.is_some().then_some(options.facet_mm);
+    let case = Case { hours: options.hours, facet_mm, unloaded, worn: &worn, deviations: &deviations };
     match (options.model, options.joints) {
         (Model::Rigid, Joints::Bearings) => {
-            let pin_wear = worn.pin.clone().unwrap_or_else(|| Relief::uniform(0.0));
             let part_wear = match options.hours {
                 Some(hours) if machine.wear.parts.any() => worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?.part_wear,
-                _ => arcmin::machine::PartWear::default(),
+                _ => PartWear::default(),
             };
-            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear, part_wear, ..JointSettings::default() };
+            let errors = deviations.errors.clone();
+            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone(), part_wear, errors, ..JointSettings::default() };
             let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
-            execute(run, &options, &model, model.output_index(), plan, unloaded, &worn)
+            execute(run, &options, &model, model.output_index(), plan, &case)
         }
         (Model::Flexible, Joints::Bearings) => Err(Failure::Usage {
             message: "flexible discs do not run in bearings yet".to_owned(),
@@ -203,90 +251,56 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         }),
         (Model::Rigid, Joints::Ideal) => {
             let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
-            if let Some(pin) = &worn.pin {
-                model.set_pin_wear(pin);
+            if !worn.pin.is_zero() {
+                model.set_pin_wear(&worn.pin);
             }
-            execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+            facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
+            execute(run, &options, &model, IdealJoints::OUTPUT, plan, &case)
         }
         (Model::Flexible, Joints::Ideal) => {
             run.progress().report("reducing the discs", 0.0);
             let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
             let elastic = options.elastic.dynamics();
             let mut model = FlexibleJoints::new(&machine, discs, &worn.flank, drive, load, options.drag_nm, elastic).map_err(invalid)?;
-            if let Some(pin) = &worn.pin {
-                model.set_pin_wear(pin);
+            if !worn.pin.is_zero() {
+                model.set_pin_wear(&worn.pin);
             }
-            execute(run, &options, &model, IdealJoints::OUTPUT, plan, unloaded, &worn)
+            facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
+            execute(run, &options, &model, IdealJoints::OUTPUT, plan, &case)
         }
     }
 }
 
-struct Worn {
-    flank: Relief,
-    pin: Option<Relief>,
-    deepest: f64,
+/// What a run is about, beside its model.
+struct Case<'a> {
+    hours: Option<f64>,
+    /// Edge length of a faceted flank.
+    facet_mm: Option<f64>,
+    /// Neither load nor drag: the machine rattles.
+    unloaded: bool,
+    worn: &'a WornSurfaces,
+    deviations: &'a Deviations,
 }
 
-fn worn_surfaces(options: &Options, machine: &Machine) -> Result<Worn, Failure> {
-    let Some(hours) = options.hours else {
-        let depth = options.wear_um.unwrap_or(0.0) * UM;
-        return Ok(Worn { flank: Relief::uniform(depth), pin: None, deepest: depth });
-    };
-    let failure = || Failure::compute("compute the wear");
-    let settings = CoupledOptions::default();
-    let exposure = machine.coupled_exposure(settings).map_err(failure())?;
-    let mut wear = CoupledWear::new(machine, settings);
-    wear.advance_to(exposure.at(hours * HOUR)).map_err(failure())?;
-    let state = wear.state();
-    Ok(Worn {
-        flank: state.flank_seen_by_contact().clone(),
-        pin: (!state.pin.is_zero()).then(|| state.pin_seen_by_contact().clone()),
-        deepest: state.flank.deepest().0,
-    })
-}
-
-fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Failure> {
-    let stiffness = || {
-        options.contact_stiffness.ok_or_else(|| Failure::Usage {
-            message: "this contact law has no stiffness of its own".to_owned(),
-            help: "give it with --contact-stiffness, e.g. --contact linear --contact-stiffness 2.85e8".to_owned(),
-        })
-    };
-    Ok(match options.contact {
-        None => None,
-        Some(Law::LineHertz) => Some(ContactLaw::LineHertz),
-        Some(Law::Palmgren) => Some(ContactLaw::Palmgren),
-        Some(Law::Tao2024) => Some(ContactLaw::Tao2024),
-        Some(Law::Linear) => Some(ContactLaw::Linear { stiffness: options.contact_stiffness.unwrap_or(LINEAR_STIFFNESS) }),
-        Some(Law::Impact) => Some(ContactLaw::Impact { stiffness: stiffness()?, exponent: options.contact_exponent }),
-    })
-}
-
-fn drive(options: &Options, machine: &Machine) -> Result<Drive, Failure> {
-    let speed = options.speed_rpm.map_or(machine.rated.input_speed, |rpm| rpm * arcmin::units::RPM);
-    let rise_time = options.rise_s;
-    let table = |unit: f64| read_rows(options.drive_file.as_deref(), "the drive", unit);
-    let checked = |rows: Vec<(f64, f64)>| TimeTable::new("drive table", &rows).map_err(Failure::compute("read the drive"));
-    Ok(match options.drive {
-        DriveKind::Speed => Drive::SpeedLaw { speed, rise_time },
-        DriveKind::Angle => Drive::AngleLaw { speed, rise_time },
-        DriveKind::SpeedTable => Drive::SpeedTable(checked(table(arcmin::units::RPM)?)?),
-        DriveKind::TorqueTable => Drive::TorqueTable(checked(table(1.0)?)?),
-        DriveKind::Governed => Drive::Governed { speed, rise_time, gain: options.gain },
-    })
-}
-
-fn load(options: &Options, machine: &Machine) -> Result<OutputLoad, Failure> {
-    let torque = options.torque_nm.unwrap_or(machine.rated.torque);
-    let rows = || read_rows(options.load_file.as_deref(), "the load", 1.0);
-    Ok(match options.load {
-        LoadKind::None => OutputLoad::None,
-        LoadKind::Constant => OutputLoad::Constant { torque },
-        LoadKind::Sine => OutputLoad::Sine { amplitude: torque, period: options.period_s },
-        LoadKind::Table => OutputLoad::Table(TimeTable::new("load table", &rows()?).map_err(Failure::compute("read the load"))?),
-        LoadKind::Stepped => OutputLoad::Stepped(rows()?),
-        LoadKind::DutyCycle => OutputLoad::DutyCycle(rows()?),
-    })
+/// Manufacturing errors of the run; ideal joints have no place for them.
+fn deviations(run: &Run, options: &Options, machine: &arcmin::machine::Machine) -> Result<Deviations, Failure> {
+    let mut wanted = options.deviations.clone();
+    if options.joints == Joints::Ideal {
+        match wanted.errors {
+            Some(Choice::Given | Choice::Drawn) => {
+                return Err(Failure::Usage {
+                    message: "ideal joints have no place for manufacturing errors".to_owned(),
+                    help: "add --joints bearings".to_owned(),
+                });
+            }
+            None if run.design.given_errors().is_some() => run.say("the design's [errors] enter with --joints bearings only"),
+            _ => {}
+        }
+        wanted.errors = Some(Choice::None);
+    }
+    let deviations = Deviations::new(run, &options.common.design, machine, &wanted)?;
+    deviations.sentence().iter().for_each(|line| run.say(line));
+    Ok(deviations)
 }
 
 fn plan(options: &Options) -> RunPlan {
@@ -300,28 +314,6 @@ fn plan(options: &Options) -> RunPlan {
     }
 }
 
-/// Reads two columns of numbers under one header row; the second is multiplied by `unit`.
-fn read_rows(path: Option<&Path>, what: &str, unit: f64) -> Result<Vec<(f64, f64)>, Failure> {
-    let Some(path) = path else {
-        return Err(Failure::Usage { message: format!("{what} needs a file"), help: "see --load-file and --drive-file".to_owned() });
-    };
-    let text = std::fs::read_to_string(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
-    let mut rows = Vec::new();
-    for (index, line) in text.lines().enumerate().skip(1).filter(|(_, line)| !line.trim().is_empty()) {
-        let mut fields = line.split(',').map(|field| field.trim().parse::<f64>());
-        match (fields.next(), fields.next()) {
-            (Some(Ok(time)), Some(Ok(value))) => rows.push((time, value * unit)),
-            _ => {
-                return Err(Failure::Usage {
-                    message: format!("{}, line {}: \"{line}\" does not hold two numbers", path.display(), index + 1),
-                    help: "a header line, then lines such as 0.1,412".to_owned(),
-                });
-            }
-        }
-    }
-    Ok(rows)
-}
-
 /// Runs a model to its end, or to Ctrl-C, and writes everything.
 fn execute<M: Reducer + Sync>(
     mut run: Run,
@@ -329,8 +321,7 @@ fn execute<M: Reducer + Sync>(
     model: &M,
     output_index: usize,
     plan: RunPlan,
-    unloaded: bool,
-    worn: &Worn,
+    case: &Case,
 ) -> Result<Verdict, Failure> {
     let started = Instant::now();
     let saved = SavedRun { design_hash: run.design.hash(), settings: settings(options), checkpoint: Motion::new(model, plan).map_err(setup)?.checkpoint() };
@@ -356,13 +347,13 @@ fn execute<M: Reducer + Sync>(
         run.progress().report("simulating", motion.time() / plan.end);
     }
     let result = motion.result();
-    let spread = if unloaded && failed.is_none() && options.starts > 0 {
+    let spread = if case.unloaded && failed.is_none() && options.starts > 0 {
         run.progress().report("perturbed starts", 0.0);
         Some(spread_over_starts(model, plan, output_index, options.starts).map_err(setup)?)
     } else {
         None
     };
-    let summary = write(&mut run, options, model, &result, spread.as_ref(), failed.as_ref(), worn, started.elapsed())?;
+    let summary = results::write(&mut run, case, model, &result, spread.as_ref(), failed.as_ref(), started.elapsed())?;
     run.finish(summary)?;
     // A finished run needs no checkpoint; one that cannot be removed does no harm.
     let _ = std::fs::remove_file(&path);
@@ -385,7 +376,8 @@ fn settings(options: &Options) -> String {
         (
             (model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm),
             (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s),
-            (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio)
+            (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio),
+            (options.flank, options.facet_mm, options.deviations.errors, options.deviations.seed)
         )
     )
 }
@@ -402,118 +394,3 @@ fn resume<'m, M: Reducer>(model: &'m M, path: &Path, expected: &SavedRun) -> Res
     Motion::resume(model, saved.checkpoint).map_err(setup)
 }
 
-fn write<M: Reducer>(
-    run: &mut Run,
-    options: &Options,
-    model: &M,
-    result: &RunResult,
-    spread: Option<&StartSpread>,
-    failed: Option<&DynamicsError>,
-    worn: &Worn,
-    wall: Duration,
-) -> Result<Value, Failure> {
-    let mut series = Table::new(&["time_s", "input_speed_deg_s", "output_speed_deg_s", "load_n_m", "te_arcmin"]);
-    for row in &result.series {
-        series.row(&[
-            row.time.into(),
-            (row.input_speed / DEG).into(),
-            (row.output_speed / DEG).into(),
-            row.load.into(),
-            (row.transmission_error / ARCMIN).into(),
-        ]);
-    }
-    run.table("timeseries.csv", series)?;
-    let mut forces = Table::new(&["time_s", "largest_pin_force_n", "loaded_pins", "mesh_force_n"]);
-    for row in &result.forces {
-        let f = row.forces;
-        forces.row(&[row.time.into(), f.largest_pin_force.into(), f.loaded_pins.into(), f.mesh_force.into()]);
-    }
-    run.table("forces.csv", forces)?;
-    match &result.spectrum {
-        Some(lines) => {
-            let mut table = Table::new(&["order", "amplitude_arcmin"]);
-            for line in lines {
-                table.row(&[line.order.into(), (line.amplitude / ARCMIN).into()]);
-            }
-            run.table("spectrum.csv", table)?;
-        }
-        // One from an earlier run would be taken for this one's.
-        None => drop(std::fs::remove_file(run.path("spectrum.csv"))),
-    }
-    let te = result.statistics.map(|te| {
-        json!({
-            "mean_arcmin": te.mean / ARCMIN,
-            "mean_abs_arcmin": te.mean_abs / ARCMIN,
-            "max_abs_arcmin": te.max_abs / ARCMIN,
-            "peak_to_peak_arcmin": te.peak_to_peak / ARCMIN,
-            "rms_arcmin": te.rms / ARCMIN,
-            "lowest_arcmin": te.lowest / ARCMIN,
-            "highest_arcmin": te.highest / ARCMIN,
-            "window_s": te.duration,
-        })
-    });
-    let spread_json = spread.map(|spread| {
-        json!({
-            "starts": spread.runs.len(),
-            "chaotic": spread.is_chaotic(),
-            "mean_spread_arcmin": spread.mean / ARCMIN,
-            "rms_spread_arcmin": spread.rms / ARCMIN,
-            "band_arcmin": spread.band / ARCMIN,
-        })
-    });
-    let energy = &result.energy;
-    let mut summary = json!({
-        "ratio": model.ratio(),
-        "mean_ratio": result.mean_ratio,
-        "wear_um": worn.deepest / UM,
-        "hours": options.hours,
-        "complete": failed.is_none(),
-        "reached_s": result.reached,
-        "te": te,
-        "perturbed_starts": spread_json,
-        "solver": {
-            "steps": result.counts.accepted,
-            "rejected_steps": result.counts.rejected,
-            "evaluations": result.counts.evaluations,
-            "wall_s": wall.as_secs_f64(),
-            "energy_residual": energy.residual(),
-        },
-        "energy": {
-            "input_j": energy.input, "load_j": energy.load, "dissipated_j": energy.dissipated,
-            "stored_j": energy.current, "turnover_j": energy.turnover,
-        },
-        "largest_pin_force_n": result.forces.iter().map(|f| f.forces.largest_pin_force).fold(0.0, f64::max),
-    });
-    if let (Some(error), Value::Object(map)) = (failed, &mut summary) {
-        map.insert("error".to_owned(), json!(error.to_string()));
-    }
-    if let Some(te) = result.statistics {
-        run.say(&format!(
-            "TE  mean {:+.4}'   mean |TE| {:.4}'   max |TE| {:.4}'   peak to peak {:.4}'   RMS {:.4}'",
-            te.mean / ARCMIN,
-            te.mean_abs / ARCMIN,
-            te.max_abs / ARCMIN,
-            te.peak_to_peak / ARCMIN,
-            te.rms / ARCMIN
-        ));
-    }
-    if let Some(spread) = spread {
-        run.say(&format!(
-            "{} perturbed starts: mean spreads over {:.4}', RMS over {:.4}', all within ±{:.4}'",
-            spread.runs.len(),
-            spread.mean / ARCMIN,
-            spread.rms / ARCMIN,
-            spread.band / ARCMIN
-        ));
-        if spread.is_chaotic() {
-            run.say("the unloaded machine rattles chaotically: its mean is no result, band and RMS are; --drag-nm 5 gives a well-defined mean");
-        }
-    }
-    run.say(&format!(
-        "{} steps in {:.2} s, energy residual {:.1e}",
-        result.counts.accepted,
-        wall.as_secs_f64(),
-        energy.residual()
-    ));
-    Ok(summary)
-}

@@ -1,5 +1,6 @@
 //! What all commands share: reading the design, the output directory, tables, summary, progress.
 
+mod columns;
 mod output;
 mod progress;
 mod table;
@@ -11,6 +12,7 @@ use arcmin::design::Design;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
+pub use columns::Columns;
 pub use output::{say, write_file};
 pub use table::{Cell, Table};
 

@@ -1,9 +1,11 @@
 //! Contact of cycloid flank and pins: force laws and the ring of contacts on one disc.
 
+mod facets;
 mod law;
 mod ring;
 mod rolling;
 
+pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, Damping, LineContact};
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, Sliding, TOLERABLE_DEPTH};
 pub use rolling::Rolling;

@@ -1,3 +1,4 @@
+use super::facets::{Facets, MeshContact};
 use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
@@ -126,6 +127,8 @@ pub struct PinContacts {
     contact: LineContact,
     sliding: Option<Sliding>,
     conservative: bool,
+    /// Straight edges in place of the flank, if asked for.
+    facets: Option<Facets>,
 }
 
 impl PinContacts {
@@ -144,6 +147,7 @@ impl PinContacts {
             contact,
             sliding: None,
             conservative: false,
+            facets: None,
         };
         contacts.set_relief(relief);
         contacts
@@ -168,7 +172,18 @@ impl PinContacts {
     /// Replaces the metal removed from the flanks (modifications and wear together).
     pub fn set_relief(&mut self, relief: Relief) {
         self.relief = relief;
+        self.facets = self.facets.take().map(|facets| facets.with_relief(&self.profile, &self.relief));
         self.update_bounds();
+    }
+
+    /// Replaces the flank by what a mesh of linear elements with nodes at the given τ (rad) leaves of it. Such contacts have R_eq = r_p, that of
+    /// a pin on a plane. Worn pins and flank errors act as on the smooth flank.
+    pub fn set_facets(&mut self, contact: MeshContact, nodes: Vec<f64>) {
+        self.facets = Some(Facets::new(contact, nodes, &self.profile, &self.relief));
+    }
+
+    pub(super) fn is_faceted(&self) -> bool {
+        self.facets.is_some()
     }
 
     /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's own place on the ring
@@ -278,7 +293,7 @@ impl PinContacts {
             let p = turned(arm, back);
             let e = turned(self.directions[index], back);
             let tau0 = std::f64::consts::TAU * index as f64 / self.pins.len() as f64 - pose.angle;
-            if !all {
+            if !all && self.facets.is_none() {
                 let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
                 let floor = self.relief_floors[((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)];
                 let extra = self.profile.pin_radius - pin.radius + floor + self.shallowest_elsewhere;
@@ -308,7 +323,10 @@ impl PinContacts {
     fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, tau0: f64, e: Vec2, ez: Vec2, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
         let radius = self.pins[pin].radius;
         let foot = self.profile.foot_from(p, tau0, e, ez);
-        let (mut gap, flank_normal, meshing_angle, tau, flank_curvature, relative_curvature) = if !self.relief.is_uniform() {
+        let (mut gap, flank_normal, meshing_angle, tau, flank_curvature, relative_curvature) = if let Some(facets) = &self.facets {
+            let nearest = facets.nearest(p, foot.tau, radius);
+            (nearest.gap, nearest.normal, self.profile.meshing_angle(foot.tau), foot.tau, nearest.curvature, 1.0 / radius)
+        } else if !self.relief.is_uniform() {
             let c = self.profile.closest_on_worn(p, &foot, &self.relief, radius);
             (c.gap, c.normal, c.meshing_angle, c.tau, c.flank_curvature, c.relative_curvature)
         } else {
@@ -322,7 +340,7 @@ impl PinContacts {
             gap += pin_relief.at(cross(e, flank_normal).atan2(e.dot(&flank_normal))).depth;
         }
         if let Some(error) = &self.flank_error {
-            gap += error.depth(tau);
+            gap += error.depth(tau, flank_normal);
         }
         let normal = turned(flank_normal, rotation);
         let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];

@@ -48,12 +48,18 @@ impl PinContacts {
         }
         // The bound of a hollow sharper than the pin, as in the closest point.
         let hollow = unworn + bend < 0.1 * unworn;
-        let log_radius_slope = if hollow { -unworn_rate / unworn } else { -(unworn_rate + bend_rate) / (unworn + bend) };
+        let log_radius_slope = if self.is_faceted() {
+            0.0
+        } else if hollow {
+            -unworn_rate / unworn
+        } else {
+            -(unworn_rate + bend_rate) / (unworn + bend)
+        };
 
         let (mut read, mut error_slope, mut pin_slope) = (0.0, 0.0, 0.0);
         if let Some(error) = self.flank_error() {
-            read += error.depth(contact.tau);
-            error_slope = error.slope(contact.tau);
+            read += error.depth(contact.tau, profile.outward_normal(contact.tau));
+            error_slope = error.slope(contact.tau, profile);
         }
         if let Some(pin_relief) = self.pin_relief() {
             let sample = pin_relief.at(self.pin_angle(contact));

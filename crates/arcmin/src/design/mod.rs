@@ -4,9 +4,11 @@
 //! from that declaration. A file that cannot be used is answered with a [`DesignError`] that names line, text and remedy.
 
 mod consistency;
+mod deviations;
 mod error;
 mod field;
 mod hint;
+mod manufacturing;
 mod reference;
 mod resolve;
 mod schema;
@@ -16,8 +18,10 @@ mod solids;
 #[cfg(test)]
 mod tests;
 
+pub use deviations::MeasuredFlank;
 pub use error::{DesignError, DesignErrorKind};
 pub use field::Section;
+pub use manufacturing::*;
 pub use reference::markdown as reference_of_keys;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub use sections::*;
@@ -28,7 +32,7 @@ use field::{SectionValue, Table};
 use schema::{default_word, optional, section, word};
 use sha2::{Digest, Sha256};
 
-use crate::machine::{FixedMember, Machine};
+use crate::machine::{FixedMember, Machine, ManufacturingErrors, Tolerances};
 
 section! {
     /// A design file.
@@ -63,6 +67,10 @@ section! {
         wear: Section<WearSection> => word(),
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
+        /// Manufacturing errors given one by one. Left out: none.
+        errors: Option<Section<ErrorsSection>> => optional(0.0, 0.0),
+        /// Tolerances that machines are drawn from. Left out: none can be drawn.
+        tolerances: Option<Section<TolerancesSection>> => optional(0.0, 0.0),
     }
 }
 
@@ -71,6 +79,7 @@ section! {
 pub struct Design {
     sections: DesignSections,
     machine: Machine,
+    errors: Option<ManufacturingErrors>,
     text: String,
 }
 
@@ -98,7 +107,8 @@ impl Design {
         let sections = DesignSections::from_table(&table)?;
         consistency::check(&sections, &source)?;
         let machine = resolve::machine(&sections, &source)?;
-        Ok(Design { sections, machine, text: text.to_owned() })
+        let errors = deviations::errors(&sections, &source)?;
+        Ok(Design { sections, machine, errors, text: text.to_owned() })
     }
 
     /// The text it was read from.
@@ -109,6 +119,21 @@ impl Design {
     /// The design in SI units.
     pub fn machine(&self) -> Machine {
         self.machine.clone()
+    }
+
+    /// Manufacturing errors given one by one, without the flanks of [`Design::measured_flanks`]; `None` if the file gives none.
+    pub fn given_errors(&self) -> Option<ManufacturingErrors> {
+        self.errors.clone()
+    }
+
+    /// Flanks that were measured, each a file beside the design file.
+    pub fn measured_flanks(&self) -> Vec<MeasuredFlank> {
+        deviations::measured_flanks(&self.sections)
+    }
+
+    /// What machines are drawn from, in SI units; `None` if the file gives no tolerances.
+    pub fn drawing_tolerances(&self) -> Option<Tolerances> {
+        deviations::tolerances(&self.sections)
     }
 
     /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout, comments and order.

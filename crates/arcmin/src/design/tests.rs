@@ -209,3 +209,90 @@ mod properties {
         Ok(())
     }
 }
+
+const GIVEN: &str = r#"[errors]
+pin_circle_radius_um = 2
+[errors.sun]
+amplitude_um = 7
+phase_deg = 90
+[[errors.pins]]
+pin = 40
+tangential_um = -3
+[[errors.flanks]]
+disc = 2
+kind = "pitch"
+order = 3
+amplitude_um = 4
+[[errors.disc_bores]]
+disc = 1
+crankshaft = 2
+diameter_um = 5
+[[errors.eccentrics]]
+crankshaft = 1
+disc = 2
+phase_arcmin = 2
+[[errors.planets]]
+crankshaft = 2
+amplitude_um = 6
+[[errors.measured_flanks]]
+disc = 1
+file = "disc-1.csv"
+"#;
+
+fn with(lines: &str) -> String {
+    text().replacen("[limits]", &format!("{lines}[limits]"), 1)
+}
+
+#[test]
+fn manufacturing_errors_become_si_units_at_their_parts() {
+    use crate::geometry::FlankDirection;
+    use crate::units::{ARCMIN, UM};
+    assert_eq!(Design::parse(text(), "d.toml").unwrap().given_errors(), None);
+    let design = Design::parse(&with(GIVEN), "d.toml").unwrap();
+    let errors = design.given_errors().unwrap();
+    assert_eq!(errors.pin_circle_radius, 2.0 * UM);
+    assert_eq!((errors.sun.amplitude, errors.sun.phase), (7.0 * UM, 90.0 * crate::units::DEG));
+    assert_eq!(errors.pins.len(), 40);
+    assert_eq!((errors.pins[39].tangential, errors.pins[38].tangential), (-3.0 * UM, 0.0));
+    let harmonic = errors.discs[1].flank.harmonics[0];
+    assert_eq!((harmonic.order, harmonic.amplitude, harmonic.direction), (3, 4.0 * UM, FlankDirection::Around));
+    assert_eq!(errors.discs[0].bores[1].diameter, 5.0 * UM);
+    assert_eq!(errors.eccentrics[0][1].phase, 2.0 * ARCMIN);
+    assert_eq!((errors.planets.len(), errors.planets[1].amplitude), (2, 6.0 * UM));
+    assert_eq!(design.measured_flanks(), [MeasuredFlank { disc: 0, file: "disc-1.csv".to_owned() }]);
+    // They are part of the design's identity; tolerances of the template are read as well.
+    assert_ne!(design.hash(), Design::parse(text(), "d.toml").unwrap().hash());
+    assert_eq!(design.drawing_tolerances().unwrap().planet_run_out, 8.0 * UM);
+}
+
+#[test]
+fn wrong_manufacturing_errors_are_answered_with_line_and_remedy() {
+    let first = text()[..text().find("[limits]").unwrap()].lines().count() + 1;
+    for (lines, line, message, hint) in [
+        ("[[errors.pins]]\npin = 41\n", 1, "pin 41 does not exist: the design has 40", "write a number from 1 to 40"),
+        ("[[errors.pins]]\npin = 3\n[[errors.pins]]\npin = 3\n", 3, "pin 3 is given twice", "give all of its errors in one table"),
+        ("[[errors.eccentrics]]\ncrankshaft = 3\ndisc = 1\n", 1, "crankshaft 3 does not exist: the design has 2", "write a number from 1 to 2"),
+        (
+            "[[errors.flanks]]\ndisc = 1\nkind = \"run-out\"\norder = 1\namplitude_um = 4\n",
+            2,
+            "`kind` does not know the choice \"run-out\"",
+            "known are \"radial\", \"pitch\", \"profile\"",
+        ),
+        (
+            "[[errors.flanks]]\ndisc = 1\nkind = \"pitch\"\norder = 1\n",
+            0,
+            "[errors.flanks] lacks the key `amplitude_um`",
+            "add `amplitude_um = …`: Amplitude",
+        ),
+        ("[errors]\npin_radius = 1\n", 1, "`pin_radius` lacks its unit", "units are part of the keys: write `pin_radius_um = 1` if 1 is in µm"),
+        (
+            "[[errors.measured_flanks]]\ndisc = 1\nfile = \"a.csv\"\n[[errors.measured_flanks]]\ndisc = 1\nfile = \"b.csv\"\n",
+            4,
+            "the measured flank of disc 1 is given twice",
+            "give all of its errors in one table",
+        ),
+    ] {
+        let error = Design::parse(&with(lines), "d.toml").unwrap_err();
+        assert_eq!((error.kind.to_string().as_str(), error.hint.as_deref(), error.line), (message, Some(hint), first + line), "{lines}");
+    }
+}

@@ -89,7 +89,9 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
         // force says whether the step went past the balance.
         let overshoot =
             trial_force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>() < -0.5 * force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>();
-        let accepted = trial_size <= 1.000_001 * size || (!overshoot && trial_size < 2.0 * size && length > control.tolerance);
+        // Where a contact sets in, the stiffness jumps, and full steps could go to and fro across that place for ever.
+        let to_and_fro = overshoot && trial_size > 0.9 * size && length > control.tolerance;
+        let accepted = (trial_size <= 1.000_001 * size && !to_and_fro) || (!overshoot && trial_size < 2.0 * size && length > control.tolerance);
         let converged = shortening == 1.0 && length <= control.tolerance && mu * natural.recip() < 1e-3;
         if accepted || (converged && trial_size.is_finite()) {
             std::mem::swap(&mut position, &mut trial);
@@ -106,10 +108,14 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             trust = (2.0 * trust).min(control.trust);
         } else {
             trust = 0.25 * length.min(trust);
-            if trust < control.tolerance && length < NEAR_JUMP && mu < 1e-3 * natural && size <= control.jump_tolerance {
+            if trust < control.tolerance && length < NEAR_JUMP && size <= control.jump_tolerance {
                 return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
             }
-            mu = if mu == 0.0 { 0.0 } else { 2.0 * mu };
+            mu = match mu {
+                // One body that hangs nearly free makes the Newton step long for all: the mass term holds it back alone.
+                0.0 if length > trust => 1e-3 * natural,
+                mu => 2.0 * mu,
+            };
         }
     }
     Err(DynamicsError::NoEquilibrium {

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use super::gear_mesh::{GearMesh, MeshForce};
 use super::{Balance, DenseLinearisation, Drive, DynamicsError, EquilibriumControl, ForceSummary, OutputLoad, Reducer, System, solve_equilibrium};
-use crate::contact::{DiscVelocity, PinContact, PinContacts, Reaction, Sliding};
+use crate::contact::{DiscVelocity, MeshContact, PinContact, PinContacts, Reaction, Sliding};
 use crate::geometry::{Relief, quarter_turn};
 use crate::machine::{FixedMember, Kinematics, Machine, PinMounting};
 use crate::units::ARCMIN;
@@ -144,6 +144,13 @@ impl IdealJoints {
     pub fn set_pin_wear(&mut self, wear: &Relief) {
         for ring in &mut self.rings {
             ring.set_pin_relief(wear.clone());
+        }
+    }
+
+    /// Puts the contact on a mesh with nodes at the given τ ([`PinContacts::set_facets`]).
+    pub fn set_facets(&mut self, contact: MeshContact, nodes: &[f64]) {
+        for ring in &mut self.rings {
+            ring.set_facets(contact, nodes.to_vec());
         }
     }
 

@@ -51,12 +51,8 @@ impl Boundary {
                 parameters
             }
             Boundary::Flank(profile) => {
-                let lobes = profile.lobe_count();
                 let arc = FlankArc::new(profile);
-                let count = ((arc.lobe_length() / size).ceil() as usize).max(8);
-                let pitch = TAU / lobes as f64;
-                let lobe: Vec<f64> = (0..count).map(|k| arc.parameter(arc.lobe_length() * k as f64 / count as f64)).collect();
-                (0..lobes).flat_map(|j| lobe.iter().map(move |tau| tau + pitch * j as f64)).collect()
+                arc.nodes(((arc.lobe_length() / size).ceil() as usize).max(8))
             }
         }
     }
@@ -119,6 +115,13 @@ impl FlankArc {
             length.push(sum);
         }
         FlankArc { pitch: TAU / profile.lobe_count() as f64, length }
+    }
+
+    /// τ of `per_lobe` nodes on every lobe, the first at its root, equidistant in length.
+    pub fn nodes(&self, per_lobe: usize) -> Vec<f64> {
+        let lobe: Vec<f64> = (0..per_lobe).map(|k| self.parameter(self.lobe_length() * k as f64 / per_lobe as f64)).collect();
+        let lobes = (TAU / self.pitch).round() as usize;
+        (0..lobes).flat_map(|j| lobe.iter().map(move |tau| tau + self.pitch * j as f64)).collect()
     }
 
     /// Length of one lobe in m.

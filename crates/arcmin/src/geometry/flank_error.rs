@@ -1,10 +1,16 @@
-/// Metal missing on the flank as harmonics of the angle on the disc: run-out is order 1, a profile error common to all lobes is order z_c.
+use std::f64::consts::{PI, TAU};
+
+use super::{Profile, Relief, Vec2, cross, unit};
+
+/// Metal missing on one disc's flank: harmonics of the angle τ on the disc, and what was measured around it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FlankError {
     pub harmonics: Vec<FlankHarmonic>,
+    /// Depth along the normal over the angle τ on the disc.
+    pub measured: Option<Relief>,
 }
 
-/// amplitude × cos(order × (τ − phase)).
+/// amplitude × cos(order × (τ − phase)), taken along `direction`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankHarmonic {
     pub order: usize,
@@ -12,25 +18,174 @@ pub struct FlankHarmonic {
     pub amplitude: f64,
     /// rad.
     pub phase: f64,
+    pub direction: FlankDirection,
 }
 
+/// Along which way a flank deviates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FlankDirection {
+    /// Into the metal, along the normal: profile.
+    #[default]
+    Normal,
+    /// Towards the centre of the disc: radial run-out is order 1.
+    Inwards,
+    /// Counter-clockwise: cumulative pitch.
+    Around,
+}
+
+/// Why a measured flank cannot be used. Points are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FlankDataError {
+    #[error("the angles must rise, but {0} does not")]
+    NotRising(usize),
+    #[error("the angle of {0} leaves the turn that the first one begins")]
+    MoreThanATurn(usize),
+    #[error("after {0} there is a gap of {degrees:.3}°; {lobes} lobes need a point every {need:.3}° at least", degrees = .1.to_degrees(), need = 90.0 / *.2 as f64, lobes = .2)]
+    TooCoarse(usize, f64, usize),
+}
+
+/// Grid points per lobe that a measured flank is resampled to.
+const POINTS_PER_LOBE: usize = 32;
+
 impl FlankError {
-    /// Missing metal in m at the angle τ (rad) on the disc.
-    pub fn depth(&self, tau: f64) -> f64 {
-        self.harmonics.iter().map(|h| h.amplitude * (h.order as f64 * (tau - h.phase)).cos()).sum()
+    /// From measured depths along the normal, as (angle τ on the disc in rad, depth of missing metal in m), around the whole disc.
+    ///
+    /// Resampling: between its points the measurement is taken as straight lines that close around the disc; a grid of 32 points per lobe holds
+    /// the mean of these lines over one grid step each, which filters what is finer; a periodic cubic spline runs through the grid.
+    ///
+    /// # Errors
+    /// [`FlankDataError`] if the angles do not rise, cover more than a turn, or leave a gap wider than a quarter of a lobe.
+    pub fn from_measured(points: &[(f64, f64)], lobe_count: usize) -> Result<FlankError, FlankDataError> {
+        let coarsest = TAU / (4 * lobe_count) as f64;
+        let Some(first) = points.first() else { return Err(FlankDataError::TooCoarse(0, TAU, lobe_count)) };
+        for (index, pair) in points.windows(2).enumerate() {
+            if !(pair[1].0 > pair[0].0) {
+                return Err(FlankDataError::NotRising(index + 1));
+            }
+            // A closing point at the end of the turn repeats the first.
+            if pair[1].0 > first.0 + TAU * (1.0 + 1e-9) {
+                return Err(FlankDataError::MoreThanATurn(index + 1));
+            }
+        }
+        let mut nodes: Vec<(f64, f64)> = points.iter().filter(|p| p.0 < first.0 + TAU * (1.0 - 1e-9)).copied().collect();
+        nodes.push((first.0 + TAU, first.1));
+        if let Some((index, pair)) = nodes.windows(2).enumerate().find(|(_, pair)| pair[1].0 - pair[0].0 > coarsest * (1.0 + 1e-9)) {
+            return Err(FlankDataError::TooCoarse(index, pair[1].0 - pair[0].0, lobe_count));
+        }
+        // Integral of the straight lines from the first node on.
+        let mut sums = vec![0.0];
+        for pair in nodes.windows(2) {
+            sums.push(sums[sums.len() - 1] + 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0));
+        }
+        let whole = sums[sums.len() - 1];
+        let integral = |angle: f64| {
+            let turns = ((angle - first.0) / TAU).floor();
+            let x = angle - turns * TAU;
+            let cell = nodes.partition_point(|node| node.0 <= x).clamp(1, nodes.len() - 1) - 1;
+            let ((x0, y0), (x1, y1)) = (nodes[cell], nodes[cell + 1]);
+            let share = (x - x0) / (x1 - x0);
+            turns * whole + sums[cell] + (x - x0) * (y0 + 0.5 * share * (y1 - y0))
+        };
+        let count = POINTS_PER_LOBE * lobe_count;
+        let step = TAU / count as f64;
+        let depths = Relief::grid(count).map(|angle| (integral(angle + 0.5 * step) - integral(angle - 0.5 * step)) / step).collect();
+        Ok(FlankError { harmonics: Vec::new(), measured: Some(Relief::from_samples(depths)) })
     }
 
-    /// Its derivative in m/rad.
-    pub fn slope(&self, tau: f64) -> f64 {
-        self.harmonics.iter().map(|h| -h.amplitude * h.order as f64 * (h.order as f64 * (tau - h.phase)).sin()).sum()
+    /// Missing metal in m at the angle τ (rad) on the disc, along the outward normal of the flank there.
+    pub fn depth(&self, tau: f64, normal: Vec2) -> f64 {
+        let mut depth = 0.0;
+        for h in &self.harmonics {
+            let along = match h.direction {
+                FlankDirection::Normal => 1.0,
+                FlankDirection::Inwards => normal.dot(&unit(tau)),
+                FlankDirection::Around => -cross(unit(tau), normal),
+            };
+            depth += along * h.amplitude * (h.order as f64 * (tau - h.phase)).cos();
+        }
+        depth + self.measured.as_ref().map_or(0.0, |measured| measured.at((tau + PI).rem_euclid(TAU) - PI).depth)
+    }
+
+    /// Derivative of the depth along the flank, m/rad.
+    pub fn slope(&self, tau: f64, profile: &Profile) -> f64 {
+        // A central difference: the normal turns with τ as well. Harmonics stay below some hundred waves, so 1e-5 rad is exact to 1e-6.
+        const STEP: f64 = 1e-5;
+        let at = |tau: f64| self.depth(tau, profile.outward_normal(tau));
+        (at(tau + STEP) - at(tau - STEP)) / (2.0 * STEP)
     }
 
     /// A bound from below in m.
     pub fn shallowest(&self) -> f64 {
-        -self.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>()
+        let measured = self.measured.as_ref().map_or(0.0, |relief| {
+            let (low, high) = relief.samples().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
+            // The spline may undershoot its points a little.
+            low - 0.5 * (high - low)
+        });
+        measured.min(0.0) - self.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>()
     }
 
     pub fn is_zero(&self) -> bool {
-        self.harmonics.iter().all(|h| h.amplitude == 0.0)
+        self.harmonics.iter().all(|h| h.amplitude == 0.0) && self.measured.as_ref().is_none_or(Relief::is_zero)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Unevenly spaced points of a known wave, many times the grid and a quarter of it, give the wave back.
+    #[test]
+    fn measured_flanks_are_resampled() {
+        let wave = |x: f64| 5e-6 * (3.0 * x).cos() + 2e-6 * (39.0 * x - 0.4).sin();
+        for count in [39 * 16, 20_000] {
+            let points: Vec<(f64, f64)> = (0..count)
+                .map(|i| {
+                    let x = 0.3 + TAU * (i as f64 + 0.3 * (i as f64).sin()) / count as f64;
+                    (x, wave(x))
+                })
+                .collect();
+            let error = FlankError::from_measured(&points, 39).unwrap();
+            for i in 0..500 {
+                let x = -4.0 + 0.017 * f64::from(i);
+                // Straight lines over 1.3/16 of a wave are off by (1.3 π/16)²/2 = 3.3 % of its amplitude, the mean over 1/32 by 0.2 %.
+                assert!((error.depth(x, unit(x)) - wave(x)).abs() < 0.04 * 2e-6, "{count} {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn unusable_measurements_are_named() {
+        let even = |count: usize| -> Vec<(f64, f64)> { (0..count).map(|i| (TAU * i as f64 / count as f64, 1e-6)).collect() };
+        assert!(FlankError::from_measured(&even(156), 39).is_ok());
+        assert!(matches!(FlankError::from_measured(&even(100), 39), Err(FlankDataError::TooCoarse(0, ..))));
+        assert!(matches!(FlankError::from_measured(&[], 39), Err(FlankDataError::TooCoarse(..))));
+        let mut points = even(400);
+        points[7].0 = points[6].0;
+        assert_eq!(FlankError::from_measured(&points, 39), Err(FlankDataError::NotRising(7)));
+        let mut points = even(400);
+        points.push((TAU, 1e-6));
+        assert!(FlankError::from_measured(&points, 39).is_ok());
+        points.push((TAU + 0.1, 1e-6));
+        assert_eq!(FlankError::from_measured(&points, 39), Err(FlankDataError::MoreThanATurn(401)));
+    }
+
+    /// A flank that is off its centre by d: inwards −d·e(τ), around d·e'(τ) together are the translation, whose depth is −d·n.
+    #[test]
+    fn run_out_with_its_pitch_is_a_translation() {
+        let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let (size, towards) = (1e-6, 0.7);
+        let harmonic = |phase, direction| FlankHarmonic { order: 1, amplitude: size, phase, direction };
+        // d·e(τ) = size cos(τ − towards); d·e'(τ) = −size sin(τ − towards) = size cos(τ − towards + π/2).
+        let harmonics = vec![harmonic(towards + PI, FlankDirection::Inwards), harmonic(towards - PI / 2.0, FlankDirection::Around)];
+        let error = FlankError { harmonics, measured: None };
+        for i in 0..200 {
+            let tau = 0.0314 * f64::from(i);
+            let normal = profile.outward_normal(tau);
+            assert!((error.depth(tau, normal) + size * normal.dot(&unit(towards))).abs() < 1e-15);
+        }
+        // Its slope along the flank is that of the normal alone.
+        let (tau, h) = (0.9, 1e-4);
+        let turn = (profile.outward_normal(tau + h) - profile.outward_normal(tau - h)) / (2.0 * h);
+        assert!((error.slope(tau, &profile) + size * turn.dot(&unit(towards))).abs() < 1e-4 * size * turn.norm());
     }
 }

@@ -10,7 +10,7 @@ mod profile;
 mod relief;
 
 pub use closest::Closest;
-pub use flank_error::{FlankError, FlankHarmonic};
+pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};
 pub use foot::Foot;
 pub use profile::Profile;
 pub use relief::{DepthSample, Relief};

@@ -8,6 +8,8 @@ pub struct ManufacturingErrors {
     pub pin_circle_radius: f64,
     /// Added to every pin's radius, m.
     pub pin_radius: f64,
+    /// Centre of the pin circle against the axis of main bearings and sun; it stands still with the housing.
+    pub pin_circle_offset: RunOut,
     /// Per pin.
     pub pins: Vec<PinError>,
     /// Per disc.
@@ -20,6 +22,8 @@ pub struct ManufacturingErrors {
     pub journals: Vec<RunOut>,
     /// Gear of the planet against the axis of its crankshaft, per crankshaft.
     pub planets: Vec<RunOut>,
+    /// Seats of the main bearings on the carrier against the axis of its bores.
+    pub carrier: RunOut,
     pub sun: RunOut,
 }
 
@@ -37,7 +41,7 @@ pub struct PinError {
 /// One disc.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DiscError {
-    /// Flank against the disc's axis: metal missing along the normal.
+    /// Flank against the disc's axis.
     pub flank: FlankError,
     /// Per crankshaft.
     pub bores: Vec<BoreError>,

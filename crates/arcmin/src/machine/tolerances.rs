@@ -3,7 +3,7 @@ use rand_distr::{Distribution, Normal, Uniform};
 use rand_pcg::Pcg64Mcg;
 
 use super::{BoreError, DiscError, EccentricError, Machine, ManufacturingErrors, PinError, RunOut};
-use crate::geometry::{FlankError, FlankHarmonic};
+use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
 
 /// Widths within which a machine is made, ± in m (rad for phases); zero where a part is exact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -20,12 +20,22 @@ pub struct Tolerances {
     /// Place of every bore in discs and carrier, radial and tangential.
     pub bore_position: f64,
     pub bore_diameter: f64,
+    /// Centre of the pin circle.
+    pub pin_circle_offset: f64,
+    /// Cumulative pitch of the disc's flank, spread over its orders 2 to 7.
+    pub flank_pitch: f64,
+    /// Profile error that all lobes of a disc have in common.
+    pub flank_profile: f64,
     /// Largest run-outs; their directions are free.
     pub flank_run_out: f64,
+    pub carrier_run_out: f64,
     pub journal_run_out: f64,
     pub planet_run_out: f64,
     pub sun_run_out: f64,
 }
+
+/// Orders of the disc's pitch that are drawn; order 1 is its run-out.
+const PITCH_ORDERS: std::ops::Range<usize> = 2..8;
 
 impl ManufacturingErrors {
     /// One machine drawn from its tolerances: normal deviates with the tolerance as three standard deviations, those outside drawn again; directions
@@ -43,7 +53,7 @@ impl ManufacturingErrors {
             }
         };
         let t = tolerances;
-        let (cranks, discs) = (machine.crankshafts.count, machine.disc_count);
+        let (cranks, discs, lobes) = (machine.crankshafts.count, machine.disc_count, machine.ring.pin_count - 1);
         let mut errors = ManufacturingErrors { pin_circle_radius: deviate(t.pin_circle_radius), ..ManufacturingErrors::default() };
         for _ in 0..machine.ring.pin_count {
             let (radial, tangential, radius) = (deviate(t.pin_position), deviate(t.pin_position), deviate(t.pin_radius));
@@ -70,11 +80,24 @@ impl ManufacturingErrors {
         };
         for disc in &mut errors.discs {
             let RunOut { amplitude, phase } = run_out(deviate(t.flank_run_out));
-            disc.flank.harmonics.push(FlankHarmonic { order: 1, amplitude, phase });
+            disc.flank.harmonics.push(FlankHarmonic { order: 1, amplitude, phase, direction: FlankDirection::Inwards });
         }
         errors.journals = (0..cranks).map(|_| run_out(deviate(t.journal_run_out))).collect();
         errors.planets = (0..cranks).map(|_| run_out(deviate(t.planet_run_out))).collect();
         errors.sun = run_out(deviate(t.sun_run_out));
+        // Later additions draw last, so that a seed goes on giving the same for all before them.
+        for disc in &mut errors.discs {
+            // Squares of independent amplitudes add up.
+            let each = t.flank_pitch / (PITCH_ORDERS.len() as f64).sqrt();
+            let pitch = PITCH_ORDERS.map(|order| (order, each, FlankDirection::Around));
+            for (order, tolerance, direction) in pitch.into_iter().chain([(lobes, t.flank_profile, FlankDirection::Normal)]) {
+                let RunOut { amplitude, phase } = run_out(deviate(tolerance));
+                disc.flank.harmonics.push(FlankHarmonic { order, amplitude, phase, direction });
+            }
+            disc.flank.harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
+        }
+        errors.carrier = run_out(deviate(t.carrier_run_out));
+        errors.pin_circle_offset = run_out(deviate(t.pin_circle_offset));
         errors
     }
 }

@@ -111,3 +111,64 @@ fn rounded_forces<S: Serializer>(forces: &[Vec<Vec<f64>>], serializer: S) -> Res
     }
     serializer.collect_seq(forces.iter().map(|disc| disc.iter().map(|row| Row(row)).collect::<Vec<_>>()))
 }
+
+/// Picture of a plane mesh of linear or quadratic triangles (m), with displacements (m) of every node where there are any.
+///
+/// Quadratic triangles list their corners first; only those are drawn. The colour is the size of the displacement.
+pub fn mesh_picture<const N: usize>(
+    title: &str,
+    note: &str,
+    nodes: impl IntoIterator<Item = [f64; 2]>,
+    triangles: &[[usize; N]],
+    displacement: &[[f64; 2]],
+) -> MeshPicture {
+    // Only corners are drawn, so that midside nodes need not be in the page.
+    let nodes: Vec<[f64; 2]> = nodes.into_iter().collect();
+    let mut place = vec![u32::MAX; nodes.len()];
+    let mut used = Vec::new();
+    let corners = triangles
+        .iter()
+        .map(|triangle| {
+            let mut corner = [0_u32; 3];
+            for (slot, node) in corner.iter_mut().zip(triangle) {
+                if place[*node] == u32::MAX {
+                    place[*node] = used.len() as u32;
+                    used.push(*node);
+                }
+                *slot = place[*node];
+            }
+            corner
+        })
+        .collect();
+    let moved = displacement.len() == nodes.len();
+    let displacement_um: Vec<[f64; 2]> =
+        if moved { used.iter().map(|node| displacement[*node].map(|part| part * 1e6)).collect() } else { Vec::new() };
+    let field = moved.then(|| MeshField {
+        label: "displacement".into(),
+        unit: "µm".into(),
+        values: displacement_um.iter().map(|[x, y]| x.hypot(*y)).collect(),
+    });
+    MeshPicture {
+        title: title.into(),
+        note: note.into(),
+        nodes_mm: used.iter().map(|node| nodes[*node].map(|part| part * 1e3)).collect(),
+        triangles: corners,
+        displacement_um,
+        field,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mesh_picture_keeps_corners_only() {
+        let nodes = vec![[0.0, 0.0], [1e-3, 0.0], [0.0, 1e-3], [0.5e-3, 0.0], [0.5e-3, 0.5e-3], [0.0, 0.5e-3]];
+        let displacement: Vec<[f64; 2]> = (0..6).map(|i| [f64::from(i) * 1e-6, 0.0]).collect();
+        let picture = mesh_picture("m", "", nodes, &[[0, 1, 2, 3, 4, 5]], &displacement);
+        assert_eq!(picture.nodes_mm, vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+        assert_eq!(picture.triangles, vec![[0, 1, 2]]);
+        assert_eq!(picture.field.map(|field| field.values.len()), Some(3));
+    }
+}

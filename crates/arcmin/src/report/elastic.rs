@@ -1,7 +1,6 @@
 //! The elastic disc: its mesh and how it deforms under rated torque.
 
-use super::bench::mesh_picture;
-use super::{Block, Column, Section, Table, compact, significant};
+use super::{Block, Column, Section, Table, compact, mesh_picture, significant};
 use crate::fem::{DiscModel, FlankLoad};
 use crate::load::LoadSharing;
 use crate::machine::Machine;

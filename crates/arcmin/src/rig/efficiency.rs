@@ -30,7 +30,7 @@ pub struct RunningTorques {
 }
 
 /// Crank positions over which torques are averaged.
-const POSITIONS: usize = 4;
+const POSITIONS: usize = 8;
 
 /// Mean torque (N·m) that the drive puts in at the speed (rad/s) and output torque (N·m), both signed.
 fn input_torque(model: &mut BearingJoints, rated: f64, torque: f64, speed: f64) -> Result<f64, RigError> {
@@ -86,20 +86,22 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
 pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<RunningTorques, RigError> {
-    let mut model = bench(machine, settings)?;
     let rated = machine.rated.torque.abs();
     let speed = machine.rated.input_speed.abs();
-    let mut line = |speed: f64, side: f64| -> Result<(f64, f64), RigError> {
-        let one = input_torque(&mut model, rated, side * 0.01 * rated, speed)?;
-        let two = input_torque(&mut model, rated, side * 0.02 * rated, speed)?;
+    let line = |model: &mut BearingJoints, speed: f64, side: f64| -> Result<(f64, f64), RigError> {
+        let one = input_torque(model, rated, side * 0.01 * rated, speed)?;
+        let two = input_torque(model, rated, side * 0.02 * rated, speed)?;
         Ok((2.0 * one - two, (two - one) / (0.01 * rated)))
     };
-    let (no_load, _) = line(speed, 1.0)?;
-    // Slow, yet fast enough that regularised friction is fully developed.
-    let slow = 0.05 * speed;
-    let (starting, _) = line(slow, 1.0)?;
+    let (no_load, _) = line(&mut bench(machine, settings)?, speed, 1.0)?;
+    // A machine that starts has no speed for the oil to drag at, yet Coulomb friction is to be fully developed.
+    let mut still = machine.clone();
+    still.friction.oil_drag = 0.0;
+    let mut model = bench(&still, settings)?;
+    let slow = 0.2 * speed;
+    let (starting, _) = line(&mut model, slow, 1.0)?;
     // Output driving: the load pushes along the motion, the input torque falls to zero.
-    let (offset, slope) = line(slow, -1.0)?;
+    let (offset, slope) = line(&mut model, slow, -1.0)?;
     let back_driving = if slope < 0.0 { offset / -slope } else { f64::INFINITY };
     Ok(RunningTorques { no_load, starting, back_driving })
 }

@@ -47,7 +47,9 @@ pub struct LoopFigures {
 }
 
 /// Share of rated torque at which lost motion is read.
-const LOST_MOTION_SHARE: f64 = 0.03;
+pub const LOST_MOTION_SHARE: f64 = 0.03;
+/// Shares of rated torque between which the torsional stiffness is read.
+pub const STIFFNESS_WINDOW: (f64, f64) = (0.5, 1.0);
 /// "Zero" torque while the flank still holds: this share of rated torque on the side the branch comes from.
 const ZERO_SHARE: f64 = 1e-4;
 
@@ -166,7 +168,7 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
     if let (Some(first), Some(last)) = (points.first(), points.last()) {
         work += 0.5 * (first.torque + last.torque) * (first.angle - last.angle);
     }
-    Ok(LoopFigures { lost_motion, backlash, stiffness: mean(0.5, 1.0)?, soft_stiffness: mean(0.03, 0.15)?, work })
+    Ok(LoopFigures { lost_motion, backlash, stiffness: mean(STIFFNESS_WINDOW.0, STIFFNESS_WINDOW.1)?, soft_stiffness: mean(0.03, 0.15)?, work })
 }
 
 /// Compliance between 50 % and 100 % of rated torque, per part.

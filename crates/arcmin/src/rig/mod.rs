@@ -6,6 +6,8 @@
 mod bearing_life;
 mod efficiency;
 mod hysteresis;
+#[cfg(test)]
+mod order_tests;
 mod orders;
 mod settle;
 #[cfg(test)]
@@ -14,9 +16,11 @@ mod transmission;
 
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
-pub use hysteresis::{Branch, LoopFigures, LoopPoint, StiffnessSplit, evaluate_loop, hysteresis_loop, stiffness_split};
+pub use hysteresis::{
+    Branch, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop, stiffness_split,
+};
 pub use orders::{NamedOrder, name_orders};
-pub use transmission::{ErrorCurve, TransmissionSettings, transmission_error_curves};
+pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};
 
 use crate::dynamics::DynamicsError;
 use crate::machine::Friction;
@@ -32,6 +36,8 @@ pub enum RigError {
     NoTorque,
     #[error("the measured loop is not usable: {0}")]
     BadLoop(&'static str),
+    #[error("the measured transmission error is not usable: {0}")]
+    BadCurve(&'static str),
 }
 
 /// Friction to assume where a design gives none: grease-lubricated mixed friction on pins that stay in their seats, ISO/TR 14179's order for

@@ -1,5 +1,5 @@
 use crate::dynamics::SpectrumLine;
-use crate::machine::Machine;
+use crate::machine::{Machine, RollerBearing};
 
 /// One order of the transmission error with what usually causes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -8,48 +8,143 @@ pub struct NamedOrder {
     pub order: usize,
     /// rad.
     pub amplitude: f64,
+    /// All causes that one turn cannot tell apart, "; or" between them.
     pub cause: String,
 }
 
-/// The strongest orders, largest first, each with its likely cause.
-pub fn name_orders(spectrum: &[SpectrumLine], machine: &Machine, count: usize) -> Vec<NamedOrder> {
-    let mut lines: Vec<&SpectrumLine> = spectrum.iter().filter(|line| line.order > 0).collect();
+/// The strongest orders, largest first, each with its likely causes. `samples` is the number of positions in which a turn was measured: what is
+/// faster than half of them appears folded back.
+pub fn name_orders(spectrum: &[SpectrumLine], machine: &Machine, samples: usize, count: usize) -> Vec<NamedOrder> {
+    /// Lines below this part of the largest are not worth a name.
+    const WORTH_NAMING: f64 = 0.002;
+    let mut lines: Vec<&SpectrumLine> = spectrum.iter().filter(|line| line.order > 0 && 2 * line.order <= samples).collect();
     lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
-    lines.into_iter().take(count).map(|line| NamedOrder { order: line.order, amplitude: line.amplitude, cause: cause(line.order, machine) }).collect()
+    let least = WORTH_NAMING * lines.first().map_or(0.0, |line| line.amplitude);
+    let named = |line: &SpectrumLine| {
+        let causes = causes(machine, line.order, samples);
+        NamedOrder {
+            order: line.order,
+            amplitude: line.amplitude,
+            cause: if causes.is_empty() { "no single cause known".to_owned() } else { causes.join("; or ") },
+        }
+    };
+    lines.into_iter().take(count).filter(|line| line.amplitude > least).map(named).collect()
 }
 
-fn cause(order: usize, machine: &Machine) -> String {
-    let pins = machine.ring.pin_count;
+/// Everything that belongs to an order within the resolution of one output turn, the most direct causes first.
+///
+/// Errors that stand still in the housing lie at multiples of z_c, for the crankshafts turn z_c times against the ring; errors that go round with the
+/// carrier lie at multiples of z_p. Both kinds together give sums and differences.
+fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
+    let is = |value: f64| (order as f64 - value).abs() < 0.5;
+    let (pins, discs, cranks) = (machine.ring.pin_count, machine.disc_count, machine.crankshafts.count);
     let lobes = pins - 1;
-    let ratio = machine.kinematics().housing_fixed_ratio().abs();
-    let sun_mesh = (ratio - 1.0) * machine.gear_stage.sun_teeth as f64;
-    let near = |value: f64| (order as f64 - value).abs() < 0.5;
-    let of = |base: usize| order.is_multiple_of(base).then(|| order / base);
+    let sun = machine.kinematics().housing_fixed_ratio() - 1.0;
+    let times = |multiple: usize, base: &str| if multiple == 1 { base.to_owned() } else { format!("{multiple} × {base}") };
+    let mut found = Vec::new();
     if order == 1 {
-        return "carrier: eccentricity, bores, main bearing".to_owned();
+        found.push("ring and carrier together (z_p − z_c): run-out or bores of the carrier in a ring that is not true; outside of the machine a coupling or encoder off its centre".to_owned());
     }
-    if order == machine.crankshafts.count {
-        return "position of the crankshafts or their bores".to_owned();
+    if order == cranks && cranks > 1 {
+        found.push(format!("{cranks} crankshafts passing what stands still: centre of the pin circle"));
     }
-    if near(ratio) {
-        return "run-out of the sun".to_owned();
+    if order.is_multiple_of(lobes) {
+        let multiple = order / lobes;
+        let met = if multiple.is_multiple_of(discs) && discs > 1 {
+            format!(" (each is met by {discs} discs per turn of the crankshafts)")
+        } else {
+            String::new()
+        };
+        found.push(format!(
+            "ring, {}: pins out of place or size{met}, centre and roundness of the pin circle",
+            times(multiple, &format!("z_c ({lobes})"))
+        ));
     }
-    if near(ratio - 1.0) {
-        let turns = (ratio - 1.0) / pins as f64;
-        return format!(
-            "run-out of the sun against the carrier; {turns:.0} × crankshaft turn: stiffness of bearings and shafts as the load goes round"
-        );
+    if order.is_multiple_of(pins) {
+        let multiple = order / pins;
+        let base = times(multiple, &format!("z_p ({pins})"));
+        found.push(match multiple {
+            1 => format!("{base}: run-out or pitch of a disc, an eccentric, a journal, or run-out of a planet"),
+            _ => format!("{base}: pitch of a disc in {multiple} waves, multiples of eccentrics, journals and planets"),
+        });
+        if multiple.is_multiple_of(cranks.max(2)) {
+            found.push("stiffness of bearings and shafts as the load goes round the crankshafts, without any error".to_owned());
+        }
     }
-    if near(sun_mesh) {
-        return "tooth mesh of sun and planets".to_owned();
+    if is(sun) {
+        found.push("run-out of the sun (its turn against the carrier, i − 1)".to_owned());
     }
-    if let Some(multiple) = of(pins) {
-        let what = String::from("pins: pitch, radius, pin circle; planet run-out, which turns as often against the carrier");
-        return if multiple == 1 { what } else { format!("{multiple} × {pins}: {what}") };
+    if is(sun + 1.0) {
+        found.push("run-out of the sun against what stands still (i)".to_owned());
     }
-    if let Some(multiple) = of(lobes) {
-        let what = "disc: profile, pitch, eccentricity, bores";
-        return if multiple == 1 { what.to_owned() } else { format!("{multiple} × {lobes}: {what}") };
+    let folded = |value: f64| (value - samples as f64 * (value / samples as f64).round()).abs();
+    for (value, what) in [
+        ((lobes * pins) as f64, "pins passing lobes (z_c z_p)"),
+        (sun * machine.gear_stage.sun_teeth as f64, "tooth mesh of sun and planets (z_1 (i − 1))"),
+    ] {
+        if is(value) {
+            found.push(what.to_owned());
+        } else if value > 0.5 * samples as f64 && is(folded(value)) {
+            found.push(format!("{what}, {value:.0}, folded back by {samples} positions"));
+        }
     }
-    if order < 10 { "low order: pin or lobe pitch around the ring".to_owned() } else { "mixed".to_owned() }
+    for (bearing, what) in [(&machine.bearings.turning_arm, "turning-arm bearings"), (&machine.bearings.crank_support, "crank supports")] {
+        let passing = rollers_passing(bearing, pins);
+        if let Some(shift) = (0..=8).find(|shift| is((passing - (shift * pins) as f64).abs()) || is(passing + (shift * pins) as f64)) {
+            let with = if shift == 0 { String::new() } else { format!(", with {}", times(shift, "z_p")) };
+            found.push(format!("rolling elements of the {what} ({passing:.1}{with})"));
+        }
+    }
+    if found.is_empty() {
+        let pairs = (1..=4_usize).flat_map(|a| (1..=4_usize).map(move |b| (a, b)));
+        if let Some((a, b)) =
+            pairs.filter(|(a, b)| order == a * lobes + b * pins || order == (a * lobes).abs_diff(b * pins)).min_by_key(|(a, b)| a + b)
+        {
+            let sign = if order == a * lobes + b * pins { '+' } else { '−' };
+            found.push(format!("ring and turning parts together ({} {sign} {})", times(b, "z_p"), times(a, "z_c")));
+        }
+    }
+    found
+}
+
+/// How often a rolling element passes a place on the carrier (and a disc) per output turn: Z w z_p, as the inner ring turns z_p times against the outer and
+/// the cage follows it by w = (1 − d cos α/D)/2.
+fn rollers_passing(bearing: &RollerBearing, pins: usize) -> f64 {
+    let share = 0.5 * (1.0 - bearing.roller_diameter * bearing.contact_angle.cos() / bearing.pitch_diameter);
+    bearing.roller_count as f64 * share * pins as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cause_within_the_resolution_is_named() {
+        let machine = crate::templates::rv_40e_81();
+        let of = |order| causes(&machine, order, 1024).join(" | ");
+        assert!(of(40).contains("z_p (40): run-out or pitch of a disc") && !of(40).contains("z_c"));
+        assert!(of(39).starts_with("ring, z_c (39)") && of(78).contains("2 × z_c (39)") && of(78).contains("met by 2 discs"));
+        // 80 is three things at once, 81 is the sun's turn, 78 neither.
+        for word in ["2 × z_p (40)", "the load goes round", "run-out of the sun (its turn against the carrier"] {
+            assert!(of(80).contains(word), "{word}: {}", of(80));
+        }
+        assert!(of(81).starts_with("run-out of the sun") && !of(78).contains("sun"));
+        // 14 rollers, w = 0.4: 224 per output turn; 240 − 224 = 16 and 224 − 160 = 64.
+        for order in [224, 16, 64] {
+            assert!(of(order).contains("turning-arm bearings (224.0"), "{order}: {}", of(order));
+        }
+        assert!(of(1).contains("z_p − z_c") && of(79).contains("z_p + z_c") && of(2).contains("2 crankshafts"));
+        // 1560 measured in 1024 positions appears at 2·1024 − 1560 = 488; in 4096 where it is.
+        assert!(of(488).contains("folded back by 1024") && causes(&machine, 1560, 4096).join("").contains("pins passing lobes"));
+        assert!(of(17).is_empty());
+    }
+
+    #[test]
+    fn strongest_orders_come_first_and_the_weak_have_no_name() {
+        let machine = crate::templates::rv_40e_81();
+        let line = |order, amplitude| SpectrumLine { order, amplitude };
+        let named = name_orders(&[line(0, 9.0), line(3, 1e-4), line(17, 0.5), line(40, 1.0), line(900, 3.0)], &machine, 1024, 8);
+        assert_eq!(named.iter().map(|n| n.order).collect::<Vec<_>>(), [40, 17]);
+        assert_eq!(named[1].cause, "no single cause known");
+    }
 }

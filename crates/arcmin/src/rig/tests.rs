@@ -185,3 +185,114 @@ fn val_transmission_error_stays_while_lost_motion_grows() {
     assert!(worn.0 - new.0 > 0.25, "{new:?} {worn:?}");
     assert!((worn.1 - new.1).abs() < 0.05 * new.1 && (worn.1 - new.1).abs() < 5e-3, "{new:?} {worn:?}");
 }
+
+/// One loss at a time has a closed form. Without any, efficiency is 1 and nothing is needed to turn the unloaded machine.
+#[test]
+fn single_losses_have_closed_forms() {
+    use crate::machine::Friction;
+    let settings = JointSettings::default();
+    let speed_floor = machine().friction.regularisation_speed;
+    let with = |friction: Friction| Machine { friction: Friction { regularisation_speed: speed_floor, ..friction }, ..machine() };
+    let (ratio, speed, rated) = (81.0, machine().rated.input_speed, machine().rated.torque);
+
+    let free = with(Friction::default());
+    let torques = running_torques(&free, &settings).unwrap();
+    // 1 % and 2 % of rated torque are 0.05 and 0.1 N·m at the input; the line through them meets zero within the ripple of the transmission error.
+    assert!(torques.no_load.abs() < 2e-5 && torques.starting.abs() < 2e-5 && torques.back_driving.abs() < 2e-3, "{torques:?}");
+    let map = efficiency_map(&free, &settings).unwrap();
+    assert!(map.efficiency.iter().flatten().all(|e| (e - 1.0).abs() < 1e-3), "{map:?}");
+
+    // Oil drags at the input in proportion to the speed: T_in = T/i + c ω, and nothing at rest.
+    let oil = with(Friction { oil_drag: 1e-3, ..Friction::default() });
+    let torques = running_torques(&oil, &settings).unwrap();
+    assert!((torques.no_load / (1e-3 * speed) - 1.0).abs() < 1e-3 && torques.starting.abs() < 2e-5, "{torques:?}");
+    let map = efficiency_map(&oil, &settings).unwrap();
+    assert!((map.rated - (rated / ratio) / (rated / ratio + 1e-3 * speed)).abs() < 1e-3, "{}", map.rated);
+
+    // Seals drag at the output with a constant torque: η = T/(T + T_s) at every speed, back-driving takes T_s.
+    let seals = with(Friction { seal_drag: 5.0, ..Friction::default() });
+    let torques = running_torques(&seals, &settings).unwrap();
+    // The seal's torque is regularised at 1 % of the output speed: 1/√(1 + 0.05²) is 1.2e-3 short of 1 at a fifth of the speed.
+    assert!((torques.starting / (5.0 / ratio) - 1.0).abs() < 3e-3 && (torques.back_driving / 5.0 - 1.0).abs() < 3e-3, "{torques:?}");
+    assert!((torques.no_load / (5.0 / ratio) - 1.0).abs() < 2e-3, "{torques:?}");
+    let map = efficiency_map(&seals, &settings).unwrap();
+    for row in &map.efficiency[1..] {
+        for (torque, efficiency) in map.torques.iter().zip(row) {
+            assert!((efficiency - torque / (torque + 5.0)).abs() < 1e-3, "{torque}: {efficiency}");
+        }
+    }
+}
+
+/// Input power is output power, losses, and what the springs take up, at every position and for every kind of friction at once.
+#[test]
+fn power_balances_with_all_frictions() {
+    use crate::dynamics::{BearingJoints, System};
+    let rough = Machine { friction: ASSUMED_FRICTION, ..machine() };
+    let mut model = BearingJoints::held(&rough, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+    let speed = rough.rated.input_speed;
+    for sun in [0.4, 1.9, 3.3] {
+        for torque in [rough.rated.torque, 0.05 * rough.rated.torque, -0.5 * rough.rated.torque] {
+            model.hold_sun(sun, speed);
+            model.set_load(torque);
+            let (nominal, velocity) = (model.nominal_position_at(sun), model.nominal_velocity_at(sun, speed));
+            let q = settle::run(&model, &nominal, velocity.clone()).unwrap();
+            let mut force = vec![0.0; q.len()];
+            let mut linearisation = model.linearisation();
+            let (balance, input) = model.evaluate_with_input(0.0, &q, &velocity, &mut force, &mut linearisation);
+            // Rate of the stored energy along the motion, the sun going on as well.
+            let h = 1e-7;
+            let mut stored = |side: f64| {
+                let moved: Vec<f64> = q.iter().zip(&velocity).map(|(q, v)| q + side * h * v).collect();
+                model.hold_sun(sun + side * h * speed, speed);
+                model.evaluate_with_input(0.0, &moved, &velocity, &mut force, &mut linearisation).0.stored
+            };
+            let taken_up = (stored(1.0) - stored(-1.0)) / (2.0 * h);
+            let balance_left = input * speed - balance.load_power - balance.dissipation - taken_up;
+            assert!(balance.dissipation > 0.0);
+            // 1e-7 s of motion over contacts of curved law; the force along the flank of a line contact is no part of the stored energy's gradient tangent.
+            assert!(
+                balance_left.abs() < 2e-4 * (balance.load_power.abs() + balance.dissipation),
+                "{sun} {torque}: {balance_left} of {} W",
+                input * speed
+            );
+        }
+    }
+}
+
+/// A measured curve is read like a computed one.
+#[test]
+fn measured_curves_are_checked() {
+    let points: Vec<(f64, f64)> = (0..=400)
+        .map(|i| (std::f64::consts::TAU * f64::from(i) / 400.0, 1e-5 * (39.0 * f64::from(i) / 400.0 * std::f64::consts::TAU).sin()))
+        .collect();
+    let curve = ErrorCurve::measured(points.clone(), 4.0).unwrap();
+    assert_eq!((curve.direction, curve.torque), (1.0, 4.0));
+    assert!((curve.peak_to_peak() - 2e-5).abs() < 1e-7);
+    let mut back = points.clone();
+    back.reverse();
+    assert_eq!(ErrorCurve::measured(back, 4.0).unwrap().direction, -1.0);
+    let mut torn = points;
+    torn.swap(10, 11);
+    assert!(matches!(ErrorCurve::measured(torn, 0.0), Err(RigError::BadCurve(_))));
+    assert!(ErrorCurve::measured(vec![(0.0, 0.0); 3], 0.0).is_err());
+}
+
+/// A carrier of finite torsional stiffness lies in series with all that is computed: 1/k = 1/k_rigid + 1/k_carrier. 195 N·m/arcmin would bring the RV-40E-81 to its
+/// catalogue's 108 N·m/arcmin; that is a calibration, and the shipped design leaves the carrier rigid.
+#[test]
+fn val_carrier_torsion_closes_the_gap_to_the_catalogue() {
+    let rigid = machine();
+    assert!(rigid.carrier.torsional_stiffness.is_infinite());
+    let mut soft = rigid.clone();
+    soft.carrier.torsional_stiffness = 195.0 / ARCMIN;
+    let settings = JointSettings::default();
+    let stiffness =
+        |machine: &Machine| evaluate_loop(&hysteresis_loop(machine, &settings, 1.0).unwrap(), machine.rated.torque).unwrap().stiffness * ARCMIN;
+    let (before, after) = (stiffness(&rigid), stiffness(&soft));
+    assert!((1.0 / after - 1.0 / before - 1.0 / 195.0).abs() < 1e-3 / after, "{before} {after}");
+    // Catalogue values are rounded, and this is one of several crank positions.
+    assert!((after / 108.0 - 1.0).abs() < 0.03, "{after}");
+    let split = stiffness_split(&soft, &settings, 1.0).unwrap();
+    let carrier = split.parts.iter().find(|(part, _)| part.name() == "carrier torsion").unwrap().1;
+    assert!((carrier * 195.0 / ARCMIN - 1.0).abs() < 1e-6);
+}

@@ -33,6 +33,22 @@ pub struct ErrorCurve {
 }
 
 impl ErrorCurve {
+    /// A curve from a real bench: (output angle, error) in rad in the order of the test, at a torque (N·m). Its direction is that of the angles.
+    ///
+    /// # Errors
+    /// [`RigError::BadCurve`] for fewer than eight points or angles that turn back.
+    pub fn measured(points: Vec<(f64, f64)>, torque: f64) -> Result<ErrorCurve, RigError> {
+        let (Some(first), Some(last)) = (points.first(), points.last()) else { return Err(RigError::BadCurve("it has no points")) };
+        let direction = if last.0 >= first.0 { 1.0 } else { -1.0 };
+        if points.len() < 8 {
+            return Err(RigError::BadCurve("it has fewer than eight points"));
+        }
+        if points.windows(2).any(|pair| !((pair[1].0 - pair[0].0) * direction > 0.0)) {
+            return Err(RigError::BadCurve("its output angles do not proceed in one direction"));
+        }
+        Ok(ErrorCurve { direction, torque, points })
+    }
+
     pub fn mean(&self) -> f64 {
         let n = self.points.len().saturating_sub(1).max(1);
         self.points.iter().take(n).map(|p| p.1).sum::<f64>() / n as f64
@@ -44,11 +60,11 @@ impl ErrorCurve {
     }
 }
 
-/// One output turn with a torque against the motion.
+/// One output turn of `positions` steps in the direction ±1 with a torque (N·m) against the motion.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
-fn one_turn(machine: &Machine, settings: &JointSettings, positions: usize, direction: f64, torque: f64) -> Result<ErrorCurve, RigError> {
+pub fn error_curve(machine: &Machine, settings: &JointSettings, positions: usize, direction: f64, torque: f64) -> Result<ErrorCurve, RigError> {
     let settings = JointSettings { damped: false, ..settings.clone() };
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().housing_fixed_ratio();
@@ -84,5 +100,5 @@ pub fn transmission_error_curves(machine: &Machine, settings: &JointSettings, te
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
     let cases = [(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
-    cases.into_par_iter().map(|(direction, torque)| one_turn(machine, settings, test.positions, direction, torque)).collect()
+    cases.into_par_iter().map(|(direction, torque)| error_curve(machine, settings, test.positions, direction, torque)).collect()
 }

@@ -128,11 +128,14 @@ fn culling_never_drops_a_pin_that_carries() {
 /// The forces of conservative contacts are minus the gradient of the stored energy, on every kind of flank and pin.
 #[test]
 fn forces_are_the_gradient_of_the_stored_energy() {
-    use crate::geometry::{FlankError, FlankHarmonic};
+    use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
     let machine = machine();
     let uneven = Relief::from_samples(Relief::grid(720).map(|phi| worn(phi) + 2.0 * UM * (3.0 * phi).sin()).collect());
     let pin = Relief::from_samples(Relief::grid(180).map(|psi| 3.0 * UM * (1.0 + (2.0 * psi).cos())).collect());
-    let error = FlankError { harmonics: vec![FlankHarmonic { order: 39, amplitude: 2.0 * UM, phase: 0.3 }] };
+    let error = FlankError {
+        harmonics: vec![FlankHarmonic { order: 39, amplitude: 2.0 * UM, phase: 0.3, direction: FlankDirection::Normal }],
+        measured: None,
+    };
     let kinematics = machine.kinematics();
     let mut rolling_share: f64 = 0.0;
     for relief in [Relief::uniform(8.0 * UM), uneven] {
@@ -172,4 +175,47 @@ fn forces_are_the_gradient_of_the_stored_energy() {
     }
     // What is proven matters: normal forces alone miss this.
     assert!(rolling_share > 1e-4, "{rolling_share}");
+}
+
+/// Chords leave the flank by s²/(8 ρ), nodes leave room for s²/(8 R_eq): both vanish with the square of the element size. Concave places come closer,
+/// convex ones recede; between nodes everything recedes.
+#[test]
+fn meshed_flanks_converge_with_the_square_of_the_element_size() {
+    let machine = machine();
+    let kinematics = machine.kinematics();
+    let arc = crate::fem::boundary::FlankArc::new(&machine.profile());
+    let smooth = machine.pin_contacts(&Relief::uniform(10.0 * UM));
+    let deviations = |kind: MeshContact, per_lobe: usize| {
+        let mut meshed = smooth.clone();
+        meshed.set_facets(kind, arc.nodes(per_lobe));
+        let (mut closest, mut farthest) = (0.0_f64, 0.0_f64);
+        for step in 0..200 {
+            let crank = 0.0173 * step as f64;
+            let pose = kinematics.disc_pose(0, crank, kinematics.nominal_output_angle(crank) - 0.3 * ARCMIN);
+            for (a, b) in meshed.contacts(pose, DiscVelocity::REST).iter().zip(smooth.contacts(pose, DiscVelocity::REST)) {
+                closest = closest.min(a.gap - b.gap);
+                farthest = farthest.max(a.gap - b.gap);
+            }
+        }
+        (closest, farthest)
+    };
+    for kind in [MeshContact::Edges, MeshContact::Nodes] {
+        let (coarse, fine) = (deviations(kind, 40), deviations(kind, 80));
+        assert!((farthest_order(coarse.1, fine.1) - 2.0).abs() < 0.3, "{kind:?} {coarse:?} {fine:?}");
+        match kind {
+            MeshContact::Edges => assert!((farthest_order(coarse.0, fine.0) - 2.0).abs() < 0.3, "{coarse:?} {fine:?}"),
+            MeshContact::Nodes => assert!(coarse.0 > -1e-12 && fine.0 > -1e-12, "{coarse:?} {fine:?}"),
+        }
+        let edge = arc.lobe_length() / 40.0;
+        let sharpest = match kind {
+            MeshContact::Edges => 1.0 / 1.6117e-3,
+            MeshContact::Nodes => 1.0 / 1.6117e-3 + 1.0 / 3e-3,
+        };
+        let sag = edge * edge * sharpest / 8.0;
+        assert!(coarse.1 < 1.1 * sag && coarse.1 > 0.7 * sag, "{kind:?} {} {sag}", coarse.1);
+    }
+}
+
+fn farthest_order(coarse: f64, fine: f64) -> f64 {
+    (coarse / fine).log2()
 }

@@ -107,7 +107,9 @@ pub struct BearingJoints {
     turning_arms: Vec<Vec<RadialBearing>>,
     /// Per crankshaft.
     supports: Vec<RadialBearing>,
+    /// Stiffness, radial clearance, and the seat's place on the carrier.
     main: (f64, f64),
+    main_seat: Arm,
     sun_support: f64,
     carrier_torsion: f64,
     /// Eccentrics per crankshaft and disc, bores per crankshaft and disc, bores of the carrier, journals.
@@ -196,6 +198,9 @@ impl BearingJoints {
             meshes: (0..cranks)
                 .map(|k| {
                     let mut mesh = PlanarMesh::new(machine, k, shaft.torsion);
+                    if !settings.damped {
+                        mesh.damping = 0.0;
+                    }
                     let planet = run_out(&errors.planets, k);
                     mesh.planet_run_out = (planet.amplitude, planet.phase);
                     mesh.sun_run_out = (errors.sun.amplitude, errors.sun.phase);
@@ -205,6 +210,7 @@ impl BearingJoints {
             turning_arms: (0..cranks).map(|k| (0..discs).map(|j| turning_arm(k, j)).collect()).collect(),
             supports: (0..cranks).map(support).collect(),
             main: (machine.bearings.main.radial * scale, 0.5 * machine.bearings.main.clearance),
+            main_seat: Arm { radius: errors.carrier.amplitude, phase: errors.carrier.phase },
             sun_support: machine.bearings.sun.radial * scale,
             carrier_torsion: torsional,
             eccentrics: (0..cranks)
@@ -374,7 +380,8 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     for (i, pin) in pins.iter_mut().enumerate() {
         let own = errors.pins.get(i).copied().unwrap_or_default();
         let outward = pin.centre.normalize();
-        pin.centre += (errors.pin_circle_radius + own.radial) * outward + own.tangential * quarter_turn(outward);
+        let RunOut { amplitude, phase } = errors.pin_circle_offset;
+        pin.centre += (errors.pin_circle_radius + own.radial) * outward + own.tangential * quarter_turn(outward) + amplitude * unit(phase);
         pin.radius += errors.pin_radius + own.radius;
     }
     let contact = machine.line_contact().with_seat_compliance(machine.ring.seat_compliance / settings.stiffness_scale);

@@ -13,7 +13,7 @@ pub struct PlanarMesh {
     /// N/m, shaft torsion in series.
     stiffness: f64,
     variation: f64,
-    damping: f64,
+    pub damping: f64,
     pub half_backlash: f64,
     /// Metal lost along the line of action by the teeth of either side, m: where the sun drives counter-clockwise, and the other.
     pub flank_loss: [f64; 2],
@@ -105,7 +105,7 @@ impl PlanarMesh {
             let across = quarter_turn(normal);
             // Turning of the normal per displacement of the planet.
             let turning = tangential / distance - side * cos / (distance * sin) * radial;
-            let mut slope: Row = [
+            let slope: Row = [
                 normal.x,
                 normal.y,
                 side * self.sun_base_radius + normal.dot(&quarter_turn(sun_arm)),
@@ -119,9 +119,17 @@ impl PlanarMesh {
             let motion: [Vec2; MESH_COORDINATES] =
                 [Vec2::new(-1.0, 0.0), Vec2::new(0.0, -1.0), -ps, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0), pp, Vec2::zeros()];
             let elastic = k * overlap;
+            state.stored += 0.5 * k * overlap * overlap;
+            let x = (overlap / DAMPING_RAMP).min(1.0);
+            let c = self.damping * x * x * (3.0 - 2.0 * x);
+            let rate: f64 = slope.iter().zip(v).map(|(s, v)| s * v).sum();
+            if elastic + c * rate <= 0.0 {
+                // Teeth part faster than they spring back: no force, for damping must not pull, and the energy they held is lost.
+                state.dissipation -= elastic * rate;
+                continue;
+            }
             state.force += side * elastic;
             state.side_force[number] = elastic;
-            state.stored += 0.5 * k * overlap * overlap;
             let sigma: Row = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0];
             let half_square = 0.5 * overlap * overlap;
             for i in 0..MESH_COORDINATES {
@@ -134,12 +142,6 @@ impl PlanarMesh {
             }
             state.hessian[2][2] += elastic * -normal.dot(&sun_arm);
             state.hessian[5][5] += elastic * normal.dot(&planet_arm);
-            let x = (overlap / DAMPING_RAMP).min(1.0);
-            let c = self.damping * x * x * (3.0 - 2.0 * x);
-            let rate: f64 = slope.iter().zip(v).map(|(s, v)| s * v).sum();
-            if elastic + c * rate <= 0.0 {
-                continue;
-            }
             for i in 0..MESH_COORDINATES {
                 state.damping_force[i] -= c * rate * slope[i];
                 for j in 0..MESH_COORDINATES {
@@ -147,7 +149,6 @@ impl PlanarMesh {
                 }
             }
             state.dissipation += c * rate * rate;
-            slope.fill(0.0);
         }
         state
     }

@@ -210,8 +210,10 @@ impl BearingJoints {
 
     fn visit_supports(&self, q: &[f64], v: &[f64], sink: &mut impl Sink) {
         let carrier = self.layout.carrier();
-        self.add_support(Part::Housing, carrier, self.main, q, v, sink);
-        self.add_support(Part::GearStage, self.layout.sun(), (self.sun_support, 0.0), q, v, sink);
+        let sun = self.layout.sun();
+        let seat = self.main_seat.at(q[carrier + 2]);
+        self.add_support(Part::Housing, [carrier, carrier + 1, carrier + 2], self.main, seat, q, v, sink);
+        self.add_support(Part::GearStage, [sun, sun + 1, self.layout.sun_angle()], (self.sun_support, 0.0), Vec2::zeros(), q, v, sink);
         if self.layout.has_flange() {
             let index = [carrier + 2, self.layout.output()];
             let k = self.carrier_torsion;
@@ -231,9 +233,9 @@ impl BearingJoints {
         }
     }
 
-    /// Linear radial support of stiffness and radial clearance to the housing.
-    fn add_support(&self, part: Part, at: usize, (stiffness, clearance): (f64, f64), q: &[f64], v: &[f64], sink: &mut impl Sink) {
-        let u = Vec2::new(q[at], q[at + 1]);
+    /// Linear radial support of stiffness and radial clearance to the housing; `seat` is what it holds on a body that turns with the last coordinate.
+    fn add_support(&self, part: Part, index: [usize; 3], (stiffness, clearance): (f64, f64), seat: Vec2, q: &[f64], v: &[f64], sink: &mut impl Sink) {
+        let u = Vec2::new(q[index[0]], q[index[1]]) + seat;
         let distance = u.norm();
         if distance < clearance {
             return;
@@ -242,15 +244,29 @@ impl BearingJoints {
         let normal = if distance > 0.0 { u / distance } else { Vec2::zeros() };
         let depth = distance - clearance;
         let force = stiffness * (1.0 - open) * u;
+        let along = quarter_turn(seat);
+        let rows = [[1.0, 0.0, along.x], [0.0, 1.0, along.y]];
         let entry = |i: usize, j: usize| stiffness * ((1.0 - open) * f64::from(u8::from(i == j)) + open * normal[i] * normal[j]);
-        let hessian = [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)];
-        let index = [at, at + 1];
-        sink.element(&Element { part, index: &index, gradient: &[force.x, force.y], hessian: &hessian, stored: 0.5 * stiffness * depth * depth });
+        let radial = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
+        let mut hessian = [0.0; 9];
+        for a in 0..3 {
+            for b in 0..3 {
+                for i in 0..2 {
+                    for j in 0..2 {
+                        hessian[a * 3 + b] += rows[i][a] * radial[i][j] * rows[j][b];
+                    }
+                }
+            }
+        }
+        let damping = hessian.map(|k| self.loss_time * k);
+        hessian[8] -= force.dot(&seat);
+        let gradient = [force.x, force.y, force.dot(&along)];
+        sink.element(&Element { part, index: &index, gradient: &gradient, hessian: &hessian, stored: 0.5 * stiffness * depth * depth });
         if self.loss_time > 0.0 {
-            let c = hessian.map(|k| self.loss_time * k);
-            let rate = [v[at], v[at + 1]];
-            let pull = [-(c[0] * rate[0] + c[1] * rate[1]), -(c[2] * rate[0] + c[3] * rate[1])];
-            sink.damper(&index, &pull, &c, -(pull[0] * rate[0] + pull[1] * rate[1]));
+            let rate = index.map(|i| v[i]);
+            let pull: [f64; 3] = std::array::from_fn(|a| -(0..3).map(|b| damping[a * 3 + b] * rate[b]).sum::<f64>());
+            let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
+            sink.damper(&index, &pull, &damping, dissipation);
         }
     }
 }

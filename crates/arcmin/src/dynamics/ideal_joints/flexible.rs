@@ -1,5 +1,5 @@
 use super::{CARRIER, CRANK, HOUSING, IdealJoints, Torques};
-use crate::contact::{LineContact, PinContact, TOLERABLE_DEPTH};
+use crate::contact::{LineContact, MeshContact, PinContact, TOLERABLE_DEPTH};
 use crate::dynamics::{Balance, DenseLinearisation, Drive, DynamicsError, ForceSummary, OutputLoad, Reducer, System};
 use crate::fem::{CoupledContact, CoupledForces, FlankCompliance, FlexibleDiscs};
 use crate::geometry::{Relief, cross, quarter_turn};
@@ -109,6 +109,11 @@ impl FlexibleJoints {
     /// As [`IdealJoints::set_pin_wear`].
     pub fn set_pin_wear(&mut self, wear: &Relief) {
         self.rigid.set_pin_wear(wear);
+    }
+
+    /// As [`IdealJoints::set_facets`]; the compliance stays that of the smooth disc.
+    pub fn set_facets(&mut self, contact: MeshContact, nodes: &[f64]) {
+        self.rigid.set_facets(contact, nodes);
     }
 
     /// The rigid model that carries the discs.

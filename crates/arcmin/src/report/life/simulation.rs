@@ -301,7 +301,7 @@ fn differences(life: &LifePage) -> Vec<String> {
     if let Some(row) = at(50.0).filter(|row| row.ste_rigid.is_some() && row.play_arcmin < STE_LARGEST.1) {
         texts.push(format!(
             "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows between rigid teeth. It must contain \
-             something other than the worn shape: penetration of a soft contact, the spline or facets of the contact curve, or a search that \
+             something other than the worn shape: penetration of a soft contact, the spline or the mesh of the contact curve, or a search that \
              jumps between the two flanks of the root.",
             STE_LARGEST.1,
             STE_LARGEST.0,
@@ -323,9 +323,9 @@ fn differences(life: &LifePage) -> Vec<String> {
     if let Some(flexible) = at(10.0).and_then(|row| row.ste_flexible) {
         texts.push(format!(
             "Flexible disc: without load nothing deforms it, so that its clearance is that of the rigid disc and the mean here is {} arcmin. The \
-             paper finds {FLEXIBLE_MEAN_AT_10_UM} arcmin and explains it by elasticity; the likelier cause is its mesh, whose straight edges \
-             (of about 2 mm, if it is like others) cut the flank's curves short by 0.05–0.3 mm, more than all the wear studied. \
-             `arcmin simulate --flank faceted` shows what facets alone do.",
+             paper finds {FLEXIBLE_MEAN_AT_10_UM} arcmin and explains it by elasticity. A mesh of linear elements changes the play by as much as \
+             the wear studied: contact with its edges takes play away (1 mm jams), contact at its nodes alone adds some (1.3 arcmin at 60 µm and \
+             2 mm). `arcmin simulate --flank faceted` and `--flank nodes` show it; neither reaches the paper's figure.",
             significant(flexible.mean_arcmin, 3)
         ));
     }

@@ -1,0 +1,38 @@
+//! Lost motion over life by cause.
+
+use crate::report::{Axis, Block, Colour, Plot, Series};
+
+/// Lost motion per cause over hours: (cause, points of (h, arcmin)).
+pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
+    let mut plot = Plot::new("Lost motion by cause", Axis::new("Running time", "h"), Axis::new("Lost motion", "arcmin").from_zero()).half();
+    // Stacked: every band stands on the one before.
+    let mut below: Vec<(f64, f64)> = Vec::new();
+    for (index, (cause, points)) in causes.iter().enumerate() {
+        let band: Vec<(f64, f64, f64)> = points
+            .iter()
+            .enumerate()
+            .map(|(at, (hours, value))| {
+                let low = below.get(at).map_or(0.0, |base| base.1);
+                (*hours, low, low + value)
+            })
+            .collect();
+        below = band.iter().map(|(hours, _, high)| (*hours, *high)).collect();
+        plot.series.push(Series::band(cause.clone(), band).coloured(Colour::Palette((index % 7) as u8)));
+    }
+    plot.series.push(Series::line("sum", below).coloured(Colour::Reference).strong());
+    plot.note = "Bands stand on each other; their sum is the lost motion of the whole machine.".into();
+    Block::Plot(plot)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_of_lost_motion_add_up() {
+        let causes = vec![("teeth".to_owned(), vec![(0.0, 0.1), (10.0, 0.4)]), ("bearings".to_owned(), vec![(0.0, 0.3), (10.0, 0.3)])];
+        let Block::Plot(plot) = lost_motion_causes(&causes) else { panic!("a plot") };
+        assert_eq!(plot.series[1].points.low, vec![Some(0.1), Some(0.4)]);
+        assert!((plot.series[2].points.y[1].unwrap_or(0.0) - 0.7).abs() < 1e-12);
+    }
+}

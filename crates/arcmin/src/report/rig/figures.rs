@@ -1,0 +1,275 @@
+//! Figures of the test bench, in the order in which they are read.
+
+use super::{MeasuredOnBench, RigState};
+use crate::machine::Machine;
+use crate::report::{Annotation, Axis, Block, Colour, Column, HeatMap, Plot, Series, Shares, Style, Table, Tone, Width, compact, significant};
+use crate::rig::{Branch, ErrorCurve, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
+use crate::units::{ARCMIN, RPM};
+
+/// Loops of every state and the measured one: whole, and near zero torque.
+pub(super) fn hysteresis(machine: &Machine, states: &[(String, &RigState)], measured: Option<&MeasuredOnBench>) -> Vec<Block> {
+    let rated = machine.rated.torque.abs();
+    let build = |title: &str, window: f64, note: String| {
+        let axis = Axis::new("Output torque, input locked", "N·m").between(-window, window);
+        let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
+        // Both branches in one series: a loop is read as it was run, and what leaves the window is a gap.
+        let points = |one: &[LoopPoint], shift: f64| -> Vec<(f64, f64)> {
+            let seen = |p: &LoopPoint| if p.torque.abs() <= 1.0001 * window { (p.angle + shift) / ARCMIN } else { f64::NAN };
+            one.iter().map(|p| (p.torque.clamp(-window, window), seen(p))).collect()
+        };
+        for (index, (name, state)) in states.iter().enumerate() {
+            if let Some(one) = state.loops.first() {
+                plot.series.push(Series::line(name.clone(), points(one, 0.0)).coloured(Colour::Palette(index as u8)).strong());
+            }
+        }
+        if let (Some(measured), Some((_, state))) = (measured.and_then(|m| m.loops.first()), states.last()) {
+            // A measured angle has no zero: it is laid over the middle of the computed loop.
+            let shift = state.loops.first().map_or(0.0, |one| middle(one, rated)) - middle(measured, rated);
+            plot.series.push(Series::markers("measured", points(measured, shift)).coloured(Colour::Reference));
+        }
+        plot
+    };
+    let (low, high) = (STIFFNESS_WINDOW.0 * rated, STIFFNESS_WINDOW.1 * rated);
+    let count = states.last().map_or(0, |(_, state)| state.figures.len());
+    let mut whole = build(
+        "Hysteresis loop",
+        1.05 * rated,
+        format!(
+            "First of {count} crank positions. Torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
+            compact(low, 4),
+            compact(high, 4)
+        ),
+    );
+    for (from, to) in [(-high, -low), (low, high)] {
+        whole.annotations.push(Annotation::Span { from, to, label: String::new() });
+    }
+    let reading = LOST_MOTION_SHARE * rated;
+    let mut close = build(
+        "The same near zero torque",
+        3.0 * reading,
+        "Lost motion: at +3 % and at −3 % of the rated torque take the mid-point between the two branches; it is the angle between these two \
+         mid-points. Backlash is the width of the loop at zero torque [GBT35089]."
+            .into(),
+    );
+    for (at, label) in [(-reading, "−3 %"), (reading, "+3 %")] {
+        close.annotations.push(Annotation::Vertical { at, label: label.into(), tone: Tone::Neutral });
+    }
+    vec![Block::Plot(whole), Block::Plot(close)]
+}
+
+/// Mean angle of both branches at ± 3 % of rated torque, rad.
+fn middle(points: &[LoopPoint], rated: f64) -> f64 {
+    let mut sum = 0.0;
+    let mut count = 0;
+    for branch in [Branch::Falling, Branch::Rising] {
+        let one: Vec<&LoopPoint> = points.iter().filter(|p| p.branch == branch).collect();
+        for target in [-LOST_MOTION_SHARE * rated, LOST_MOTION_SHARE * rated] {
+            if let Some(near) = one.iter().min_by(|a, b| (a.torque - target).abs().total_cmp(&(b.torque - target).abs())) {
+                sum += near.angle;
+                count += 1;
+            }
+        }
+    }
+    sum / f64::from(count.max(1))
+}
+
+/// Figures of the loops, with their spread over the crank positions.
+pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&MeasuredOnBench>) -> Block {
+    let mut columns = vec![Column::text("Figure")];
+    columns.extend(states.iter().map(|(name, _)| Column::number(name.clone(), "")));
+    let measured = measured.filter(|m| !m.figures.is_empty());
+    columns.extend(measured.map(|_| Column::number("measured", "")));
+    let rows: [(&str, f64, fn(&LoopFigures) -> f64); 5] = [
+        ("Lost motion, arcmin", 1.0 / ARCMIN, |f| f.lost_motion),
+        ("Backlash, arcmin", 1.0 / ARCMIN, |f| f.backlash),
+        ("Torsional stiffness 50–100 %, N·m/arcmin", ARCMIN, |f| f.stiffness),
+        ("Torsional stiffness 3–15 %, N·m/arcmin", ARCMIN, |f| f.soft_stiffness),
+        ("Work lost in one loop, J", 1.0, |f| f.work.abs()),
+    ];
+    let cell = |figures: &[LoopFigures], unit: f64, of: fn(&LoopFigures) -> f64| {
+        let values: Vec<f64> = figures.iter().map(|f| unit * of(f)).collect();
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let (mean, low, high) = (significant(mean, 3), significant(low, 3), significant(high, 3));
+        if low == high { mean } else { format!("{mean} ({low} to {high})") }
+    };
+    Block::Table(Table {
+        title: "Read from the loops".into(),
+        columns,
+        rows: rows
+            .into_iter()
+            .map(|(name, unit, of)| {
+                let mut row = vec![name.to_owned()];
+                row.extend(states.iter().map(|(_, state)| cell(&state.figures, unit, of)));
+                row.extend(measured.map(|m| cell(&m.figures, unit, of)));
+                row
+            })
+            .collect(),
+        note: "Mean over the crank positions, and in brackets the lowest and the highest of them. Measured loops are read by the same code.".into(),
+    })
+}
+
+pub(super) fn stiffness_split(state: &RigState) -> Block {
+    let split = &state.split;
+    // Parts that are rigid in this design would be bars of no length.
+    let there = split.parts.iter().filter(|(_, compliance)| *compliance > 1e-6 * split.whole);
+    let rows = there.map(|(part, c)| (part.name().to_owned(), 1e3 * c / ARCMIN, format!("{} %", significant(100.0 * c / split.whole, 3)))).collect();
+    let rigid: Vec<&str> = split.parts.iter().filter(|(_, c)| *c <= 1e-6 * split.whole).map(|(part, _)| part.name()).collect();
+    let rigid = if rigid.is_empty() { String::new() } else { format!(" Rigid or without effect here: {}.", rigid.join(", ")) };
+    let sum: f64 = split.parts.iter().map(|part| part.1).sum();
+    Block::Shares(Shares {
+        title: "Where the compliance sits, 50 to 100 % of rated torque".into(),
+        unit: "arcmin per kN·m".into(),
+        rows,
+        note: format!(
+            "Energy split gᵀKg along the motion per unit torque at the first crank position, friction aside. The parts add up to {} % of the compliance read \
+             from two balances, {} N·m/arcmin.{rigid}",
+            significant(100.0 * sum / split.whole, 4),
+            significant(ARCMIN / split.whole, 4)
+        ),
+    })
+}
+
+pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
+    let map = &state.efficiency;
+    let heat = HeatMap {
+        title: "Efficiency".into(),
+        x: Axis::new("Output torque", "N·m"),
+        y: Axis::new("Input speed", "rpm"),
+        value: Axis::new("Efficiency", "%"),
+        x_values: map.torques.clone(),
+        y_values: map.speeds.iter().map(|speed| speed / RPM).collect(),
+        cells: map.efficiency.iter().flatten().map(|e| e.is_finite().then_some(100.0 * e)).collect(),
+        note: "Output power over input power of the running machine: friction at pins, bearings and meshes, seals and oil.".into(),
+        width: Width::Half,
+    };
+    let mut lines = Plot::new("Efficiency over torque", Axis::new("Output torque", "N·m").from_zero(), Axis::new("Efficiency", "%")).half();
+    let count = map.speeds.len().saturating_sub(1).max(1) as f64;
+    for (index, (speed, row)) in map.speeds.iter().zip(&map.efficiency).enumerate() {
+        let points = map.torques.iter().zip(row).map(|(torque, e)| (*torque, 100.0 * e));
+        lines.series.push(Series::line(format!("{} rpm", compact(speed / RPM, 4)), points).coloured(Colour::Ordered(index as f64 / count)));
+    }
+    let t = &state.torques;
+    let row = |name: &str, value: f64| vec![name.to_owned(), if value.is_finite() { significant(value, 3) } else { "self-locking".into() }];
+    let table = Table {
+        title: "Torques without load".into(),
+        columns: vec![Column::text("Torque"), Column::number("Value", "N·m")],
+        rows: vec![
+            row("Running at rated speed, at the input", t.no_load),
+            row("Starting, at the input", t.starting),
+            row("Back-driving, at the output", t.back_driving),
+        ],
+        note: "Starting and back-driving without the drag of the oil; static friction is no larger here than sliding friction.".into(),
+    };
+    vec![Block::HeatMap(heat), Block::Plot(lines), Block::Table(table)]
+}
+
+pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>) -> Vec<Block> {
+    let mut plot = Plot::new(
+        "Transmission error of one output turn, about its mean",
+        Axis::new("Output angle", "°").between(0.0, 360.0),
+        Axis::new("θ_out − θ_in/i", "arcmin"),
+    );
+    let name = |c: &ErrorCurve| {
+        let way = if c.direction > 0.0 { "forward" } else { "backward" };
+        format!("{way}, {} N·m", significant(c.torque, 3))
+    };
+    let about_mean = |c: &ErrorCurve| -> Vec<(f64, f64)> {
+        let (mean, first) = (c.mean(), c.points.first().map_or(0.0, |p| p.0));
+        c.points.iter().map(|(angle, error)| ((angle - first).to_degrees().abs(), (error - mean) / ARCMIN)).collect()
+    };
+    let row = |name: String, c: &ErrorCurve, mean: bool| {
+        let mean = if mean { significant(c.mean() / ARCMIN, 3) } else { "–".into() };
+        vec![name, mean, significant(c.peak_to_peak() / ARCMIN, 3)]
+    };
+    let mut rows = Vec::new();
+    for (index, curve) in state.curves.iter().enumerate() {
+        // Four lines over each other are a thicket: those at rated torque are there on demand.
+        let mut series = Series::line(name(curve), about_mean(curve)).coloured(Colour::Palette(index as u8));
+        series.hidden = index >= 2;
+        plot.series.push(series);
+        rows.push(row(name(curve), curve, true));
+    }
+    let measured = measured.filter(|m| !m.curves.is_empty());
+    for curve in measured.iter().flat_map(|m| &m.curves) {
+        plot.series.push(Series::line(format!("measured, {}", name(curve)), about_mean(curve)).coloured(Colour::Reference).strong());
+        rows.push(row(format!("measured, {}", name(curve)), curve, false));
+    }
+    plot.note = "Every curve begins at its first angle; those at rated torque appear on a click in the legend.".into();
+    let values = Table {
+        title: "Transmission error".into(),
+        columns: vec![Column::text("Test"), Column::number("Mean", "arcmin"), Column::number("Peak to peak", "arcmin")],
+        rows,
+        note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero.".into(),
+    };
+    let mut spectrum =
+        Plot::new("Spectrum at rated torque, forward", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero());
+    let last = state.orders.iter().map(|o| o.order).fold(200, usize::max);
+    let bars = |lines: &[crate::dynamics::SpectrumLine]| -> Vec<(f64, f64)> {
+        lines.iter().filter(|line| (1..=last + 20).contains(&line.order)).map(|line| (line.order as f64, line.amplitude / ARCMIN)).collect()
+    };
+    spectrum.series.push(Series::new("computed", Style::Bars, bars(&state.spectrum)));
+    if let Some(m) = measured.filter(|m| !m.spectrum.is_empty()) {
+        spectrum.series.push(Series::new("measured", Style::Bars, bars(&m.spectrum)).coloured(Colour::Reference));
+    }
+    for named in state.orders.iter().take(4) {
+        spectrum.annotations.push(Annotation::Point { x: named.order as f64, y: named.amplitude / ARCMIN, label: named.order.to_string() });
+    }
+    let table = |title: &str, orders: &[crate::rig::NamedOrder], note: &str| {
+        Block::Table(Table {
+            title: title.into(),
+            columns: vec![Column::number("Order", ""), Column::number("Amplitude", "arcsec"), Column::text("Likely causes")],
+            rows: orders.iter().map(|o| vec![o.order.to_string(), significant(60.0 * o.amplitude / ARCMIN, 3), o.cause.clone()]).collect(),
+            note: note.into(),
+        })
+    };
+    let mut blocks = vec![
+        Block::Plot(plot),
+        Block::Table(values),
+        Block::Plot(spectrum),
+        table(
+            "Strongest orders",
+            &state.orders,
+            "One turn resolves whole orders: causes that fall on the same one are all named and cannot be told apart. With the housing at rest, errors of \
+             the ring lie at multiples of z_c, errors that go round with carrier, discs and shafts at multiples of z_p.",
+        ),
+    ];
+    if let Some(m) = measured.filter(|m| !m.orders.is_empty()) {
+        blocks.push(table("Strongest orders, measured", &m.orders, "Of the first measured curve that covers a whole turn."));
+    }
+    blocks
+}
+
+pub(super) fn bearings(state: &RigState) -> Vec<Block> {
+    let axis = Axis::new("Turn of the crankshaft", "°").between(0.0, 360.0);
+    let mut plot = Plot::new("Bearing forces at rated torque", axis, Axis::new("Radial force", "N").from_zero());
+    for bearing in &state.bearings {
+        let step = 360.0 / bearing.forces.len().max(1) as f64;
+        // The first point again at the end of the turn.
+        let points = bearing.forces.iter().chain(bearing.forces.first()).enumerate().map(|(i, f)| (step * i as f64, *f));
+        plot.series.push(Series::line(bearing.name.clone(), points));
+    }
+    plot.note = "Turn against the carrier. Opposite bearings carry the same half a turn apart.".into();
+    let row = |b: &crate::rig::BearingLoad| {
+        let largest = b.forces.iter().fold(0.0, |a: f64, f| a.max(*f));
+        let mut cells = vec![b.name.clone()];
+        cells.extend([b.mean_force(), largest, b.largest_element, b.equivalent, b.rating / 1e3, b.life_h()].map(|value| significant(value, 3)));
+        cells
+    };
+    let table = Table {
+        title: "Basic rating life".into(),
+        columns: vec![
+            Column::text("Bearing"),
+            Column::number("Mean force", "N"),
+            Column::number("Largest force", "N"),
+            Column::number("Largest roller", "N"),
+            Column::number("Equivalent load P", "N"),
+            Column::number("Rating C", "kN"),
+            Column::number("L10h", "h"),
+        ],
+        rows: state.bearings.iter().map(row).collect(),
+        note: "[ISO281], at rated torque and speed throughout, without the axial load of tapered rollers and without life modification factors."
+            .into(),
+    };
+    vec![Block::Plot(plot), Block::Table(table)]
+}

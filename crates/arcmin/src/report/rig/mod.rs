@@ -1,0 +1,190 @@
+//! The page of the test bench: loop, stiffness split, efficiency map, transmission error with named orders, bearing loads.
+
+mod causes;
+mod figures;
+
+pub use causes::lost_motion_causes;
+
+use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
+use crate::dynamics::SpectrumLine;
+use crate::machine::Machine;
+use crate::rig::{BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RunningTorques, StiffnessSplit};
+use crate::units::ARCMIN;
+
+/// All results of the bench for one state of the machine.
+#[derive(Debug, Clone)]
+pub struct RigState {
+    pub hours: f64,
+    /// One loop per crank position.
+    pub loops: Vec<Vec<LoopPoint>>,
+    pub figures: Vec<LoopFigures>,
+    pub split: StiffnessSplit,
+    /// Forward and backward held lightly, forward and backward at rated torque.
+    pub curves: Vec<ErrorCurve>,
+    /// At rated torque, forward.
+    pub spectrum: Vec<SpectrumLine>,
+    pub orders: Vec<NamedOrder>,
+    pub efficiency: EfficiencyMap,
+    pub torques: RunningTorques,
+    pub bearings: Vec<BearingLoad>,
+}
+
+impl RigState {
+    fn mean(&self, of: fn(&LoopFigures) -> f64) -> f64 {
+        self.figures.iter().map(of).sum::<f64>() / self.figures.len().max(1) as f64
+    }
+
+    /// Means over the crank positions: rad, N·m/rad.
+    pub fn lost_motion(&self) -> f64 {
+        self.mean(|f| f.lost_motion)
+    }
+
+    pub fn backlash(&self) -> f64 {
+        self.mean(|f| f.backlash)
+    }
+
+    pub fn stiffness(&self) -> f64 {
+        self.mean(|f| f.stiffness)
+    }
+
+    pub fn soft_stiffness(&self) -> f64 {
+        self.mean(|f| f.soft_stiffness)
+    }
+}
+
+/// What was measured on a real bench, evaluated like ours.
+#[derive(Debug, Clone, Default)]
+pub struct MeasuredOnBench {
+    pub loops: Vec<Vec<LoopPoint>>,
+    /// One per loop.
+    pub figures: Vec<LoopFigures>,
+    pub curves: Vec<ErrorCurve>,
+    /// Of the first curve that covers a turn; empty if none does.
+    pub spectrum: Vec<SpectrumLine>,
+    pub orders: Vec<NamedOrder>,
+}
+
+/// Results of a bench run, lent for rendering.
+#[derive(Debug, Clone)]
+pub struct RigPage<'a> {
+    pub machine: &'a Machine,
+    pub provenance: Provenance,
+    pub new: &'a RigState,
+    pub worn: Option<&'a RigState>,
+    pub measured: Option<&'a MeasuredOnBench>,
+    /// Where the manufacturing errors come from, one sentence; `None` for the nominal machine.
+    pub errors: Option<String>,
+    pub friction_assumed: bool,
+}
+
+impl RigPage<'_> {
+    /// The page, ready to be rendered.
+    pub fn page(&self) -> Page {
+        Page {
+            title: self.machine.name.clone(),
+            subtitle: "Virtual test bench".into(),
+            provenance: self.provenance.clone(),
+            verdict: self.verdict(),
+            sections: self.sections(),
+        }
+    }
+
+    fn state(&self) -> &RigState {
+        self.worn.unwrap_or(self.new)
+    }
+
+    fn verdict(&self) -> Verdict {
+        let state = self.state();
+        let lost = state.lost_motion();
+        let limit = self.machine.limits.lost_motion;
+        let tone = if lost <= limit { Tone::Good } else { Tone::Bad };
+        let mut verdict = Verdict::new(
+            tone,
+            format!(
+                "Lost motion {} arcmin {} the limit of {} arcmin.",
+                significant(lost / ARCMIN, 3),
+                if lost <= limit { "stays within" } else { "exceeds" },
+                significant(limit / ARCMIN, 3)
+            ),
+        );
+        let figure = |label: &str, value: f64, unit: &str, note: &str| KeyFigure {
+            label: label.into(),
+            value: significant(value, 3),
+            unit: unit.into(),
+            note: note.into(),
+            tone: Tone::Neutral,
+        };
+        verdict.figures = vec![
+            figure("Lost motion", lost / ARCMIN, "arcmin", "between the mid-points at ± 3 % of rated torque"),
+            figure("Backlash", state.backlash() / ARCMIN, "arcmin", "width of the loop at zero torque"),
+            figure("Torsional stiffness", state.stiffness() * ARCMIN, "N·m/arcmin", "slope between 50 and 100 % of rated torque"),
+            figure("Efficiency", 100.0 * state.efficiency.rated, "%", "at rated torque and speed"),
+        ];
+        let softest = state.split.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        verdict.answers.extend(softest.map(|(part, c)| {
+            ("What gives way most".to_owned(), format!("{}, {} % of the compliance", part.name(), significant(100.0 * c / state.split.whole, 2)))
+        }));
+        let shortest = state.bearings.iter().min_by(|a, b| a.life_h().total_cmp(&b.life_h()));
+        let life = |b: &BearingLoad| format!("{}: L10h {} h at rated torque and speed", b.name, significant(b.life_h(), 3));
+        verdict.answers.extend(shortest.map(|b| ("Which bearing lives shortest".to_owned(), life(b))));
+        let order = |o: &NamedOrder| format!("order {}, {} arcsec: {}", o.order, significant(60.0 * o.amplitude / ARCMIN, 3), o.cause);
+        verdict.answers.extend(state.orders.first().map(|o| ("Strongest order of the transmission error at rated torque".to_owned(), order(o))));
+        verdict
+    }
+
+    /// The sections, for this page or as part of another: loop, stiffness split, efficiency, transmission error, bearings.
+    pub fn sections(&self) -> Vec<Section> {
+        let mut states = vec![("new".to_owned(), self.new)];
+        states.extend(self.worn.map(|worn| (format!("{} h", compact(worn.hours, 6)), worn)));
+        let state = self.state();
+        let of = match self.worn {
+            Some(worn) => format!(" after {} h", compact(worn.hours, 6)),
+            None => String::new(),
+        };
+        let mut bench = figures::hysteresis(self.machine, &states, self.measured);
+        bench.push(figures::loop_figures(&states, self.measured));
+        if let Some(errors) = &self.errors {
+            bench.push(Block::Note(Tone::Neutral, errors.clone()));
+        }
+        if self.friction_assumed {
+            bench.push(Block::Note(
+                Tone::Caution,
+                "The design gives no friction. The width of the loop, the efficiency and the running torques rest on assumed coefficients: flank 0.06, bearings \
+                 0.002, gear mesh 0.06, seals 4 N·m, oil 0.0001 N·m·s."
+                    .into(),
+            ));
+        }
+        let split = vec![
+            figures::stiffness_split(state),
+            Block::Note(
+                Tone::Neutral,
+                "Bearings, shafts and supports are assumptions where the design file says so. Bearing rings, bodies of the discs, carrier plates and housing \
+                 are rigid; a real reducer is softer by their share. `[carrier] torsional_stiffness_n_m_per_arcmin` and `[ring] seat_compliance_um_per_kn` \
+                 take measured values."
+                    .into(),
+            ),
+        ];
+        vec![
+            Section::new("loop", "Hysteresis loop, input locked", bench),
+            Section::new("stiffness", format!("Stiffness by part{of}"), split),
+            Section::new("losses", format!("Efficiency and running torques{of}"), figures::efficiency(state)),
+            Section::new("error", format!("Transmission error{of}"), figures::transmission(state, self.measured)),
+            Section::new("bearings", format!("Bearing loads and life{of}"), figures::bearings(state)),
+            Section::new("literature", "Literature", vec![Block::References(references())]),
+        ]
+    }
+}
+
+fn references() -> Vec<Reference> {
+    let entry =
+        |key: &str, citation: &str, used_for: &str| Reference { key: key.into(), citation: citation.into(), doi: None, used_for: used_for.into() };
+    vec![
+        entry("Harris", "T. A. Harris, M. N. Kotzalas: Rolling Bearing Analysis, 5th ed., CRC Press 2006", "stiffness of rollers between raceways"),
+        entry("ISO281", "ISO 281:2007 Rolling bearings: Dynamic load ratings and rating life", "bearing life"),
+        entry(
+            "GBT35089",
+            "GB/T 35089-2018 Precision gear transmission for robots: Test method",
+            "definitions of lost motion, backlash and stiffness",
+        ),
+    ]
+}
