@@ -87,8 +87,8 @@ impl Deviations {
     pub fn sentence(&self) -> Option<String> {
         match (self.choice, self.seed) {
             (Choice::None, _) => None,
-            (_, Some(seed)) => Some(format!("manufacturing errors drawn from the tolerances with seed {seed}: errors.csv")),
-            _ => Some("manufacturing errors as given in the design: errors.csv".to_owned()),
+            (_, Some(seed)) => Some(format!("Manufacturing errors drawn from the tolerances with seed {seed}, listed in errors.csv.")),
+            _ => Some("Manufacturing errors as given in the design, listed in errors.csv.".to_owned()),
         }
     }
 

@@ -48,44 +48,40 @@ pub struct Options {
     points: u32,
 }
 
-/// Wall seconds of the stages, in order.
-struct Clock {
-    last: Instant,
-    stages: Map<String, Value>,
-}
+/// Wall seconds of the stages; prediction and study run side by side, so that they do not add up to the whole.
+#[derive(Default)]
+struct Clock(Map<String, Value>);
 
 impl Clock {
-    fn lap(&mut self, stage: &str) {
-        self.stages.insert(stage.to_owned(), json!(self.last.elapsed().as_secs_f64()));
-        self.last = Instant::now();
+    fn time<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = work();
+        self.0.insert(stage.to_owned(), json!(start.elapsed().as_secs_f64()));
+        result
     }
 }
 
 pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("life", &options.common)?;
     let machine = run.design.machine();
-    let mut clock = Clock { last: Instant::now(), stages: Map::new() };
-    let findings = checks::check(&machine);
-    clock.lap("check");
-
+    let mut clock = Clock::default();
+    let findings = clock.time("check", || checks::check(&machine));
     let settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
-    let prediction = match options.joints {
-        Joints::Ideal => predict(&machine, settings, run.progress()),
-        Joints::Bearings => predict_with(&machine, bearing_meshing(&machine)?, settings, run.progress()),
-    }
-    .map_err(wear_failure)?;
-    clock.lap("wear");
-    let study = paper_study(&machine, &paper_depths(), settings).map_err(wear_failure)?;
-    clock.lap("study");
-    let simulated = if options.quasi_static { None } else { Some(simulate(&run, &machine, &study)?) };
-    if simulated.is_some() {
-        clock.lap("rigid");
-    }
-
-    let elastic = if options.flexible { Some(simulate_elastic(&run, &options, &machine, &study)?) } else { None };
-    if elastic.is_some() {
-        clock.lap("flexible");
-    }
+    // The prediction follows the wear step by step; the runs of the study fill the other cores meanwhile.
+    let (mut wear_clock, mut study_clock) = (Clock::default(), Clock::default());
+    let bearings = (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine)).transpose()?;
+    let (prediction, study) = rayon::join(
+        || {
+            wear_clock.time("wear", || match bearings {
+                None => predict(&machine, settings, run.progress()).map_err(wear_failure),
+                Some(bearings) => predict_with(&machine, bearings, settings, run.progress()).map_err(wear_failure),
+            })
+        },
+        || paper_study_with_runs(&run, &options, &machine, settings, &mut study_clock),
+    );
+    let (prediction, (study, simulated, elastic)) = (prediction?, study?);
+    clock.0.append(&mut wear_clock.0);
+    clock.0.append(&mut study_clock.0);
 
     let prediction_rows: Vec<LifeRow> = prediction.points.iter().map(|point| row(point, None)).collect();
     let mut study_rows: Vec<LifeRow> =
@@ -101,9 +97,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         run.table("lost_motion_causes.csv", super::causes::table(parts.iter().copied()))?;
     }
     let design_name = options.common.design.display().to_string();
-    let report = render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts);
+    let report = clock.time("report", || {
+        render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts)
+    });
     run.file("report.html", report.as_bytes())?;
-    clock.lap("report");
 
     say(&run, &machine, &prediction, &prediction_rows, &study_rows, &findings, options.joints);
     if let Some((hours, point)) = parts.last() {
@@ -131,7 +128,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         "wear_coefficient_paper_per_pa": study.wear.exposure.coefficient,
         "flank_updates": prediction.updates,
         "error_findings": findings.iter().filter(|finding| finding.severity == Severity::Error).count(),
-        "stages": clock.stages,
+        "stages": clock.0,
     }))?;
     Ok(if checks::worst(&findings) == Severity::Error { Verdict::ErrorFindings } else { Verdict::Fine })
 }
@@ -143,6 +140,22 @@ fn wear_failure(error: WearError) -> Failure {
     }
 }
 
+type Elastic = (TransmissionErrorStudy, Section);
+
+/// The paper's study and what was asked for of its multibody runs: with rigid and with elastic discs.
+fn paper_study_with_runs(
+    run: &Run,
+    options: &Options,
+    machine: &Machine,
+    settings: LifeOptions,
+    clock: &mut Clock,
+) -> Result<(PaperStudy, Option<TransmissionErrorStudy>, Option<Elastic>), Failure> {
+    let study = clock.time("study", || paper_study(machine, &paper_depths(), settings)).map_err(wear_failure)?;
+    let rigid = if options.quasi_static { None } else { Some(clock.time("rigid", || simulate(run, machine, &study))?) };
+    let elastic = if options.flexible { Some(clock.time("flexible", || simulate_elastic(run, options, machine, &study))?) } else { None };
+    Ok((study, rigid, elastic))
+}
+
 fn simulate(run: &Run, machine: &Machine, study: &PaperStudy) -> Result<TransmissionErrorStudy, Failure> {
     let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();
     transmission_error_study(machine, &wear, &StudySettings::tao2024(machine), run.progress()).map_err(|error| {
@@ -151,7 +164,7 @@ fn simulate(run: &Run, machine: &Machine, study: &PaperStudy) -> Result<Transmis
 }
 
 /// The same runs with elastic discs, and the section of the report about the disc.
-fn simulate_elastic(run: &Run, options: &Options, machine: &Machine, study: &PaperStudy) -> Result<(TransmissionErrorStudy, Section), Failure> {
+fn simulate_elastic(run: &Run, options: &Options, machine: &Machine, study: &PaperStudy) -> Result<Elastic, Failure> {
     run.progress().report("reducing the discs", 0.0);
     let discs = super::elastic::discs(machine, &options.elastic, &run.path("."))?;
     let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();

@@ -148,7 +148,7 @@ fn curves_summary(curves: &[ErrorCurve]) -> Value {
     curves.iter().map(one).collect()
 }
 
-fn orders_summary(orders: &[NamedOrder]) -> Value {
+pub(super) fn orders_summary(orders: &[NamedOrder]) -> Value {
     orders.iter().map(|o| json!({ "order": o.order, "amplitude_arcmin": o.amplitude / ARCMIN, "cause": o.cause })).collect()
 }
 

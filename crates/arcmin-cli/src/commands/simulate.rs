@@ -233,7 +233,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         });
     }
     let facet_mm = facets.is_some().then_some(options.facet_mm);
-    let case = Case { hours: options.hours, facet_mm, unloaded, worn: &worn, deviations: &deviations };
+    let case = Case { machine: &machine, hours: options.hours, facet_mm, unloaded, worn: &worn, deviations: &deviations };
     match (options.model, options.joints) {
         (Model::Rigid, Joints::Bearings) => {
             let part_wear = match options.hours {
@@ -273,6 +273,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
 
 /// What a run is about, beside its model.
 struct Case<'a> {
+    machine: &'a arcmin::machine::Machine,
     hours: Option<f64>,
     /// Edge length of a faceted flank.
     facet_mm: Option<f64>,

@@ -12,7 +12,7 @@ const SHARPEST_TO_PIN: f64 = 0.2;
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     let mut findings = vec![undercut(machine), sharpness(machine), pin_overlap(machine), short_width_coefficient(machine), root_conformity(machine)];
     findings.extend(root_depth(machine));
-    findings.push(modification_gap(machine));
+    findings.extend(modification_gap(machine));
     findings
 }
 
@@ -141,16 +141,20 @@ fn root_depth(machine: &Machine) -> Option<Finding> {
     })
 }
 
-fn modification_gap(machine: &Machine) -> Finding {
+fn modification_gap(machine: &Machine) -> Option<Finding> {
     let cut = &machine.disc.modification;
     let k1 = machine.crankshafts.eccentricity * machine.ring.pin_count as f64 / machine.ring.pin_circle_radius;
+    // The closed form ends with curtate flanks.
+    if k1 >= 1.0 {
+        return None;
+    }
     let (gap, at) = (1..180)
         .map(|degrees| (closed_form::initial_gap(k1, cut.equidistant_offset, cut.radial_offset, degrees as f64 * DEG), degrees))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or((0.0, 0));
     // First order in the offsets: their squares over the pin radius are the error.
     let broken = gap < -0.01 * UM;
-    Finding {
+    Some(Finding {
         code: "modification-gap",
         severity: severity_if(broken, Severity::Warning),
         message: if broken {
@@ -163,5 +167,5 @@ fn modification_gap(machine: &Machine) -> Finding {
         unit: "µm",
         why: "the closed form of load sharing (Tao2024, eqs. 5–10) assumes that the pin at the longest lever touches first; otherwise its forces are wrong",
         change: "use `--method equilibrium`, or choose offsets with a negative radial and a positive equidistant part in proportion",
-    }
+    })
 }

@@ -1,6 +1,6 @@
 use super::facets::{Facets, MeshContact};
 use super::{ContactForce, Damping, LineContact};
-use crate::geometry::{FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
+use crate::geometry::{Closest, FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
 /// Sectors of the meshing angle with a bound of their own for the relief.
 const FLOOR_SECTORS: usize = 72;
@@ -77,6 +77,41 @@ pub struct PinContact {
     pub gradient: [f64; 3],
     /// Displacement of the disc's point of contact along the flank, per (x, y, θ).
     pub along: [f64; 3],
+    /// e(φ) of the meshing angle.
+    pub(super) meshing_unit: Vec2,
+}
+
+impl PinContact {
+    /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, D the distance of the pin centre from the flank and T = (t_x, t_y, t·(k × arm)) its motion along
+    /// the flank, plus the turning of the arm.
+    #[inline]
+    pub(crate) fn gap_hessian(&self, pin_radius: f64) -> [[f64; 3]; 3] {
+        let (n, arm) = (self.normal, self.arm);
+        let t = quarter_turn(n);
+        let along = [t.x, t.y, t.dot(&quarter_turn(arm))];
+        let turning = -self.flank_curvature / (1.0 - self.flank_curvature * (self.gap + pin_radius));
+        let mut hessian = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                hessian[i][j] = turning * along[i] * along[j];
+            }
+        }
+        hessian[0][2] += n.y;
+        hessian[2][0] += n.y;
+        hessian[1][2] -= n.x;
+        hessian[2][1] -= n.x;
+        hessian[2][2] -= n.dot(&arm);
+        hessian
+    }
+
+    /// jᵀ ∂²(gap)/∂q² j in m/rad² for a motion j = (j_x, j_y, 1) of the disc.
+    #[inline]
+    pub(crate) fn gap_bend(&self, pin_radius: f64, motion: Vec2) -> f64 {
+        let n = self.normal;
+        let along = self.along[0] * motion.x + self.along[1] * motion.y + self.along[2] + pin_radius;
+        let turning = -self.flank_curvature / (1.0 - self.flank_curvature * (self.gap + pin_radius));
+        turning * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm)
+    }
 }
 
 /// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
@@ -294,9 +329,13 @@ impl PinContacts {
             let e = turned(self.directions[index], back);
             let tau0 = std::f64::consts::TAU * index as f64 / self.pins.len() as f64 - pose.angle;
             if !all && self.facets.is_none() {
-                let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
-                let floor = self.relief_floors[((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)];
-                let extra = self.profile.pin_radius - pin.radius + floor + self.shallowest_elsewhere;
+                let sector = if self.relief.is_uniform() {
+                    0
+                } else {
+                    let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
+                    ((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)
+                };
+                let extra = self.profile.pin_radius - pin.radius + self.relief_floors[sector] + self.shallowest_elsewhere;
                 if self.is_clear(p, e, ez, extra) {
                     continue;
                 }
@@ -310,11 +349,10 @@ impl PinContacts {
     fn is_clear(&self, p: Vec2, e: Vec2, ez: Vec2, extra: f64) -> bool {
         let (c, c1, c2) = self.profile.trace_derivatives(e, ez);
         let off = p - c;
-        let speed2 = c1.norm_squared();
-        let speed = speed2.sqrt();
-        let height = cross(off, c1) / speed;
-        let along = off.dot(&c1) / speed;
-        let curvature = cross(c1, c2).abs() / (speed2 * speed);
+        let per_speed = 1.0 / c1.norm();
+        let height = cross(off, c1) * per_speed;
+        let along = off.dot(&c1) * per_speed;
+        let curvature = cross(c1, c2).abs() * per_speed * per_speed * per_speed;
         // Only where the curvature cannot change its size on the way to the foot.
         curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + 1e-6
     }
@@ -323,17 +361,33 @@ impl PinContacts {
     fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, tau0: f64, e: Vec2, ez: Vec2, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
         let radius = self.pins[pin].radius;
         let foot = self.profile.foot_from(p, tau0, e, ez);
-        let (mut gap, flank_normal, meshing_angle, tau, flank_curvature, relative_curvature) = if let Some(facets) = &self.facets {
+        let closest = if let Some(facets) = &self.facets {
             let nearest = facets.nearest(p, foot.tau, radius);
-            (nearest.gap, nearest.normal, self.profile.meshing_angle(foot.tau), foot.tau, nearest.curvature, 1.0 / radius)
-        } else if !self.relief.is_uniform() {
-            let c = self.profile.closest_on_worn(p, &foot, &self.relief, radius);
-            (c.gap, c.normal, c.meshing_angle, c.tau, c.flank_curvature, c.relative_curvature)
+            Closest {
+                tau: foot.tau,
+                meshing_angle: self.profile.meshing_angle(foot.tau),
+                meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
+                gap: nearest.gap,
+                normal: nearest.normal,
+                flank_curvature: nearest.curvature,
+                relative_curvature: 1.0 / radius,
+            }
+        } else if self.relief.is_uniform() {
+            let depth = self.relief.samples()[0];
+            let curvature = foot.trace_curvature / (1.0 + (self.profile.pin_radius + depth) * foot.trace_curvature);
+            Closest {
+                tau: foot.tau,
+                meshing_angle: self.profile.meshing_angle(foot.tau),
+                meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
+                gap: foot.distance + (self.profile.pin_radius - radius) + depth,
+                normal: foot.normal,
+                flank_curvature: curvature,
+                relative_curvature: 1.0 / radius - curvature,
+            }
         } else {
-            let gap = foot.distance + (self.profile.pin_radius - radius) + self.relief.samples()[0];
-            let curvature = foot.trace_curvature / (1.0 + self.profile.pin_radius * foot.trace_curvature);
-            (gap, foot.normal, self.profile.meshing_angle(foot.tau), foot.tau, curvature, 1.0 / radius - curvature)
+            self.profile.closest_on_worn(p, &foot, &self.relief, radius)
         };
+        let Closest { tau, meshing_angle, meshing_unit, mut gap, normal: flank_normal, flank_curvature, relative_curvature } = closest;
         if let Some(pin_relief) = &self.pin_relief {
             // Depth where the line of action leaves the pin. Its slope is left out: the pin hardly wears but at the edge of its zone, where two
             // contacts could stand side by side and the closest point would jump between them.
@@ -370,6 +424,7 @@ impl PinContacts {
             relative_curvature,
             gradient,
             along,
+            meshing_unit,
         }
     }
 }
@@ -383,8 +438,7 @@ impl Sliding {
 }
 
 impl Reaction {
-    /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included:
-    /// ∂²g/∂q² = −κ/(1 − κ D) T Tᵀ plus the turning of the arm, with T = (t_x, t_y, t·(k × arm)).
+    /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included.
     #[inline]
     fn add(&mut self, contact: &PinContact, velocity: DiscVelocity, pin_radius: f64, sliding: Option<&Sliding>) {
         if contact.force <= 0.0 {
@@ -398,23 +452,7 @@ impl Reaction {
             return;
         }
         let g = contact.gradient;
-        let n = contact.normal;
-        let t = quarter_turn(n);
-        let along = [t.x, t.y, t.dot(&quarter_turn(contact.arm))];
-        // The distance D of the pin centre from the flank bends with −κ/(1 − κ D).
-        let curvature = contact.flank_curvature;
-        let turning = -curvature / (1.0 - curvature * (contact.gap + pin_radius));
-        let mut hessian = [[0.0; 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                hessian[i][j] = turning * along[i] * along[j];
-            }
-        }
-        hessian[0][2] += n.y;
-        hessian[2][0] += n.y;
-        hessian[1][2] -= n.x;
-        hessian[2][1] -= n.x;
-        hessian[2][2] -= n.dot(&contact.arm);
+        let hessian = contact.gap_hessian(pin_radius);
         let v = velocity.as_array();
         for i in 0..3 {
             self.force[i] += contact.force * g[i];

@@ -148,7 +148,8 @@ impl Design {
     pub fn defaulted(&self) -> Vec<String> {
         let mut keys = Vec::new();
         self.sections.defaulted_fields("", &mut keys);
-        keys.retain(|key| key != "description");
+        // An error or a tolerance that is not listed is none, which is no assumption.
+        keys.retain(|key| key != "description" && !key.starts_with("errors.") && !key.starts_with("tolerances."));
         keys
     }
 

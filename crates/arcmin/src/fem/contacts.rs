@@ -107,58 +107,99 @@ pub struct CoupledForces {
     pub local: Vec<f64>,
     /// f′(δ) in N/m, 0 where open.
     pub local_stiffness: Vec<f64>,
-    /// D = ∂F/∂s = (f′⁻¹ + C)⁻¹ in N/m, n × n, rows and columns of open contacts zero.
-    pub stiffness: Vec<f64>,
     /// Elastic energy of the flexibility, ½ Fᵀ C F, in J.
     pub flexural_energy: f64,
     compliance: Vec<f64>,
+    /// Cholesky factor of f′⁻¹ + C over the closed contacts, by rows, and these contacts.
     factor: Vec<f64>,
     active: Vec<usize>,
+    rhs: Vec<f64>,
 }
 
 const MAX_ITERATIONS: usize = 60;
 /// Rounding of approaches of 1e-6 m allows 1e-10; forces settle far below the tolerance of any equilibrium.
 const TOLERANCE: f64 = 1e-11;
+/// Convergence is quadratic: a step from a residual below this ends within the tolerance.
+const LAST_STEP: f64 = 2e-6;
 
 impl CoupledForces {
     /// Solves for the forces. Returns whether the iteration settled.
     pub fn solve(&mut self, law: &LineContact, compliance: &FlankCompliance, contacts: &[CoupledContact]) -> bool {
         let n = contacts.len();
         self.set_compliance(compliance, contacts);
-        let seed = |c: &CoupledContact| 0.6 * law.force(c.approach, c.equivalent_radius).0;
-        self.force.clear();
-        self.force.extend(contacts.iter().map(seed));
-        self.local.resize(n, 0.0);
-        self.local_stiffness.resize(n, 0.0);
+        self.seed(law, contacts);
         let mut step = vec![0.0; n];
         let mut settled = false;
         for _ in 0..MAX_ITERATIONS {
-            let mut largest = 0.0_f64;
-            let mut residual = 0.0_f64;
-            self.active.clear();
-            for i in 0..n {
-                let bent: f64 = self.compliance[i * n..(i + 1) * n].iter().zip(&self.force).map(|(c, f)| c * f).sum();
-                self.local[i] = contacts[i].approach - bent;
-                let (f, k) = law.force(self.local[i], contacts[i].equivalent_radius);
-                self.local_stiffness[i] = k;
-                step[i] = f - self.force[i];
-                largest = largest.max(f.max(self.force[i]));
-                residual = residual.max(step[i].abs());
-                if k > 0.0 {
-                    self.active.push(i);
-                }
-            }
-            if residual <= TOLERANCE * largest {
-                settled = true;
+            let (largest, residual) = self.evaluate(law, contacts, &mut step);
+            settled = residual <= TOLERANCE * largest;
+            if settled {
+                self.factorise(n);
                 break;
             }
-            self.newton_step(&mut step, n);
+            let unchanged = self.newton_step(&mut step, n);
             for i in 0..n {
                 self.force[i] = (self.force[i] + step[i]).max(0.0);
             }
+            if residual <= LAST_STEP * largest && unchanged {
+                self.local = (0..n).map(|i| contacts[i].approach - self.bent(i)).collect();
+                settled = true;
+                break;
+            }
         }
-        self.finish(n);
+        self.flexural_energy = 0.5 * (0..n).map(|i| self.force[i] * self.bent(i)).sum::<f64>();
         settled
+    }
+
+    /// (C F)_i in m.
+    fn bent(&self, i: usize) -> f64 {
+        let n = self.force.len();
+        self.compliance[i * n..(i + 1) * n].iter().zip(&self.force).map(|(c, f)| c * f).sum()
+    }
+
+    /// First guess: the law replaced by its secant at the approach without the others, (c + C) F = s over all that overlap.
+    fn seed(&mut self, law: &LineContact, contacts: &[CoupledContact]) {
+        let n = contacts.len();
+        self.force.clear();
+        self.force.resize(n, 0.0);
+        self.local.resize(n, 0.0);
+        self.local_stiffness.clear();
+        self.local_stiffness.resize(n, 0.0);
+        self.active.clear();
+        for (i, contact) in contacts.iter().enumerate().filter(|(_, contact)| contact.approach > 0.0) {
+            let force = law.force(contact.approach, contact.equivalent_radius).0;
+            if force > 0.0 {
+                self.active.push(i);
+                self.local_stiffness[i] = force / contact.approach;
+            }
+        }
+        self.factorise(n);
+        let mut rhs = std::mem::take(&mut self.rhs);
+        rhs.clear();
+        rhs.extend(self.active.iter().map(|i| contacts[*i].approach));
+        self.back_substitute(&mut rhs);
+        for (i, force) in self.active.iter().zip(&rhs) {
+            self.force[*i] = force.max(0.0);
+        }
+        self.rhs = rhs;
+    }
+
+    /// Residuals f(δ) − F in `step`, the closed contacts in `active`; returns the largest force and the largest residual.
+    fn evaluate(&mut self, law: &LineContact, contacts: &[CoupledContact], step: &mut [f64]) -> (f64, f64) {
+        let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
+        self.active.clear();
+        for (i, contact) in contacts.iter().enumerate() {
+            self.local[i] = contact.approach - self.bent(i);
+            let (f, k) = law.force(self.local[i], contact.equivalent_radius);
+            self.local_stiffness[i] = k;
+            step[i] = f - self.force[i];
+            largest = largest.max(f.max(self.force[i]));
+            residual = residual.max(step[i].abs());
+            if k > 0.0 {
+                self.active.push(i);
+            }
+        }
+        (largest, residual)
     }
 
     fn set_compliance(&mut self, compliance: &FlankCompliance, contacts: &[CoupledContact]) {
@@ -174,27 +215,31 @@ impl CoupledForces {
         }
     }
 
-    /// Step of F: open contacts lose their force, for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao ΔF_o.
-    fn newton_step(&mut self, step: &mut [f64], n: usize) {
+    /// Step of F: open contacts lose their force, for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao ΔF_o. Returns whether no open one had any.
+    fn newton_step(&mut self, step: &mut [f64], n: usize) -> bool {
+        let mut open_moves = false;
         for i in 0..n {
             if self.local_stiffness[i] <= 0.0 {
                 step[i] = -self.force[i];
+                open_moves |= self.force[i] != 0.0;
             }
         }
-        let count = self.active.len();
-        let mut rhs: Vec<f64> = self
-            .active
-            .iter()
-            .map(|i| {
-                let open: f64 = (0..n).filter(|j| self.local_stiffness[*j] <= 0.0).map(|j| self.compliance[i * n + j] * step[j]).sum();
-                step[*i] / self.local_stiffness[*i] - open
-            })
-            .collect();
+        let mut rhs = std::mem::take(&mut self.rhs);
+        rhs.clear();
+        for i in &self.active {
+            let mut value = step[*i] / self.local_stiffness[*i];
+            if open_moves {
+                value -= (0..n).filter(|j| self.local_stiffness[*j] <= 0.0).map(|j| self.compliance[i * n + j] * step[j]).sum::<f64>();
+            }
+            rhs.push(value);
+        }
         self.factorise(n);
-        self.back_substitute(&mut rhs, count);
+        self.back_substitute(&mut rhs);
         for (k, i) in self.active.iter().enumerate() {
             step[*i] = rhs[k];
         }
+        self.rhs = rhs;
+        !open_moves
     }
 
     /// Cholesky factor of f′⁻¹ + C over the active contacts, by rows.
@@ -202,48 +247,43 @@ impl CoupledForces {
         let count = self.active.len();
         self.factor.resize(count * count, 0.0);
         for a in 0..count {
-            for b in 0..=a {
-                let (i, j) = (self.active[a], self.active[b]);
-                let mut sum = self.compliance[i * n + j];
-                if a == b {
-                    sum += 1.0 / self.local_stiffness[i];
-                }
-                for k in 0..b {
-                    sum -= self.factor[a * count + k] * self.factor[b * count + k];
-                }
-                self.factor[a * count + b] = if a == b { sum.max(f64::MIN_POSITIVE).sqrt() } else { sum / self.factor[b * count + b] };
+            let i = self.active[a];
+            let (done, rest) = self.factor.split_at_mut(a * count);
+            let row = &mut rest[..=a];
+            for b in 0..a {
+                let other = &done[b * count..=b * count + b];
+                let sum: f64 = row[..b].iter().zip(other).map(|(x, y)| x * y).sum();
+                row[b] = (self.compliance[i * n + self.active[b]] - sum) / other[b];
             }
+            let sum: f64 = row[..a].iter().map(|x| x * x).sum();
+            row[a] = (self.compliance[i * n + i] + 1.0 / self.local_stiffness[i] - sum).max(f64::MIN_POSITIVE).sqrt();
         }
     }
 
-    fn back_substitute(&self, rhs: &mut [f64], count: usize) {
+    /// Solves with the factor, in place: one entry per active contact.
+    fn back_substitute(&self, rhs: &mut [f64]) {
+        let count = self.active.len();
         for a in 0..count {
-            let sum: f64 = (0..a).map(|k| self.factor[a * count + k] * rhs[k]).sum();
-            rhs[a] = (rhs[a] - sum) / self.factor[a * count + a];
+            let row = &self.factor[a * count..=a * count + a];
+            let sum: f64 = row[..a].iter().zip(rhs.iter()).map(|(l, x)| l * x).sum();
+            rhs[a] = (rhs[a] - sum) / row[a];
         }
         for a in (0..count).rev() {
-            let sum: f64 = (a + 1..count).map(|k| self.factor[k * count + a] * rhs[k]).sum();
-            rhs[a] = (rhs[a] - sum) / self.factor[a * count + a];
+            let row = &self.factor[a * count..=a * count + a];
+            rhs[a] /= row[a];
+            let x = rhs[a];
+            rhs[..a].iter_mut().zip(row).for_each(|(r, l)| *r -= l * x);
         }
     }
 
-    fn finish(&mut self, n: usize) {
-        self.factorise(n);
-        let count = self.active.len();
-        self.stiffness.clear();
-        self.stiffness.resize(n * n, 0.0);
-        let mut column = vec![0.0; count];
-        for b in 0..count {
-            column.fill(0.0);
-            column[b] = 1.0;
-            self.back_substitute(&mut column, count);
-            for (a, value) in column.iter().enumerate() {
-                self.stiffness[self.active[a] * n + self.active[b]] = *value;
-            }
+    /// Change of the forces, dF = D ds with D = (f′⁻¹ + C)⁻¹ over the closed contacts, for changes ds of the approaches; in place, n entries.
+    pub fn respond(&self, change: &mut [f64], scratch: &mut Vec<f64>) {
+        scratch.clear();
+        scratch.extend(self.active.iter().map(|i| change[*i]));
+        self.back_substitute(scratch);
+        change.fill(0.0);
+        for (i, value) in self.active.iter().zip(scratch.iter()) {
+            change[*i] = *value;
         }
-        self.flexural_energy = 0.5
-            * (0..n)
-                .map(|i| self.force[i] * self.compliance[i * n..(i + 1) * n].iter().zip(&self.force).map(|(c, f)| c * f).sum::<f64>())
-                .sum::<f64>();
     }
 }

@@ -9,6 +9,16 @@ use nalgebra::{Matrix2, Matrix3, Vector3};
 use super::quadrature::{TETRAHEDRON_4, TETRAHEDRON_15, TRIANGLE_6};
 use crate::materials::Material;
 
+/// Shape functions of a three-node edge at x in [0, 1]: first, last, middle node.
+pub fn shape_edge(x: f64) -> [f64; 3] {
+    [(1.0 - x) * (1.0 - 2.0 * x), x * (2.0 * x - 1.0), 4.0 * x * (1.0 - x)]
+}
+
+/// Their derivatives.
+pub fn gradient_edge(x: f64) -> [f64; 3] {
+    [4.0 * x - 3.0, 4.0 * x - 1.0, 4.0 - 8.0 * x]
+}
+
 /// Shape functions of T6 at area coordinates (l0, l1): corners L(2L−1), mid-sides 4 L L.
 pub fn shape_t6([l0, l1]: [f64; 2]) -> [f64; 6] {
     let l2 = 1.0 - l0 - l1;

@@ -1,7 +1,7 @@
 //! Loads on the flank and displacements read from it.
 
 use super::boundary::FlankArc;
-use super::elements::{shape_t6, shape_tet10};
+use super::elements::{gradient_edge, shape_edge, shape_t6, shape_tet10};
 use super::quadrature::{LINE_4, TRIANGLE_6};
 use super::{DofMap, ElementKind, FemError, Mesh};
 use crate::geometry::{Profile, Vec2};
@@ -215,19 +215,18 @@ impl<'a> FlankSurface<'a> {
             if offset(edge.parameters[0]) > self.patch {
                 break;
             }
-            let [a, b, m] = edge.nodes.map(|n| self.mesh.plane.nodes[n]);
+            let places = edge.nodes.map(|n| self.mesh.plane.nodes[n]);
             // At share x of the edge: density times line element, or nothing outside the patch.
             let density = |x: f64| {
-                let t = quadratic(x, edge.parameters);
+                let t: f64 = shape_edge(x).iter().zip(edge.parameters).map(|(n, t)| n * t).sum();
                 let s = offset(t) / self.patch;
-                let slope = (4.0 * x - 3.0) * a + (4.0 * x - 1.0) * b + (4.0 - 8.0 * x) * m;
+                let slope: Vec2 = gradient_edge(x).iter().zip(places).map(|(n, p)| *n * p).sum();
                 if s.abs() < 1.0 { (0.5 * std::f64::consts::PI * s).cos().powi(2) * slope.norm() } else { 0.0 }
             };
             match self.mesh.kind {
                 ElementKind::T6 => {
                     for (x, w) in LINE_4 {
-                        let shape = [(1.0 - x) * (1.0 - 2.0 * x), x * (2.0 * x - 1.0), 4.0 * x * (1.0 - x)];
-                        for (node, n) in edge.nodes.into_iter().zip(shape) {
+                        for (node, n) in edge.nodes.into_iter().zip(shape_edge(x)) {
                             *weights.entry(node).or_default() += w * density(x) * n;
                         }
                     }
@@ -318,9 +317,4 @@ fn side_faces([a, b, m]: [usize; 3]) -> [SideFace; 2] {
         SideFace { nodes: [(p, 0), (q, 0), (q, 2), (m, 0), (q, 1), (m, 1)], share: [x[0], x[1], x[1]] },
         SideFace { nodes: [(p, 0), (q, 2), (p, 2), (m, 1), (m, 2), (p, 1)], share: [x[0], x[1], x[0]] },
     ]
-}
-
-/// Quadratic interpolation of (first, last, middle).
-fn quadratic(x: f64, [first, last, middle]: [f64; 3]) -> f64 {
-    (1.0 - x) * (1.0 - 2.0 * x) * first + x * (2.0 * x - 1.0) * last + 4.0 * x * (1.0 - x) * middle
 }

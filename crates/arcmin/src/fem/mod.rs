@@ -5,8 +5,6 @@
 //! (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank place). `load` and
 //! `dynamics` only ever see the reduced disc. `vtu` writes meshes and fields for ParaView.
 
-#![allow(clippy::needless_range_loop)] // loops over i, j, k read as the formulae do
-
 pub mod assembly;
 pub mod boundary;
 pub mod cache;

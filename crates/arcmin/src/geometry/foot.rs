@@ -21,9 +21,11 @@ pub struct Foot {
 /// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10 µm off
 /// its nominal place sees two flanks, and Newton's method may settle on the far one. There the search brackets.
 const ROOT_ZONE_COS: f64 = 0.94;
-/// The last Newton step (rad) when the iteration stops: convergence is quadratic, so the error left is of order z step² ≲ 1e-12 rad. A laxer bound
+/// The last step (rad of z τ) when the iteration stops: convergence is cubic, so the error left is of order step³ ≲ 1e-12. A laxer bound
 /// would do for the distance, which is stationary in τ, but the depth of a worn flank is read at τ and must not jump.
-const LAST_STEP: f64 = 1e-7;
+const LAST_STEP: f64 = 1e-4;
+/// The last Newton step (rad) in the bracket, where convergence is quadratic.
+const LAST_NEWTON_STEP: f64 = 1e-10;
 
 /// Unit vectors e(τ), e(z τ), carried along so that small steps need no new sine or cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,10 +45,13 @@ impl Place {
 /// e(x); for small x from its series, whose error is below 1e-16 for |x| ≤ 0.1.
 #[inline]
 fn small_unit(x: f64) -> Vec2 {
-    if x.abs() > 0.1 {
+    let q = x * x;
+    if q < 1e-6 {
+        return Vec2::new(1.0 + q * (-0.5 + q * (1.0 / 24.0)), x * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0))));
+    }
+    if q > 0.01 {
         return unit(x);
     }
-    let q = x * x;
     let sin = x * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362_880.0)))));
     let cos = 1.0 + q * (-0.5 + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40_320.0 + q * (-1.0 / 3_628_800.0)))));
     Vec2::new(cos, sin)
@@ -55,8 +60,8 @@ fn small_unit(x: f64) -> Vec2 {
 impl Profile {
     /// Foot of the pin centre `p` (disc frame, m) on the trace, started at parameter `guess`.
     ///
-    /// Solves (p − c(τ))·c′(τ) = 0. Away from the roots this is Newton's method; near a root, and wherever Newton does not
-    /// contract, the foot is bracketed on the half lobe on whose side of the root's axis the pin stands. On that half lobe the
+    /// Solves D = (p − c(τ))·c′(τ) = 0. Away from the roots this is Chebyshev's method, −D/D′ (1 + D D″/2D′²) per step; near a root, and
+    /// wherever it does not contract, the foot is bracketed on the half lobe on whose side of the root's axis the pin stands. On that half lobe the
     /// solution is unique: the evolute of its concave part lies on the other side of the axis, that of its convex part
     /// millimetres deep in the metal.
     pub fn foot(&self, p: Vec2, guess: f64) -> Foot {
@@ -68,30 +73,34 @@ impl Profile {
     pub fn foot_from(&self, p: Vec2, guess: f64, e: Vec2, ez: Vec2) -> Foot {
         let z = self.pin_count as f64;
         let mut place = Place { tau: guess, e, ez };
-        // A third of the angle between inflection and tip: larger first steps are not to be trusted.
-        let trust = 0.35 / z;
         for _ in 0..6 {
             if e_dot(&place) > ROOT_ZONE_COS {
                 break;
             }
             let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
+            let c3 = self.trace_third_derivative(place.e, place.ez);
             let off = p - c;
+            let value = off.dot(&c1);
             let slope = off.dot(&c2) - c1.norm_squared();
-            let step = -off.dot(&c1) / slope;
-            // `slope` is negative at every minimum of the distance; the comparison is false for NaN, too.
-            if !(slope < 0.0 && step.abs() < trust) {
+            let bend = off.dot(&c3) - 3.0 * c1.dot(&c2);
+            let per_slope = 1.0 / slope;
+            let newton = -value * per_slope;
+            let step = newton * (1.0 - 0.5 * newton * bend * per_slope);
+            // `slope` is negative at every minimum of the distance; a third of the angle between inflection and tip: larger first steps are not
+            // to be trusted, nor those that the bend changes by a third. The comparisons are false for NaN, too.
+            if !(slope < 0.0 && (z * newton).abs() < 0.35 && (step - newton).abs() <= 0.35 * newton.abs()) {
                 break;
             }
             place = place.moved(step, z);
-            if step.abs() < LAST_STEP {
-                return if e_dot(&place) > ROOT_ZONE_COS { self.bracketed_foot(p, place.tau) } else { self.foot_at(p, place) };
+            if (z * step).abs() < LAST_STEP {
+                return if e_dot(&place) > ROOT_ZONE_COS { self.bracketed_foot(p, place) } else { self.foot_at(p, place) };
             }
         }
-        self.bracketed_foot(p, place.tau)
+        self.bracketed_foot(p, place)
     }
 
     /// Safe search: Newton kept inside a shrinking bracket on the half lobe nearest to the pin.
-    fn bracketed_foot(&self, p: Vec2, guess: f64) -> Foot {
+    fn bracketed_foot(&self, p: Vec2, guess: Place) -> Foot {
         let z = self.pin_count as f64;
         let pitch = std::f64::consts::TAU / self.lobe_count() as f64;
         let derivative = |place: Place| {
@@ -99,17 +108,18 @@ impl Profile {
             let off = p - c;
             (off.dot(&c1), off.dot(&c2) - c1.norm_squared())
         };
-        let root = pitch * (guess / pitch).round();
+        let root = pitch * (guess.tau / pitch).round();
         // z τ and τ differ by whole turns there.
-        let root_place = Place { tau: root, e: unit(root), ez: unit(root) };
+        let axis = super::turned(guess.e, small_unit(root - guess.tau));
+        let root_place = Place { tau: root, e: axis, ez: axis };
         let (side, _) = derivative(root_place);
         if side == 0.0 {
             return self.foot_at(p, root_place);
         }
         // `low` holds a positive derivative, `high` a negative one.
         let (mut low, mut high) = if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
-        let mut tau = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
-        let mut place = root_place.moved(tau - root, z);
+        let mut place = if guess.tau > low && guess.tau < high { guess } else { root_place.moved(0.5 * (low + high) - root, z) };
+        let mut tau = place.tau;
         for _ in 0..80 {
             let (value, slope) = derivative(place);
             if value > 0.0 {
@@ -118,12 +128,12 @@ impl Profile {
                 high = tau;
             }
             let newton = tau - value / slope;
-            // An end of the bracket may be the solution itself to rounding: a Newton step that misses it by less than LAST_STEP is good.
-            let inside = newton > low - LAST_STEP && newton < high + LAST_STEP;
+            // An end of the bracket may be the solution itself to rounding: a Newton step that misses it by less than 1e-7 rad is good.
+            let inside = newton > low - 1e-7 && newton < high + 1e-7;
             let next = if slope < 0.0 && inside { newton } else { 0.5 * (low + high) };
             let step = next - tau;
             place = place.moved(step, z);
-            if step.abs() < 1e-3 * LAST_STEP {
+            if step.abs() < LAST_NEWTON_STEP {
                 break;
             }
             tau = next;
@@ -131,10 +141,11 @@ impl Profile {
         self.foot_at(p, place)
     }
 
+    #[inline]
     fn foot_at(&self, p: Vec2, place: Place) -> Foot {
         let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
-        let speed = c1.norm();
-        let normal = Vec2::new(c1.y, -c1.x) / speed;
+        let per_speed = 1.0 / c1.norm();
+        let normal = Vec2::new(c1.y, -c1.x) * per_speed;
         let (cos_meshing, sin_meshing) = Profile::meshing_cos_sin(place.e, place.ez);
         Foot {
             tau: place.tau,
@@ -142,7 +153,7 @@ impl Profile {
             normal,
             cos_meshing,
             sin_meshing,
-            trace_curvature: -cross(c1, c2) / (speed * speed * speed),
+            trace_curvature: -cross(c1, c2) * per_speed * per_speed * per_speed,
             place,
         }
     }

@@ -19,22 +19,26 @@ pub use relief::{DepthSample, Relief};
 pub type Vec2 = nalgebra::Vector2<f64>;
 
 /// (cos x, sin x).
+#[inline]
 pub fn unit(angle: f64) -> Vec2 {
     let (sin, cos) = angle.sin_cos();
     Vec2::new(cos, sin)
 }
 
 /// The vector turned by +90°.
+#[inline]
 pub fn quarter_turn(v: Vec2) -> Vec2 {
     Vec2::new(-v.y, v.x)
 }
 
 /// The vector turned by the angle whose cosine and sine are `rotation`.
+#[inline]
 pub fn turned(v: Vec2, rotation: Vec2) -> Vec2 {
     Vec2::new(v.x * rotation.x - v.y * rotation.y, v.x * rotation.y + v.y * rotation.x)
 }
 
 /// z component of the cross product.
+#[inline]
 pub fn cross(a: Vec2, b: Vec2) -> f64 {
     a.x * b.y - a.y * b.x
 }

@@ -20,21 +20,25 @@ pub struct Profile {
 
 impl Profile {
     /// Number of lobes z_c = z_p − 1.
+    #[inline]
     pub fn lobe_count(&self) -> usize {
         self.pin_count - 1
     }
 
     /// Short width (curtate) coefficient K1 = a z_p / R_p.
+    #[inline]
     pub fn short_width_coefficient(&self) -> f64 {
         self.eccentricity * self.pin_count as f64 / self.pin_circle_radius
     }
 
     /// Meshing angle φ = −z_c τ in (−π, π]: the angle of the touching pin from the direction of the eccentric.
+    #[inline]
     pub fn meshing_angle(&self, tau: f64) -> f64 {
         wrap_angle(-(self.lobe_count() as f64) * tau)
     }
 
     /// S(φ) = √(1 + K1² − 2 K1 cos φ); |c′| = R S.
+    #[inline]
     pub fn speed_factor(&self, cos_meshing_angle: f64) -> f64 {
         let k1 = self.short_width_coefficient();
         (1.0 + k1 * k1 - 2.0 * k1 * cos_meshing_angle).sqrt()
@@ -70,6 +74,7 @@ impl Profile {
 
     /// Curvature of the trace 1/ρ0 in 1/m, positive where it is concave seen from the pin:
     /// ρ0 = R S³ / (K1 (1+z_p) cos φ − (1 + z_p K1²)).
+    #[inline]
     pub fn trace_curvature(&self, cos_meshing_angle: f64) -> f64 {
         let k1 = self.short_width_coefficient();
         let z = self.pin_count as f64;
@@ -109,6 +114,7 @@ impl Profile {
     }
 
     /// Curvature of the flank 1/ρ in 1/m, positive where concave; finite at the inflection.
+    #[inline]
     pub fn flank_curvature(&self, cos_meshing_angle: f64) -> f64 {
         let trace = self.trace_curvature(cos_meshing_angle);
         trace / (1.0 + self.pin_radius * trace)
@@ -131,12 +137,14 @@ impl Profile {
     }
 
     /// Arc length of the flank per radian of meshing angle, |df/dφ| in m/rad.
+    #[inline]
     pub fn flank_length_per_meshing_angle(&self, cos_meshing_angle: f64) -> f64 {
         let rs = self.pin_circle_radius * self.speed_factor(cos_meshing_angle);
         rs * (1.0 + self.pin_radius * self.trace_curvature(cos_meshing_angle)).abs() / self.lobe_count() as f64
     }
 
-    /// Trace quantities from the unit vectors e(τ), e(z τ): the fast path of the foot-point search.
+    /// c, c′ and c″ of the trace from the unit vectors e(τ), e(z τ): the fast path of the foot-point search.
+    #[inline]
     pub(crate) fn trace_derivatives(&self, e: Vec2, ez: Vec2) -> (Vec2, Vec2, Vec2) {
         let az = self.eccentricity * self.pin_count as f64;
         let c = self.pin_circle_radius * e - self.eccentricity * ez;
@@ -145,7 +153,15 @@ impl Profile {
         (c, c1, c2)
     }
 
+    /// c‴ of the trace from the unit vectors e(τ), e(z τ).
+    #[inline]
+    pub(crate) fn trace_third_derivative(&self, e: Vec2, ez: Vec2) -> Vec2 {
+        let z = self.pin_count as f64;
+        -quarter_turn(self.pin_circle_radius * e - self.eccentricity * z * z * z * ez)
+    }
+
     /// cos φ and sin φ from the unit vectors e(τ), e(z τ).
+    #[inline]
     pub(crate) fn meshing_cos_sin(e: Vec2, ez: Vec2) -> (f64, f64) {
         (e.dot(&ez), -cross(e, ez))
     }

@@ -20,12 +20,15 @@ pub struct Relief {
     values: Vec<f64>,
     /// Second derivatives of the spline with respect to φ.
     bends: Vec<f64>,
+    /// Distance of the grid points in rad, and its inverse.
+    step: f64,
+    per_step: f64,
 }
 
 impl Relief {
     /// The same depth (m) everywhere: the worn profile of Tao2024, eq. (24).
     pub fn uniform(depth: f64) -> Relief {
-        Relief { values: vec![depth], bends: vec![0.0] }
+        Relief::with_bends(vec![depth], vec![0.0])
     }
 
     /// From depths (m) at φ_i = −π + 2π i/n, i = 0…n−1.
@@ -34,7 +37,12 @@ impl Relief {
             return Relief::uniform(depths.first().copied().unwrap_or(0.0));
         }
         let bends = periodic_spline_bends(&depths);
-        Relief { values: depths, bends }
+        Relief::with_bends(depths, bends)
+    }
+
+    fn with_bends(values: Vec<f64>, bends: Vec<f64>) -> Relief {
+        let count = values.len() as f64;
+        Relief { values, bends, step: TAU / count, per_step: count / TAU }
     }
 
     /// Meshing angles of the samples for a grid of `count` points.
@@ -78,9 +86,9 @@ impl Relief {
         if n == 1 {
             return DepthSample { depth: self.values[0], ..DepthSample::default() };
         }
-        let h = TAU / n as f64;
+        let h = self.step;
         // Truncation, not `floor` and a remainder: this is the innermost loop, and φ lies within one turn.
-        let x = ((meshing_angle + PI) / h).max(0.0);
+        let x = ((meshing_angle + PI) * self.per_step).max(0.0);
         let cell = x as usize;
         let t = x - cell as f64;
         let left = if cell < n { cell } else { cell % n };
@@ -89,16 +97,9 @@ impl Relief {
         let s = 1.0 - t;
         DepthSample {
             depth: s * y0 + t * y1 + h * h / 6.0 * ((s * s * s - s) * m0 + (t * t * t - t) * m1),
-            slope: (y1 - y0) / h + h / 6.0 * ((3.0 * t * t - 1.0) * m1 - (3.0 * s * s - 1.0) * m0),
+            slope: (y1 - y0) * self.per_step + h / 6.0 * ((3.0 * t * t - 1.0) * m1 - (3.0 * s * s - 1.0) * m0),
             bend: s * m0 + t * m1,
         }
-    }
-
-    /// d³w/dφ³ in m/rad³, constant between two samples.
-    pub fn twist(&self, meshing_angle: f64) -> f64 {
-        let n = self.values.len();
-        let cell = (((meshing_angle + PI) / TAU * n as f64).max(0.0) as usize) % n;
-        (self.bends[(cell + 1) % n] - self.bends[cell]) * n as f64 / TAU
     }
 }
 

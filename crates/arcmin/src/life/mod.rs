@@ -4,6 +4,9 @@ mod parts;
 
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes, worn_settings};
 
+use rayon::prelude::*;
+
+use crate::dynamics::JointSettings;
 use crate::geometry::Relief;
 use crate::load::{Cycle, ShareLoad, lost_motion};
 use crate::machine::{Machine, OutputAngle};
@@ -134,7 +137,7 @@ pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress)
 ///
 /// # Errors
 /// As [`predict`].
-pub fn predict_with<S: ShareLoad + Clone>(
+pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
     machine: &Machine,
     meshing: S,
     options: LifeOptions,
@@ -143,26 +146,44 @@ pub fn predict_with<S: ShareLoad + Clone>(
     let exposure = coupled_exposure(machine, meshing.clone(), options.wear)?;
     let mut wear = CoupledWear::with(machine, meshing, options.wear);
     let service_hours = machine.limits.service_life / HOUR;
-    let mut points = Vec::with_capacity(options.intervals + 1);
+    let hours_of = |interval: usize| service_hours * interval as f64 / options.intervals as f64;
     let mut surfaces = Vec::with_capacity(options.intervals + 1);
     let mut parts = PartsFollower::new(machine);
+    let mut part_wear = Vec::with_capacity(options.intervals + 1);
     for interval in 0..=options.intervals {
-        let hours = service_hours * interval as f64 / options.intervals as f64;
         if let Some(parts) = parts.as_mut().filter(|_| interval > 0) {
             parts.advance(service_hours * HOUR / options.intervals as f64)?;
             wear.set_part_wear(parts.wear());
         }
-        advance(&mut wear, exposure.at(hours * HOUR), progress)?;
-        let flank = wear.state().flank.clone();
-        let mut point = accuracy(machine, wear.meshing_mut(), &flank, hours, options.crank_positions)?;
+        advance(&mut wear, exposure.at(hours_of(interval) * HOUR), progress)?;
         if let Some(parts) = &mut parts {
             parts.see(wear.state());
-            point.parts = Some(parts.point()?);
         }
-        points.push(point);
+        part_wear.push(parts.as_ref().map(|parts| *parts.wear()));
         surfaces.push(wear.state().clone());
         progress.report("wear", interval as f64 / options.intervals as f64);
     }
+    let (joints, designed) = (wear.meshing_mut().clone(), machine.designed_relief());
+    let points = surfaces
+        .par_iter()
+        .zip(&part_wear)
+        .enumerate()
+        .map(|(interval, (worn, part_wear))| {
+            if progress.is_cancelled() {
+                return Err(WearError::Stopped);
+            }
+            let (flank_wear, pin_wear) = (worn.flank_seen_by_contact().clone(), worn.pin_seen_by_contact().clone());
+            let mut joints = joints.clone();
+            joints.set_relief(designed.plus(&flank_wear));
+            joints.set_pin_relief(pin_wear.clone());
+            joints.set_part_wear(&part_wear.unwrap_or_default());
+            let mut point = accuracy(machine, &mut joints, &worn.flank, hours_of(interval), options.crank_positions)?;
+            if let Some(part_wear) = *part_wear {
+                point.parts = lost_motion_causes(machine, &JointSettings { flank_wear, pin_wear, part_wear, ..JointSettings::default() })?;
+            }
+            Ok(point)
+        })
+        .collect::<Result<Vec<LifePoint>, WearError>>()?;
     let updates = wear.updates();
     let limit = machine.limits.lost_motion;
     let furthest = options.search_factor.max(1.0) * service_hours;

@@ -26,7 +26,6 @@ pub struct PartsFollower<'a> {
     meshing: BearingMeshing,
     designed: Relief,
     wear: PartWear,
-    starts: Vec<Vec<f64>>,
 }
 
 /// Crank positions over a turn of the crankshafts for lost motion and for rates.
@@ -35,7 +34,7 @@ pub(super) const POSITIONS: usize = 12;
 impl<'a> PartsFollower<'a> {
     pub fn new(machine: &'a Machine) -> Option<PartsFollower<'a>> {
         let meshing = BearingMeshing::new(machine, &JointSettings::default()).ok()?;
-        Some(PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default(), starts: Vec::new() })
+        Some(PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default() })
     }
 
     pub fn wear(&self) -> &PartWear {
@@ -46,14 +45,6 @@ impl<'a> PartsFollower<'a> {
     pub fn see(&mut self, surfaces: &WearSnapshot) {
         self.meshing.set_relief(self.designed.plus(surfaces.flank_seen_by_contact()));
         self.meshing.set_pin_relief(surfaces.pin_seen_by_contact().clone());
-    }
-
-    /// Lost motion by cause with the surfaces and the part wear reached.
-    ///
-    /// # Errors
-    /// [`WearError::Load`] where no balance is found.
-    pub fn point(&mut self) -> Result<PartsPoint, WearError> {
-        Ok(PartsPoint { wear: self.wear, lost_motion: self.meshing.lost_motion_causes(POSITIONS, &mut self.starts)? })
     }
 
     /// Wears bearings and gears for `time` (s) at the loads of the present state.

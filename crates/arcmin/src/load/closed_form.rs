@@ -36,6 +36,8 @@ pub enum ClosedFormError {
     NotConverged { iterations: usize, max_force: f64 },
     #[error("the closed form needs a positive torque, not {0} N·m")]
     BadTorque(f64),
+    #[error("the closed form needs a curtate flank, K1 = a z_p/R_p below 1, not {0:.4}; use a smaller eccentricity or a larger pin circle")]
+    NotCurtate(f64),
 }
 
 /// F_max0 = 2.2 T/(K1 z_c R_p), the first guess of the handbook for two discs. The paper prints the pin radius for R_p, which gives 21 times more.
@@ -45,7 +47,7 @@ pub fn first_max_force(machine: &Machine, torque: f64) -> f64 {
 }
 
 /// Gap after rotation to first contact of a disc cut with both offsets, in m:
-/// Δ(φ) = Δr_p (1 − sin φ/S) − ΔR_p (1 − K1 cos φ − √(1−K1²) sin φ)/S. First order in the offsets.
+/// Δ(φ) = Δr_p (1 − sin φ/S) − ΔR_p (1 − K1 cos φ − √(1−K1²) sin φ)/S. First order in the offsets; for curtate flanks, K1 < 1.
 pub fn initial_gap(short_width_coefficient: f64, equidistant_offset: f64, radial_offset: f64, meshing_angle: f64) -> f64 {
     let k1 = short_width_coefficient;
     let (sin, cos) = meshing_angle.sin_cos();
@@ -68,6 +70,9 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
     let mut profile = machine.profile();
     profile.pin_circle_radius = machine.ring.pin_circle_radius;
     let k1 = profile.short_width_coefficient();
+    if !(k1 < 1.0) {
+        return Err(ClosedFormError::NotCurtate(k1));
+    }
     let cut = &machine.disc.modification;
     let law = LineContact::new(ContactLaw::Tao2024, &machine.disc.material, &machine.ring.material, machine.disc.width, machine.ring.pin_radius);
     let disc_torque = 1.1 * torque / machine.disc_count as f64;

@@ -1,3 +1,4 @@
+use super::gap_model::GapModel;
 use crate::contact::{DiscVelocity, PinContact, PinContacts};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
 use crate::machine::{CrankAngle, Kinematics, Machine, OutputAngle};
@@ -68,11 +69,30 @@ impl LoadSharing {
     }
 }
 
+/// What a look at the contacts is for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scope {
+    /// A step on the way: the pins that may touch.
+    MayTouch,
+    /// All pins: out of the clearance, any may be the next to touch.
+    All,
+    /// All pins, expected to be in equilibrium: the model will be followed hardly any further.
+    Last,
+}
+
 const MAX_ITERATIONS: usize = 60;
 /// Largest Newton step of the output error in rad: some wind-ups. Further away other lobes would come into reach.
 const LARGEST_STEP: f64 = 1.0 * crate::units::ARCMIN;
 /// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls reliably below, which is 1e-9 relative from 5 N·m on.
 const RESIDUAL_FLOOR: f64 = 5e-9;
+/// From a step of the output error (rad) below this on, the model of the gaps is expected to lead to the solution.
+const NEAR_THE_SOLUTION: f64 = 1e-6;
+/// Residual over torque below which one step in proportion ends the iteration: dF/F is as small, and its square below the rounding of a gap.
+const LAST_RESIDUAL: f64 = 1e-7;
+/// Up to this gap in m the model of a contact knows how its curvature changes.
+const CURVATURE_REACH: f64 = 2e-6;
+/// The last step of the free travel in rad.
+const LAST_TRAVEL: f64 = 1e-13;
 /// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the wind-up, N·m/rad.
 const EXPECTED_STIFFNESS: f64 = 5000.0 / crate::units::ARCMIN;
 
@@ -120,40 +140,37 @@ impl Meshing {
         nominal + self.kinematics.crank_per_output_locked() * error
     }
 
-    /// Q(ε) and −dQ/dε.
-    fn generalised_torque(&self, nominal_crank: f64, error: f64) -> (f64, f64) {
+    /// Gaps and forces at the output error ε with their changes along ε; `visit` sees every contact.
+    fn survey(&self, nominal_crank: f64, error: f64, scope: Scope, model: &mut GapModel, mut visit: impl FnMut(usize, &PinContact)) {
         let k = &self.kinematics;
         let crank = self.crank_angle_at(nominal_crank, error);
         let output = k.nominal_output_angle(nominal_crank) + error;
-        let (mut torque, mut stiffness) = (0.0, 0.0);
+        model.clear();
         for disc in 0..k.phases.len() {
-            let reaction = self.contacts.react(k.disc_pose(disc, crank, output), DiscVelocity::REST);
             let motion = self.disc_motion(disc, crank);
-            let j = [motion.x, motion.y, 1.0];
-            for row in 0..3 {
-                torque += reaction.force[row] * j[row];
-                for column in 0..3 {
-                    stiffness += j[row] * reaction.stiffness[row][column] * j[column];
-                }
-            }
             // The crank circle bends the path: d²C/dε² = −(dθ_k/dε)² C.
-            let bend = k.crank_per_output_locked().powi(2) * k.eccentricity * unit(crank + k.phases[disc]);
-            stiffness += reaction.force[0] * bend.x + reaction.force[1] * bend.y;
+            let pose = k.disc_pose(disc, crank, output);
+            let path_bend = -k.crank_per_output_locked().powi(2) * pose.centre;
+            self.contacts.visit(pose, DiscVelocity::REST, scope != Scope::MayTouch, |contact| {
+                visit(disc, contact);
+                let g = contact.gradient;
+                let radius = self.contacts.pins()[contact.pin].radius;
+                let slope = g[0] * motion.x + g[1] * motion.y + g[2];
+                let bend = contact.gap_bend(radius, motion) + g[0] * path_bend.x + g[1] * path_bend.y;
+                // Further off the curvature will have to be found anew.
+                let curvature_slope = if scope != Scope::Last && contact.gap < CURVATURE_REACH {
+                    self.contacts.rolling(contact).relative_curvature_change(contact, [motion.x, motion.y, 1.0])
+                } else {
+                    0.0
+                };
+                model.add(contact, slope, bend, curvature_slope);
+            });
         }
-        (torque, stiffness)
-    }
-
-    /// Contacts of every disc at the output error ε.
-    fn contacts_at(&self, nominal_crank: f64, error: f64) -> Vec<Vec<PinContact>> {
-        let k = &self.kinematics;
-        let crank = self.crank_angle_at(nominal_crank, error);
-        let output = k.nominal_output_angle(nominal_crank) + error;
-        (0..k.phases.len()).map(|disc| self.contacts.contacts(k.disc_pose(disc, crank, output), DiscVelocity::REST)).collect()
     }
 
     /// Output error at which the first pin touches when the output turns in `direction` (−1 lag, +1 lead) from ε = `from`.
     ///
-    /// Each step goes to the first contact predicted by gaps and their slopes; gaps are smooth in ε, so this converges like Newton's method.
+    /// Each step goes to the first contact predicted by gaps, their slopes and bends; gaps are smooth in ε, so this converges at least like Newton's method.
     /// A bracket keeps it from cycling between two pins.
     fn first_touch(&self, nominal_crank: f64, direction: f64, from: f64) -> Result<f64, LoadError> {
         let k = &self.kinematics;
@@ -164,24 +181,14 @@ impl Meshing {
         let least_closing = 1e-2 * k.eccentricity * k.lobe_count;
         let mut error = from;
         let (mut free, mut touching) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut model = self.empty_model();
         for _ in 0..MAX_ITERATIONS {
-            let crank = self.crank_angle_at(nominal_crank, error);
-            let output = k.nominal_output_angle(nominal_crank) + error;
-            let mut step = f64::INFINITY;
-            for disc in 0..k.phases.len() {
-                let motion = self.disc_motion(disc, crank);
-                self.contacts.visit(k.disc_pose(disc, crank, output), DiscVelocity::REST, true, |contact| {
-                    let g = contact.gradient;
-                    let closing = -direction * (g[0] * motion.x + g[1] * motion.y + g[2]);
-                    if closing > least_closing {
-                        step = step.min(contact.gap / closing);
-                    }
-                });
-            }
-            if !step.is_finite() || (error + direction * step).abs() > half_pitch {
+            self.survey(nominal_crank, error, Scope::Last, &mut model, |_, _| ());
+            let step = direction * model.first_touch(direction, least_closing).ok_or_else(no_contact)?;
+            if (error + direction * step).abs() > half_pitch {
                 return Err(no_contact());
             }
-            if step.abs() < 1e-13 {
+            if step.abs() < LAST_TRAVEL {
                 return Ok(error + direction * step);
             }
             let travel = direction * error;
@@ -222,13 +229,14 @@ impl Meshing {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
         }
-        let direction = if torque < 0.0 { 1.0 } else { -1.0 };
-        let touch = self.first_touch(crank_angle.radians(), direction, 0.0)?;
         if torque == 0.0 {
-            return Ok(self.sharing_at(crank_angle, torque, touch, 0.0, 0.0));
+            let touch = self.first_touch(crank_angle.radians(), -1.0, 0.0)?;
+            let mut discs = self.no_contacts();
+            self.survey(crank_angle.radians(), touch, Scope::Last, &mut self.empty_model(), |disc, contact| discs[disc].push(*contact));
+            let output_error = OutputAngle::from_radians(touch);
+            return Ok(LoadSharing { crank_angle, torque, output_error, residual: 0.0, stiffness: 0.0, discs });
         }
-        // A wind-up of the order to expect of steel discs.
-        self.solve(crank_angle, torque, touch - torque / EXPECTED_STIFFNESS)
+        self.solve(crank_angle, torque, 0.0, Scope::All)
     }
 
     /// [`Meshing::load_sharing`] started from a known output error, such as that of the neighbouring crank angle.
@@ -239,52 +247,75 @@ impl Meshing {
         if !torque.is_finite() || torque == 0.0 {
             return self.load_sharing(crank_angle, torque);
         }
-        self.solve(crank_angle, torque, start.radians())
+        self.solve(crank_angle, torque, start.radians(), Scope::MayTouch)
     }
 
-    fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64) -> Result<LoadSharing, LoadError> {
+    /// Newton's method kept in a bracket, its steps taken on the second-order model of all gaps at the last place. `scope` is that of the first look.
+    fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64, mut scope: Scope) -> Result<LoadSharing, LoadError> {
         let nominal = crank_angle.radians();
+        let law = self.contacts.contact();
+        let wind_up = (torque.abs() / EXPECTED_STIFFNESS).min(LARGEST_STEP);
+        let tolerance = (1e-10 * torque.abs()).max(RESIDUAL_FLOOR);
         // Q > T at `low`, Q < T at `high`; only places that were evaluated count.
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut error = start;
         let mut residual = f64::INFINITY;
-        for iteration in 0..MAX_ITERATIONS {
-            let (q, stiffness) = self.generalised_torque(nominal, error);
-            residual = q - torque;
-            // An unevenly worn flank adds the rounding of its slope to that of the gaps; then the best that is to be had must do.
-            let tolerance = if iteration < MAX_ITERATIONS / 2 { 1e-10 } else { 1e-9 };
-            if residual.abs() <= (tolerance * torque.abs()).max(RESIDUAL_FLOOR) {
-                return Ok(self.sharing_at(crank_angle, torque, error, residual, stiffness));
+        let mut model = self.empty_model();
+        let mut discs = self.no_contacts();
+        let mut was_clear = false;
+        for _ in 0..MAX_ITERATIONS {
+            discs.iter_mut().for_each(Vec::clear);
+            self.survey(nominal, error, scope, &mut model, |disc, contact| discs[disc].push(*contact));
+            residual = model.torque - torque;
+            let is_clear = model.torque == 0.0;
+            if scope != Scope::MayTouch && residual.abs() <= LAST_RESIDUAL * torque.abs() {
+                // What is left of the way is so short that the forces change in proportion: the square of the residual is below rounding.
+                let change = residual / model.stiffness;
+                residual = model.carry_over(discs.iter_mut().flatten(), change) - torque;
+                if residual.abs() <= tolerance {
+                    let output_error = OutputAngle::from_radians(error + change);
+                    return Ok(LoadSharing { crank_angle, torque, output_error, residual, stiffness: model.stiffness, discs });
+                }
+            }
+            if scope == Scope::MayTouch && (is_clear || residual.abs() <= LAST_RESIDUAL * torque.abs()) {
+                scope = Scope::All;
+                continue;
             }
             if residual > 0.0 {
                 low = low.max(error);
             } else {
                 high = high.min(error);
             }
-            let newton = error + (residual / stiffness).clamp(-LARGEST_STEP, LARGEST_STEP);
-            error = if q == 0.0 {
-                // In the clearance: go to the flank that carries this torque and a little into it.
+            let next = if is_clear && was_clear {
+                // The model did not find the way out of the clearance: the safe search does.
                 let direction = -torque.signum();
-                self.first_touch(nominal, direction, error)? + direction * (torque.abs() / EXPECTED_STIFFNESS).min(LARGEST_STEP)
-            } else if stiffness > 0.0 && newton > low && newton < high {
-                newton
-            } else if low.is_finite() && high.is_finite() {
-                0.5 * (low + high)
+                self.first_touch(nominal, direction, error)? + direction * wind_up
             } else {
-                error + residual.signum() * LARGEST_STEP
+                let next = model.change_to(law, torque, wind_up, LARGEST_STEP).map_or(f64::NAN, |change| error + change);
+                if next > low && next < high {
+                    next
+                } else if low.is_finite() && high.is_finite() {
+                    0.5 * (low + high)
+                } else {
+                    error + residual.signum() * LARGEST_STEP
+                }
             };
+            was_clear = is_clear;
+            scope = match (next - error).abs() < NEAR_THE_SOLUTION {
+                true => Scope::Last,
+                false if is_clear => Scope::All,
+                false => Scope::MayTouch,
+            };
+            error = next;
         }
         Err(LoadError::NotConverged { crank_angle_deg: crank_angle.degrees(), torque, residual: residual.abs(), iterations: MAX_ITERATIONS })
     }
 
-    fn sharing_at(&self, crank_angle: CrankAngle, torque: f64, error: f64, residual: f64, stiffness: f64) -> LoadSharing {
-        LoadSharing {
-            crank_angle,
-            torque,
-            output_error: OutputAngle::from_radians(error),
-            residual,
-            stiffness,
-            discs: self.contacts_at(crank_angle.radians(), error),
-        }
+    fn empty_model(&self) -> GapModel {
+        GapModel::with_capacity(self.contacts.pins().len() * self.kinematics.phases.len())
+    }
+
+    fn no_contacts(&self) -> Vec<Vec<PinContact>> {
+        vec![Vec::with_capacity(self.contacts.pins().len()); self.kinematics.phases.len()]
     }
 }

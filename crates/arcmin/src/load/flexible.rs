@@ -89,9 +89,11 @@ impl FlexibleMeshing {
             let (state, motion) = self.state(disc, nominal_crank, error)?;
             let n = state.contacts.len();
             let slope: Vec<f64> = state.contacts.iter().map(|c| c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2]).collect();
+            let mut response = slope.clone();
+            state.forces.respond(&mut response, &mut Vec::with_capacity(n));
             for i in 0..n {
                 torque += state.forces.force[i] * slope[i];
-                stiffness += slope[i] * (0..n).map(|j| state.forces.stiffness[i * n + j] * slope[j]).sum::<f64>();
+                stiffness += slope[i] * response[i];
             }
         }
         Ok((torque, stiffness))

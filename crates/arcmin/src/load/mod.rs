@@ -7,6 +7,7 @@ pub mod closed_form;
 mod cycle;
 mod equilibrium;
 mod flexible;
+mod gap_model;
 mod share;
 
 pub use cycle::{Cycle, FlankForce, HarmonicError};

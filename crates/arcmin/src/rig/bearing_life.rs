@@ -57,7 +57,7 @@ pub fn dynamic_load_rating(bearing: &RollerBearing) -> f64 {
 pub fn bearing_loads(machine: &Machine, settings: &JointSettings, positions: usize) -> Result<Vec<BearingLoad>, RigError> {
     let mut model = BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?;
     let kinematics = model.kinematics().clone();
-    let ratio = kinematics.housing_fixed_ratio();
+    let ratio = kinematics.ratio();
     let (cranks, discs) = (machine.crankshafts.count, machine.disc_count);
     let (output_speed, crank_speed, _) = kinematics.speeds(machine.rated.input_speed);
     let mut names = Vec::new();
@@ -70,9 +70,9 @@ pub fn bearing_loads(machine: &Machine, settings: &JointSettings, positions: usi
     let direction = machine.rated.input_speed.signum();
     let mut deviation: Vec<f64> = Vec::new();
     for i in 0..positions {
-        let sun = direction * TAU * i as f64 / positions as f64 * ratio / (kinematics.lobe_count + 1.0);
+        let sun = direction * TAU * i as f64 / positions as f64 * ratio.abs() / (kinematics.lobe_count + 1.0);
         model.hold_sun(sun, machine.rated.input_speed);
-        model.set_load(machine.rated.torque);
+        model.set_load(ratio.signum() * machine.rated.torque);
         let nominal = model.nominal_position_at(sun);
         let velocity = model.nominal_velocity_at(sun, machine.rated.input_speed);
         let start: Vec<f64> = nominal.iter().enumerate().map(|(n, x)| x + deviation.get(n).copied().unwrap_or(0.0)).collect();

@@ -34,8 +34,10 @@ const POSITIONS: usize = 8;
 
 /// Mean torque (N·m) that the drive puts in at the speed (rad/s) and output torque (N·m), both signed.
 fn input_torque(model: &mut BearingJoints, rated: f64, torque: f64, speed: f64) -> Result<f64, RigError> {
-    let ratio = model.kinematics().housing_fixed_ratio();
+    let ratio = model.kinematics().ratio();
     let lobes = model.kinematics().lobe_count;
+    // The load opposes the motion of the output, which a carrier at rest turns round.
+    let torque = ratio.signum() * torque;
     let mut sum = 0.0;
     for i in 0..POSITIONS {
         let sun = TAU * i as f64 / POSITIONS as f64 * ratio / lobes;
@@ -64,7 +66,7 @@ fn bench(machine: &Machine, settings: &JointSettings) -> Result<BearingJoints, R
 pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<EfficiencyMap, RigError> {
     let mut model = bench(machine, settings)?;
     let rated = machine.rated.torque.abs();
-    let ratio = model.kinematics().housing_fixed_ratio();
+    let ratio = model.kinematics().ratio().abs();
     let speed = machine.rated.input_speed.abs();
     let torques: Vec<f64> = [0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * rated).to_vec();
     let speeds: Vec<f64> = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5].map(|share| share * speed).to_vec();

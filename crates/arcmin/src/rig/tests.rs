@@ -296,3 +296,29 @@ fn val_carrier_torsion_closes_the_gap_to_the_catalogue() {
     let carrier = split.parts.iter().find(|(part, _)| part.name() == "carrier torsion").unwrap().1;
     assert!((carrier * 195.0 / ARCMIN - 1.0).abs() < 1e-6);
 }
+
+/// The bench with the carrier at rest: ratio 1 − i = −80, the same losses but for the speeds, and a loop of the same kind.
+#[test]
+fn the_housing_may_be_the_output() {
+    use crate::machine::FixedMember;
+    let settings = JointSettings::default();
+    let housing_turns = Machine { fixed_member: FixedMember::Carrier, ..machine() };
+    let map = efficiency_map(&housing_turns, &settings).unwrap();
+    assert!(map.efficiency.iter().flatten().all(|e| (e - 1.0).abs() < 1e-3), "{map:?}");
+    let rough = Machine { friction: ASSUMED_FRICTION, ..housing_turns.clone() };
+    let (lossy, usual) =
+        (efficiency_map(&rough, &settings).unwrap(), efficiency_map(&Machine { friction: ASSUMED_FRICTION, ..machine() }, &settings).unwrap());
+    // Forces at pins and bearings are T on 80 instead of 81 parts of the input's way: the same within 2 %.
+    assert!((lossy.rated / usual.rated - 1.0).abs() < 0.02, "{} {}", lossy.rated, usual.rated);
+    let test = TransmissionSettings { positions: 96, ..TransmissionSettings::new(&housing_turns) };
+    let curves = transmission_error_curves(&housing_turns, &settings, test).unwrap();
+    for curve in &curves {
+        assert!(curve.mean() * curve.direction < 0.0, "the output lags: {} {}", curve.direction, curve.mean());
+    }
+    let figures = |machine: &Machine| evaluate_loop(&hysteresis_loop(machine, &settings, 0.5).unwrap(), machine.rated.torque).unwrap();
+    let (turned, usual) = (figures(&housing_turns), figures(&machine()));
+    assert!((0.85..1.05).contains(&(turned.stiffness / usual.stiffness)) && turned.lost_motion > usual.lost_motion, "{turned:?} {usual:?}");
+    let split = stiffness_split(&housing_turns, &settings, 0.5).unwrap();
+    assert!((split.parts.iter().map(|part| part.1).sum::<f64>() / split.whole - 1.0).abs() < 0.02);
+    assert!(bearing_loads(&housing_turns, &settings, 6).unwrap().iter().all(|load| load.equivalent > 0.0));
+}

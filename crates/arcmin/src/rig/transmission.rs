@@ -67,8 +67,8 @@ impl ErrorCurve {
 pub fn error_curve(machine: &Machine, settings: &JointSettings, positions: usize, direction: f64, torque: f64) -> Result<ErrorCurve, RigError> {
     let settings = JointSettings { damped: false, ..settings.clone() };
     let mut model = BearingJoints::held(machine, &settings)?;
-    let ratio = model.kinematics().housing_fixed_ratio();
-    let speed = direction * machine.rated.input_speed.abs();
+    let ratio = model.kinematics().ratio();
+    let speed = direction * ratio.signum() * machine.rated.input_speed.abs();
     let mut deviation: Option<Vec<f64>> = None;
     let mut points = Vec::with_capacity(positions + 1);
     for i in 0..=positions {

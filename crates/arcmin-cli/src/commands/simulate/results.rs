@@ -3,11 +3,13 @@
 use std::time::Duration;
 
 use arcmin::dynamics::{DynamicsError, Reducer, RunResult, StartSpread};
+use arcmin::rig::name_orders;
 use arcmin::units::{ARCMIN, DEG, UM};
 use serde_json::{Value, json};
 
 use super::Case;
 use crate::commands::deviations::Choice;
+use crate::commands::rig::orders_summary;
 use crate::failure::Failure;
 use crate::run::{Run, Table};
 
@@ -72,6 +74,7 @@ pub(super) fn write<M: Reducer>(
             "band_arcmin": spread.band / ARCMIN,
         })
     });
+    let orders = result.spectrum.as_ref().map(|lines| orders_summary(&name_orders(lines, case.machine, 2 * lines.len(), 8)));
     let energy = &result.energy;
     let mut summary = json!({
         "ratio": model.ratio(),
@@ -83,6 +86,7 @@ pub(super) fn write<M: Reducer>(
         "complete": failed.is_none(),
         "reached_s": result.reached,
         "te": te,
+        "orders": orders,
         "perturbed_starts": spread_json,
         "solver": {
             "steps": result.counts.accepted,

@@ -125,6 +125,44 @@ fn culling_never_drops_a_pin_that_carries() {
     }
 }
 
+/// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the gradient and `gap_bend`, the relative curvature
+/// with `relative_curvature_slope`, on even and uneven flanks.
+#[test]
+fn gap_and_curvature_follow_a_motion_of_the_disc() {
+    let machine = machine();
+    let kinematics = machine.kinematics();
+    for relief in [Relief::uniform(10.0 * UM), Relief::from_samples(Relief::grid(720).map(worn).collect())] {
+        let contacts = machine.pin_contacts(&relief);
+        let motion = Vec2::new(0.04, -0.03);
+        let at = |x: f64| {
+            let mut pose = kinematics.disc_pose(0, 0.3, kinematics.nominal_output_angle(0.3) - 5e-5);
+            pose.centre += x * motion;
+            pose.angle += x;
+            contacts.contacts(pose, DiscVelocity::REST)
+        };
+        let h = 1e-6;
+        let (before, here, after) = (at(-h), at(0.0), at(h));
+        for ((a, m), b) in before.iter().zip(&here).zip(&after) {
+            // At the root itself the flank bends within micrometres.
+            if m.meshing_angle.abs() < 0.2 {
+                continue;
+            }
+            let bend = m.gap_bend(3e-3, motion);
+            let slope = m.gradient[0] * motion.x + m.gradient[1] * motion.y + m.gradient[2];
+            assert!(((b.gap - a.gap) / (2.0 * h) - slope).abs() < 1e-8, "{}: {} {slope}", m.meshing_angle, (b.gap - a.gap) / (2.0 * h));
+            let difference = (b.gap - 2.0 * m.gap + a.gap) / (h * h);
+            assert!((difference - bend).abs() < 1e-3 * bend.abs() + 1e-4, "{}: {difference} {bend}", m.meshing_angle);
+            let curvature_slope = contacts.rolling(m).relative_curvature_change(m, [motion.x, motion.y, 1.0]);
+            let difference = (b.relative_curvature - a.relative_curvature) / (2.0 * h);
+            assert!(
+                (difference - curvature_slope).abs() < 1e-3 * curvature_slope.abs() + 1e-2 * m.relative_curvature,
+                "{}: {difference} {curvature_slope}",
+                m.meshing_angle
+            );
+        }
+    }
+}
+
 /// The forces of conservative contacts are minus the gradient of the stored energy, on every kind of flank and pin.
 #[test]
 fn forces_are_the_gradient_of_the_stored_energy() {
@@ -165,7 +203,7 @@ fn forces_are_the_gradient_of_the_stored_energy() {
                     let h = 2e-9;
                     let slope = -(8.0 * (shifted(axis, h) - shifted(axis, -h)) - shifted(axis, 2.0 * h) + shifted(axis, -2.0 * h)) / (12.0 * h);
                     let unit = if axis == 2 { 0.05 } else { 1.0 };
-                    // Uneven flanks: terms of second order in the slope of the depth.
+                    // The curvature of an uneven flank bends at the samples of its depth; what worn pins and flank errors add is of first order in their slopes.
                     let tolerance = if relief.is_uniform() { 1e-8 } else { 1e-6 };
                     assert!((slope - exact.force[axis] / unit).abs() < tolerance * size, "{axis}: {slope} {} of {size}", exact.force[axis] / unit);
                     rolling_share = rolling_share.max(((normal.force[axis] - exact.force[axis]) / unit).abs() / size);

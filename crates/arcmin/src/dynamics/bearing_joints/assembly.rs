@@ -55,6 +55,8 @@ pub struct Assembly<'a> {
     pub force: &'a mut [f64],
     pub linearisation: &'a mut DenseLinearisation,
     pub size: usize,
+    /// Coordinate that a prescribed sun goes round with, if any.
+    pub sun_rides_on: Option<usize>,
     /// Torque on the prescribed sun in N·m.
     pub prescribed_torque: f64,
     pub balance: Balance,
@@ -62,44 +64,64 @@ pub struct Assembly<'a> {
 
 impl Assembly<'_> {
     pub fn add_force(&mut self, coordinate: usize, value: f64) {
-        if coordinate < self.size {
-            self.force[coordinate] += value;
-        } else {
+        if coordinate >= self.size {
             self.prescribed_torque += value;
+        }
+        if let Some(own) = self.own(coordinate) {
+            self.force[own] += value;
+        }
+    }
+
+    /// Viscous drag c (N·m·s/rad) on the sun at its speed against what is at rest; a sun that rides on the carrier takes it from there.
+    pub fn drag_on_sun(&mut self, sun: usize, c: f64, speed: f64, rides: bool) {
+        if rides {
+            self.prescribed_torque -= c * speed;
+            self.balance.dissipation += c * speed * speed;
+        } else {
+            self.damper(&[sun], &[-c * speed], &[c], c * speed * speed);
+        }
+    }
+
+    /// The free coordinate that moves this one, if one does.
+    fn own(&self, coordinate: usize) -> Option<usize> {
+        if coordinate < self.size { Some(coordinate) } else { self.sun_rides_on }
+    }
+
+    /// Calls `add` for all pairs of free coordinates with the entry of a matrix given row by row.
+    fn scatter(&mut self, index: &[usize], matrix: &[f64], add: fn(&mut DenseLinearisation, usize, usize, f64)) {
+        let n = index.len();
+        for (i, row) in index.iter().enumerate() {
+            let Some(row) = self.own(*row) else { continue };
+            for (j, column) in index.iter().enumerate() {
+                if let Some(column) = self.own(*column) {
+                    add(self.linearisation, row, column, matrix[i * n + j]);
+                }
+            }
         }
     }
 }
 
 impl Sink for Assembly<'_> {
     fn element(&mut self, element: &Element<'_>) {
-        let n = element.index.len();
         for (i, row) in element.index.iter().enumerate() {
             self.add_force(*row, -element.gradient[i]);
-            if *row < self.size {
-                for (j, column) in element.index.iter().enumerate().filter(|(_, column)| **column < self.size) {
-                    self.linearisation.add_stiffness(*row, *column, element.hessian[i * n + j]);
-                }
-            }
         }
+        self.scatter(element.index, element.hessian, DenseLinearisation::add_stiffness);
         self.balance.stored += element.stored;
     }
 
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64) {
-        let n = index.len();
         for (i, row) in index.iter().enumerate() {
             self.add_force(*row, force[i]);
-            if *row < self.size {
-                for (j, column) in index.iter().enumerate().filter(|(_, column)| **column < self.size) {
-                    self.linearisation.add_damping(*row, *column, matrix[i * n + j]);
-                }
-            }
         }
+        self.scatter(index, matrix, DenseLinearisation::add_damping);
         self.balance.dissipation += dissipation;
     }
 }
 
 /// Tangent compliance per part along one motion g of all coordinates: gᵀ K_part g.
 pub struct Split<'a> {
+    /// Of all coordinates, a prescribed sun included.
     pub motion: &'a [f64],
     pub compliance: [f64; Part::ALL.len()],
 }
@@ -107,7 +129,7 @@ pub struct Split<'a> {
 impl Sink for Split<'_> {
     fn element(&mut self, element: &Element<'_>) {
         let n = element.index.len();
-        let g = |i: usize| self.motion.get(element.index[i]).copied().unwrap_or(0.0);
+        let g = |i: usize| self.motion[element.index[i]];
         let mut sum = 0.0;
         for i in 0..n {
             for j in 0..n {

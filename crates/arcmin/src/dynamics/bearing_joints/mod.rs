@@ -95,7 +95,8 @@ impl Arm {
 /// carrier, bending and shear of the shaft, involute meshes with moving centres (shaft torsion in series), main bearings, the sun's support,
 /// torsion of the carrier. Bearings and shafts are damped in proportion to their tangent stiffness.
 ///
-/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings and discs, the cage's own motion, a fixed carrier.
+/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings and discs, the cage's own motion. With the carrier at rest the model stays in the frame of the housing,
+/// where carrier and held sun go round together; that serves balances, not runs in time.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     kinematics: Kinematics,
@@ -118,6 +119,8 @@ pub struct BearingJoints {
     carrier_bores: Vec<Arm>,
     journals: Vec<Arm>,
     input: Input,
+    /// Where the carrier is at rest, the sun is held against it: its angle in the frame of the housing is the one held plus this coordinate.
+    sun_rides_on: Option<usize>,
     load: OutputLoad,
     drag: f64,
     drag_speed: f64,
@@ -143,6 +146,9 @@ impl BearingJoints {
     /// [`DynamicsError`] for values without meaning, or a machine with a fixed carrier.
     pub fn new(machine: &Machine, settings: &JointSettings, drive: Drive, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
         drive.validate()?;
+        if machine.fixed_member == FixedMember::Carrier {
+            return Err(DynamicsError::NotModelled("the housing has no mass here: runs in time with bearings need it at rest; use ideal joints"));
+        }
         let free_sun = drive.leaves_sun_free();
         BearingJoints::build(machine, settings, Input::Driven(drive), free_sun, load, drag)
     }
@@ -238,6 +244,7 @@ impl BearingJoints {
                 .collect(),
             mass: layout.mass(machine),
             scale: layout.scale(&kinematics, radius),
+            sun_rides_on: (machine.fixed_member == FixedMember::Carrier).then(|| layout.output()),
             input,
             load,
             drag: drag + machine.friction.seal_drag,
@@ -277,9 +284,17 @@ impl BearingJoints {
         self.layout.output()
     }
 
-    /// Coordinates of the nominal machine at a sun angle in rad.
+    /// +1 where the carrier is the output, −1 where the housing is: against it the carrier turns the other way.
+    fn output_sense(&self) -> f64 {
+        if self.sun_rides_on.is_some() { -1.0 } else { 1.0 }
+    }
+
+    /// Coordinates of the nominal machine at a sun angle in rad, in the frame of the housing.
     pub fn nominal_position_at(&self, sun: f64) -> Vec<f64> {
-        self.layout.nominal(&self.kinematics, &self.carrier_bores, sun)
+        let i = self.kinematics.housing_fixed_ratio();
+        // A sun at θ_s against a carrier at rest is at θ_s + θ_c in the housing, and i θ_c there.
+        let against_housing = if self.sun_rides_on.is_some() { sun * i / (i - 1.0) } else { sun };
+        self.layout.nominal(&self.kinematics, &self.carrier_bores, against_housing)
     }
 
     /// Velocities of the nominal machine at a sun angle (rad) and speed (rad/s).
@@ -290,18 +305,20 @@ impl BearingJoints {
         ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
     }
 
-    /// θ_out − θ_s/i in rad with the sun held.
+    /// θ_out − θ_s/i in rad with the sun held; for a carrier at rest θ_out is the turn of the housing and i the ratio 1 − i of that case.
     pub fn output_error(&self, position: &[f64]) -> f64 {
         let sun = match self.input {
             Input::Held { angle, .. } => angle,
             Input::Driven(_) => 0.0,
         };
-        position[self.layout.output()] - sun / self.kinematics.housing_fixed_ratio()
+        self.output_sense() * position[self.layout.output()] - sun / self.kinematics.ratio()
     }
 
     /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates (rad/(N·m), m/(N·m)).
     pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
-        let mut split = Split { motion, compliance: [0.0; Part::ALL.len()] };
+        let mut whole = motion.to_vec();
+        whole.push(self.sun_rides_on.map_or(0.0, |own| motion[own]));
+        let mut split = Split { motion: &whole, compliance: [0.0; Part::ALL.len()] };
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.visit(&q, &v, &mut split);
         self.split_rings(&q, &mut split);
@@ -403,9 +420,6 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
 
 fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
     let check = DynamicsError::require;
-    if machine.fixed_member == FixedMember::Carrier {
-        return Err(DynamicsError::NotModelled("bearings are modelled with the housing at rest; for a fixed carrier use ideal joints"));
-    }
     check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
     let positive = [
         ("stiffness scale", settings.stiffness_scale, ""),

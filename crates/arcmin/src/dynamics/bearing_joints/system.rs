@@ -12,8 +12,9 @@ impl BearingJoints {
         v.extend_from_slice(velocity);
         if !self.layout.has_free_sun() {
             let (angle, speed) = self.sun_motion(time);
-            q.push(angle);
-            v.push(speed);
+            let (place, rate) = self.sun_rides_on.map_or((0.0, 0.0), |own| (position[own], velocity[own]));
+            q.push(angle + place);
+            v.push(speed + rate);
         }
         (q, v)
     }
@@ -47,7 +48,8 @@ impl BearingJoints {
         linearisation.clear();
         force.fill(0.0);
         let size = self.layout.size();
-        let mut assembly = Assembly { force, linearisation, size, prescribed_torque: 0.0, balance: Balance::default() };
+        let mut assembly =
+            Assembly { force, linearisation, size, sun_rides_on: self.sun_rides_on, prescribed_torque: 0.0, balance: Balance::default() };
         self.visit(&q, &v, &mut assembly);
         for disc in 0..self.layout.discs {
             let (pose, rate) = self.disc_state(disc, &q, &v);
@@ -65,7 +67,8 @@ impl BearingJoints {
             assembly.balance.onset_rate = assembly.balance.onset_rate.max(onset_rate);
         }
         let output = self.layout.output();
-        let load = self.load.torque(time);
+        // Where the carrier is at rest the housing turns, the other way round in its own frame.
+        let load = self.output_sense() * self.load.torque(time);
         assembly.add_force(output, -load);
         assembly.balance.load_power = load * v[output];
         if self.drag > 0.0 {
@@ -76,8 +79,10 @@ impl BearingJoints {
         }
         let sun = self.layout.sun_angle();
         let oil = self.friction.oil_drag;
+        // The speed of the sun against what is at rest, and its power.
+        let speed = v[sun] - self.sun_rides_on.map_or(0.0, |own| v[own]);
         if oil > 0.0 {
-            assembly.damper(&[sun], &[-oil * v[sun]], &[oil], oil * v[sun] * v[sun]);
+            assembly.drag_on_sun(sun, oil, speed, self.sun_rides_on.is_some());
         }
         let input_torque = match &self.input {
             Input::Driven(drive) if self.layout.has_free_sun() => {
@@ -87,7 +92,7 @@ impl BearingJoints {
             }
             _ => -assembly.prescribed_torque,
         };
-        assembly.balance.input_power = input_torque * v[sun];
+        assembly.balance.input_power = input_torque * speed;
         (assembly.balance, input_torque)
     }
 }

@@ -17,10 +17,18 @@ fn settle(model: &BearingJoints, sun: f64) -> Vec<f64> {
 /// Every force against the numerical derivative of the stored energy, every tangent against the forces.
 #[test]
 fn forces_and_tangents_derive_from_the_energy() {
-    let mut machine = machine();
+    for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
+        forces_and_tangents(Machine { fixed_member, ..machine() });
+    }
+}
+
+fn forces_and_tangents(mut machine: Machine) {
+    // Run-outs put every arm to use.
+    let run_out = RunOut { amplitude: 3e-6, phase: 0.4 };
+    let errors = ManufacturingErrors { carrier: run_out, sun: run_out, journals: vec![run_out; 2], ..ManufacturingErrors::default() };
     machine.carrier.torsional_stiffness = 5e6;
     machine.ring.seat_compliance = 1e-9;
-    let mut model = BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+    let mut model = BearingJoints::held(&machine, &JointSettings { damped: false, errors, ..JointSettings::default() }).unwrap();
     let sun = 2.0;
     model.hold_sun(sun, 0.0);
     model.set_load(412.0);
@@ -39,7 +47,7 @@ fn forces_and_tangents_derive_from_the_energy() {
         let (mut fu, mut fd) = (vec![0.0; n], vec![0.0; n]);
         let bu = model.evaluate(0.0, &up, &rest, &mut fu, &mut scratch);
         let bd = model.evaluate(0.0, &down, &rest, &mut fd, &mut scratch);
-        let load = if i == model.output_index() { 412.0 } else { 0.0 };
+        let load = if i == model.output_index() { model.output_sense() * 412.0 } else { 0.0 };
         let force = -(bu.stored - bd.stored) / (2.0 * h) - load;
         let size = lin.stiffness(i, i) * scale[i];
         assert!((force - f[i]).abs() < 2e-4 * size, "force {i}: {force} {} of {size}", f[i]);
@@ -96,4 +104,38 @@ fn split_adds_up_to_the_tangent_compliance() {
     assert!(parts.iter().all(|part| *part > -1e-12 * whole));
     let share = |part: Part| parts[part as usize] / whole;
     assert!(share(Part::TurningArm) + share(Part::CrankSupport) + share(Part::CrankBending) > 0.9);
+}
+
+/// With everything stiff, a disc's play φ shows at the output as φ/(1 + (z_1 + z_2)/(z_2 z_c)) where the sun is locked in the housing, for the crankshafts turn
+/// with it. With carrier and sun at rest the disc stands still and the ring turns about its own centre, where forces through the pitch point have the lever arm
+/// a z_p sin φ/S instead of a z_c sin φ/S: the play is φ z_c/z_p.
+#[test]
+fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
+    let play = |fixed_member: FixedMember| {
+        let mut machine = Machine { fixed_member, ..machine() };
+        machine.bearings.turning_arm.clearance = 0.0;
+        let settings = JointSettings { stiffness_scale: 1e6, damped: false, flank_wear: Relief::uniform(10e-6), ..JointSettings::default() };
+        let mut model = BearingJoints::held(&machine, &settings).unwrap();
+        model.hold_sun(0.7, 0.0);
+        let mut at = |torque: f64| {
+            model.set_load(torque);
+            let q = settle(&model, 0.7);
+            model.output_error(&q)
+        };
+        // Extrapolated to no load along the line through 4 and 8 N·m.
+        let mut flank = |side: f64| 2.0 * at(-4.0 * side) - at(-8.0 * side);
+        flank(1.0) - flank(-1.0)
+    };
+    let (housing, carrier) = (play(FixedMember::Housing), play(FixedMember::Carrier));
+    let factor = machine().kinematics().locked_play_factor() * 40.0 / 39.0;
+    assert!((housing / carrier / factor - 1.0).abs() < 2e-3, "{housing:e} {carrier:e} {factor}");
+    assert!((housing / ARCMIN / (2.0 * 0.6536) - 1.0).abs() < 0.02, "{}", housing / ARCMIN);
+}
+
+#[test]
+fn runs_in_time_need_the_housing_at_rest() {
+    let machine = Machine { fixed_member: FixedMember::Carrier, ..machine() };
+    let drive = Drive::SpeedLaw { speed: 100.0, rise_time: 0.1 };
+    let error = BearingJoints::new(&machine, &JointSettings::default(), drive, OutputLoad::None, 0.0).unwrap_err();
+    assert!(matches!(error, DynamicsError::NotModelled(_)));
 }

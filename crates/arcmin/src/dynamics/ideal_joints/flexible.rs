@@ -243,18 +243,14 @@ impl FlexibleJoints {
             }
         }
         // −∂Q/∂z = Bᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
-        for i in (0..n).filter(|i| gain[*i] != 0.0) {
-            let mut right = vec![0.0; width];
-            for j in 0..n {
-                let d = gain[i] * state.forces.stiffness[i * n + j];
-                if d != 0.0 {
-                    right.iter_mut().zip(&gradient[j * width..(j + 1) * width]).for_each(|(r, g)| *r += d * g);
-                }
-            }
+        let mut scratch = Vec::with_capacity(n);
+        let mut response = vec![0.0; n];
+        for (b, other) in columns.iter().enumerate() {
+            (0..n).for_each(|i| response[i] = gradient[i * width + b]);
+            state.forces.respond(&mut response, &mut scratch);
+            response.iter_mut().zip(&gain).for_each(|(r, gain)| *r *= gain);
             for (a, column) in columns.iter().enumerate() {
-                for (b, other) in columns.iter().enumerate() {
-                    lin.add_stiffness(*column, *other, gradient[i * width + a] * right[b]);
-                }
+                lin.add_stiffness(*column, *other, (0..n).map(|i| gradient[i * width + a] * response[i]).sum());
             }
         }
         self.add_rolling(disc, &state, &q, arm, slots, force);

@@ -143,7 +143,9 @@ pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
         note: "Output power over input power of the running machine: friction at pins, bearings and meshes, seals and oil.".into(),
         width: Width::Half,
     };
-    let mut lines = Plot::new("Efficiency over torque", Axis::new("Output torque", "N·m").from_zero(), Axis::new("Efficiency", "%")).half();
+    let mut lines = Plot::new("Efficiency over torque", Axis::new("Output torque", "N·m").from_zero(), Axis::new("Efficiency", "%"))
+        .half()
+        .noted("The same values as lines: constant drags weigh less the higher the torque.");
     let count = map.speeds.len().saturating_sub(1).max(1) as f64;
     for (index, (speed, row)) in map.speeds.iter().zip(&map.efficiency).enumerate() {
         let points = map.torques.iter().zip(row).map(|(torque, e)| (*torque, 100.0 * e));
@@ -202,8 +204,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         rows,
         note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero.".into(),
     };
-    let mut spectrum =
-        Plot::new("Spectrum at rated torque, forward", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero());
+    let mut spectrum = Plot::new("Spectrum, forward", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero());
     let last = state.orders.iter().map(|o| o.order).fold(200, usize::max);
     let bars = |lines: &[crate::dynamics::SpectrumLine]| -> Vec<(f64, f64)> {
         lines.iter().filter(|line| (1..=last + 20).contains(&line.order)).map(|line| (line.order as f64, line.amplitude / ARCMIN)).collect()
@@ -212,6 +213,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
     if let Some(m) = measured.filter(|m| !m.spectrum.is_empty()) {
         spectrum.series.push(Series::new("measured", Style::Bars, bars(&m.spectrum)).coloured(Colour::Reference));
     }
+    spectrum.note = "Computed at rated torque. Amplitudes of a measured curve are those of its own torque.".into();
     for named in state.orders.iter().take(4) {
         spectrum.annotations.push(Annotation::Point { x: named.order as f64, y: named.amplitude / ARCMIN, label: named.order.to_string() });
     }

@@ -1,0 +1,115 @@
+use crate::contact::{LineContact, PinContact};
+
+/// One contact near an output error ε: its gap to second order, the relative curvature to first order in the change of ε.
+#[derive(Debug, Clone, Copy)]
+struct NearbyContact {
+    /// m, m/rad, m/rad².
+    gap: f64,
+    slope: f64,
+    bend: f64,
+    /// 1/m and 1/(m·rad).
+    relative_curvature: f64,
+    relative_curvature_slope: f64,
+}
+
+/// All contacts that carry force or may come to carry it, near an output error ε. Solving the equilibrium on this model costs a small part of
+/// finding the contacts anew, and its error is of third order in the change of ε.
+#[derive(Debug, Default)]
+pub(super) struct GapModel {
+    contacts: Vec<NearbyContact>,
+    /// Q(ε) in N·m and −dQ/dε in N·m/rad without the change of the relative curvature.
+    pub torque: f64,
+    pub stiffness: f64,
+}
+
+impl GapModel {
+    pub fn with_capacity(contacts: usize) -> GapModel {
+        GapModel { contacts: Vec::with_capacity(contacts), ..GapModel::default() }
+    }
+
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+        (self.torque, self.stiffness) = (0.0, 0.0);
+    }
+
+    /// Adds a contact with ∂gap/∂ε = `slope` (m/rad), ∂²gap/∂ε² = `bend`, and d(1/R_eq)/dε.
+    #[inline]
+    pub fn add(&mut self, contact: &PinContact, slope: f64, bend: f64, relative_curvature_slope: f64) {
+        self.torque += contact.force * slope;
+        self.stiffness += contact.stiffness * slope * slope - contact.force * bend;
+        let relative_curvature = contact.relative_curvature;
+        self.contacts.push(NearbyContact { gap: contact.gap, slope, bend, relative_curvature, relative_curvature_slope });
+    }
+
+    /// Moves the contacts, in the order in which they were added, by a small change of ε, in proportion to their slopes; returns Q there.
+    pub fn carry_over<'a>(&self, contacts: impl Iterator<Item = &'a mut PinContact>, change: f64) -> f64 {
+        let mut torque = 0.0;
+        for (contact, c) in contacts.zip(&self.contacts) {
+            let closer = -c.slope * change;
+            let more = contact.stiffness * closer;
+            contact.gap -= closer;
+            contact.stored += (contact.elastic + 0.5 * more) * closer;
+            contact.force += more;
+            contact.elastic += more;
+            torque += contact.force * (c.slope + c.bend * change);
+        }
+        torque
+    }
+
+    /// Q and −dQ/dε after a change x of ε.
+    fn torque_after(&self, law: &LineContact, x: f64) -> (f64, f64) {
+        let (mut torque, mut stiffness) = (0.0, 0.0);
+        for c in &self.contacts {
+            let gap = c.gap + x * (c.slope + 0.5 * x * c.bend);
+            if gap < 0.0 {
+                let slope = c.slope + x * c.bend;
+                // The linear course of the curvature must not be followed beyond its use.
+                let curvature = (c.relative_curvature + x * c.relative_curvature_slope).max(0.5 * c.relative_curvature);
+                let (force, tangent) = law.force(-gap, 1.0 / curvature);
+                torque += force * slope;
+                stiffness += tangent * slope * slope - force * c.bend;
+            }
+        }
+        (torque, stiffness)
+    }
+
+    /// Change of ε in `direction` (±1) after which the first contact touches, among those that close faster than `least_closing` (m/rad);
+    /// against the direction where one has been passed.
+    pub fn first_touch(&self, direction: f64, least_closing: f64) -> Option<f64> {
+        self.contacts
+            .iter()
+            .filter_map(|c| {
+                // gap − closing y + ½ bend y² = 0, in the form that does not cancel.
+                let closing = -direction * c.slope;
+                let root = closing * closing - 2.0 * c.bend * c.gap;
+                (closing > least_closing && root >= 0.0).then(|| 2.0 * c.gap / (closing + root.sqrt()))
+            })
+            .min_by(f64::total_cmp)
+            .map(|change| direction * change)
+    }
+
+    /// Change of ε that brings Q to `torque`: Newton's method with steps no larger than `largest`; out of the clearance it starts `wind_up` behind
+    /// the first touch. `None` where no contact closes.
+    pub fn change_to(&self, law: &LineContact, torque: f64, wind_up: f64, largest: f64) -> Option<f64> {
+        let mut residual = self.torque - torque;
+        let mut change = if self.stiffness > 0.0 {
+            (residual / self.stiffness).clamp(-largest, largest)
+        } else {
+            let direction = -torque.signum();
+            self.first_touch(direction, 0.0)? + direction * wind_up
+        };
+        // What one step leaves is the square of the residual: below 1e-4 that is less than the error of the model.
+        for _ in 0..8 {
+            if residual.abs() < 1e-4 * torque.abs() {
+                break;
+            }
+            let (q, stiffness) = self.torque_after(law, change);
+            if !(stiffness > 0.0) {
+                break;
+            }
+            residual = q - torque;
+            change += (residual / stiffness).clamp(-largest, largest);
+        }
+        Some(change)
+    }
+}
