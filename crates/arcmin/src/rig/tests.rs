@@ -175,7 +175,7 @@ fn val_transmission_error_stays_while_lost_motion_grows() {
     let mut machine = machine();
     // As fitted to 600 h above.
     machine.wear.coupled = crate::machine::WearCoefficient::Given(7.64e-18);
-    let test = TransmissionSettings { positions: 96, ..TransmissionSettings::new(&machine) };
+    let test = TransmissionSettings { positions: 480, ..TransmissionSettings::new(&machine) };
     let state = |settings: &JointSettings| {
         let curves = transmission_error_curves(&machine, settings, test).unwrap();
         (lost_motion_causes(&machine, settings).unwrap().unwrap().lost_motion.whole / ARCMIN, curves[2].peak_to_peak() / ARCMIN)
