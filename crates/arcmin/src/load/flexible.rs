@@ -46,6 +46,11 @@ impl FlexibleMeshing {
         &self.discs
     }
 
+    /// Replaces the metal removed from the pins, as a function of the angle on the pin.
+    pub fn set_pin_relief(&mut self, relief: Relief) {
+        self.rigid.set_pin_relief(relief);
+    }
+
     /// Replaces the metal removed (designed relief included).
     pub fn set_relief(&mut self, relief: Relief) {
         self.rigid.set_relief(relief);
@@ -108,15 +113,31 @@ impl FlexibleMeshing {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
         }
-        let nominal = crank_angle.radians();
         let travel = self.rigid.free_travel(crank_angle)?;
         let touch = if torque < 0.0 { travel.lead.radians() } else { travel.lag.radians() };
         if torque == 0.0 {
             return self.sharing_at(crank_angle, torque, touch, 0.0, 0.0);
         }
+        self.solve(crank_angle, torque, touch - torque / EXPECTED_STIFFNESS)
+    }
+
+    /// [`FlexibleMeshing::load_sharing`] started from a known output error, such as that of the neighbouring crank angle.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn load_sharing_near(&self, crank_angle: CrankAngle, torque: f64, start: OutputAngle) -> Result<LoadSharing, LoadError> {
+        if !torque.is_finite() || torque == 0.0 {
+            return self.load_sharing(crank_angle, torque);
+        }
+        self.solve(crank_angle, torque, start.radians())
+    }
+
+    /// Newton's method in a bracket: Q falls with ε.
+    fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64) -> Result<LoadSharing, LoadError> {
+        let nominal = crank_angle.radians();
         let half_pitch = std::f64::consts::PI / self.rigid.kinematics().lobe_count;
-        let (mut low, mut high) = if torque > 0.0 { (-half_pitch, touch) } else { (touch, half_pitch) };
-        let mut error = touch - torque / EXPECTED_STIFFNESS;
+        let (mut low, mut high) = (-half_pitch, half_pitch);
+        let mut error = start;
         let mut residual = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let (q, stiffness) = self.generalised_torque(nominal, error)?;
@@ -129,6 +150,7 @@ impl FlexibleMeshing {
             } else {
                 high = error;
             }
+            // In the clearance there is no stiffness; a start there goes on to where the torque's flank carries.
             let newton = error + residual / stiffness;
             error = if stiffness > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
         }
