@@ -278,6 +278,30 @@ fn wrong_usage_exits_with_two() {
     }
 }
 
+/// Load sharing and coupled wear with every body in its bearings, and lost motion by cause that adds up.
+#[test]
+fn bearings_serve_load_sharing_wear_and_life() {
+    let directory = with_design();
+    let run = |arguments: &[&str]| {
+        let output = arcmin(directory.path(), arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", texts(&output).1);
+    };
+    run(&["contact", "d.toml", "--joints", "bearings", "--positions", "36", "--out", "c"]);
+    let contact = summary(&directory.path().join("c"));
+    assert!(contact["te_loaded_arcmin"].as_f64().unwrap() < -1.0 && contact["joints"] == "bearings");
+    assert_eq!(contact["disc_torque_shares"].as_array().unwrap().len(), 2);
+    run(&["wear", "d.toml", "--joints", "bearings", "--hours", "100", "--points", "1", "--out", "w"]);
+    assert!(summary(&directory.path().join("w"))["max_depth_um"].as_f64().unwrap() > 0.1);
+    run(&["life", "d.toml", "--quasi-static", "--points", "2", "--out", "l"]);
+    let causes = summary(&directory.path().join("l"))["lost_motion_causes"].clone();
+    let value = |key: &str| causes[key].as_f64().unwrap();
+    let sum: f64 = causes.as_object().unwrap().iter().filter(|(key, _)| *key != "whole_arcmin").map(|(_, value)| value.as_f64().unwrap()).sum();
+    assert!((sum - value("whole_arcmin")).abs() < 1e-9 && value("residual_arcmin").abs() < 0.01 * value("whole_arcmin"), "{causes}");
+    assert!(value("flank_wear_arcmin") > 0.05 && value("turning_arm_clearance_arcmin") > 0.05);
+    let wrong = arcmin(directory.path(), &["contact", "d.toml", "--joints", "bearings", "--method", "closed-form"]);
+    assert_eq!(wrong.status.code(), Some(2));
+}
+
 /// A bench run whose own tables are given back as measured finds its own figures, and draws them into the report.
 #[test]
 fn rig_evaluates_measured_curves_as_its_own() {

@@ -1,9 +1,10 @@
 use arcmin::geometry::Relief;
-use arcmin::load::{LoadSharing, closed_form};
+use arcmin::load::{ShareLoad, closed_form};
 use arcmin::machine::{CrankAngle, Machine};
 use arcmin::units::{DEG, MPA, UM};
 use serde_json::{Value, json};
 
+use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
 
@@ -13,9 +14,9 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   The equilibrium method finds the pose in which all forces and moments vanish, with the real gaps of both flanks; the closed form is \
                   the handbook method of Tao2024 (eqs. 5-10) at one crank position.\n\n\
                   contact.csv: crank_angle_deg, disc, pin (both counted from 0), meshing_angle_deg, force_n, pressure_mpa, half_width_um, gap_um.\n\
-                  error.csv: crank_angle_deg, te_loaded_arcmin, torsional_stiffness_nm_per_arcmin. spectrum of the loaded error: harmonics.csv.",
+                  error.csv: crank_angle_deg, te_loaded_arcmin, torsional_stiffness_nm_per_arcmin. spectrum of the loaded error (ideal joints): harmonics.csv.",
     after_help = "Examples:\n  arcmin contact my-reducer.toml\n  arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10\n  \
-                  arcmin contact my-reducer.toml --method closed-form"
+                  arcmin contact my-reducer.toml --joints bearings\n  arcmin contact my-reducer.toml --method closed-form"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -23,6 +24,9 @@ pub struct Options {
     /// How to share the load.
     #[arg(long, value_enum, default_value = "equilibrium")]
     method: Method,
+    /// Joints between the bodies; with bearings the error is that of the whole machine, input locked, and the discs need not carry alike.
+    #[arg(long, value_enum, default_value = "ideal")]
+    joints: Joints,
     /// Output torque in N·m, positive against positive output motion [default: the rated torque].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     torque_nm: Option<f64>,
@@ -48,7 +52,16 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
     let mut table = Table::new(&["crank_angle_deg", "disc", "pin", "meshing_angle_deg", "force_n", "pressure_mpa", "half_width_um", "gap_um"]);
     let summary = match options.method {
-        Method::Equilibrium => equilibrium(&mut run, &options, &machine, torque, &mut table)?,
+        Method::Equilibrium => match options.joints {
+            Joints::Ideal => equilibrium(&mut run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, torque, &mut table)?,
+            Joints::Bearings => equilibrium(&mut run, &options, bearing_meshing(&machine)?, &machine, torque, &mut table)?,
+        },
+        Method::ClosedForm if options.joints == Joints::Bearings => {
+            return Err(Failure::Usage {
+                message: "the closed form knows no bearings".to_owned(),
+                help: "leave --joints or --method out".to_owned(),
+            });
+        }
         Method::ClosedForm => closed_form(&run, &options, &machine, torque, &mut table)?,
     };
     run.table("contact.csv", table)?;
@@ -56,18 +69,21 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     Ok(Verdict::Fine)
 }
 
-fn equilibrium(run: &mut Run, options: &Options, machine: &Machine, torque: f64, table: &mut Table) -> Result<Value, Failure> {
-    let meshing = machine.meshing(&Relief::uniform(options.wear_um * UM));
-    let contact = meshing.contacts().contact();
+fn equilibrium<S: ShareLoad>(
+    run: &mut Run,
+    options: &Options,
+    mut meshing: S,
+    machine: &Machine,
+    torque: f64,
+    table: &mut Table,
+) -> Result<Value, Failure> {
+    meshing.set_relief(machine.designed_relief().plus(&Relief::uniform(options.wear_um * UM)));
+    let contact = meshing.contacts().contact().clone();
     let mut errors = Table::new(&["crank_angle_deg", "te_loaded_arcmin", "torsional_stiffness_nm_per_arcmin"]);
-    let mut last: Option<LoadSharing> = None;
+    let mut start = None;
     for index in 0..options.positions {
         let crank = CrankAngle::from_degrees(360.0 * f64::from(index) / f64::from(options.positions));
-        let sharing = match &last {
-            Some(last) => meshing.load_sharing_near(crank, torque, last.output_error),
-            None => meshing.load_sharing(crank, torque),
-        }
-        .map_err(Failure::compute("share the load"))?;
+        let (sharing, found) = meshing.share(crank, torque, start.as_ref()).map_err(Failure::compute("share the load"))?;
         for (disc, pins) in sharing.discs.iter().enumerate() {
             for c in pins {
                 let radius = 1.0 / c.relative_curvature;
@@ -84,36 +100,44 @@ fn equilibrium(run: &mut Run, options: &Options, machine: &Machine, torque: f64,
             }
         }
         errors.row(&[crank.degrees().into(), sharing.output_error.arcmin().into(), (sharing.stiffness * arcmin::units::ARCMIN).into()]);
-        last = Some(sharing);
+        start = Some(found);
     }
     run.table("error.csv", errors)?;
-    // The pattern repeats every pin pitch: one pitch, finely, gives the figures of the cycle.
-    let cycle = meshing.cycle(torque, 72).map_err(Failure::compute("share the load"))?;
-    let mut harmonics = Table::new(&["order", "amplitude_arcmin"]);
-    let kinematics = meshing.kinematics();
-    for harmonic in cycle.harmonics(kinematics.lobe_count, kinematics.pin_count) {
-        harmonics.row(&[harmonic.order.into(), (harmonic.amplitude / arcmin::units::ARCMIN).into()]);
+    // With ideal joints the pattern repeats every pin pitch: one pitch, finely, gives the figures of the cycle.
+    let cycle = meshing.whole_cycle(torque, 72).map_err(Failure::compute("share the load"))?;
+    if meshing.pitches() == 1 {
+        let mut harmonics = Table::new(&["order", "amplitude_arcmin"]);
+        let kinematics = meshing.kinematics();
+        for harmonic in cycle.harmonics(kinematics.lobe_count, kinematics.pin_count) {
+            harmonics.row(&[harmonic.order.into(), (harmonic.amplitude / arcmin::units::ARCMIN).into()]);
+        }
+        run.table("harmonics.csv", harmonics)?;
     }
-    run.table("harmonics.csv", harmonics)?;
+    let shares: Vec<f64> = (0..machine.disc_count).map(|disc| cycle.disc_share(disc)).collect();
     let stiffness = cycle.positions.iter().map(|p| p.stiffness).sum::<f64>() / cycle.positions.len() as f64 * arcmin::units::ARCMIN;
     run.say(&format!(
         "largest force {:.1} N   {:.1} loaded pairs per disc   largest pressure {:.0} MPa\n\
-         loaded transmission error {:.4}' (peak to peak {:.4}')   one-sided play {:.4}'   stiffness of the teeth {:.0} N·m/arcmin",
+         loaded transmission error {:.4}' (peak to peak {:.4}')   one-sided play {:.4}'   stiffness{} {:.0} N·m/arcmin\n\
+         torque per disc: {}",
         cycle.max_force(),
         cycle.loaded_pairs(),
-        cycle.max_pressure(&meshing) / MPA,
+        cycle.max_pressure(&contact) / MPA,
         cycle.mean_error().arcmin(),
         cycle.peak_to_peak_error().arcmin(),
         cycle.mean_play().arcmin(),
-        stiffness
+        if options.joints == Joints::Ideal { " of the teeth" } else { "" },
+        stiffness,
+        shares.iter().map(|share| format!("{share:.4} T")).collect::<Vec<_>>().join(", ")
     ));
     Ok(json!({
         "method": "equilibrium",
+        "joints": options.joints.word(),
+        "disc_torque_shares": shares,
         "torque_n_m": torque,
         "wear_um": options.wear_um,
         "max_force_n": cycle.max_force(),
         "loaded_pairs": cycle.loaded_pairs(),
-        "max_pressure_mpa": cycle.max_pressure(&meshing) / MPA,
+        "max_pressure_mpa": cycle.max_pressure(&contact) / MPA,
         "te_loaded_arcmin": cycle.mean_error().arcmin(),
         "te_loaded_peak_to_peak_arcmin": cycle.peak_to_peak_error().arcmin(),
         "play_arcmin": cycle.mean_play().arcmin(),

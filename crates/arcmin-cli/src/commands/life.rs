@@ -4,7 +4,7 @@ use arcmin::checks::{self, Severity};
 use arcmin::dynamics::{
     DynamicsError, RunResult, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, transmission_error_study,
 };
-use arcmin::life::{LifeOptions, LifePoint, PaperStudy, Prediction, paper_depths, paper_study, predict};
+use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_with};
 use arcmin::machine::Machine;
 use arcmin::report::{Provenance, Section};
 use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
@@ -12,6 +12,7 @@ use arcmin::units::{ARCMIN, DEG, HOUR, MPA, UM};
 use arcmin::wear::WearError;
 use serde_json::{Map, Value, json};
 
+use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
 
@@ -21,10 +22,12 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   Predicts the wear of the flanks coupled to the load sharing, evaluates play, lost motion, transmission error, forces and pressures over \
                   the service life, and finds the hours until the limit of the design. Beside it stands the study of Tao2024: uniform depths 0, 10, …, \
                   60 µm with the static and dynamic transmission error of the multibody model (STE, DTE).\n\n\
-                  report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns); profiles of the \
+                  report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns), \
+                  lost_motion_causes.csv the lost motion of the whole machine with its bearings by cause; profiles of the \
                   worn flank are in wear.csv.",
     after_help = "Examples:\n  arcmin life my-reducer.toml\n  arcmin life my-reducer.toml --quasi-static        without the multibody runs, in a blink\n  \
-                  arcmin life my-reducer.toml --flexible            with elastic discs as well"
+                  arcmin life my-reducer.toml --flexible            with elastic discs as well\n  \
+                  arcmin life my-reducer.toml --joints bearings     the prediction with the machine in its bearings"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -35,6 +38,9 @@ pub struct Options {
     /// Add the static and the dynamic transmission error with elastic discs (finite elements) at every wear level: some ten seconds.
     #[arg(long, conflicts_with = "quasi_static")]
     flexible: bool,
+    /// Joints of the prediction; the study of Tao2024 keeps ideal joints.
+    #[arg(long, value_enum, default_value = "ideal")]
+    joints: Joints,
     #[command(flatten)]
     elastic: super::elastic::Options,
     /// Times between new and the end of the service life.
@@ -63,8 +69,14 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
     // The prediction follows the wear step by step; the runs of the study fill the other cores meanwhile.
     let (mut wear_clock, mut study_clock) = (Clock::default(), Clock::default());
+    let bearings = (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine)).transpose()?;
     let (prediction, study) = rayon::join(
-        || wear_clock.time("wear", || predict(&machine, settings, run.progress()).map_err(wear_failure)),
+        || {
+            wear_clock.time("wear", || match bearings {
+                None => predict(&machine, settings, run.progress()).map_err(wear_failure),
+                Some(bearings) => predict_with(&machine, bearings, settings, run.progress()).map_err(wear_failure),
+            })
+        },
         || paper_study_with_runs(&run, &options, &machine, settings, &mut study_clock),
     );
     let (prediction, (study, simulated, elastic)) = (prediction?, study?);
@@ -80,16 +92,24 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     run.table("life.csv", table(&study_rows, &study.points))?;
     run.table("life_coupled.csv", table(&prediction_rows, &prediction.points))?;
     run.table("wear.csv", profiles(&prediction))?;
+    let parts: Vec<(f64, &PartsPoint)> = prediction.points.iter().filter_map(|point| Some((point.hours, point.parts.as_ref()?))).collect();
+    if !parts.is_empty() {
+        run.table("lost_motion_causes.csv", super::causes::table(parts.iter().copied()))?;
+    }
     let design_name = options.common.design.display().to_string();
     let report = clock.time("report", || {
-        render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings)
+        render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts)
     });
     run.file("report.html", report.as_bytes())?;
 
-    say(&run, &machine, &prediction, &prediction_rows, &study_rows, &findings);
+    say(&run, &machine, &prediction, &prediction_rows, &study_rows, &findings, options.joints);
+    if let Some((hours, point)) = parts.last() {
+        run.say(&format!("\nafter {hours:.0} h, {}", super::causes::say(point)));
+    }
     let last = &prediction_rows[prediction_rows.len() - 1];
     run.finish(json!({
         "ratio": machine.kinematics().ratio(),
+        "joints": options.joints.word(),
         "hours_to_limit": prediction.hours_to_limit,
         "hours_to_limit_searched": prediction.searched_hours,
         "hours_to_limit_paper_study": study.hours_to_limit,
@@ -100,6 +120,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         "play_arcmin": last.play_arcmin,
         "lost_motion_arcmin": last.lost_motion_arcmin,
         "te_loaded_arcmin": last.te_loaded_arcmin,
+        "lost_motion_causes": parts.last().map(|(_, point)| super::causes::summary(point)),
         "max_force_n": last.max_force_n,
         "max_pressure_mpa": last.max_pressure_mpa,
         "loaded_pairs": last.loaded_pairs,
@@ -292,6 +313,7 @@ fn render(
     prediction_rows: &[LifeRow],
     study_rows: &[LifeRow],
     findings: &[checks::Finding],
+    parts: &[(f64, &PartsPoint)],
 ) -> String {
     // New, four stations on the way, and the end: as many curves as a reader can tell apart.
     let intervals = prediction.points.len() - 1;
@@ -334,14 +356,14 @@ fn render(
         ste_starts: simulated.map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
         findings,
         advice: Vec::new(),
-        more: elastic.iter().map(|(_, section)| section.clone()).collect(),
+        more: (!parts.is_empty()).then(|| super::causes::section(parts)).into_iter().chain(elastic.iter().map(|(_, section)| section.clone())).collect(),
     }
     .page()
     .render()
 }
 
 /// The terminal's table: a handful of rows of the prediction, the study, the verdict.
-fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], study: &[LifeRow], findings: &[checks::Finding]) {
+fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], study: &[LifeRow], findings: &[checks::Finding], joints: Joints) {
     run.say(&format!("{}: accuracy over {:.0} h, wear coupled to the load", machine.name, machine.limits.service_life / HOUR));
     run.say("   hours   depth µm   play '   lost motion '   loaded TE '   max force N   pairs");
     let intervals = rows.len() - 1;
@@ -368,9 +390,10 @@ fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], 
         run.say(&if elastic { format!("{rigid} {} {}", pair(row.ste_flexible), pair(row.dte_flexible)) } else { rigid });
     }
     let limit = machine.limits.lost_motion / ARCMIN;
+    let whose = if joints == Joints::Ideal { "contacts" } else { "machine" };
     run.say(&match prediction.hours_to_limit {
-        Some(hours) => format!("\nlost motion of the contacts reaches its limit of {limit:.2}' after {hours:.0} h"),
-        None => format!("\nlost motion of the contacts stays below its limit of {limit:.2}' for {:.0} h at least", prediction.searched_hours),
+        Some(hours) => format!("\nlost motion of the {whose} reaches its limit of {limit:.2}' after {hours:.0} h"),
+        None => format!("\nlost motion of the {whose} stays below its limit of {limit:.2}' for {:.0} h at least", prediction.searched_hours),
     });
     let count = |severity: Severity| findings.iter().filter(|finding| finding.severity == severity).count();
     if count(Severity::Error) + count(Severity::Warning) > 0 {

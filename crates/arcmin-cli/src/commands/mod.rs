@@ -3,8 +3,10 @@
 use crate::failure::Failure;
 use crate::run::Verdict;
 
+mod causes;
 mod deviations;
 mod elastic;
+mod joints;
 
 macro_rules! commands {
     ($($(#[doc = $doc:literal])* $Name:ident => $module:ident,)*) => {

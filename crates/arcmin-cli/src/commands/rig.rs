@@ -9,8 +9,8 @@ use arcmin::rig::{
     ASSUMED_FRICTION, ErrorCurve, NamedOrder, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop, hysteresis_loop, name_orders, running_torques,
     stiffness_split, transmission_error_curves,
 };
-use arcmin::units::{ARCMIN, HOUR};
-use arcmin::wear::CoupledOptions;
+use arcmin::life::{PartsPoint, lost_motion_causes, worn_settings};
+use arcmin::units::ARCMIN;
 use serde_json::{Value, json};
 
 use super::deviations::{Choice, Deviations};
@@ -26,8 +26,8 @@ mod results;
                   (mid-points at ± 3 %), backlash (width at zero torque), torsional stiffness (50–100 % of rated torque); then one output turn in both \
                   directions, held lightly and at rated torque; efficiency, running torques, bearing loads and lives.\n\n\
                   hysteresis.csv: torque_n_m, angle_arcmin, branch. spectrum.csv: order, amplitude_arcmin (rated torque, forward).\n\
-                  te.csv: output_angle_deg, te_arcmin, direction, torque_n_m. stiffness.csv, bearings.csv, bearing_forces.csv, efficiency.csv; errors.csv with \
-                  manufacturing errors.\n\n\
+                  te.csv: output_angle_deg, te_arcmin, direction, torque_n_m. stiffness.csv, bearings.csv, bearing_forces.csv, efficiency.csv, \
+                  lost_motion_causes.csv; errors.csv with manufacturing errors.\n\n\
                   A design without friction is tested with assumed coefficients, and the run says so; --frictionless switches that off.",
     after_help = "Examples:\n  arcmin rig my-reducer.toml\n  arcmin rig my-reducer.toml --hours 2000\n  arcmin rig my-reducer.toml --measured loop.csv"
 )]
@@ -72,12 +72,22 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let new = test(&run, &machine, &as_made, 0.0, &options)?;
     let worn = match options.hours {
         Some(hours) if hours > 0.0 => {
-            let surfaces = machine.worn_surfaces(hours * HOUR, CoupledOptions::default()).map_err(Failure::compute("compute the wear"))?;
-            let worn = JointSettings { flank_wear: surfaces.flank, pin_wear: surfaces.pin, ..as_made };
-            Some(test(&run, &machine, &worn, hours, &options)?)
+            let worn = worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?;
+            let worn = JointSettings { errors: deviations.errors.clone(), ..worn };
+            let causes = lost_motion_causes(&machine, &worn).map_err(Failure::compute("split the lost motion"))?;
+            Some((test(&run, &machine, &worn, hours, &options)?, causes))
         }
         _ => None,
     };
+    let new_causes = lost_motion_causes(&machine, &as_made).map_err(Failure::compute("split the lost motion"))?;
+    let (worn, worn_causes) = worn.unzip();
+    let causes: Vec<(f64, &PartsPoint)> = [(0.0, new_causes.as_ref()), (options.hours.unwrap_or(0.0), worn_causes.as_ref().and_then(Option::as_ref))]
+        .into_iter()
+        .filter_map(|(hours, point)| Some((hours, point?)))
+        .collect();
+    if !causes.is_empty() {
+        run.table("lost_motion_causes.csv", super::causes::table(causes.iter().copied()))?;
+    }
     let state = worn.as_ref().unwrap_or(&new);
     results::write(&mut run, state)?;
     let page = RigPage {
@@ -94,7 +104,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         errors: deviations.sentence(),
         friction_assumed: assumed,
     };
-    run.file("report.html", page.page().render().as_bytes())?;
+    let mut page = page.page();
+    if let Some((hours, point)) = causes.last() {
+        page.sections.insert(1, super::causes::shares(*hours, point));
+    }
+    run.file("report.html", page.render().as_bytes())?;
     let figure = |state: &RigState| {
         json!({
             "hours": state.hours,
@@ -117,8 +131,12 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if let Some(measured) = &measured {
         summary.insert("measured".to_owned(), measured::summary(measured));
     }
+    summary.insert("lost_motion_causes".to_owned(), causes.last().map_or(Value::Null, |(_, point)| super::causes::summary(point)));
     summary.insert("wall_s".to_owned(), json!(started.elapsed().as_secs_f64()));
     run.say(&results::terminal(&new, worn.as_ref(), measured.as_ref()));
+    if let Some((_, point)) = causes.last() {
+        run.say(&format!("{}, friction aside", super::causes::say(point)));
+    }
     run.finish(Value::Object(summary))?;
     Ok(Verdict::Fine)
 }

@@ -8,11 +8,14 @@ use arcmin::dynamics::{
 };
 use arcmin::fem::boundary::FlankArc;
 use arcmin::units::{HOUR, MM, UM};
+use arcmin::life::worn_settings;
+use arcmin::machine::PartWear;
 use arcmin::wear::{CoupledOptions, WornSurfaces};
 use serde::{Deserialize, Serialize};
 
 use self::inputs::{contact_law, drive, load};
 use super::deviations::{Choice, Deviations};
+use super::joints::Joints;
 use crate::failure::Failure;
 use crate::run::{Common, Run, Verdict, write_file};
 
@@ -128,14 +131,6 @@ enum Model {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Joints {
-    /// Without clearance and compliance.
-    Ideal,
-    /// Every body free in its bearings.
-    Bearings,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Flank {
     /// The worn flank itself.
     Smooth,
@@ -241,8 +236,12 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let case = Case { machine: &machine, hours: options.hours, facet_mm, unloaded, worn: &worn, deviations: &deviations };
     match (options.model, options.joints) {
         (Model::Rigid, Joints::Bearings) => {
+            let part_wear = match options.hours {
+                Some(hours) if machine.wear.parts.any() => worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?.part_wear,
+                _ => PartWear::default(),
+            };
             let errors = deviations.errors.clone();
-            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone(), errors, ..JointSettings::default() };
+            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone(), part_wear, errors, ..JointSettings::default() };
             let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
             execute(run, &options, &model, model.output_index(), plan, &case)
         }

@@ -1,12 +1,14 @@
 use arcmin::geometry::Relief;
 use arcmin::life::{LifePoint, accuracy};
-use arcmin::load::closed_form;
+use arcmin::load::{ShareLoad, closed_form};
 use arcmin::machine::Machine;
 use arcmin::units::{DEG, HOUR, UM};
+use arcmin::wear::calibrate::coupled_exposure;
 use arcmin::wear::paper::PaperWear;
 use arcmin::wear::{CoupledOptions, CoupledWear, WearError};
 use serde_json::{Value, json};
 
+use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Common, Run, Table, Verdict};
 
@@ -25,6 +27,9 @@ pub struct Options {
     /// Coupled to the load sharing, or the paper's uniform depth.
     #[arg(long, value_enum, default_value = "coupled")]
     mode: Mode,
+    /// Joints between the bodies (coupled mode): with bearings the pins see the forces that clearances and elastic bearings leave them.
+    #[arg(long, value_enum, default_value = "ideal")]
+    joints: Joints,
     /// Hours of service [default: the service life of the design].
     #[arg(long, value_name = "H", value_parser = crate::run::hours)]
     hours: Option<f64>,
@@ -94,7 +99,16 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
     let mut tables = Tables::new();
     let summary = match options.mode {
-        Mode::Coupled => coupled(&run, &options, &machine, end, &mut tables),
+        Mode::Coupled => match options.joints {
+            Joints::Ideal => coupled(&run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, end, &mut tables),
+            Joints::Bearings => coupled(&run, &options, bearing_meshing(&machine)?, &machine, end, &mut tables),
+        },
+        Mode::Paper if options.joints == Joints::Bearings => {
+            return Err(Failure::Usage {
+                message: "the paper's study knows no bearings".to_owned(),
+                help: "leave --joints or --mode out".to_owned(),
+            });
+        }
         Mode::Paper => paper(&run, &options, &machine, end, &mut tables),
     };
     let summary = summary.map_err(|error| match error {
@@ -107,11 +121,18 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     Ok(Verdict::Fine)
 }
 
-fn coupled(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut Tables) -> Result<Value, WearError> {
+fn coupled<S: ShareLoad + Clone>(
+    run: &Run,
+    options: &Options,
+    meshing: S,
+    machine: &Machine,
+    end: f64,
+    tables: &mut Tables,
+) -> Result<Value, WearError> {
     let settings = CoupledOptions { depth_increment: options.increment_um * UM, ..CoupledOptions::default() };
-    let exposure = machine.coupled_exposure(settings)?;
+    let exposure = coupled_exposure(machine, meshing.clone(), settings)?;
     let profile = machine.profile();
-    let mut wear = CoupledWear::new(machine, settings);
+    let mut wear = CoupledWear::with(machine, meshing, settings);
     let mut last = None;
     for index in 0..=options.points {
         let share = f64::from(index) / f64::from(options.points);
@@ -125,8 +146,9 @@ fn coupled(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &m
             return Err(WearError::Stopped);
         }
         run.progress().report("wear", share);
+        let flank = wear.state().flank.clone();
+        let point = accuracy(machine, wear.meshing_mut(), &flank, hours, POSITIONS)?;
         let state = wear.state();
-        let point = accuracy(machine, &state.meshing(machine), &state.flank, hours, POSITIONS)?;
         let forces = point.cycle.flank_forces();
         for (phi, depth) in Relief::grid(settings.flank_points).zip(state.flank.samples()) {
             let at = forces.partition_point(|force| force.meshing_angle < phi);
@@ -152,6 +174,7 @@ fn coupled(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &m
     ));
     Ok(json!({
         "mode": "coupled",
+        "joints": options.joints.word(),
         "hours": end,
         "max_depth_um": last.max_depth / UM,
         "max_depth_at_deg": last.max_depth_at.abs() / DEG,
@@ -172,7 +195,7 @@ fn paper(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut
         let hours = end * f64::from(index) / f64::from(options.points);
         let depth = wear.depth_at(hours).max(0.0);
         let flank = Relief::uniform(depth);
-        let point = accuracy(machine, &machine.meshing(&flank), &flank, hours, POSITIONS)?;
+        let point = accuracy(machine, &mut machine.meshing(&flank), &flank, hours, POSITIONS)?;
         let solution = closed_form::solve(machine, machine.rated.torque.abs(), depth)?;
         for pair in &solution.pairs {
             let sliding = profile.specific_sliding(pair.meshing_angle.cos());

@@ -2,6 +2,7 @@
 
 use super::consistency::{Place, contradiction, needs};
 use super::error::Source;
+use super::service::{PartWearSection, RollingWearSection};
 use super::solids::{self, Section as Solid};
 use super::{
     At, CoefficientSection, ContactLawName, ContactSection, DesignError, DesignSections, ModificationSection, RollerBearingSection, Section,
@@ -289,7 +290,46 @@ fn wear(design: &DesignSections, source: &Source) -> Result<WearLaw, Box<DesignE
             pressure_viscosity: *film.pressure_viscosity_per_gpa * 1e-9,
             roughness: *film.roughness_um * UM,
         }),
+        parts: part_wear(design, source)?,
     })
+}
+
+/// Wear of bearings and gears.
+fn part_wear(design: &DesignSections, source: &Source) -> Result<PartWearLaws, Box<DesignError>> {
+    let wear = &design.wear;
+    let rolling = |at: &At<Option<Section<RollingWearSection>>>, kind: RollerKind| -> Result<Option<RollingWear>, Box<DesignError>> {
+        let Some(part) = &at.value else { return Ok(None) };
+        if kind == RollerKind::Ball {
+            let message = "the wear of ball bearings is not modelled: their contacts have no fixed width".to_owned();
+            return Err(contradiction(source, &at.span, message, "leave this section out"));
+        }
+        let keys = [&part.coefficient_per_pa, &part.coefficient_mm2_per_n, &part.archard_coefficient, &part.hardness_mpa];
+        Ok(Some(RollingWear { coefficient: part_coefficient(keys, &at.span, source)?, slip: *part.slip }))
+    };
+    let teeth = |at: &At<Option<Section<PartWearSection>>>| -> Result<f64, Box<DesignError>> {
+        let Some(part) = &at.value else { return Ok(0.0) };
+        let keys = [&part.coefficient_per_pa, &part.coefficient_mm2_per_n, &part.archard_coefficient, &part.hardness_mpa];
+        part_coefficient(keys, &at.span, source)
+    };
+    Ok(PartWearLaws {
+        turning_arm: rolling(&wear.turning_arm, *design.bearings.turning_arm.kind)?,
+        crank_support: rolling(&wear.crank_support, *design.bearings.crank_support.kind)?,
+        sun: teeth(&wear.sun)?,
+        planet: teeth(&wear.planet)?,
+    })
+}
+
+/// k in 1/Pa from `coefficient_per_pa`, `coefficient_mm2_per_n` or `archard_coefficient` with `hardness_mpa`.
+fn part_coefficient(keys: [&At<Option<f64>>; 4], place: &Place, source: &Source) -> Result<f64, Box<DesignError>> {
+    const WAYS: &str = "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa";
+    match keys.map(|at| at.value) {
+        [Some(k), None, None, None] => Ok(k),
+        [None, Some(k), None, None] => Ok(k * MM * MM),
+        [None, None, Some(k), Some(hardness)] => Ok(k / (hardness * MPA)),
+        [None, None, Some(_), None] => Err(needs(source, place, "`archard_coefficient`", "hardness_mpa")),
+        [None, None, None, _] => Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), WAYS)),
+        _ => Err(contradiction(source, place, "the wear coefficient is given in more than one way".to_owned(), WAYS)),
+    }
 }
 
 /// k in the one way in which the section gives it.

@@ -112,6 +112,41 @@ section! {
         pin_ratio: f64 => default(0.0, 0.0, 1e4),
         /// Mixed lubrication, which lets k fall with the film ratio λ. Left out: k does not depend on the film.
         lubrication: Option<Section<LubricationSection>> => optional(0.0, 0.0),
+        /// Wear of the turning-arm bearings, which widens their clearance. Left out: none.
+        turning_arm: Option<Section<RollingWearSection>> => optional(0.0, 0.0),
+        /// Wear of the crank supports. Left out: none.
+        crank_support: Option<Section<RollingWearSection>> => optional(0.0, 0.0),
+        /// Wear of the teeth of the sun. Left out: none.
+        sun: Option<Section<PartWearSection>> => optional(0.0, 0.0),
+        /// Wear of the teeth of the planets. Left out: none.
+        planet: Option<Section<PartWearSection>> => optional(0.0, 0.0),
+    }
+
+    /// Wear of gear teeth by Archard's law, Δh = k (F/b) ξ per pass; k in exactly one of the ways `coefficient_per_pa`; `coefficient_mm2_per_n`;
+    /// `archard_coefficient` with `hardness_mpa`.
+    pub struct PartWearSection {
+        /// k in 1/Pa.
+        coefficient_per_pa: Option<f64> => optional(1e-24, 1e-11),
+        /// k in mm²/N; 1 mm²/N is 1e-6 1/Pa.
+        coefficient_mm2_per_n: Option<f64> => optional(1e-18, 1e-5),
+        /// Archard's dimensionless K; k = K/H.
+        archard_coefficient: Option<f64> => optional(1e-14, 1.0),
+        /// Hardness H of the softer surface.
+        hardness_mpa: Option<f64> => optional(10.0, 1e5),
+    }
+
+    /// Wear of a roller bearing by Archard's law with the slip of its rollers; k as for gear teeth. Only the product of k and slip counts.
+    pub struct RollingWearSection {
+        /// k in 1/Pa.
+        coefficient_per_pa: Option<f64> => optional(1e-24, 1e-11),
+        /// k in mm²/N; 1 mm²/N is 1e-6 1/Pa.
+        coefficient_mm2_per_n: Option<f64> => optional(1e-18, 1e-5),
+        /// Archard's dimensionless K; k = K/H.
+        archard_coefficient: Option<f64> => optional(1e-14, 1.0),
+        /// Hardness H of the softer surface.
+        hardness_mpa: Option<f64> => optional(10.0, 1e5),
+        /// Sliding distance per rolled distance at either raceway. There is no value for all bearings, so it must be given.
+        slip: f64 => required(1e-6, 1.0),
     }
 
     /// The wear coefficient, in exactly one of these ways: `coefficient_per_pa`; `coefficient_mm2_per_n`; `archard_coefficient` with

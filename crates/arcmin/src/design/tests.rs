@@ -62,6 +62,28 @@ fn wear_coefficients_in_all_their_units_are_the_same_number() {
     }
 }
 
+/// Bearings and gears: off by default, the same units as for the flank, and no guess where the model has no answer.
+#[test]
+fn wear_of_bearings_and_gears_takes_the_same_units() {
+    let with = |section: &str| Design::parse(&format!("{}\n{section}\n", text()), "d.toml");
+    assert!(!with("").unwrap().machine().wear.parts.any());
+    for k in ["coefficient_per_pa = 8.4e-19", "coefficient_mm2_per_n = 8.4e-13", "archard_coefficient = 5.88e-9\nhardness_mpa = 7000"] {
+        let parts = with(&format!("[wear.turning_arm]\nslip = 0.01\n{k}\n[wear.sun]\n{k}")).unwrap().machine().wear.parts;
+        let arm = parts.turning_arm.unwrap();
+        assert!((arm.coefficient / 8.4e-19 - 1.0).abs() < 1e-12 && arm.slip == 0.01, "{k}");
+        assert!((parts.sun / 8.4e-19 - 1.0).abs() < 1e-12 && parts.planet == 0.0 && parts.crank_support.is_none(), "{k}");
+    }
+    for (section, words) in [
+        ("[wear.turning_arm]\ncoefficient_per_pa = 1e-18", "slip"),
+        ("[wear.turning_arm]\nslip = 0.01", "not given"),
+        ("[wear.sun]\ncoefficient_per_pa = 1e-18\ncoefficient_mm2_per_n = 1e-12", "more than one way"),
+        ("[wear.planet]\narchard_coefficient = 1e-8", "hardness_mpa"),
+    ] {
+        let error = with(section).unwrap_err();
+        assert!(error.to_string().contains(words), "{section}: {error}");
+    }
+}
+
 #[test]
 fn computed_inertias_give_way_to_given_ones() {
     let with = |from: &str, to: &str| Design::parse(&text().replacen(from, to, 1), "d.toml").unwrap().machine();

@@ -21,13 +21,19 @@ pub struct EquilibriumControl {
     pub largest_iteration_count: usize,
     /// Longest step of one iteration in units of the system's scale.
     pub trust: f64,
+    /// Where forces jump, no place balances them: a pin at the root of a worn flank touches on one side or the other. A place on whose two sides the balance
+    /// lies, closer together than `tolerance`, is accepted when the work of its forces along one unit of scale is below this, in J. The residual says what is left.
+    pub jump_tolerance: f64,
 }
 
 impl Default for EquilibriumControl {
     fn default() -> Self {
-        EquilibriumControl { tolerance: 1e-10, force_tolerance: 1e-9, largest_iteration_count: 400, trust: 1.0 }
+        EquilibriumControl { tolerance: 1e-10, force_tolerance: 1e-9, largest_iteration_count: 400, trust: 1.0, jump_tolerance: 0.0 }
     }
 }
+
+/// A full Newton step from a place accepted at a jump is shorter than this, in units of the system's scale.
+const NEAR_JUMP: f64 = 1e-2;
 
 /// Finds q with Q(q, 0, t) = 0 near `start`.
 ///
@@ -72,7 +78,8 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             mu = if mu == 0.0 { 1e-3 * natural } else { 8.0 * mu };
             continue;
         }
-        let shortening = if length > trust { trust / length } else { 1.0 };
+        // A step that counts as converged is taken whole: rounding of stiff springs can shrink the trust length to nothing there.
+        let shortening = if length > trust && length > control.tolerance { trust / length } else { 1.0 };
         for i in 0..n {
             trial[i] = position[i] + shortening * step[i];
         }
@@ -101,6 +108,9 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             trust = (2.0 * trust).min(control.trust);
         } else {
             trust = 0.25 * length.min(trust);
+            if trust < control.tolerance && length < NEAR_JUMP && size <= control.jump_tolerance {
+                return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
+            }
             mu = match mu {
                 // One body that hangs nearly free makes the Newton step long for all: the mass term holds it back alone.
                 0.0 if length > trust => 1e-3 * natural,

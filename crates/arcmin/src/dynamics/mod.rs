@@ -16,7 +16,7 @@ mod study;
 mod system;
 mod table;
 
-pub use bearing_joints::{BearingJoints, JointSettings, Part, RadialBearing};
+pub use bearing_joints::{BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing};
 pub use drive::{Drive, InputMotion};
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium};
 pub use error::DynamicsError;

@@ -1,13 +1,18 @@
 //! Accuracy over life: the coupled prediction, and beside it the paper's study of uniform depths.
 
+mod parts;
+
+pub use parts::{PartsFollower, PartsPoint, lost_motion_causes, worn_settings};
+
 use rayon::prelude::*;
 
+use crate::dynamics::JointSettings;
 use crate::geometry::Relief;
-use crate::load::{Cycle, Meshing};
+use crate::load::{Cycle, ShareLoad, lost_motion};
 use crate::machine::{Machine, OutputAngle};
 use crate::progress::Progress;
 use crate::units::{HOUR, UM};
-use crate::wear::calibrate::contact_lost_motion;
+use crate::wear::calibrate::coupled_exposure;
 use crate::wear::paper::PaperWear;
 use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearError, WearSnapshot};
 
@@ -28,7 +33,7 @@ pub struct LifePoint {
     pub loaded_error: OutputAngle,
     /// Peak-to-peak output error under rated torque over the cycle.
     pub loaded_peak_to_peak: OutputAngle,
-    /// Between −3 % and +3 % of rated torque, from the contacts alone.
+    /// Between −3 % and +3 % of rated torque: of the contacts alone with ideal joints, of the machine with bearings.
     pub lost_motion: OutputAngle,
     /// N, Pa, pairs of one disc.
     pub max_force: f64,
@@ -38,6 +43,8 @@ pub struct LifePoint {
     pub cycle: Cycle,
     /// Worn surfaces.
     pub flank: Relief,
+    /// Lost motion of the machine with bearings by cause; only in a prediction of a machine that is modelled with bearings.
+    pub parts: Option<PartsPoint>,
 }
 
 /// The coupled prediction.
@@ -82,14 +89,20 @@ impl Default for LifeOptions {
     }
 }
 
-const LOST_MOTION_POSITIONS: usize = 12;
+const LOST_MOTION_POSITIONS: usize = parts::POSITIONS;
 
 /// Accuracy of one state of wear.
 ///
 /// # Errors
 /// [`WearError::Load`] when a load sharing fails.
-pub fn accuracy(machine: &Machine, meshing: &Meshing, flank: &Relief, hours: f64, crank_positions: usize) -> Result<LifePoint, WearError> {
-    let cycle = meshing.cycle(machine.rated.torque, crank_positions)?;
+pub fn accuracy<S: ShareLoad>(
+    machine: &Machine,
+    meshing: &mut S,
+    flank: &Relief,
+    hours: f64,
+    crank_positions: usize,
+) -> Result<LifePoint, WearError> {
+    let cycle = meshing.whole_cycle(machine.rated.torque, crank_positions)?;
     let (max_depth, max_depth_at) = flank.deepest();
     let play = cycle.mean_play();
     let sign = if machine.rated.torque < 0.0 { 1.0 } else { -1.0 };
@@ -102,38 +115,73 @@ pub fn accuracy(machine: &Machine, meshing: &Meshing, flank: &Relief, hours: f64
         no_load_error: OutputAngle::from_radians(sign * play.radians()),
         loaded_error: cycle.mean_error(),
         loaded_peak_to_peak: cycle.peak_to_peak_error(),
-        lost_motion: contact_lost_motion(meshing, machine.rated.torque, LOST_MOTION_POSITIONS)?,
+        lost_motion: lost_motion(meshing, machine.rated.torque, LOST_MOTION_POSITIONS)?,
         max_force: cycle.max_force(),
-        max_pressure: cycle.max_pressure(meshing),
+        max_pressure: cycle.max_pressure(meshing.contacts().contact()),
         loaded_pairs: cycle.loaded_pairs(),
         flank: flank.clone(),
-        cycle,
+        parts: None,
+        cycle: if meshing.pitches() == 1 { cycle } else { meshing.pitch_cycle(machine.rated.torque, crank_positions)? },
     })
 }
 
-/// Follows the coupled wear over the service life and on until the limit of the lost motion is reached or `search_factor` service lives are over.
+/// Follows the coupled wear with ideal joints over the service life and on until the limit of the lost motion is reached or `search_factor` service lives are over.
 ///
 /// # Errors
 /// [`WearError`]; `Stopped` when `progress` was cancelled.
 pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress) -> Result<Prediction, WearError> {
-    let exposure = machine.coupled_exposure(options.wear)?;
-    let mut wear = CoupledWear::new(machine, options.wear);
+    predict_with(machine, machine.meshing(&Relief::uniform(0.0)), options, progress)
+}
+
+/// [`predict`] with the joints of `meshing`.
+///
+/// # Errors
+/// As [`predict`].
+pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
+    machine: &Machine,
+    meshing: S,
+    options: LifeOptions,
+    progress: &dyn Progress,
+) -> Result<Prediction, WearError> {
+    let exposure = coupled_exposure(machine, meshing.clone(), options.wear)?;
+    let mut wear = CoupledWear::with(machine, meshing, options.wear);
     let service_hours = machine.limits.service_life / HOUR;
     let hours_of = |interval: usize| service_hours * interval as f64 / options.intervals as f64;
     let mut surfaces = Vec::with_capacity(options.intervals + 1);
+    let mut parts = PartsFollower::new(machine);
+    let mut part_wear = Vec::with_capacity(options.intervals + 1);
     for interval in 0..=options.intervals {
+        if let Some(parts) = parts.as_mut().filter(|_| interval > 0) {
+            parts.advance(service_hours * HOUR / options.intervals as f64)?;
+            wear.set_part_wear(parts.wear());
+        }
         advance(&mut wear, exposure.at(hours_of(interval) * HOUR), progress)?;
+        if let Some(parts) = &mut parts {
+            parts.see(wear.state());
+        }
+        part_wear.push(parts.as_ref().map(|parts| *parts.wear()));
         surfaces.push(wear.state().clone());
         progress.report("wear", interval as f64 / options.intervals as f64);
     }
+    let (joints, designed) = (wear.meshing_mut().clone(), machine.designed_relief());
     let points = surfaces
         .par_iter()
+        .zip(&part_wear)
         .enumerate()
-        .map(|(interval, worn)| {
+        .map(|(interval, (worn, part_wear))| {
             if progress.is_cancelled() {
                 return Err(WearError::Stopped);
             }
-            accuracy(machine, &worn.meshing(machine), &worn.flank, hours_of(interval), options.crank_positions)
+            let (flank_wear, pin_wear) = (worn.flank_seen_by_contact().clone(), worn.pin_seen_by_contact().clone());
+            let mut joints = joints.clone();
+            joints.set_relief(designed.plus(&flank_wear));
+            joints.set_pin_relief(pin_wear.clone());
+            joints.set_part_wear(&part_wear.unwrap_or_default());
+            let mut point = accuracy(machine, &mut joints, &worn.flank, hours_of(interval), options.crank_positions)?;
+            if let Some(part_wear) = *part_wear {
+                point.parts = lost_motion_causes(machine, &JointSettings { flank_wear, pin_wear, part_wear, ..JointSettings::default() })?;
+            }
+            Ok(point)
         })
         .collect::<Result<Vec<LifePoint>, WearError>>()?;
     let updates = wear.updates();
@@ -144,8 +192,13 @@ pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress)
     let mut searched_hours = service_hours;
     while hours_to_limit.is_none() && searched_hours < furthest {
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
+        if let Some(parts) = &mut parts {
+            parts.see(wear.state());
+            parts.advance((hours - searched_hours) * HOUR)?;
+            wear.set_part_wear(parts.wear());
+        }
         let lost = advance(&mut wear, exposure.at(hours * HOUR), progress)
-            .and_then(|()| contact_lost_motion(&wear.state().meshing(machine), machine.rated.torque, LOST_MOTION_POSITIONS));
+            .and_then(|()| Ok(lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?));
         match lost {
             Ok(lost) => history.push((hours, lost.radians())),
             // Far beyond the service life a flank may be worn out of the model's reach; the search ends where it still held.
@@ -158,7 +211,7 @@ pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress)
     Ok(Prediction { points, surfaces, exposure, updates, hours_to_limit, searched_hours })
 }
 
-fn advance(wear: &mut CoupledWear, target: f64, progress: &dyn Progress) -> Result<(), WearError> {
+fn advance<S: ShareLoad>(wear: &mut CoupledWear<'_, S>, target: f64, progress: &dyn Progress) -> Result<(), WearError> {
     let mut stopped = false;
     wear.advance_until(target, |_| {
         stopped = progress.is_cancelled();
@@ -193,7 +246,7 @@ pub fn paper_study(machine: &Machine, depths: &[f64], options: LifeOptions) -> R
     let mut points = Vec::with_capacity(depths.len());
     for depth in depths {
         let flank = Relief::uniform(*depth);
-        points.push(accuracy(machine, &machine.meshing(&flank), &flank, wear.hours_at(*depth), options.crank_positions)?);
+        points.push(accuracy(machine, &mut machine.meshing(&flank), &flank, wear.hours_at(*depth), options.crank_positions)?);
     }
     let history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.lost_motion.radians())).collect();
     Ok(PaperStudy { hours_to_limit: crossing(&history, machine.limits.lost_motion), points, wear })

@@ -1,4 +1,5 @@
 use super::{LoadError, LoadSharing, Meshing};
+use crate::contact::LineContact;
 use crate::machine::{CrankAngle, OutputAngle};
 
 /// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads from it.
@@ -68,9 +69,8 @@ impl Cycle {
         self.positions.iter().map(LoadSharing::max_force).fold(0.0, f64::max)
     }
 
-    /// Largest Hertz pressure in Pa under the contact law of `meshing`.
-    pub fn max_pressure(&self, meshing: &Meshing) -> f64 {
-        let contact = meshing.contacts().contact();
+    /// Largest Hertz pressure in Pa under the contact law.
+    pub fn max_pressure(&self, contact: &LineContact) -> f64 {
         self.positions.iter().flat_map(LoadSharing::contacts).map(|c| contact.pressure(c.force, 1.0 / c.relative_curvature)).fold(0.0, f64::max)
     }
 

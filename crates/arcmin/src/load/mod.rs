@@ -8,6 +8,7 @@ mod cycle;
 mod equilibrium;
 mod flexible;
 mod gap_model;
+mod share;
 
 pub use cycle::{Cycle, FlankForce, HarmonicError};
 #[cfg(test)]
@@ -15,3 +16,4 @@ mod tests;
 
 pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing};
 pub use flexible::FlexibleMeshing;
+pub use share::{ShareLoad, lost_motion};

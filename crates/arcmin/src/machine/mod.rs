@@ -7,6 +7,7 @@ mod angles;
 mod bearings;
 mod errors;
 mod kinematics;
+mod part_wear;
 mod parts;
 mod tolerances;
 
@@ -14,6 +15,7 @@ pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness};
 pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
 pub use kinematics::Kinematics;
+pub use part_wear::{PartWear, PartWearLaws, RollingWear};
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage, Lubrication, PinMounting, PinRing,
     RunningIn, WearCoefficient, WearLaw,

@@ -192,6 +192,8 @@ pub struct WearLaw {
     /// Pin wear coefficient relative to that of the disc.
     pub pin_ratio: f64,
     pub lubrication: Option<Lubrication>,
+    /// Bearings and gears.
+    pub parts: super::PartWearLaws,
 }
 
 /// How k is known.

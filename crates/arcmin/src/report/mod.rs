@@ -38,6 +38,7 @@
 //! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`] and [`MeshPicture`] is what the script in `assets/`
 //! reads; field names are the same on both sides.
 
+mod causes;
 mod drawing;
 pub mod elastic;
 mod html;
@@ -48,6 +49,7 @@ pub mod rig;
 mod tests;
 mod text;
 
+pub use causes::lost_motion_causes;
 pub use drawing::{CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture, mesh_picture};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
 pub use text::{compact, significant};

@@ -2,8 +2,9 @@
 
 use super::Exposure;
 use super::coupled::{CoupledOptions, CoupledWear, WearError};
-use crate::load::Meshing;
-use crate::machine::{CrankAngle, Machine, OutputAngle, WearCoefficient};
+use crate::geometry::Relief;
+use crate::load::{ShareLoad, lost_motion};
+use crate::machine::{Machine, RunningIn, WearCoefficient};
 use crate::units::UM;
 
 /// One observation.
@@ -26,27 +27,10 @@ pub enum Observed {
 #[derive(Debug, Clone)]
 pub struct Calibration {
     pub exposure: Exposure,
-    /// Predicted value per observation, in the unit of the observation.
+    /// Predicted value per observation, fitted ones first, in the unit of the observation.
     pub predicted: Vec<f64>,
-    /// Root mean square of the relative residuals.
+    /// Root mean square of the relative residuals of those fitted.
     pub relative_rms: f64,
-}
-
-/// Lost motion of the contacts alone: output errors at −3 % and +3 % of rated torque, mean over the pattern, in rad.
-///
-/// Without friction both branches of the hysteresis loop coincide, so the mid-points are the branch itself.
-///
-/// # Errors
-/// [`WearError::Load`].
-pub fn contact_lost_motion(meshing: &Meshing, rated_torque: f64, positions: usize) -> Result<OutputAngle, WearError> {
-    let period = meshing.kinematics().pattern_period();
-    let small = 0.03 * rated_torque.abs();
-    let mut sum = 0.0;
-    for index in 0..positions {
-        let crank = CrankAngle::from_radians(period * index as f64 / positions as f64);
-        sum += meshing.load_sharing(crank, -small)?.output_error.radians() - meshing.load_sharing(crank, small)?.output_error.radians();
-    }
-    Ok(OutputAngle::from_radians(sum / positions as f64))
 }
 
 /// Depth and lost-motion increase against exposure, computed once; every k reads from it.
@@ -64,14 +48,19 @@ impl WearCurve {
     ///
     /// # Errors
     /// [`WearError`], `TargetNotReached` after 100 000 updates.
-    pub fn until(machine: &Machine, options: CoupledOptions, mut enough: impl FnMut(f64, f64, f64) -> bool) -> Result<WearCurve, WearError> {
-        let mut wear = CoupledWear::new(machine, options);
-        let new = contact_lost_motion(&wear.state().meshing(machine), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians();
+    pub fn until<S: ShareLoad>(
+        machine: &Machine,
+        meshing: S,
+        options: CoupledOptions,
+        mut enough: impl FnMut(f64, f64, f64) -> bool,
+    ) -> Result<WearCurve, WearError> {
+        let mut wear = CoupledWear::with(machine, meshing, options);
+        let new = lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians();
         let mut curve = WearCurve { exposures: vec![0.0], depths: vec![0.0], lost_motions: vec![0.0] };
         loop {
             wear.advance_until(f64::MAX, |_| true)?;
+            let lost = lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians() - new;
             let state = wear.state();
-            let lost = contact_lost_motion(&state.meshing(machine), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians() - new;
             curve.exposures.push(state.exposure);
             curve.depths.push(state.flank.deepest().0);
             curve.lost_motions.push(lost);
@@ -107,50 +96,112 @@ impl Observed {
     }
 }
 
-/// Fits k by least squares of the relative residuals over all observations; the machine's running-in is kept as given.
+/// Fits k by least squares of the relative residuals over all observations; the machine's running-in is kept as given. Ideal joints.
 ///
 /// # Errors
 /// [`WearError`].
 pub fn fit(machine: &Machine, options: CoupledOptions, observations: &[Observation]) -> Result<Calibration, WearError> {
-    let running_in = machine.wear.running_in;
-    let equivalent: Vec<f64> = observations.iter().map(|o| Exposure::equivalent_time(running_in, o.time)).collect();
-    // The smallest k that satisfies each observation alone brackets the common one; follow the curve until all are passed with the
-    // largest of them.
-    let mut alone: Vec<Option<f64>> = vec![None; observations.len()];
-    let latest = equivalent.iter().copied().fold(0.0, f64::max);
-    let curve = WearCurve::until(machine, options, |exposure, depth, lost| {
-        for ((found, observation), time) in alone.iter_mut().zip(observations).zip(&equivalent) {
+    fit_with(machine, machine.meshing(&Relief::uniform(0.0)), options, observations)
+}
+
+/// [`fit`] with the joints of `meshing`.
+///
+/// # Errors
+/// [`WearError`].
+pub fn fit_with<S: ShareLoad>(
+    machine: &Machine,
+    meshing: S,
+    options: CoupledOptions,
+    observations: &[Observation],
+) -> Result<Calibration, WearError> {
+    fit_and_predict(machine, meshing, options, observations, &[], None)
+}
+
+/// Fits k on some observations and predicts others, which take no part in the fit. With `running_in_duration` (s) the factor of a running-in of that time
+/// constant, from 1 to 10⁴, is fitted as well, in place of the machine's own.
+///
+/// # Errors
+/// [`WearError`].
+pub fn fit_and_predict<S: ShareLoad>(
+    machine: &Machine,
+    meshing: S,
+    options: CoupledOptions,
+    fitted: &[Observation],
+    others: &[Observation],
+    running_in_duration: Option<f64>,
+) -> Result<Calibration, WearError> {
+    let own = machine.wear.running_in;
+    let own = if running_in_duration.is_some() { None } else { own };
+    // The exposure at which each observation alone is met bounds the common clock: a running-in only slows it down later on.
+    let latest = fitted.iter().chain(others).map(|o| o.time).fold(0.0, f64::max);
+    let equivalent = |time: f64| Exposure::equivalent_time(own, time);
+    let mut alone: Vec<Option<f64>> = vec![None; fitted.len()];
+    let curve = WearCurve::until(machine, meshing, options, |exposure, depth, lost| {
+        for (found, observation) in alone.iter_mut().zip(fitted) {
             let reached = match observation.value {
                 Observed::Depth(target) => depth >= target,
                 Observed::LostMotionIncrease(target) => lost >= target,
             };
             if reached && found.is_none() {
-                *found = Some(exposure / time);
+                *found = Some(exposure);
             }
         }
-        alone.iter().all(|found| found.is_some_and(|k| exposure >= 1.01 * k * latest))
+        alone.iter().zip(fitted).all(|(found, o)| found.is_some_and(|x| exposure >= 1.01 * x / equivalent(o.time) * equivalent(latest)))
     })?;
-    let ks = alone.iter().flatten();
-    let (low, high) = (0.9 * ks.clone().copied().fold(f64::INFINITY, f64::min), ks.copied().fold(0.0, f64::max));
-    let predicted =
-        |k: f64| -> Vec<f64> { observations.iter().zip(&equivalent).map(|(o, time)| curve.value(o.value, (k * time).min(curve.last()))).collect() };
-    let misfit = |k: f64| {
-        predicted(k).iter().zip(observations).map(|(value, o)| (value / o.value.target() - 1.0).powi(2)).sum::<f64>() / observations.len() as f64
-    };
-    let (mut a, mut b) = (low, high * 1.001);
-    for _ in 0..200 {
-        let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
-        if misfit(c) < misfit(d) { b = d } else { a = c }
+    let reached: Vec<f64> = alone.into_iter().flatten().collect();
+    let clock = |factor: f64| running_in_duration.map(|duration| RunningIn { factor, duration }).or(own);
+    let mut best = curve.best_coefficient(fitted, &reached, clock(1.0));
+    let mut running_in = clock(1.0);
+    if running_in_duration.is_some() {
+        let misfit = |logarithm: f64| curve.best_coefficient(fitted, &reached, clock(logarithm.exp())).1;
+        let (steps, top) = (80, 1e4_f64.ln());
+        let place = |step: usize| top * step as f64 / steps as f64;
+        let nearest = (0..=steps).min_by(|a, b| misfit(place(*a)).total_cmp(&misfit(place(*b)))).unwrap_or(0);
+        let logarithm = golden(place(nearest.saturating_sub(1)), place((nearest + 1).min(steps)), misfit);
+        running_in = clock(logarithm.exp());
+        best = curve.best_coefficient(fitted, &reached, running_in);
     }
-    let k = 0.5 * (a + b);
-    Ok(Calibration { exposure: Exposure { coefficient: k, running_in }, predicted: predicted(k), relative_rms: misfit(k).sqrt() })
+    let (coefficient, misfit) = best;
+    let predicted = fitted
+        .iter()
+        .chain(others)
+        .map(|o| curve.value(o.value, (coefficient * Exposure::equivalent_time(running_in, o.time)).min(curve.last())))
+        .collect();
+    Ok(Calibration { exposure: Exposure { coefficient, running_in }, predicted, relative_rms: misfit.sqrt() })
 }
 
-pub(super) fn coupled_exposure(machine: &Machine, options: CoupledOptions) -> Result<Exposure, WearError> {
+/// Place of the smallest value between a and b by the golden section.
+fn golden(mut a: f64, mut b: f64, value: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..100 {
+        let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
+        if value(c) < value(d) { b = d } else { a = c }
+    }
+    0.5 * (a + b)
+}
+
+impl WearCurve {
+    /// k with the smallest mean square of the relative residuals, and that mean square. `reached` holds the exposures that meet each observation alone.
+    fn best_coefficient(&self, observations: &[Observation], reached: &[f64], running_in: Option<RunningIn>) -> (f64, f64) {
+        let times: Vec<f64> = observations.iter().map(|o| Exposure::equivalent_time(running_in, o.time)).collect();
+        let alone = || reached.iter().zip(&times).map(|(x, time)| x / time);
+        let misfit = |k: f64| {
+            let residual = |(o, time): (&Observation, &f64)| (self.value(o.value, (k * time).min(self.last())) / o.value.target() - 1.0).powi(2);
+            observations.iter().zip(&times).map(residual).sum::<f64>() / observations.len() as f64
+        };
+        let k = golden(0.9 * alone().fold(f64::INFINITY, f64::min), 1.001 * alone().fold(0.0, f64::max), misfit);
+        (k, misfit(k))
+    }
+}
+
+/// Exposure curve of a machine from its coupled coefficient, calibrated on the coupled prediction with the joints of `meshing` where asked for.
+///
+/// # Errors
+/// [`WearError`] when the prediction fails or the target is out of reach.
+pub fn coupled_exposure<S: ShareLoad>(machine: &Machine, meshing: S, options: CoupledOptions) -> Result<Exposure, WearError> {
     let observation = match machine.wear.coupled {
         WearCoefficient::Given(k) => return Ok(Exposure::new(k, &machine.wear)),
         WearCoefficient::Calibrated { time, depth } => Observation { time, value: Observed::Depth(depth) },
         WearCoefficient::CalibratedLostMotion { time, increase } => Observation { time, value: Observed::LostMotionIncrease(increase) },
     };
-    Ok(fit(machine, options, &[observation])?.exposure)
+    Ok(fit_with(machine, meshing, options, &[observation])?.exposure)
 }

@@ -7,8 +7,8 @@ use super::smoothing::ContactAverage;
 use crate::contact::PinContact;
 use crate::geometry::{Relief, cross, unit};
 use crate::load::closed_form::ClosedFormError;
-use crate::load::{LoadError, Meshing};
-use crate::machine::{CrankAngle, DutyPoint, Machine, OutputAngle, PinMounting};
+use crate::load::{LoadError, Meshing, ShareLoad};
+use crate::machine::{DutyPoint, Machine, PartWear, PinMounting};
 use crate::units::{UM, wrap_angle};
 
 /// Why wear could not be computed.
@@ -88,17 +88,17 @@ impl WearSnapshot {
 
 /// The running computation: advance it in exposure and read snapshots.
 #[derive(Debug)]
-pub struct CoupledWear<'a> {
+pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
     machine: &'a Machine,
     options: CoupledOptions,
     arc: FlankArc,
     average: ContactAverage,
-    meshing: Meshing,
+    meshing: S,
     designed: Relief,
     state: WearSnapshot,
     updates: usize,
-    /// Last output error per duty row and crank position: where the next solution starts.
-    starts: Vec<Option<OutputAngle>>,
+    /// Last solution per duty row and crank position: where the next one starts.
+    starts: Vec<Option<S::Start>>,
 }
 
 /// Depth rates per unit of exposure.
@@ -114,14 +114,22 @@ impl Rates {
 }
 
 impl<'a> CoupledWear<'a> {
+    /// With ideal joints.
     pub fn new(machine: &'a Machine, options: CoupledOptions) -> CoupledWear<'a> {
+        CoupledWear::with(machine, machine.meshing(&Relief::uniform(0.0)), options)
+    }
+}
+
+impl<'a, S: ShareLoad> CoupledWear<'a, S> {
+    /// With the joints of `meshing`, whose flanks and pins become those of the new machine.
+    pub fn with(machine: &'a Machine, meshing: S, options: CoupledOptions) -> CoupledWear<'a, S> {
         let state = WearSnapshot::unworn(&options);
         let profile = machine.profile();
         let arc = FlankArc::new(&profile, options.flank_points);
         CoupledWear {
             average: ContactAverage::new(machine, &profile, &arc, options.pin_points),
             arc,
-            meshing: machine.meshing(&state.flank),
+            meshing,
             designed: machine.designed_relief(),
             starts: vec![None; machine.duty.len() * options.crank_positions],
             machine,
@@ -129,6 +137,18 @@ impl<'a> CoupledWear<'a> {
             state,
             updates: 0,
         }
+    }
+
+    /// The joints, with the surfaces reached.
+    pub fn meshing_mut(&mut self) -> &mut S {
+        self.meshing.set_relief(self.designed.plus(&self.state.flank_seen));
+        self.meshing.set_pin_relief(self.state.pin_seen.clone());
+        &mut self.meshing
+    }
+
+    /// Replaces what bearings and gears have lost, for joints that know of it.
+    pub fn set_part_wear(&mut self, wear: &PartWear) {
+        self.meshing.set_part_wear(wear);
     }
 
     /// Surfaces reached.
@@ -188,7 +208,6 @@ impl<'a> CoupledWear<'a> {
         let mut flank = vec![0.0; self.options.flank_points];
         let mut pin = vec![0.0; self.options.pin_points];
         let count = self.options.crank_positions;
-        let period = self.meshing.kinematics().pattern_period();
         // The crank positions shift from update to update by the golden section, so that no place of the flank is favoured.
         let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
         for (row, duty) in machine.duty.iter().enumerate() {
@@ -197,13 +216,10 @@ impl<'a> CoupledWear<'a> {
             }
             let mut passes: Vec<Vec<Pass>> = vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
             for index in 0..count {
-                let crank = CrankAngle::from_radians(period * (index as f64 + offset) / count as f64);
+                let crank = self.meshing.crank_position(index, count, offset);
                 let start = &mut self.starts[row * count + index];
-                let sharing = match *start {
-                    Some(start) => self.meshing.load_sharing_near(crank, duty.torque, start)?,
-                    None => self.meshing.load_sharing(crank, duty.torque)?,
-                };
-                *start = Some(sharing.output_error);
+                let (sharing, found) = self.meshing.share(crank, duty.torque, start.as_ref())?;
+                *start = Some(found);
                 for (contacts, passes) in sharing.discs.iter().zip(&mut passes) {
                     passes.extend(contacts.iter().map(|contact| self.pass(contact, duty)));
                 }
@@ -309,11 +325,11 @@ struct Pass {
 }
 
 impl Machine {
-    /// Exposure curve of this machine from its coupled coefficient, calibrated on the coupled prediction where asked for.
+    /// Exposure curve of this machine from its coupled coefficient, calibrated on the coupled prediction where asked for. Ideal joints.
     ///
     /// # Errors
     /// [`WearError`] when the prediction fails or the target is out of reach.
     pub fn coupled_exposure(&self, options: CoupledOptions) -> Result<Exposure, WearError> {
-        super::calibrate::coupled_exposure(self, options)
+        super::calibrate::coupled_exposure(self, self.meshing(&Relief::uniform(0.0)), options)
     }
 }

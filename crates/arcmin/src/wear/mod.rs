@@ -10,6 +10,7 @@ mod deposit;
 mod exposure;
 mod film;
 pub mod paper;
+pub mod parts;
 mod smoothing;
 mod surfaces;
 
@@ -17,6 +18,7 @@ pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
 pub use deposit::FlankArc;
 pub use exposure::Exposure;
 pub use film::film_ratio;
+pub use parts::PartLoads;
 pub use surfaces::WornSurfaces;
 
 #[cfg(test)]

@@ -1,19 +1,23 @@
 //! The machine with real joints: every body free in the plane, held by its bearings.
 
 mod assembly;
+mod causes;
 #[cfg(test)]
 mod error_tests;
 mod layout;
 mod planar_mesh;
 mod roller;
 mod shaft;
+mod sharing;
 mod springs;
 mod system;
 #[cfg(test)]
 mod tests;
 
 pub use assembly::Part;
+pub use causes::Cause;
 pub use roller::{BearingState, RadialBearing};
+pub use sharing::{BearingMeshing, LostMotionSplit};
 
 use assembly::Split;
 use layout::Layout;
@@ -23,7 +27,7 @@ use shaft::Shaft;
 use super::{Drive, DynamicsError, OutputLoad};
 use crate::contact::{PinContacts, Sliding};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
-use crate::machine::{EccentricError, FixedMember, Friction, Kinematics, Machine, ManufacturingErrors, PinMounting, RunOut};
+use crate::machine::{EccentricError, FixedMember, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, PinMounting, RunOut};
 
 /// What the model takes beside the machine.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +36,8 @@ pub struct JointSettings {
     pub flank_wear: Relief,
     /// Metal lost by every pin.
     pub pin_wear: Relief,
+    /// What bearings and gears have lost.
+    pub part_wear: PartWear,
     pub errors: ManufacturingErrors,
     /// Multiplies the stiffness of bearings, shafts and supports (not of teeth and gears); 1 for the machine as it is.
     pub stiffness_scale: f64,
@@ -44,6 +50,7 @@ impl Default for JointSettings {
         JointSettings {
             flank_wear: Relief::uniform(0.0),
             pin_wear: Relief::uniform(0.0),
+            part_wear: PartWear::default(),
             errors: ManufacturingErrors::default(),
             stiffness_scale: 1.0,
             damped: true,
@@ -120,6 +127,11 @@ pub struct BearingJoints {
     friction: Friction,
     mesh_sliding: f64,
     loss_time: f64,
+    part_wear: PartWear,
+    /// What is taken off the flank on purpose, to tell it from wear.
+    designed_relief: Relief,
+    equidistant_offset: f64,
+    radial_offset: f64,
     mass: Vec<f64>,
     scale: Vec<f64>,
 }
@@ -187,7 +199,7 @@ impl BearingJoints {
         };
         let stage = &machine.gear_stage;
         let ratio = kinematics.housing_fixed_ratio();
-        Ok(BearingJoints {
+        let mut model = BearingJoints {
             rings: (0..discs).map(|j| ring(machine, settings, j)).collect(),
             meshes: (0..cranks)
                 .map(|k| {
@@ -241,10 +253,16 @@ impl BearingJoints {
             // Mean distance of the contact from the pitch point: a quarter of a path of contact of 1.6 base pitches.
             mesh_sliding: 0.4 * std::f64::consts::PI * stage.module * stage.pressure_angle.cos(),
             loss_time: if settings.damped { LOSS_TIME } else { 0.0 },
+            part_wear: PartWear::default(),
+            designed_relief: machine.designed_relief(),
+            equidistant_offset: machine.disc.modification.equidistant_offset,
+            radial_offset: machine.disc.modification.radial_offset,
             shaft,
             layout,
             kinematics,
-        })
+        };
+        model.set_part_wear(settings.part_wear);
+        Ok(model)
     }
 
     pub fn kinematics(&self) -> &Kinematics {

@@ -3,8 +3,8 @@ use crate::machine::{Kinematics, Machine};
 
 /// One involute mesh of sun and planet whose centres may move.
 ///
-/// On the flank s = ±1 the teeth overlap by e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) − (r_b1 + r_b2)(inv α' − inv α) − j/2, where ψ is the
-/// direction and D the distance of the centres, cos α' = (r_b1 + r_b2)/D, γ the planet's place on the carrier and j the backlash. Its gradient is the
+/// On the flank s = ±1 the teeth overlap by e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) − (r_b1 + r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the
+/// direction and D the distance of the centres, cos α' = (r_b1 + r_b2)/D, γ the planet's place on the carrier, j the backlash and h_s what that side has worn. Its gradient is the
 /// unit normal of the contact, so a planet that moves in its bearings changes the mesh, and teeth pressed together wedge on both flanks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarMesh {
@@ -14,7 +14,9 @@ pub struct PlanarMesh {
     stiffness: f64,
     variation: f64,
     pub damping: f64,
-    half_backlash: f64,
+    pub half_backlash: f64,
+    /// Metal lost along the line of action by the teeth of either side, m: where the sun drives counter-clockwise, and the other.
+    pub flank_loss: [f64; 2],
     sun_teeth: f64,
     /// γ of this planet in rad.
     place: f64,
@@ -40,6 +42,8 @@ pub struct MeshState {
     pub dissipation: f64,
     /// Elastic force on the line of action in N, positive where the sun's tooth drives.
     pub force: f64,
+    /// Sizes of the elastic forces on either side, as in [`PlanarMesh::flank_loss`], in N.
+    pub side_force: [f64; 2],
 }
 
 /// Depth in m over which the damping sets in.
@@ -58,6 +62,7 @@ impl PlanarMesh {
             variation: stage.mesh_stiffness_variation,
             damping: stage.mesh_damping,
             half_backlash: 0.5 * stage.backlash,
+            flank_loss: [0.0; 2],
             sun_teeth: stage.sun_teeth as f64,
             place: Kinematics::crankshaft_angle(machine.crankshafts.first_angle, crankshaft, machine.crankshafts.count),
             nominal_involute: alpha.tan() - alpha,
@@ -91,8 +96,8 @@ impl PlanarMesh {
         let k = self.stiffness * (1.0 + self.variation * phase.cos());
         let k1 = -self.stiffness * self.variation * self.sun_teeth * phase.sin();
         let k2 = -self.stiffness * self.variation * self.sun_teeth.powi(2) * phase.cos();
-        for side in [1.0, -1.0] {
-            let overlap = side * twist - base * (involute - self.nominal_involute) - self.half_backlash;
+        for (number, side) in [1.0, -1.0].into_iter().enumerate() {
+            let overlap = side * twist - base * (involute - self.nominal_involute) - self.half_backlash - self.flank_loss[number];
             if overlap <= 0.0 {
                 continue;
             }
@@ -124,6 +129,7 @@ impl PlanarMesh {
                 continue;
             }
             state.force += side * elastic;
+            state.side_force[number] = elastic;
             let sigma: Row = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0];
             let half_square = 0.5 * overlap * overlap;
             for i in 0..MESH_COORDINATES {

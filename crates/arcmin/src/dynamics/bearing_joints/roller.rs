@@ -16,8 +16,8 @@ pub struct RadialBearing {
     count: usize,
     /// K in N/m^n.
     stiffness: f64,
-    exponent: f64,
-    half_clearance: f64,
+    pub(super) exponent: f64,
+    pub(super) half_clearance: f64,
     contact_cosine: f64,
     /// w: how far the cage follows the inner ring.
     pub(super) inner_share: f64,

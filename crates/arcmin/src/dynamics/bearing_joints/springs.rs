@@ -1,7 +1,7 @@
 //! All springs of the model except the pins, each handed to a [`Sink`].
 
 use super::assembly::{Element, Part, Sink};
-use super::planar_mesh::MESH_COORDINATES;
+use super::planar_mesh::{MESH_COORDINATES, MeshState};
 use super::{BearingJoints, BearingState, RadialBearing};
 use crate::geometry::{Vec2, quarter_turn};
 
@@ -170,12 +170,21 @@ impl BearingJoints {
         }
     }
 
-    fn add_mesh(&self, k: usize, q: &[f64], v: &[f64], sink: &mut impl Sink) {
+    fn mesh_index(&self, k: usize) -> [usize; MESH_COORDINATES] {
         let layout = &self.layout;
         let (sun, planet) = (layout.sun(), layout.support(k, 0));
-        let index = [sun, sun + 1, layout.sun_angle(), planet, planet + 1, layout.crank_angle(k), layout.carrier() + 2];
+        [sun, sun + 1, layout.sun_angle(), planet, planet + 1, layout.crank_angle(k), layout.carrier() + 2]
+    }
+
+    pub(super) fn mesh_state(&self, k: usize, q: &[f64], v: &[f64]) -> MeshState {
+        let index = self.mesh_index(k);
+        self.meshes[k].react(&index.map(|i| q[i]), &index.map(|i| v[i]))
+    }
+
+    fn add_mesh(&self, k: usize, q: &[f64], v: &[f64], sink: &mut impl Sink) {
+        let index = self.mesh_index(k);
         let rate = index.map(|i| v[i]);
-        let mesh = self.meshes[k].react(&index.map(|i| q[i]), &rate);
+        let mesh = self.mesh_state(k, q, v);
         let flat = |m: &[[f64; MESH_COORDINATES]; MESH_COORDINATES]| -> [f64; MESH_COORDINATES * MESH_COORDINATES] {
             std::array::from_fn(|i| m[i / MESH_COORDINATES][i % MESH_COORDINATES])
         };

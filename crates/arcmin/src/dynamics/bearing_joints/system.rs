@@ -153,10 +153,8 @@ impl Reducer for BearingJoints {
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
         let (q, v) = self.full(time, position, velocity);
         let mut summary = ForceSummary::default();
-        for (k, mesh) in self.meshes.iter().enumerate() {
-            let (sun, planet) = (self.layout.sun(), self.layout.support(k, 0));
-            let index = [sun, sun + 1, self.layout.sun_angle(), planet, planet + 1, self.layout.crank_angle(k), self.layout.carrier() + 2];
-            summary.mesh_force += mesh.react(&index.map(|i| q[i]), &index.map(|i| v[i])).force;
+        for k in 0..self.meshes.len() {
+            summary.mesh_force += self.mesh_state(k, &q, &v).force;
         }
         for disc in 0..self.layout.discs {
             let (pose, rate) = self.disc_state(disc, &q, &v);

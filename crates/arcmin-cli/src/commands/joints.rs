@@ -1,0 +1,28 @@
+use arcmin::dynamics::{BearingMeshing, JointSettings};
+use arcmin::machine::Machine;
+
+use crate::failure::Failure;
+
+/// How the bodies are joined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Joints {
+    /// Without clearance and compliance.
+    Ideal,
+    /// Every body free in its bearings.
+    Bearings,
+}
+
+impl Joints {
+    pub fn word(self) -> &'static str {
+        match self {
+            Joints::Ideal => "ideal",
+            Joints::Bearings => "bearings",
+        }
+    }
+}
+
+/// Load sharing with bearings, new surfaces.
+pub fn bearing_meshing(machine: &Machine) -> Result<BearingMeshing, Failure> {
+    BearingMeshing::new(machine, &JointSettings::default())
+        .map_err(|error| Failure::Usage { message: error.to_string(), help: "ideal joints (--joints ideal) take every machine".to_owned() })
+}

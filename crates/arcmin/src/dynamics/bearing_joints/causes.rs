@@ -1,0 +1,173 @@
+//! What makes up an output error in a state of balance: virtual work with the forces of that very balance.
+
+use super::BearingJoints;
+use super::assembly::{Element, Part, Sink};
+use crate::wear::PartLoads;
+
+/// Where lost motion comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Cause {
+    FlankWear,
+    PinWear,
+    FlankModification,
+    TurningArmClearance,
+    TurningArmWear,
+    CrankSupportClearance,
+    CrankSupportWear,
+    GearBacklash,
+    GearWear,
+    MainBearingClearance,
+    Elastic,
+}
+
+impl Cause {
+    pub const ALL: [Cause; 11] = [
+        Cause::FlankWear,
+        Cause::PinWear,
+        Cause::FlankModification,
+        Cause::TurningArmClearance,
+        Cause::TurningArmWear,
+        Cause::CrankSupportClearance,
+        Cause::CrankSupportWear,
+        Cause::GearBacklash,
+        Cause::GearWear,
+        Cause::MainBearingClearance,
+        Cause::Elastic,
+    ];
+
+    /// Words for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cause::FlankWear => "wear of the disc flanks",
+            Cause::PinWear => "wear of the pins",
+            Cause::FlankModification => "modification of the flanks",
+            Cause::TurningArmClearance => "clearance of the turning-arm bearings, new",
+            Cause::TurningArmWear => "wear of the turning-arm bearings",
+            Cause::CrankSupportClearance => "clearance of the crank supports, new",
+            Cause::CrankSupportWear => "wear of the crank supports",
+            Cause::GearBacklash => "backlash of the gears, new",
+            Cause::GearWear => "wear of the gears",
+            Cause::MainBearingClearance => "clearance of the main bearings",
+            Cause::Elastic => "elastic, at ±3 % of rated torque",
+        }
+    }
+
+    /// Word for columns and keys.
+    pub fn key(self) -> &'static str {
+        match self {
+            Cause::FlankWear => "flank_wear",
+            Cause::PinWear => "pin_wear",
+            Cause::FlankModification => "flank_modification",
+            Cause::TurningArmClearance => "turning_arm_clearance",
+            Cause::TurningArmWear => "turning_arm_wear",
+            Cause::CrankSupportClearance => "crank_support_clearance",
+            Cause::CrankSupportWear => "crank_support_wear",
+            Cause::GearBacklash => "gear_backlash",
+            Cause::GearWear => "gear_wear",
+            Cause::MainBearingClearance => "main_bearing_clearance",
+            Cause::Elastic => "elastic",
+        }
+    }
+}
+
+/// Sums stored energies per part.
+struct Stored([f64; Part::ALL.len()]);
+
+impl Sink for Stored {
+    fn element(&mut self, element: &Element<'_>) {
+        self.0[element.part as usize] += element.stored;
+    }
+
+    fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
+}
+
+impl BearingJoints {
+    /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by cause.
+    ///
+    /// The forces F_e of all joints balance the torque T at the output, so for small displacements T φ = Σ F_e u_e, and each u_e is the gap that was there
+    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements and for manufacturing errors.
+    /// Exact for springs: Q δ = (n + 1) U of a roller, 2 U of linear springs.
+    pub fn causes(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let mut causes = [0.0; Cause::ALL.len()];
+        let mut add = |cause: Cause, work: f64| causes[cause as usize] += work;
+        for k in 0..self.layout.cranks {
+            let arms = (0..self.layout.discs).map(|j| (&self.turning_arms[k][j], self.turning_arm_state(k, j, &q), self.part_wear.turning_arm));
+            let supports = (0..2).map(|end| (&self.supports[k], self.support_state(k, end, &q), self.part_wear.crank_support));
+            let own = [(Cause::TurningArmClearance, Cause::TurningArmWear), (Cause::CrankSupportClearance, Cause::CrankSupportWear)];
+            let all = arms.map(|bearing| (own[0], bearing)).chain(supports.map(|bearing| (own[1], bearing)));
+            for ((clearance, wear), (law, (u, cage), worn)) in all {
+                let state = law.react(u, cage);
+                let elastic = (law.exponent + 1.0) * state.stored;
+                let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
+                let share = if law.half_clearance == 0.0 { 0.0 } else { 0.5 * worn / law.half_clearance };
+                add(Cause::Elastic, elastic);
+                add(clearance, gap * (1.0 - share));
+                add(wear, gap * share);
+            }
+            let mesh = self.mesh_state(k, &q, &v);
+            for side in 0..2 {
+                let force = mesh.side_force[side];
+                add(Cause::GearBacklash, force * self.meshes[k].half_backlash);
+                add(Cause::GearWear, force * self.meshes[k].flank_loss[side]);
+            }
+        }
+        let mut stored = Stored([0.0; Part::ALL.len()]);
+        self.visit(&q, &v, &mut stored);
+        for part in [Part::CrankBending, Part::GearStage, Part::Carrier, Part::Housing] {
+            add(Cause::Elastic, 2.0 * stored.0[part as usize]);
+        }
+        let (stiffness, clearance) = self.main;
+        let at = self.layout.carrier();
+        add(Cause::MainBearingClearance, stiffness * (q[at].hypot(q[at + 1]) - clearance).max(0.0) * clearance);
+        for (j, ring) in self.rings.iter().enumerate() {
+            let (pose, rate) = self.disc_state(j, &q, &v);
+            let profile = ring.profile();
+            let k1 = profile.short_width_coefficient();
+            ring.visit(pose, rate, false, |contact| {
+                if contact.force <= 0.0 {
+                    return;
+                }
+                let designed = self.designed_relief.at(contact.meshing_angle).depth;
+                add(Cause::Elastic, -contact.force * contact.gap);
+                add(Cause::FlankWear, contact.force * (ring.relief().at(contact.meshing_angle).depth - designed));
+                add(Cause::PinWear, contact.force * ring.pin_depth(contact));
+                let cos = contact.meshing_angle.cos();
+                let offsets = self.equidistant_offset - self.radial_offset * (1.0 - k1 * cos) / profile.speed_factor(cos);
+                add(Cause::FlankModification, contact.force * (designed + offsets));
+            });
+        }
+        causes
+    }
+
+    /// Loads of bearings and gears at a balance, means of all of a kind.
+    pub fn part_loads(&self, position: &[f64]) -> PartLoads {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let (cranks, discs) = (self.layout.cranks, self.layout.discs);
+        let mut loads = PartLoads::default();
+        for k in 0..cranks {
+            for j in 0..discs {
+                let (u, cage) = self.turning_arm_state(k, j, &q);
+                loads.turning_arm += self.turning_arms[k][j].element_forces(u, cage).sum::<f64>() / (cranks * discs) as f64;
+            }
+            for end in 0..2 {
+                let (u, cage) = self.support_state(k, end, &q);
+                loads.crank_support += self.supports[k].element_forces(u, cage).sum::<f64>() / (2 * cranks) as f64;
+            }
+            let mesh = self.mesh_state(k, &q, &v);
+            for side in 0..2 {
+                loads.gears[side] += mesh.side_force[side] / cranks as f64;
+            }
+        }
+        loads
+    }
+
+    /// Replaces what bearings and gears have lost.
+    pub(super) fn set_part_wear(&mut self, wear: crate::machine::PartWear) {
+        let (arm, support) = (wear.turning_arm - self.part_wear.turning_arm, wear.crank_support - self.part_wear.crank_support);
+        self.turning_arms.iter_mut().flatten().for_each(|bearing| bearing.widen(arm));
+        self.supports.iter_mut().for_each(|bearing| bearing.widen(support));
+        self.meshes.iter_mut().for_each(|mesh| mesh.flank_loss = wear.gears);
+        self.part_wear = wear;
+    }
+}

@@ -1,0 +1,340 @@
+//! Load sharing with bearings: the static balance of the very model that `simulate` integrates.
+
+use super::{BearingJoints, Cause, JointSettings};
+use crate::contact::PinContacts;
+use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
+use crate::geometry::Relief;
+use crate::load::{FreeTravel, LoadError, LoadSharing, ShareLoad};
+use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
+use crate::units::ARCMIN;
+use crate::wear::parts;
+
+/// Discs and pins with the whole machine free in its bearings, input locked, friction aside.
+///
+/// The counterpart of [`Meshing`](crate::load::Meshing): same questions, same answers, forces from [`BearingJoints`] without inertia.
+/// The pattern of pins and eccentrics repeats every pin pitch, but the crankshafts stand elsewhere on the carrier then; everything repeats after a turn of
+/// the crankshafts against the carrier, z_c pin pitches.
+#[derive(Debug, Clone)]
+pub struct BearingMeshing {
+    model: BearingJoints,
+    /// Size of the rated torque in N·m.
+    rated: f64,
+    /// Deviations of the last balances at no load, lag and lead: where the next ones start.
+    loose: [Option<Vec<f64>>; 2],
+}
+
+/// Lost motion and what makes it up, in rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LostMotionSplit {
+    pub whole: f64,
+    /// In the order of [`Cause::ALL`].
+    pub causes: [f64; Cause::ALL.len()],
+}
+
+impl LostMotionSplit {
+    pub fn of(&self, cause: Cause) -> f64 {
+        self.causes[cause as usize]
+    }
+
+    /// What the causes leave of the whole: terms of second order in the displacements, manufacturing errors.
+    pub fn residual(&self) -> f64 {
+        self.whole - self.causes.iter().sum::<f64>()
+    }
+}
+
+/// Share of rated torque at which lost motion is read.
+const LOST_MOTION_SHARE: f64 = 0.03;
+/// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would lie anywhere in their clearance.
+const ZERO_SHARE: f64 = 1e-4;
+/// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of all contacts.
+const TOLERANCE: f64 = 1e-7;
+const FORCE_TOLERANCE: f64 = 1e-6;
+/// Of the load, and of the rated torque, that a jump of the contact forces may leave unbalanced.
+const JUMP: (f64, f64) = (1e-2, 1e-5);
+
+impl BearingMeshing {
+    /// # Errors
+    /// [`DynamicsError`] for a machine with a fixed carrier or values without meaning.
+    pub fn new(machine: &Machine, settings: &JointSettings) -> Result<BearingMeshing, DynamicsError> {
+        let mut machine = machine.clone();
+        machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
+        let model = BearingJoints::held(&machine, &JointSettings { damped: false, ..settings.clone() })?;
+        Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), loose: [None, None] })
+    }
+
+    /// The balances of this model hold the loads of the bearings as well.
+    pub fn model(&self) -> &BearingJoints {
+        &self.model
+    }
+
+    /// Balance under an output torque (N·m, positive against positive motion), as deviation of all coordinates from the nominal machine.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no balance is found.
+    pub fn balance(&mut self, crank: CrankAngle, torque: f64, start: Option<&[f64]>) -> Result<(Vec<f64>, f64), LoadError> {
+        if !torque.is_finite() {
+            return Err(LoadError::BadTorque(torque));
+        }
+        let sun = self.sun(crank);
+        self.model.hold_sun(sun, 0.0);
+        self.model.set_load(torque);
+        let nominal = self.model.nominal_position_at(sun);
+        let place: Vec<f64> = match start {
+            Some(start) => nominal.iter().zip(start).map(|(n, d)| n + d).collect(),
+            None => nominal,
+        };
+        let control = EquilibriumControl {
+            tolerance: TOLERANCE,
+            force_tolerance: FORCE_TOLERANCE,
+            jump_tolerance: (JUMP.0 * torque.abs() + JUMP.1 * self.rated) * ARCMIN,
+            ..EquilibriumControl::default()
+        };
+        match solve_equilibrium(&self.model, 0.0, &place, control) {
+            Ok(found) => Ok((found.position, found.residual)),
+            Err(DynamicsError::NoEquilibrium { residual, iterations, .. }) => {
+                Err(LoadError::NotConverged { crank_angle_deg: crank.degrees(), torque, residual, iterations })
+            }
+            // The static solver has no other way to fail.
+            Err(_) => Err(LoadError::NotConverged { crank_angle_deg: crank.degrees(), torque, residual: f64::NAN, iterations: 0 }),
+        }
+    }
+
+    /// Angle of the sun at which the nominal crankshafts stand at this angle.
+    fn sun(&self, crank: CrankAngle) -> f64 {
+        let kinematics = self.model.kinematics();
+        -crank.radians() / kinematics.lobe_count * kinematics.housing_fixed_ratio()
+    }
+
+    /// Output error of a balance found at this crank angle just before.
+    fn error(&self, position: &[f64]) -> OutputAngle {
+        OutputAngle::from_radians(self.model.output_error(position))
+    }
+
+    /// Lost motion between −3 % and +3 % of rated torque, mean over `positions` crank positions, and what makes it up. `starts` holds the balances of an
+    /// earlier call with as many positions, empty at first.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no balance is found.
+    pub fn lost_motion_causes(&mut self, positions: usize, starts: &mut Vec<Vec<f64>>) -> Result<LostMotionSplit, LoadError> {
+        let small = LOST_MOTION_SHARE * self.rated;
+        let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
+        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+            for index in 0..positions {
+                let crank = self.crank_position(index, positions, 0.0);
+                let slot = side * positions + index;
+                let start = starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
+                let (position, _) = self.balance(crank, sign * small, start.map(Vec::as_slice))?;
+                split.whole -= sign * self.model.output_error(&position) / positions as f64;
+                for (sum, work) in split.causes.iter_mut().zip(self.model.causes(&position)) {
+                    *sum += work / small / positions as f64;
+                }
+                let deviation = self.deviation(crank, &position);
+                if slot < starts.len() {
+                    starts[slot] = deviation;
+                } else {
+                    starts.push(deviation);
+                }
+            }
+        }
+        Ok(split)
+    }
+
+    /// Rates at which the wear laws of the machine let bearings and gears lose metal at its duty, mean over `positions` crank positions; in m/s. Zero without laws.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no balance is found.
+    pub fn part_wear_rates(&mut self, machine: &Machine, positions: usize) -> Result<PartWear, LoadError> {
+        let mut rates = PartWear::default();
+        if !machine.wear.parts.any() {
+            return Ok(rates);
+        }
+        let kinematics = machine.kinematics();
+        for duty in machine.duty.iter().filter(|duty| duty.torque != 0.0 && duty.share > 0.0) {
+            let (output, _, relative) = kinematics.speeds(duty.input_speed);
+            // Sun and planets against the carrier.
+            let speeds = [output * (kinematics.housing_fixed_ratio() - 1.0), relative];
+            let mut start: Option<Vec<f64>> = None;
+            for index in 0..positions {
+                let crank = self.crank_position(index, positions, 0.0);
+                let (position, _) = self.balance(crank, duty.torque, start.as_deref())?;
+                let loads = self.model.part_loads(&position);
+                rates = rates.plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
+                start = Some(self.deviation(crank, &position));
+            }
+        }
+        Ok(rates)
+    }
+
+    fn deviation(&self, crank: CrankAngle, position: &[f64]) -> Vec<f64> {
+        position.iter().zip(self.model.nominal_position_at(self.sun(crank))).map(|(q, n)| q - n).collect()
+    }
+
+    /// dT/dφ at the output of the whole machine in N·m/rad.
+    fn stiffness(&self, position: &[f64]) -> Option<f64> {
+        let n = position.len();
+        let rest = vec![0.0; n];
+        let mut force = vec![0.0; n];
+        let mut linearisation = self.model.linearisation();
+        self.model.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
+        let mut motion = vec![0.0; n];
+        motion[self.model.output_index()] = 1.0;
+        linearisation.solve(&rest, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion).ok()?;
+        Some(1.0 / motion[self.model.output_index()])
+    }
+}
+
+impl ShareLoad for BearingMeshing {
+    type Start = Vec<f64>;
+
+    fn kinematics(&self) -> &Kinematics {
+        self.model.kinematics()
+    }
+
+    fn contacts(&self) -> &PinContacts {
+        &self.model.rings[0]
+    }
+
+    fn set_relief(&mut self, relief: Relief) {
+        for ring in &mut self.model.rings {
+            ring.set_relief(relief.clone());
+        }
+    }
+
+    fn set_pin_relief(&mut self, relief: Relief) {
+        for ring in &mut self.model.rings {
+            ring.set_pin_relief(relief.clone());
+        }
+    }
+
+    fn set_part_wear(&mut self, wear: &PartWear) {
+        self.model.set_part_wear(*wear);
+    }
+
+    fn pitches(&self) -> usize {
+        self.model.kinematics().lobe_count as usize
+    }
+
+    /// A body that no contact holds leaves the stiffness at 0.
+    fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&Vec<f64>>) -> Result<(LoadSharing, Vec<f64>), LoadError> {
+        let (position, residual) = self.balance(crank, torque, start.map(Vec::as_slice))?;
+        let discs = (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, &position)).collect();
+        let stiffness = self.stiffness(&position).unwrap_or(0.0);
+        let sharing = LoadSharing { crank_angle: crank, torque, output_error: self.error(&position), residual, stiffness, discs };
+        Ok((sharing, self.deviation(crank, &position)))
+    }
+
+    /// Read at ±1e-4 of rated torque; where forces that jump (worn pins) leave no balance there, at ±1e-3.
+    fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
+        let mut ends = [0.0; 2];
+        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let start = self.loose[side].take();
+            let small = sign * ZERO_SHARE * self.rated;
+            let (position, _) = self.balance(crank, small, start.as_deref()).or_else(|_| self.balance(crank, 10.0 * small, start.as_deref()))?;
+            ends[side] = self.model.output_error(&position);
+            self.loose[side] = Some(self.deviation(crank, &position));
+        }
+        Ok(FreeTravel { lag: OutputAngle::from_radians(ends[0]), lead: OutputAngle::from_radians(ends[1]) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::ContactLaw;
+    use crate::units::HOUR;
+    use crate::wear::{CoupledOptions, CoupledWear};
+
+    /// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears likewise, no clearance.
+    fn stiff(law: ContactLaw) -> (Machine, BearingMeshing) {
+        let mut machine = crate::templates::rv_40e_81();
+        machine.contact_law = law;
+        machine.bearings.turning_arm.clearance = 0.0;
+        machine.gear_stage.mesh_stiffness *= 1e6;
+        let settings = JointSettings { stiffness_scale: 1e6, ..JointSettings::default() };
+        let meshing = BearingMeshing::new(&machine, &settings).unwrap();
+        (machine, meshing)
+    }
+
+    /// Deviation of the machine with ideal joints at an output error: springs of 1e15 N/m want a start in the contacts.
+    fn ideal_pose(meshing: &BearingMeshing, crank: CrankAngle, error: f64) -> Vec<f64> {
+        let (model, layout) = (&meshing.model, &meshing.model.layout);
+        let kinematics = model.kinematics();
+        let sun = meshing.sun(crank);
+        let nominal = model.nominal_position_at(sun);
+        let mut q = nominal.clone();
+        let (output, turn) = (sun / 81.0 + error, crank.radians() + kinematics.crank_per_output_locked() * error);
+        for k in 0..2 {
+            let axis = model.carrier_bores[k].at(output);
+            for station in 0..4 {
+                let at = layout.support(k, 0) + 2 * station;
+                (q[at], q[at + 1]) = (axis.x, axis.y);
+            }
+            q[layout.crank_angle(k)] = turn;
+        }
+        for j in 0..2 {
+            let (pose, at) = (kinematics.disc_pose(j, turn, output), layout.disc(j));
+            (q[at], q[at + 1], q[at + 2]) = (pose.centre.x, pose.centre.y, pose.angle);
+        }
+        q[layout.output()] = output;
+        q.iter().zip(&nominal).map(|(q, n)| q - n).collect()
+    }
+
+    /// Forces of all pins within 1e-4 of the largest with equal springs. The line contact of the model with bearings is conservative: it pushes along the
+    /// flank where the curvature changes, some 2.5e-4 of the torque, which ideal load sharing leaves out; hence 1e-3 there.
+    #[test]
+    fn val_stiff_bearings_share_the_load_like_ideal_joints() {
+        for (law, tolerance) in [(ContactLaw::Linear { stiffness: 2.85e8 }, 1e-4), (ContactLaw::LineHertz, 1e-3)] {
+            let (machine, mut meshing) = stiff(law);
+            let ideal = machine.meshing(&Relief::uniform(0.0));
+            for (sun, torque) in [(0.0, 412.0), (1.3, 412.0), (7.7, -206.0)] {
+                let crank = CrankAngle::from_radians(-sun * 39.0 / 81.0);
+                let expected = ideal.load_sharing(crank, torque).unwrap();
+                let start = ideal_pose(&meshing, crank, expected.output_error.radians());
+                let (found, _) = meshing.share(crank, torque, Some(&start)).unwrap();
+                let largest = expected.max_force();
+                for (a, b) in found.contacts().zip(expected.contacts()) {
+                    assert!((a.force - b.force).abs() < tolerance * largest, "pin {}: {} {}", a.pin, a.force, b.force);
+                }
+                let error = (found.output_error.radians() - expected.output_error.radians()) / ARCMIN;
+                assert!(error.abs() < 1e-4, "{error}");
+                assert!((found.stiffness / expected.stiffness - 1.0).abs() < 2e-3, "{} {}", found.stiffness, expected.stiffness);
+                for disc in 0..2 {
+                    assert!((found.disc_moment(disc) / torque - 0.4815).abs() < 2e-4, "{}", found.disc_moment(disc) / torque);
+                }
+            }
+        }
+    }
+
+    /// 600 h of coupled wear: depth within 0.5 % of the deepest everywhere. The crank positions are others (a turn of the crankshafts in place of a pin pitch), so
+    /// the grid of contacts along the flank differs within its error.
+    #[test]
+    fn val_stiff_bearings_wear_like_ideal_joints() {
+        let (machine, meshing) = stiff(ContactLaw::LineHertz);
+        let options = CoupledOptions::default();
+        let target = machine.coupled_exposure(options).unwrap().at(600.0 * HOUR);
+        let mut ideal = CoupledWear::new(&machine, options);
+        ideal.advance_to(target).unwrap();
+        let mut bearings = CoupledWear::with(&machine, meshing, options);
+        bearings.advance_to(target).unwrap();
+        let (deepest, _) = ideal.state().flank.deepest();
+        for (a, b) in bearings.state().flank.samples().iter().zip(ideal.state().flank.samples()) {
+            assert!((a - b).abs() < 5e-3 * deepest, "{a:e} {b:e} {deepest:e}");
+        }
+    }
+
+    /// With its assumed bearings the machine gives way ten times as much as its teeth do, the largest force lies a third higher, nearer to the root, and fewer
+    /// pins carry; the discs' shares stay what they are.
+    #[test]
+    fn trap_ideal_joints_are_too_stiff() {
+        let machine = crate::templates::rv_40e_81();
+        let mut meshing = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
+        let cycle = meshing.whole_cycle(412.0, 36).unwrap();
+        let ideal = machine.meshing(&Relief::uniform(0.0)).cycle(412.0, 36).unwrap();
+        assert!(cycle.mean_error().arcmin() < 10.0 * ideal.mean_error().arcmin());
+        assert!(cycle.max_force() > 1.2 * ideal.max_force());
+        assert!(cycle.loaded_pairs() < ideal.loaded_pairs() - 1.0);
+        // The gears carry the rest, as with ideal joints.
+        let both = cycle.disc_share(0) + cycle.disc_share(1);
+        assert!((both - 0.963).abs() < 3e-3, "{both}");
+    }
+}

@@ -1,0 +1,170 @@
+use super::{Cycle, FreeTravel, LoadError, LoadSharing, Meshing};
+use crate::contact::PinContacts;
+use crate::geometry::Relief;
+use crate::machine::{CrankAngle, Kinematics, OutputAngle, PartWear};
+
+/// Whatever finds the forces of all pins at a crank position with the input locked: ideal joints ([`Meshing`]) or bearings
+/// ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over life are written against this.
+pub trait ShareLoad {
+    /// A solution, kept for where a neighbouring one may start.
+    type Start: Clone;
+
+    fn kinematics(&self) -> &Kinematics;
+
+    /// Flank and contact law of a disc.
+    fn contacts(&self) -> &PinContacts;
+
+    /// Replaces the metal removed from the flanks (designed relief included).
+    fn set_relief(&mut self, relief: Relief);
+
+    /// Replaces the metal removed from the pins.
+    fn set_pin_relief(&mut self, relief: Relief);
+
+    /// Replaces what bearings and gears have lost; ideal joints have neither clearance nor gap.
+    fn set_part_wear(&mut self, _wear: &PartWear) {}
+
+    /// Number of pin pitches of crank angle after which everything repeats.
+    fn pitches(&self) -> usize;
+
+    /// Shares the output torque (N·m) at a crank angle.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no equilibrium is found.
+    fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&Self::Start>) -> Result<(LoadSharing, Self::Start), LoadError>;
+
+    /// How far the output can turn both ways at no load.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no pin touches.
+    fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError>;
+
+    /// Crank angle number `index` of `count`, for means over everything that repeats: the fractions of a pin pitch are equidistant, and so, within one
+    /// pitch, are the places on the whole period. `offset` (0 to 1) shifts the fractions.
+    fn crank_position(&self, index: usize, count: usize, offset: f64) -> CrankAngle {
+        let whole = index * self.pitches() / count;
+        CrankAngle::from_radians(self.kinematics().pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64))
+    }
+
+    /// Load sharing at `count` crank positions over one pin pitch, in order; without play.
+    ///
+    /// # Errors
+    /// [`LoadError`] of the first position that has no solution.
+    fn pitch_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        let period = self.kinematics().pattern_period();
+        let angles = (0..count).map(|index| CrankAngle::from_radians(period * index as f64 / count as f64));
+        sample(self, torque, period, angles, usize::MAX)
+    }
+
+    /// Load sharing at `count` crank positions over everything that repeats, the play at every third of them.
+    ///
+    /// # Errors
+    /// [`LoadError`] of the first position that has no solution.
+    fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        let period = self.kinematics().pattern_period() * self.pitches() as f64;
+        let angles: Vec<CrankAngle> = (0..count).map(|index| self.crank_position(index, count, 0.0)).collect();
+        sample(self, torque, period, angles, 3)
+    }
+}
+
+/// The play is read at every `stride`th position, with `usize::MAX` at none.
+fn sample<S: ShareLoad + ?Sized>(
+    sharer: &mut S,
+    torque: f64,
+    period: f64,
+    angles: impl IntoIterator<Item = CrankAngle>,
+    stride: usize,
+) -> Result<Cycle, LoadError> {
+    let mut cycle = Cycle { positions: Vec::new(), play: Vec::new(), free_travel: Vec::new(), period };
+    let mut start = None;
+    for (index, crank) in angles.into_iter().enumerate() {
+        if stride < usize::MAX && index % stride == 0 {
+            let travel = sharer.travel(crank)?;
+            let toward = if torque < 0.0 { travel.lead } else { travel.lag };
+            cycle.play.push(OutputAngle::from_radians(toward.radians().abs()));
+            cycle.free_travel.push(OutputAngle::from_radians(travel.lead.radians() - travel.lag.radians()));
+        }
+        let (sharing, found) = sharer.share(crank, torque, start.as_ref())?;
+        cycle.positions.push(sharing);
+        start = Some(found);
+    }
+    Ok(cycle)
+}
+
+/// Output errors at −3 % minus those at +3 % of rated torque, mean over `positions` crank positions. Without friction both branches of the hysteresis loop
+/// coincide, so the mid-points are the branch itself.
+///
+/// # Errors
+/// [`LoadError`] of the first position that has no solution.
+pub fn lost_motion<S: ShareLoad>(sharer: &mut S, rated_torque: f64, positions: usize) -> Result<OutputAngle, LoadError> {
+    let small = 0.03 * rated_torque.abs();
+    let mut sum = 0.0;
+    for sign in [1.0, -1.0] {
+        let mut start = None;
+        for index in 0..positions {
+            let (sharing, found) = sharer.share(sharer.crank_position(index, positions, 0.0), sign * small, start.as_ref())?;
+            sum -= sign * sharing.output_error.radians();
+            start = Some(found);
+        }
+    }
+    Ok(OutputAngle::from_radians(sum / positions as f64))
+}
+
+impl ShareLoad for Meshing {
+    type Start = OutputAngle;
+
+    fn kinematics(&self) -> &Kinematics {
+        Meshing::kinematics(self)
+    }
+
+    fn contacts(&self) -> &PinContacts {
+        Meshing::contacts(self)
+    }
+
+    fn set_relief(&mut self, relief: Relief) {
+        Meshing::set_relief(self, relief);
+    }
+
+    fn set_pin_relief(&mut self, relief: Relief) {
+        Meshing::set_pin_relief(self, relief);
+    }
+
+    fn pitches(&self) -> usize {
+        1
+    }
+
+    fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&OutputAngle>) -> Result<(LoadSharing, OutputAngle), LoadError> {
+        let sharing = match start {
+            Some(start) => self.load_sharing_near(crank, torque, *start)?,
+            None => self.load_sharing(crank, torque)?,
+        };
+        let error = sharing.output_error;
+        Ok((sharing, error))
+    }
+
+    fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
+        self.free_travel(crank)
+    }
+
+    fn pitch_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        self.cycle(torque, count)
+    }
+
+    fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        self.cycle(torque, count)
+    }
+}
+
+impl LoadSharing {
+    /// Moment of the pin forces on a disc about its own centre in N·m: what the disc carries of the torque.
+    pub fn disc_moment(&self, disc: usize) -> f64 {
+        self.discs.get(disc).map_or(0.0, |pins| pins.iter().map(|contact| contact.force * contact.gradient[2]).sum())
+    }
+}
+
+impl Cycle {
+    /// Mean share of a disc in the torque, moment of its pins about its centre over T. With ideal joints all shares are alike,
+    /// 1/(n (1 + (z_1+z_2)/(z_2 z_c))), as long as all discs are.
+    pub fn disc_share(&self, disc: usize) -> f64 {
+        self.positions.iter().map(|position| position.disc_moment(disc) / position.torque).sum::<f64>() / self.positions.len().max(1) as f64
+    }
+}

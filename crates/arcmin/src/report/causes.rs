@@ -1,0 +1,25 @@
+//! Lost motion stacked by cause over the hours.
+
+use super::{Axis, Block, Colour, Plot, Series};
+
+/// Lost motion per cause: (cause, points of (h, arcmin)), all at the same hours.
+pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
+    let mut plot = Plot::new("Lost motion by cause", Axis::new("Running time", "h"), Axis::new("Lost motion", "arcmin").from_zero());
+    // Stacked: every band stands on the one before.
+    let mut below: Vec<(f64, f64)> = Vec::new();
+    for (index, (cause, points)) in causes.iter().enumerate() {
+        let band: Vec<(f64, f64, f64)> = points
+            .iter()
+            .enumerate()
+            .map(|(at, (hours, value))| {
+                let low = below.get(at).map_or(0.0, |base| base.1);
+                (*hours, low, low + value)
+            })
+            .collect();
+        below = band.iter().map(|(hours, _, high)| (*hours, *high)).collect();
+        plot.series.push(Series::band(cause.clone(), band).coloured(Colour::Palette((index % 7) as u8)));
+    }
+    plot.series.push(Series::line("sum", below).coloured(Colour::Reference).strong());
+    plot.note = "Bands stand on each other.".into();
+    Block::Plot(plot)
+}
