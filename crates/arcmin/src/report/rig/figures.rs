@@ -113,7 +113,8 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
     let split = &state.split;
     // Parts that are rigid in this design would be bars of no length.
     let there = split.parts.iter().filter(|(_, compliance)| *compliance > 1e-6 * split.whole);
-    let rows = there.map(|(part, c)| (part.name().to_owned(), 1e3 * c / ARCMIN, format!("{} %", significant(100.0 * c / split.whole, 3)))).collect();
+    // The block itself tells the shares.
+    let rows = there.map(|(part, c)| (part.name().to_owned(), 1e3 * c / ARCMIN, String::new())).collect();
     let rigid: Vec<&str> = split.parts.iter().filter(|(_, c)| *c <= 1e-6 * split.whole).map(|(part, _)| part.name()).collect();
     let rigid = if rigid.is_empty() { String::new() } else { format!(" Rigid or without effect here: {}.", rigid.join(", ")) };
     let sum: f64 = split.parts.iter().map(|part| part.1).sum();
