@@ -27,6 +27,11 @@ pub struct Options {
     /// Joints between the bodies; with bearings the error is that of the whole machine, input locked, and the discs need not carry alike.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
+    /// Share the load on elastic discs (finite elements; equilibrium, ideal joints).
+    #[arg(long)]
+    flexible: bool,
+    #[command(flatten)]
+    elastic: super::elastic::Options,
     /// Output torque in N·m, positive against positive output motion [default: the rated torque].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     torque_nm: Option<f64>,
@@ -51,8 +56,20 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
     let mut table = Table::new(&["crank_angle_deg", "disc", "pin", "meshing_angle_deg", "force_n", "pressure_mpa", "half_width_um", "gap_um"]);
+    if options.flexible && (options.joints == Joints::Bearings || options.method == Method::ClosedForm) {
+        return Err(Failure::Usage {
+            message: "elastic discs share the load by equilibrium with ideal joints only".to_owned(),
+            help: "leave --flexible, or --joints and --method, out".to_owned(),
+        });
+    }
     let summary = match options.method {
         Method::Equilibrium => match options.joints {
+            Joints::Ideal if options.flexible => {
+                run.progress().report("reducing the discs", 0.0);
+                let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
+                let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs);
+                equilibrium(&mut run, &options, meshing, &machine, torque, &mut table)?
+            }
             Joints::Ideal => equilibrium(&mut run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, torque, &mut table)?,
             Joints::Bearings => equilibrium(&mut run, &options, bearing_meshing(&machine)?, &machine, torque, &mut table)?,
         },

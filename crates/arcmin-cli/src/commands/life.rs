@@ -4,6 +4,8 @@ use arcmin::checks::{self, Severity};
 use arcmin::dynamics::{
     DynamicsError, RunResult, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, transmission_error_study,
 };
+use arcmin::fem::FlexibleDiscs;
+use arcmin::geometry::Relief;
 use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_with};
 use arcmin::machine::Machine;
 use arcmin::report::{Provenance, Section};
@@ -35,7 +37,8 @@ pub struct Options {
     /// Leave out the multibody runs (STE and DTE).
     #[arg(long)]
     quasi_static: bool,
-    /// Add the static and the dynamic transmission error with elastic discs (finite elements) at every wear level: some ten seconds.
+    /// Elastic discs (finite elements): the prediction shares the load on them (with ideal joints), and the study shows their static and dynamic
+    /// transmission error at every wear level as well: some ten seconds.
     #[arg(long, conflicts_with = "quasi_static")]
     flexible: bool,
     /// Joints of the prediction; the study of Tao2024 keeps ideal joints.
@@ -70,14 +73,27 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     // The prediction follows the wear step by step; the runs of the study fill the other cores meanwhile.
     let (mut wear_clock, mut study_clock) = (Clock::default(), Clock::default());
     let bearings = (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine)).transpose()?;
+    let discs = if options.flexible {
+        run.progress().report("reducing the discs", 0.0);
+        Some(clock.time("reduction", || super::elastic::discs(&machine, &options.elastic, &run.path(".")))?)
+    } else {
+        None
+    };
     let (prediction, study) = rayon::join(
         || {
-            wear_clock.time("wear", || match bearings {
-                None => predict(&machine, settings, run.progress()).map_err(wear_failure),
-                Some(bearings) => predict_with(&machine, bearings, settings, run.progress()).map_err(wear_failure),
+            wear_clock.time("wear", || {
+                match (bearings, &discs) {
+                    (Some(bearings), _) => predict_with(&machine, bearings, settings, run.progress()),
+                    (None, Some(discs)) => {
+                        let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs.clone());
+                        predict_with(&machine, meshing, settings, run.progress())
+                    }
+                    (None, None) => predict(&machine, settings, run.progress()),
+                }
+                .map_err(wear_failure)
             })
         },
-        || paper_study_with_runs(&run, &options, &machine, settings, &mut study_clock),
+        || paper_study_with_runs(&run, &options, discs.as_ref(), &machine, settings, &mut study_clock),
     );
     let (prediction, (study, simulated, elastic)) = (prediction?, study?);
     clock.0.append(&mut wear_clock.0);
@@ -110,6 +126,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     run.finish(json!({
         "ratio": machine.kinematics().ratio(),
         "joints": options.joints.word(),
+        "elastic_prediction": options.flexible && options.joints == Joints::Ideal,
         "hours_to_limit": prediction.hours_to_limit,
         "hours_to_limit_searched": prediction.searched_hours,
         "hours_to_limit_paper_study": study.hours_to_limit,
@@ -146,13 +163,14 @@ type Elastic = (TransmissionErrorStudy, Section);
 fn paper_study_with_runs(
     run: &Run,
     options: &Options,
+    discs: Option<&FlexibleDiscs>,
     machine: &Machine,
     settings: LifeOptions,
     clock: &mut Clock,
 ) -> Result<(PaperStudy, Option<TransmissionErrorStudy>, Option<Elastic>), Failure> {
     let study = clock.time("study", || paper_study(machine, &paper_depths(), settings)).map_err(wear_failure)?;
     let rigid = if options.quasi_static { None } else { Some(clock.time("rigid", || simulate(run, machine, &study))?) };
-    let elastic = if options.flexible { Some(clock.time("flexible", || simulate_elastic(run, options, machine, &study))?) } else { None };
+    let elastic = discs.map(|discs| clock.time("flexible", || simulate_elastic(run, options, discs, machine, &study))).transpose()?;
     Ok((study, rigid, elastic))
 }
 
@@ -164,17 +182,15 @@ fn simulate(run: &Run, machine: &Machine, study: &PaperStudy) -> Result<Transmis
 }
 
 /// The same runs with elastic discs, and the section of the report about the disc.
-fn simulate_elastic(run: &Run, options: &Options, machine: &Machine, study: &PaperStudy) -> Result<Elastic, Failure> {
-    run.progress().report("reducing the discs", 0.0);
-    let discs = super::elastic::discs(machine, &options.elastic, &run.path("."))?;
+fn simulate_elastic(run: &Run, options: &Options, discs: &FlexibleDiscs, machine: &Machine, study: &PaperStudy) -> Result<Elastic, Failure> {
     let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();
     let settings = StudySettings { perturbed_starts: 0, ..StudySettings::tao2024(machine) };
-    let result = flexible_transmission_error_study(machine, &discs, options.elastic.dynamics(), &wear, &settings, run.progress());
+    let result = flexible_transmission_error_study(machine, discs, options.elastic.dynamics(), &wear, &settings, run.progress());
     let study = result.map_err(|error| match error {
         DynamicsError::Cancelled { .. } => Failure::Cancelled,
         error => Failure::compute("simulate the elastic discs")(error),
     })?;
-    Ok((study, super::elastic::section(machine, &options.elastic, discs)?))
+    Ok((study, super::elastic::section(machine, &options.elastic, discs.clone())?))
 }
 
 fn mean_and_max(result: &RunResult) -> Option<MeanAndMax> {

@@ -30,6 +30,11 @@ pub struct Options {
     /// Joints between the bodies (coupled mode): with bearings the pins see the forces that clearances and elastic bearings leave them.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
+    /// Share the load on elastic discs (finite elements; coupled mode, ideal joints).
+    #[arg(long)]
+    flexible: bool,
+    #[command(flatten)]
+    elastic: super::elastic::Options,
     /// Hours of service [default: the service life of the design].
     #[arg(long, value_name = "H", value_parser = crate::run::hours)]
     hours: Option<f64>,
@@ -98,8 +103,19 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
     let mut tables = Tables::new();
+    if options.flexible && (options.joints == Joints::Bearings || options.mode == Mode::Paper) {
+        return Err(Failure::Usage {
+            message: "elastic discs wear in the coupled mode with ideal joints only".to_owned(),
+            help: "leave --flexible, or --joints and --mode, out".to_owned(),
+        });
+    }
     let summary = match options.mode {
         Mode::Coupled => match options.joints {
+            Joints::Ideal if options.flexible => {
+                run.progress().report("reducing the discs", 0.0);
+                let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
+                coupled(&run, &options, machine.flexible_meshing(&Relief::uniform(0.0), discs), &machine, end, &mut tables)
+            }
             Joints::Ideal => coupled(&run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, end, &mut tables),
             Joints::Bearings => coupled(&run, &options, bearing_meshing(&machine)?, &machine, end, &mut tables),
         },
