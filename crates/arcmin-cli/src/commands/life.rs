@@ -136,6 +136,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         "max_depth_at_deg": prediction.points[prediction.points.len() - 1].max_depth_at.abs() / DEG,
         "play_arcmin": last.play_arcmin,
         "lost_motion_arcmin": last.lost_motion_arcmin,
+        "machine_lost_motion_arcmin": last.machine_lost_motion_arcmin,
         "te_loaded_arcmin": last.te_loaded_arcmin,
         "lost_motion_causes": parts.last().map(|(_, point)| super::causes::summary(point)),
         "max_force_n": last.max_force_n,
@@ -208,6 +209,7 @@ fn row(point: &LifePoint, simulated: Option<&arcmin::dynamics::StudyPoint>) -> L
         max_pressure_mpa: point.max_pressure / MPA,
         loaded_pairs: point.loaded_pairs,
         lost_motion_arcmin: Some(point.lost_motion.arcmin()),
+        machine_lost_motion_arcmin: point.parts.is_some().then(|| point.machine_lost_motion().arcmin()),
         ste_rigid: simulated.and_then(|s| mean_and_max(&s.no_load)),
         dte_rigid: simulated.and_then(|s| mean_and_max(&s.loaded)),
         ste_flexible: None,
@@ -381,16 +383,19 @@ fn render(
 /// The terminal's table: a handful of rows of the prediction, the study, the verdict.
 fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], study: &[LifeRow], findings: &[checks::Finding], joints: Joints) {
     run.say(&format!("{}: accuracy over {:.0} h, wear coupled to the load", machine.name, machine.limits.service_life / HOUR));
-    run.say("   hours   depth µm   play '   lost motion '   loaded TE '   max force N   pairs");
+    run.say("                                  lost motion '                         largest");
+    run.say("   hours   depth µm   play '   contacts   machine   loaded TE '   force N   pairs");
+    let angle = |arcmin: Option<f64>| arcmin.map_or("–".to_owned(), |arcmin| format!("{arcmin:.3}"));
     let intervals = rows.len() - 1;
     let stations = 6.min(intervals);
     for row in (0..=stations).map(|station| &rows[intervals * station / stations]) {
         run.say(&format!(
-            "{:8.0} {:10.2} {:8.3} {:15.3} {:13.3} {:13.0} {:7.1}",
+            "{:8.0} {:10.2} {:8.3} {:>10} {:>9} {:13.3} {:9.0} {:7.1}",
             row.hours,
             row.max_depth_um,
             row.play_arcmin,
-            row.lost_motion_arcmin.unwrap_or(0.0),
+            if joints == Joints::Ideal { angle(row.lost_motion_arcmin) } else { angle(None) },
+            angle(row.machine_lost_motion_arcmin.or(row.lost_motion_arcmin.filter(|_| joints != Joints::Ideal))),
             row.te_loaded_arcmin,
             row.max_force_n,
             row.loaded_pairs
@@ -406,7 +411,7 @@ fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], 
         run.say(&if elastic { format!("{rigid} {} {}", pair(row.ste_flexible), pair(row.dte_flexible)) } else { rigid });
     }
     let limit = machine.limits.lost_motion / ARCMIN;
-    let whose = if joints == Joints::Ideal { "contacts" } else { "machine" };
+    let whose = if joints == Joints::Ideal && rows.iter().all(|row| row.machine_lost_motion_arcmin.is_none()) { "contacts" } else { "machine" };
     run.say(&match prediction.hours_to_limit {
         Some(hours) => format!("\nlost motion of the {whose} reaches its limit of {limit:.2}' after {hours:.0} h"),
         None => format!("\nlost motion of the {whose} stays below its limit of {limit:.2}' for {:.0} h at least", prediction.searched_hours),

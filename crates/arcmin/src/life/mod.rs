@@ -47,6 +47,13 @@ pub struct LifePoint {
     pub parts: Option<PartsPoint>,
 }
 
+impl LifePoint {
+    /// What a user of the machine feels and its limit is about: with the bearings where they are modelled, else of the contacts alone.
+    pub fn machine_lost_motion(&self) -> OutputAngle {
+        self.parts.as_ref().map_or(self.lost_motion, |parts| OutputAngle::from_radians(parts.lost_motion.whole))
+    }
+}
+
 /// The coupled prediction.
 #[derive(Debug, Clone)]
 pub struct Prediction {
@@ -57,7 +64,8 @@ pub struct Prediction {
     pub exposure: Exposure,
     /// Updates of the flank over the service life.
     pub updates: usize,
-    /// Hours until the lost motion reaches the design's limit; `None` if it does not within [`Prediction::searched_hours`].
+    /// Hours until the lost motion of the whole machine ([`LifePoint::machine_lost_motion`]) reaches the design's limit; `None` if it does not within
+    /// [`Prediction::searched_hours`].
     pub hours_to_limit: Option<f64>,
     /// How far the limit was looked for.
     pub searched_hours: f64,
@@ -187,7 +195,7 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
     let updates = wear.updates();
     let limit = machine.limits.lost_motion;
     let furthest = options.search_factor.max(1.0) * service_hours;
-    let mut history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.lost_motion.radians())).collect();
+    let mut history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.machine_lost_motion().radians())).collect();
     let mut hours_to_limit = crossing(&history, limit);
     let mut searched_hours = service_hours;
     while hours_to_limit.is_none() && searched_hours < furthest {
@@ -197,10 +205,18 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
             parts.advance((hours - searched_hours) * HOUR)?;
             wear.set_part_wear(parts.wear());
         }
-        let lost = advance(&mut wear, exposure.at(hours * HOUR), progress)
-            .and_then(|()| Ok(lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?));
+        let lost = advance(&mut wear, exposure.at(hours * HOUR), progress).and_then(|()| {
+            if let Some(parts) = &parts {
+                let (flank_wear, pin_wear) = (wear.state().flank_seen_by_contact().clone(), wear.state().pin_seen_by_contact().clone());
+                let settings = JointSettings { flank_wear, pin_wear, part_wear: *parts.wear(), ..JointSettings::default() };
+                if let Some(point) = lost_motion_causes(machine, &settings)? {
+                    return Ok(point.lost_motion.whole);
+                }
+            }
+            Ok(lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians())
+        });
         match lost {
-            Ok(lost) => history.push((hours, lost.radians())),
+            Ok(lost) => history.push((hours, lost)),
             // Far beyond the service life a flank may be worn out of the model's reach; the search ends where it still held.
             Err(WearError::Load(_)) => break,
             Err(error) => return Err(error),

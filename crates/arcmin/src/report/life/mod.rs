@@ -36,6 +36,8 @@ pub struct LifeRow {
     pub max_pressure_mpa: f64,
     pub loaded_pairs: f64,
     pub lost_motion_arcmin: Option<f64>,
+    /// Of the machine with its bearings, where they are modelled beside contacts with ideal joints.
+    pub machine_lost_motion_arcmin: Option<f64>,
     pub ste_rigid: Option<MeanAndMax>,
     pub dte_rigid: Option<MeanAndMax>,
     pub ste_flexible: Option<MeanAndMax>,

@@ -42,21 +42,36 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
     let pressure_tone = if largest_pressure > pressure_limit { Tone::Bad } else { Tone::Neutral };
     let figure =
         |label: &str, value: String, unit: &str, note: String, tone: Tone| KeyFigure { label: label.into(), value, unit: unit.into(), note, tone };
-    let lost = |row: &super::LifeRow| row.lost_motion_arcmin.unwrap_or(2.0 * row.play_arcmin);
-    let lost_kind = if new.lost_motion_arcmin.is_some() { "lost motion at ±3 % of rated torque" } else { "play of both flanks" };
+    let contacts = |row: &super::LifeRow| row.lost_motion_arcmin.unwrap_or(2.0 * row.play_arcmin);
+    let lost = |row: &super::LifeRow| row.machine_lost_motion_arcmin.unwrap_or(contacts(row));
+    let lost_kind = match (new.machine_lost_motion_arcmin, new.lost_motion_arcmin) {
+        (Some(_), _) => {
+            format!(
+                "lost motion at ±3 % of rated torque, bearings and gears as in the design; tooth contacts alone {} arcmin",
+                significant(contacts(new), 3)
+            )
+        }
+        (None, Some(_)) => "lost motion at ±3 % of rated torque, tooth contacts alone".to_owned(),
+        (None, None) => "play of both flanks, tooth contacts alone".to_owned(),
+    };
     let figures = vec![
         figure(
             "Accuracy now (new)",
             significant(lost(new), 3),
             "arcmin",
-            format!("{lost_kind}, tooth contacts alone; loaded transmission error {} arcmin", significant(new.te_loaded_arcmin, 3)),
+            format!("{lost_kind}; loaded transmission error {} arcmin", significant(new.te_loaded_arcmin, 3)),
             Tone::Neutral,
         ),
         figure(
             &format!("After {:.0} h", worn.hours),
             significant(lost(worn), 3),
             "arcmin",
-            format!("{} arcmin allowed; loaded transmission error {} arcmin", compact(limit, 3), significant(worn.te_loaded_arcmin, 3)),
+            format!(
+                "{} arcmin allowed; of this the wear {} arcmin; loaded transmission error {} arcmin",
+                compact(limit, 3),
+                significant(lost(worn) - lost(new), 3),
+                significant(worn.te_loaded_arcmin, 3)
+            ),
             if lost(worn) > limit { Tone::Bad } else { Tone::Good },
         ),
         match life.hours_to_limit {
