@@ -22,7 +22,7 @@ const REACH: f64 = 5e-6;
 const RESIDUAL_FLOOR: f64 = 5e-9;
 /// A wavy, worn flank may have two places equally near to a pin; where the nearer one changes, the pin's force jumps with the curvature, and the torque by a
 /// tenth of a per cent. A bracket (rad) that closes around such a jump is the equilibrium; what is left of the torque is reported with the solution.
-const NO_WIDTH: f64 = 1e-15;
+const NO_WIDTH: f64 = 1e-10;
 const LARGEST_JUMP: f64 = 1e-2;
 /// First guess of the torsional stiffness in N·m/rad: teeth and discs in series.
 const EXPECTED_STIFFNESS: f64 = 2500.0 / crate::units::ARCMIN;
