@@ -118,7 +118,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     }
     let design_name = options.common.design.display().to_string();
     let report = clock.time("report", || {
-        render(&run, &design_name, &machine, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts)
+        render(&run, &design_name, &machine, options.joints, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts)
     });
     run.file("report.html", report.as_bytes())?;
 
@@ -328,6 +328,7 @@ fn render(
     run: &Run,
     design_name: &str,
     machine: &Machine,
+    joints: Joints,
     prediction: &Prediction,
     study: &PaperStudy,
     simulated: Option<&TransmissionErrorStudy>,
@@ -364,6 +365,7 @@ fn render(
         },
         design_name,
         design_text: run.design.text(),
+        contacts_alone: joints == Joints::Ideal,
         prediction: prediction_rows,
         flanks: &flanks,
         hours_to_limit: prediction.hours_to_limit,

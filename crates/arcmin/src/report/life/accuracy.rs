@@ -30,12 +30,14 @@ fn over_hours<F: Fn(&LifeRow) -> Option<f64>>(rows: &[LifeRow], value: F) -> Vec
 fn angles(life: &LifePage) -> Plot {
     let mut plot = Plot::new("Accuracy over running time", hours(), Axis::new("Angle at the output", "arcmin").from_zero());
     let rows = life.prediction;
-    if rows.iter().any(|row| row.lost_motion_arcmin.is_some()) {
-        plot.series.push(
-            Series::line("lost motion of the contacts at ±3 % torque", over_hours(rows, |row| row.lost_motion_arcmin))
-                .strong()
-                .coloured(Colour::Palette(0)),
-        );
+    let machine = rows.iter().any(|row| row.machine_lost_motion_arcmin.is_some());
+    if machine {
+        let series = Series::line("lost motion of the machine at ±3 % torque", over_hours(rows, |row| row.machine_lost_motion_arcmin));
+        plot.series.push(series.strong().coloured(Colour::Palette(0)));
+    }
+    if life.contacts_alone && rows.iter().any(|row| row.lost_motion_arcmin.is_some()) {
+        let series = Series::line("lost motion of the contacts alone", over_hours(rows, |row| row.lost_motion_arcmin));
+        plot.series.push(if machine { series.coloured(Colour::Palette(3)) } else { series.strong().coloured(Colour::Palette(0)) });
     }
     plot.series.push(Series::line("play, one-sided", over_hours(rows, |row| Some(row.play_arcmin))).coloured(Colour::Palette(2)));
     plot.series.push(
@@ -48,9 +50,17 @@ fn angles(life: &LifePage) -> Plot {
     if let Some(at) = life.hours_to_limit.filter(|at| rows.last().is_some_and(|row| *at <= 1.1 * row.hours)) {
         plot.annotations.push(Annotation::Vertical { at, label: format!("limit reached, {at:.0} h"), tone: Tone::Bad });
     }
-    plot.note = "Prediction with coupled wear, from the contacts of discs and pins alone; bearings and gears add theirs. While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, \
-                 which no one notices; it shows when the torque reverses, as lost motion."
-        .into();
+    let scope = match (machine, life.contacts_alone) {
+        (_, false) => "Prediction with coupled wear, all of it with the bearings and gears of the design.",
+        (true, true) => {
+            "Prediction with coupled wear. The machine's lost motion includes the bearings and gears of the design, all else is of the contacts of discs and pins alone."
+        }
+        (false, true) => "Prediction with coupled wear, from the contacts of discs and pins alone; bearings and gears add theirs.",
+    };
+    plot.note = format!(
+        "{scope} While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, which no one notices; it shows when the \
+         torque reverses, as lost motion."
+    );
     plot
 }
 

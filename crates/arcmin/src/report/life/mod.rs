@@ -81,6 +81,8 @@ pub struct LifePage<'a> {
     pub provenance: Provenance,
     pub design_name: &'a str,
     pub design_text: &'a str,
+    /// Whether the rows of the prediction are of the contacts with ideal joints; else of the machine with its bearings.
+    pub contacts_alone: bool,
     /// The coupled prediction, in the order of hours; the first row is the new machine.
     pub prediction: &'a [LifeRow],
     /// Flank and loads at some of these hours, the first new, the last at the end of the service life.

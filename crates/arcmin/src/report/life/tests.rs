@@ -46,6 +46,7 @@ fn page_with(machine: &Machine, change: impl FnOnce(&mut LifePage)) -> Page {
         provenance: Provenance::default(),
         design_name: "design.toml",
         design_text: "[ring]\npin_count = 40\n",
+        contacts_alone: true,
         prediction: &prediction,
         flanks: &flanks,
         hours_to_limit: None,
