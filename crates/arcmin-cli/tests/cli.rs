@@ -417,3 +417,16 @@ fn measured_files_and_manufacturing_errors_that_do_not_fit_are_answered_with_the
     assert!(output.status.success(), "{}", texts(&output).1);
     assert_eq!(summary(&directory.path().join("r"))["errors"]["source"], "given");
 }
+
+/// The elastic disc goes to ParaView complete: a file that ends as it should, with displacement, stress and modes.
+#[test]
+fn the_elastic_disc_is_written_for_paraview() {
+    let directory = with_design();
+    let output = arcmin(directory.path(), &["contact", "d.toml", "--flexible", "--positions", "8", "--vtu", "--out", "out", "--quiet"]);
+    assert!(output.status.success(), "{}", texts(&output).1);
+    let text = std::fs::read_to_string(directory.path().join("out/disc.vtu")).unwrap();
+    assert!(text.trim_end().ends_with("</VTKFile>"));
+    for field in ["displacement (m)", "mode 8"] {
+        assert!(text.contains(field), "{field}");
+    }
+}

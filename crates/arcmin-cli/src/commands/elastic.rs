@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use arcmin::dynamics::FlexibleOptions;
 use arcmin::fem::{BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc};
 use arcmin::geometry::Relief;
+use arcmin::load::LoadSharing;
 use arcmin::machine::{CrankAngle, Machine};
 use arcmin::report::Section;
 
@@ -27,7 +28,13 @@ pub struct Options {
     /// Directory for reduced discs, so that the next run need not reduce them again [default: the output directory].
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
+    /// Elastic discs: write disc.vtu (ParaView) with the mesh, displacement and stress under rated torque, and the lowest modes.
+    #[arg(long)]
+    pub vtu: bool,
 }
+
+/// Modes in the file for ParaView.
+const VTU_MODES: usize = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Element {
@@ -65,8 +72,8 @@ impl Options {
 
 /// The reduced discs of a machine, from the cache where it holds them. A damaged or foreign cache file is replaced.
 pub fn discs(machine: &Machine, options: &Options, directory: &Path) -> Result<FlexibleDiscs, Failure> {
-    let directory = options.cache.as_deref().unwrap_or(directory);
-    FlexibleDiscs::with(machine, |shape| {
+    let (output, directory) = (directory, options.cache.as_deref().unwrap_or(directory));
+    let discs = FlexibleDiscs::with(machine, |shape| {
         let settings = options.settings(shape);
         let key = CacheKey::of(shape, &settings);
         let path = directory.join(format!("disc-{}.reduced", &key.hex()[..16]));
@@ -80,15 +87,27 @@ pub fn discs(machine: &Machine, options: &Options, directory: &Path) -> Result<F
         let _ = std::fs::create_dir_all(directory);
         write_file(&path, &reduced.to_bytes(&key))?;
         Ok(reduced)
-    })
+    })?;
+    if options.vtu {
+        let (model, sharing) = under_rated_torque(machine, options, discs.clone())?;
+        let text = model.vtu(&sharing.tooth_loads(0), VTU_MODES).map_err(Failure::compute("find the modes of the disc"))?;
+        write_file(&output.join("disc.vtu"), text.as_bytes())?;
+    }
+    Ok(discs)
+}
+
+/// The full model of the first disc, and the load sharing of the unworn machine at rated torque.
+fn under_rated_torque(machine: &Machine, options: &Options, discs: FlexibleDiscs) -> Result<(DiscModel, LoadSharing), Failure> {
+    let shape = DiscShape::of(machine, 0);
+    let model = DiscModel::new(shape.clone(), options.settings(&shape)).map_err(Failure::compute("mesh the elastic disc"))?;
+    let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs);
+    let sharing = meshing.load_sharing(CrankAngle::from_radians(0.0), machine.rated.torque).map_err(Failure::compute("load the elastic disc"))?;
+    Ok((model, sharing))
 }
 
 /// The section of a report about the disc: mesh and shape under rated torque.
 pub fn section(machine: &Machine, options: &Options, discs: FlexibleDiscs) -> Result<Section, Failure> {
-    let shape = DiscShape::of(machine, 0);
-    let model = DiscModel::new(shape.clone(), options.settings(&shape)).map_err(Failure::compute("mesh the elastic disc"))?;
     let frequencies = discs.reduced(0).frequencies();
-    let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs);
-    let sharing = meshing.load_sharing(CrankAngle::from_radians(0.0), machine.rated.torque).map_err(Failure::compute("load the elastic disc"))?;
+    let (model, sharing) = under_rated_torque(machine, options, discs)?;
     Ok(arcmin::report::elastic::section(machine, &model, &frequencies, &sharing))
 }

@@ -1,5 +1,6 @@
 use super::gap_model::GapModel;
 use crate::contact::{DiscVelocity, PinContact, PinContacts};
+use crate::fem::FlankLoad;
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
 use crate::machine::{CrankAngle, Kinematics, Machine, OutputAngle};
 
@@ -61,6 +62,12 @@ impl LoadSharing {
     /// Largest contact force in N.
     pub fn max_force(&self) -> f64 {
         self.contacts().map(|contact| contact.force).fold(0.0, f64::max)
+    }
+
+    /// Tooth forces on one disc, as the finite element model takes them.
+    pub fn tooth_loads(&self, disc: usize) -> Vec<FlankLoad> {
+        let contacts = self.discs.get(disc).into_iter().flatten().filter(|contact| contact.force > 0.0);
+        contacts.map(|contact| FlankLoad { tau: contact.tau, force: contact.force }).collect()
     }
 
     /// Number of pins of one disc that carry force, the mean over the discs.

@@ -1,7 +1,7 @@
 //! The elastic disc: its mesh and how it deforms under rated torque.
 
 use super::{Block, Column, Section, Table, compact, mesh_picture, significant};
-use crate::fem::{DiscModel, FlankLoad};
+use crate::fem::DiscModel;
 use crate::load::LoadSharing;
 use crate::machine::Machine;
 
@@ -10,14 +10,7 @@ const LISTED: usize = 8;
 
 /// Mesh, deformed shape under the tooth forces of `sharing` on its first disc, and natural frequencies (Hz) with the bores held.
 pub fn section(machine: &Machine, model: &DiscModel, frequencies: &[f64], sharing: &LoadSharing) -> Section {
-    let loads: Vec<FlankLoad> = sharing
-        .discs
-        .first()
-        .into_iter()
-        .flatten()
-        .filter(|contact| contact.force > 0.0)
-        .map(|contact| FlankLoad { tau: contact.tau, force: contact.force })
-        .collect();
+    let loads = sharing.tooth_loads(0);
     let unknowns = model.deflect(&loads);
     let plane = &model.mesh.plane;
     let displacement: Vec<[f64; 2]> = model.nodal_displacement(&unknowns)[..plane.nodes.len()].iter().map(|u| [u[0], u[1]]).collect();
