@@ -120,6 +120,18 @@ fn limiting(life: &LifePage, pressure: f64, pressure_limit: f64) -> String {
         ),
         None => "Wear of the cycloid disc's flank.".to_owned(),
     };
+    let ends = (
+        life.prediction.first().and_then(|row| row.machine_lost_motion_arcmin),
+        life.prediction.last().and_then(|row| row.machine_lost_motion_arcmin),
+    );
+    let wear = match ends {
+        (Some(new), Some(worn)) if new > worn - new => format!(
+            "Of {} arcmin lost motion {} are there from the start: clearance and elasticity of bearings and gears (see lost motion by cause). Wear adds the rest. {wear}",
+            significant(worn, 3),
+            significant(new, 3)
+        ),
+        _ => wear,
+    };
     if pressure > pressure_limit {
         format!("The contact pressure of {} MPa exceeds the {} MPa allowed. {wear}", significant(pressure, 4), compact(pressure_limit, 4))
     } else {
