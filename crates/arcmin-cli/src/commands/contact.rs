@@ -65,9 +65,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let summary = match options.method {
         Method::Equilibrium => match options.joints {
             Joints::Ideal if options.flexible => {
-                run.progress().report("reducing the discs", 0.0);
-                let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
-                let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs);
+                let meshing = super::elastic::meshing(&run, &machine, &options.elastic)?;
                 equilibrium(&mut run, &options, meshing, &machine, torque, &mut table)?
             }
             Joints::Ideal => equilibrium(&mut run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, torque, &mut table)?,

@@ -3,12 +3,12 @@ use std::path::{Path, PathBuf};
 use arcmin::dynamics::FlexibleOptions;
 use arcmin::fem::{BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc};
 use arcmin::geometry::Relief;
-use arcmin::load::LoadSharing;
+use arcmin::load::{FlexibleMeshing, LoadSharing};
 use arcmin::machine::{CrankAngle, Machine};
 use arcmin::report::Section;
 
 use crate::failure::Failure;
-use crate::run::write_file;
+use crate::run::{Run, write_file};
 
 /// Options of everything that lets the discs deform.
 #[derive(Debug, Clone, PartialEq, clap::Args)]
@@ -94,6 +94,12 @@ pub fn discs(machine: &Machine, options: &Options, directory: &Path) -> Result<F
         write_file(&output.join("disc.vtu"), text.as_bytes())?;
     }
     Ok(discs)
+}
+
+/// Load sharing on elastic discs, new surfaces.
+pub fn meshing(run: &Run, machine: &Machine, options: &Options) -> Result<FlexibleMeshing, Failure> {
+    run.progress().report("reducing the discs", 0.0);
+    Ok(machine.flexible_meshing(&Relief::uniform(0.0), discs(machine, options, &run.path("."))?))
 }
 
 /// The full model of the first disc, and the load sharing of the unworn machine at rated torque.

@@ -112,9 +112,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let summary = match options.mode {
         Mode::Coupled => match options.joints {
             Joints::Ideal if options.flexible => {
-                run.progress().report("reducing the discs", 0.0);
-                let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
-                coupled(&run, &options, machine.flexible_meshing(&Relief::uniform(0.0), discs), &machine, end, &mut tables)
+                let meshing = super::elastic::meshing(&run, &machine, &options.elastic)?;
+                coupled(&run, &options, meshing, &machine, end, &mut tables)
             }
             Joints::Ideal => coupled(&run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, end, &mut tables),
             Joints::Bearings => coupled(&run, &options, bearing_meshing(&machine)?, &machine, end, &mut tables),

@@ -89,7 +89,7 @@ impl PinContact {
         let (n, arm) = (self.normal, self.arm);
         let t = quarter_turn(n);
         let along = [t.x, t.y, t.dot(&quarter_turn(arm))];
-        let turning = -self.flank_curvature / (1.0 - self.flank_curvature * (self.gap + pin_radius));
+        let turning = self.turning(pin_radius);
         let mut hessian = [[0.0; 3]; 3];
         for i in 0..3 {
             for j in 0..3 {
@@ -104,13 +104,18 @@ impl PinContact {
         hessian
     }
 
+    /// −κ/(1 − κ D) in 1/m: by how much the normal turns as the pin centre moves along the flank.
+    #[inline]
+    fn turning(&self, pin_radius: f64) -> f64 {
+        -self.flank_curvature / (1.0 - self.flank_curvature * (self.gap + pin_radius))
+    }
+
     /// jᵀ ∂²(gap)/∂q² j in m/rad² for a motion j = (j_x, j_y, 1) of the disc.
     #[inline]
     pub(crate) fn gap_bend(&self, pin_radius: f64, motion: Vec2) -> f64 {
         let n = self.normal;
         let along = self.along[0] * motion.x + self.along[1] * motion.y + self.along[2] + pin_radius;
-        let turning = -self.flank_curvature / (1.0 - self.flank_curvature * (self.gap + pin_radius));
-        turning * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm)
+        self.turning(pin_radius) * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm)
     }
 }
 

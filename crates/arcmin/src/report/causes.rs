@@ -23,3 +23,16 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
     plot.note = "Bands stand on each other.".into();
     Block::Plot(plot)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_of_lost_motion_add_up() {
+        let causes = vec![("teeth".to_owned(), vec![(0.0, 0.1), (10.0, 0.4)]), ("bearings".to_owned(), vec![(0.0, 0.3), (10.0, 0.3)])];
+        let Block::Plot(plot) = lost_motion_causes(&causes) else { panic!("a plot") };
+        assert_eq!(plot.series[1].points.low, vec![Some(0.1), Some(0.4)]);
+        assert!((plot.series[2].points.y[1].unwrap_or(0.0) - 0.7).abs() < 1e-12);
+    }
+}

@@ -1,9 +1,6 @@
 //! The page of the test bench: loop, stiffness split, efficiency map, transmission error with named orders, bearing loads.
 
-mod causes;
 mod figures;
-
-pub use causes::lost_motion_causes;
 
 use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
 use crate::dynamics::SpectrumLine;
