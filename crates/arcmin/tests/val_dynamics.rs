@@ -3,6 +3,7 @@
 use arcmin::contact::ContactLaw;
 use arcmin::dynamics::*;
 use arcmin::geometry::Relief;
+use arcmin::load::ShareLoad;
 use arcmin::machine::{FixedMember, Machine};
 use arcmin::units::{ARCMIN, RPM, UM};
 
@@ -160,6 +161,21 @@ fn val_fixed_carrier() {
     // With locked input the disc's play shows at the housing by z_c/z_p instead of 1/(1 + (z_1+z_2)/(z_2 z_c)) = 0.96296: 1.0125 times as much,
     // and the wind-up by the square of that: 0.6536' and 0.1720' become 0.838' (the mesh's 0.003' of it aside).
     assert!((te / -0.838 - 1.0).abs() < 5e-3, "{te}");
+    // Load sharing without inertia, another solver: the gear mesh's 0.003' aside the same error, play and share of each disc.
+    let mut meshing = machine.meshing(&Relief::uniform(10.0 * UM));
+    let cycle = meshing.whole_cycle(412.0, 12).unwrap();
+    assert!((cycle.mean_error().arcmin() / te - 1.0).abs() < 5e-3, "{} {te}", cycle.mean_error().arcmin());
+    let factor = 39.0 / 40.0 * (1.0 + 1.5 / 39.0);
+    let usual = linear().meshing(&Relief::uniform(10.0 * UM)).whole_cycle(412.0, 12).unwrap();
+    assert!((cycle.disc_share(0) - 39.0 / 80.0).abs() < 1e-4, "{}", cycle.disc_share(0));
+    let play = |cycle: &arcmin::load::Cycle| cycle.play.iter().map(|play| play.radians()).sum::<f64>();
+    assert!((play(&cycle) / play(&usual) / factor - 1.0).abs() < 1e-3, "{} {factor}", play(&cycle) / play(&usual));
+    // Positive torque loads the other flank: the discs lead the ring.
+    let loaded = |sharing: &arcmin::load::LoadSharing| -> Vec<f64> {
+        sharing.contacts().filter(|contact| contact.force > 1.0).map(|contact| contact.meshing_angle).collect()
+    };
+    let angles: Vec<f64> = cycle.positions.iter().flat_map(loaded).collect();
+    assert!(angles.len() > 100 && angles.iter().all(|angle| *angle > 0.0), "{angles:?}");
     assert!(result.energy.residual() < 1e-6, "{:e}", result.energy.residual());
 }
 

@@ -53,6 +53,8 @@ section! {
         gear_stage: Section<GearStageSection> => word(),
         /// The carrier.
         carrier: Section<CarrierSection> => word(),
+        /// The housing.
+        housing: Section<HousingSection> => OPTIONAL_SECTION,
         /// Bearings and supports.
         bearings: Section<BearingsSection> => word(),
         /// Friction.

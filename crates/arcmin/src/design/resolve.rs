@@ -45,6 +45,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
             material: design.carrier.material.value.clone(),
             torsional_stiffness: design.carrier.torsional_stiffness_n_m_per_arcmin.map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
         },
+        housing: housing(design),
         fixed_member: *design.fixed_member,
         bearings,
         friction: friction(design),
@@ -70,6 +71,22 @@ fn ring(design: &DesignSections) -> PinRing {
         material: ring.material.value.clone(),
         mounting: *ring.pin_mounting,
         seat_compliance: *ring.seat_compliance_um_per_kn * UM / 1e3,
+    }
+}
+
+/// Pins and a ring of cast iron, where the design gives no values: from the pin circle to 1.25 of its radius, 1.25 times as wide as all discs.
+fn housing(design: &DesignSections) -> Housing {
+    // EN-GJS-450, the QT450 of Tao2024.
+    const CAST_IRON: f64 = 7060.0;
+    let ring = ring(design);
+    let width = 1.25 * *design.disc.count as f64 * *design.disc.width_mm * MM;
+    let (inner, outer) = (ring.pin_circle_radius, 1.25 * ring.pin_circle_radius);
+    let pin = solids::cylinder(2.0 * ring.pin_radius, width, ring.material.density);
+    let pins = ring.pin_count as f64 * pin.0;
+    let (hole, solid) = (solids::cylinder(2.0 * inner, width, CAST_IRON), solids::cylinder(2.0 * outer, width, CAST_IRON));
+    Housing {
+        mass: design.housing.mass_kg.unwrap_or(pins + solid.0 - hole.0),
+        inertia: design.housing.inertia_kg_m2.unwrap_or(pins * inner * inner + solid.1 - hole.1),
     }
 }
 
@@ -205,6 +222,7 @@ fn gear_stage(design: &DesignSections) -> GearStage {
         backlash: *gear.backlash_um * UM,
         sun_inertia: *gear.sun_inertia_kg_m2,
         motor_inertia: *gear.motor_inertia_kg_m2,
+        input_torsional_stiffness: gear.input_torsional_stiffness_n_m_per_arcmin.map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
         face_width: *gear.face_width_mm * MM,
     }
 }

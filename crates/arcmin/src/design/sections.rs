@@ -130,6 +130,8 @@ section! {
         sun_inertia_kg_m2: f64 => required(1e-12, 1e3),
         /// Moment of inertia of the motor at the input; counts where the input is driven by a torque.
         motor_inertia_kg_m2: f64 => default(0.0, 0.0, 1e3),
+        /// Torsional stiffness of the input shaft between motor and sun. Left out: rigid. Enters with bearings, not with ideal joints.
+        input_torsional_stiffness_n_m_per_arcmin: Option<f64> => optional(1e-4, 1e6),
     }
 
     /// The carrier: both flanges and the output shaft as one body.
@@ -142,6 +144,14 @@ section! {
         material: Material => word(),
         /// Torsional stiffness between crank supports and output flange. Left out: rigid.
         torsional_stiffness_n_m_per_arcmin: Option<f64> => optional(0.1, 1e7),
+    }
+
+    /// The housing with the ring of pins. Its inertia counts where the carrier is at rest.
+    pub struct HousingSection {
+        /// Mass. Left out, it is computed from the pins and a ring of cast iron from the pin circle to 1.25 of its radius, 1.25 times as wide as the discs.
+        mass_kg: Option<f64> => optional(1e-4, 1e5),
+        /// Moment of inertia about the machine's axis. Left out, it is computed like the mass.
+        inertia_kg_m2: Option<f64> => optional(1e-9, 1e5),
     }
 }
 

@@ -1,7 +1,5 @@
-use std::f64::consts::PI;
-
 use super::gear_mesh::{GearMesh, MeshForce};
-use super::{Balance, DenseLinearisation, Drive, DynamicsError, EquilibriumControl, ForceSummary, OutputLoad, Reducer, System, solve_equilibrium};
+use super::{Balance, DenseLinearisation, Drive, DynamicsError, ForceSummary, OutputLoad, Reducer, System};
 use crate::contact::{DiscVelocity, MeshContact, PinContact, PinContacts, Reaction, Sliding};
 use crate::geometry::{Relief, quarter_turn};
 use crate::machine::{FixedMember, Kinematics, Machine, PinMounting};
@@ -102,7 +100,7 @@ impl IdealJoints {
         ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
         let (output, output_inertia) = match machine.fixed_member {
             FixedMember::Housing => (CARRIER, carrier_inertia(machine)),
-            FixedMember::Carrier => (HOUSING, housing_inertia(machine)),
+            FixedMember::Carrier => (HOUSING, machine.housing.inertia),
         };
         let cranks = machine.crankshafts.count as f64;
         let crank_inertia = cranks * machine.crankshafts.inertia
@@ -352,19 +350,8 @@ impl Reducer for IdealJoints {
         vec![0.0; self.members.len()]
     }
 
-    /// A free sun is held until the run begins: under load nothing else keeps it at rest.
-    fn rest_position(&self) -> Result<Vec<f64>, DynamicsError> {
-        if !self.drive.leaves_sun_free() {
-            return Ok(solve_equilibrium(self, 0.0, &self.nominal_position(), EquilibriumControl::default())?.position);
-        }
-        let mut held = self.clone();
-        held.drive = Drive::SpeedLaw { speed: 0.0, rise_time: 1.0 };
-        held.members.truncate(2);
-        held.mass.truncate(2);
-        held.scale.truncate(2);
-        let mut position = held.rest_position()?;
-        position.push(0.0);
-        Ok(position)
+    fn free_input(&self) -> Option<usize> {
+        self.drive.leaves_sun_free().then_some(IdealJoints::OUTPUT + 1)
     }
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
@@ -389,17 +376,6 @@ fn carrier_inertia(machine: &Machine) -> f64 {
     machine.carrier.inertia
         + machine.disc_count as f64 * machine.disc.inertia
         + machine.crankshafts.count as f64 * machine.crankshafts.mass * radius * radius
-}
-
-/// The housing as output: the pins and a cast ring around them, of 1.25 R_p outer radius, as wide as the discs and a quarter more. An assumption, as the
-/// housing's shape is no part of the machine; it matters for vibrations only.
-fn housing_inertia(machine: &Machine) -> f64 {
-    const CAST_IRON: f64 = 7060.0;
-    let ring = &machine.ring;
-    let width = 1.25 * machine.disc_count as f64 * machine.disc.width;
-    let (inner, outer) = (ring.pin_circle_radius, 1.25 * ring.pin_circle_radius);
-    let pins = ring.pin_count as f64 * ring.material.density * PI * ring.pin_radius * ring.pin_radius * width * inner * inner;
-    pins + 0.5 * PI * CAST_IRON * width * (outer.powi(4) - inner.powi(4))
 }
 
 mod flexible;

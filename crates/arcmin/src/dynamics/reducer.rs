@@ -1,10 +1,10 @@
 use serde::{Deserialize, Serialize};
 
-use super::{DynamicsError, EquilibriumControl, System, solve_equilibrium};
+use super::{Balance, DenseLinearisation, DynamicsError, EquilibriumControl, System, solve_equilibrium};
 
 /// A [`System`] that is a reducer: what a run needs to know beyond the equations of motion.
-pub trait Reducer: System {
-    /// Angle (rad) and speed (rad/s) of the sun.
+pub trait Reducer: System<Linearisation = DenseLinearisation> {
+    /// Angle (rad) and speed (rad/s) of the input: the sun, or the motor behind an elastic shaft.
     fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64);
 
     /// Angle (rad) and speed (rad/s) of the output.
@@ -16,10 +16,15 @@ pub trait Reducer: System {
     /// External torque at the output in N·m.
     fn load_torque(&self, time: f64) -> f64;
 
+    /// Coordinate of an input that a torque drives.
+    fn free_input(&self) -> Option<usize> {
+        None
+    }
+
     /// Coordinates of the nominal pose at time 0, where the search for the first equilibrium starts.
     fn nominal_position(&self) -> Vec<f64>;
 
-    /// State of rest at time 0 from which a run starts: static equilibrium with the load.
+    /// State of rest at time 0 from which a run starts: static equilibrium with the load. A free input is held until then: under load nothing else keeps it at rest.
     ///
     /// # Errors
     /// [`DynamicsError::NoEquilibrium`].
@@ -27,7 +32,8 @@ pub trait Reducer: System {
     where
         Self: Sized,
     {
-        Ok(solve_equilibrium(self, 0.0, &self.nominal_position(), EquilibriumControl::default())?.position)
+        let held = InputHeld { model: self, input: self.free_input() };
+        Ok(solve_equilibrium(&held, 0.0, &self.nominal_position(), EquilibriumControl::default())?.position)
     }
 
     /// Largest forces at one state.
@@ -36,6 +42,41 @@ pub trait Reducer: System {
     /// Transmission error θ_out − θ_s/i in rad; negative where the output lags.
     fn transmission_error(&self, time: f64, position: &[f64], velocity: &[f64]) -> f64 {
         self.output(position, velocity).0 - self.input(time, position, velocity).0 / self.ratio()
+    }
+}
+
+/// A model whose input does not move.
+struct InputHeld<'a, M> {
+    model: &'a M,
+    input: Option<usize>,
+}
+
+impl<M: Reducer> System for InputHeld<'_, M> {
+    type Linearisation = DenseLinearisation;
+
+    fn linearisation(&self) -> DenseLinearisation {
+        self.model.linearisation()
+    }
+
+    fn mass(&self) -> &[f64] {
+        self.model.mass()
+    }
+
+    fn scale(&self) -> &[f64] {
+        self.model.scale()
+    }
+
+    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], linearisation: &mut DenseLinearisation) -> Balance {
+        let balance = self.model.evaluate(time, position, velocity, force, linearisation);
+        if let Some(input) = self.input {
+            force[input] = 0.0;
+            linearisation.hold(input);
+        }
+        balance
+    }
+
+    fn crank_angle(&self, position: &[f64]) -> f64 {
+        self.model.crank_angle(position)
     }
 }
 

@@ -107,6 +107,18 @@ impl DenseLinearisation {
         }
     }
 
+    /// Holds a coordinate: no force moves it, and it moves nothing.
+    pub fn hold(&mut self, coordinate: usize) {
+        let n = self.size;
+        for i in 0..n {
+            for entry in [coordinate * n + i, i * n + coordinate] {
+                self.stiffness[entry] = 0.0;
+                self.damping[entry] = 0.0;
+            }
+        }
+        self.stiffness[coordinate * n + coordinate] = 1.0;
+    }
+
     /// −∂Q_row/∂q_column.
     pub fn stiffness(&self, row: usize, column: usize) -> f64 {
         self.stiffness[row * self.size + column]

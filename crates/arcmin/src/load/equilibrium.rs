@@ -19,10 +19,10 @@ pub enum LoadError {
 
 /// Cycloid discs and pins with ideal crank joints and the input locked.
 ///
-/// One coordinate is left: the output error ε = θ_o − θ_s/i. It turns the discs by ε and the crankshafts by ε (z_1+z_2)/z_2, so that the
-/// contact forces (F_j, M_j) on the discs do the work Q δε with
-/// Q = Σ_j [M_j + (z_1+z_2)/z_2 F_j·∂C_j/∂θ_k]. Equilibrium is Q(ε) = T. Two equal discs then carry 0.4815 T each of an RV-40E-81: the rest
-/// goes through the gear stage.
+/// One coordinate is left: the output error ε = θ_out − θ_s/i. It turns the discs by s ε and the crankshafts by c ε against the ring, so that the
+/// contact forces (F_j, M_j) on the discs do the work Q δε with Q = Σ_j [s M_j + c F_j·∂C_j/∂θ_k]. Equilibrium is Q(ε) = T. With the housing at rest
+/// s = 1 and c = (z_1+z_2)/z_2: two equal discs carry 0.4815 T each of an RV-40E-81, the rest goes through the gear stage. With the carrier at rest
+/// s = c = −1: it is the ring that turns, around discs and crankshafts that stand still, and each disc carries 0.4875 T.
 #[derive(Debug, Clone)]
 pub struct Meshing {
     kinematics: Kinematics,
@@ -137,7 +137,7 @@ impl Meshing {
         self.contacts.set_pin_relief(relief);
     }
 
-    /// Motion of a disc per unit of output error: (dC/dε, dθ_j/dε = 1).
+    /// dC/dε of a disc in the ring.
     fn disc_motion(&self, disc: usize, crank_angle: f64) -> Vec2 {
         let k = &self.kinematics;
         k.crank_per_output_locked() * k.eccentricity * quarter_turn(unit(crank_angle + k.phases[disc]))
@@ -151,7 +151,8 @@ impl Meshing {
     fn survey(&self, nominal_crank: f64, error: f64, scope: Scope, model: &mut GapModel, mut visit: impl FnMut(usize, &PinContact)) {
         let k = &self.kinematics;
         let crank = self.crank_angle_at(nominal_crank, error);
-        let output = k.nominal_output_angle(nominal_crank) + error;
+        let turn = k.disc_per_output_locked();
+        let output = k.nominal_output_angle(nominal_crank) + turn * error;
         model.clear();
         for disc in 0..k.phases.len() {
             let motion = self.disc_motion(disc, crank);
@@ -162,11 +163,11 @@ impl Meshing {
                 visit(disc, contact);
                 let g = contact.gradient;
                 let radius = self.contacts.pins()[contact.pin].radius;
-                let slope = g[0] * motion.x + g[1] * motion.y + g[2];
-                let bend = contact.gap_bend(radius, motion) + g[0] * path_bend.x + g[1] * path_bend.y;
+                let slope = g[0] * motion.x + g[1] * motion.y + g[2] * turn;
+                let bend = contact.gap_bend(radius, turn * motion) + g[0] * path_bend.x + g[1] * path_bend.y;
                 // Further off the curvature will have to be found anew.
                 let curvature_slope = if scope != Scope::Last && contact.gap < CURVATURE_REACH {
-                    self.contacts.rolling(contact).relative_curvature_change(contact, [motion.x, motion.y, 1.0])
+                    self.contacts.rolling(contact).relative_curvature_change(contact, [motion.x, motion.y, turn])
                 } else {
                     0.0
                 };

@@ -63,7 +63,7 @@ impl FlexibleMeshing {
     fn state(&self, disc: usize, nominal_crank: f64, error: f64) -> Result<(DiscState, Vec2), LoadError> {
         let k = self.rigid.kinematics();
         let crank = nominal_crank + k.crank_per_output_locked() * error;
-        let output = k.nominal_output_angle(nominal_crank) + error;
+        let output = k.nominal_output_angle(nominal_crank) + k.disc_per_output_locked() * error;
         let mut contacts = Vec::new();
         self.rigid.contacts().visit(k.disc_pose(disc, crank, output), DiscVelocity::REST, true, |contact| {
             if contact.gap < REACH {
@@ -94,10 +94,11 @@ impl FlexibleMeshing {
     /// Q(ε) and −dQ/dε without the turning of the normals, which is a thousandth of it.
     fn generalised_torque(&self, nominal_crank: f64, error: f64) -> Result<(f64, f64), LoadError> {
         let (mut torque, mut stiffness) = (0.0, 0.0);
+        let turn = self.rigid.kinematics().disc_per_output_locked();
         for disc in 0..self.discs.count() {
             let (state, motion) = self.state(disc, nominal_crank, error)?;
             let n = state.contacts.len();
-            let slope: Vec<f64> = state.contacts.iter().map(|c| c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2]).collect();
+            let slope: Vec<f64> = state.contacts.iter().map(|c| c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2] * turn).collect();
             let mut response = slope.clone();
             state.forces.respond(&mut response, &mut Vec::with_capacity(n));
             for i in 0..n {
@@ -166,7 +167,7 @@ impl FlexibleMeshing {
         let nominal = crank_angle.radians();
         let k = self.rigid.kinematics();
         let crank = nominal + k.crank_per_output_locked() * error;
-        let output = k.nominal_output_angle(nominal) + error;
+        let output = k.nominal_output_angle(nominal) + k.disc_per_output_locked() * error;
         let mut discs = Vec::with_capacity(self.discs.count());
         for disc in 0..self.discs.count() {
             let (state, _) = self.state(disc, nominal, error)?;

@@ -163,8 +163,9 @@ impl LoadSharing {
 
 impl Cycle {
     /// Mean share of a disc in the torque, moment of its pins about its centre over T. With ideal joints all shares are alike,
-    /// 1/(n (1 + (z_1+z_2)/(z_2 z_c))), as long as all discs are.
+    /// 1/(n (1 + (z_1+z_2)/(z_2 z_c))) or z_c/(n z_p) with the carrier at rest, as long as all discs are.
     pub fn disc_share(&self, disc: usize) -> f64 {
-        self.positions.iter().map(|position| position.disc_moment(disc) / position.torque).sum::<f64>() / self.positions.len().max(1) as f64
+        // With the carrier at rest the ring carries the torque and the discs its reaction.
+        self.positions.iter().map(|position| (position.disc_moment(disc) / position.torque).abs()).sum::<f64>() / self.positions.len().max(1) as f64
     }
 }

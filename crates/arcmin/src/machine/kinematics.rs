@@ -49,14 +49,26 @@ impl Kinematics {
         1.0 + self.pin_count * self.planet_teeth / self.sun_teeth
     }
 
-    /// (z_1 + z_2)/z_2: turn of the crankshafts per turn of the output with the input locked.
-    pub fn crank_per_output_locked(&self) -> f64 {
-        (self.sun_teeth + self.planet_teeth) / self.planet_teeth
+    /// Turn of the discs against the ring per turn of the output with the input locked: 1, or −1 where the housing turns around them.
+    pub fn disc_per_output_locked(&self) -> f64 {
+        match self.fixed_member {
+            FixedMember::Housing => 1.0,
+            FixedMember::Carrier => -1.0,
+        }
     }
 
-    /// Factor by which a disc's play φ shows at the output with the input locked: 1/(1 + (z_1+z_2)/(z_2 z_c)).
+    /// Turn of the crankshafts against the ring per turn of the output with the input locked: (z_1 + z_2)/z_2. With the carrier fixed the crankshafts stand
+    /// still and the ring turns: −1.
+    pub fn crank_per_output_locked(&self) -> f64 {
+        match self.fixed_member {
+            FixedMember::Housing => (self.sun_teeth + self.planet_teeth) / self.planet_teeth,
+            FixedMember::Carrier => -1.0,
+        }
+    }
+
+    /// Factor by which a disc's play φ shows at the output with the input locked: 1/(1 + (z_1+z_2)/(z_2 z_c)); with the carrier fixed z_c/z_p.
     pub fn locked_play_factor(&self) -> f64 {
-        1.0 / (1.0 + self.crank_per_output_locked() / self.lobe_count)
+        1.0 / (1.0 + self.crank_per_output_locked().abs() / self.lobe_count)
     }
 
     /// δ_j = −α_j/z_c: angle at which disc j is cut against the carrier.

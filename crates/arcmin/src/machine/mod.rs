@@ -17,8 +17,8 @@ pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinE
 pub use kinematics::Kinematics;
 pub use part_wear::{PartWear, PartWearLaws, RollingWear};
 pub use parts::{
-    Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage, Lubrication, PinMounting, PinRing,
-    RunningIn, WearCoefficient, WearLaw,
+    Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage, Housing, Lubrication, PinMounting,
+    PinRing, RunningIn, WearCoefficient, WearLaw,
 };
 pub use tolerances::Tolerances;
 
@@ -36,6 +36,7 @@ pub struct Machine {
     pub crankshafts: Crankshafts,
     pub gear_stage: GearStage,
     pub carrier: Carrier,
+    pub housing: Housing,
     pub fixed_member: FixedMember,
     pub bearings: BearingSet,
     pub friction: Friction,

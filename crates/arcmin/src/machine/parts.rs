@@ -103,6 +103,8 @@ pub struct GearStage {
     pub sun_inertia: f64,
     /// Moment of inertia of the motor at the input in kg·m².
     pub motor_inertia: f64,
+    /// Torsional stiffness between input and sun in N·m/rad; infinite where not given. Enters with bearings, not with ideal joints.
+    pub input_torsional_stiffness: f64,
     /// Face width in m (wear of the gear flanks).
     pub face_width: f64,
 }
@@ -140,6 +142,15 @@ pub struct Carrier {
     pub material: Material,
     /// Torsional stiffness between crank supports and output flange in N·m/rad; infinite where not given.
     pub torsional_stiffness: f64,
+}
+
+/// Housing with the ring of pins. It moves where the carrier is at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Housing {
+    /// kg, pins included.
+    pub mass: f64,
+    /// kg·m², about the machine's axis.
+    pub inertia: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -9,13 +9,23 @@ pub enum Part {
     Teeth,
     PinSeat,
     GearStage,
+    InputShaft,
     Carrier,
     Housing,
 }
 
 impl Part {
-    pub const ALL: [Part; 8] =
-        [Part::TurningArm, Part::CrankSupport, Part::CrankBending, Part::Teeth, Part::PinSeat, Part::GearStage, Part::Carrier, Part::Housing];
+    pub const ALL: [Part; 9] = [
+        Part::TurningArm,
+        Part::CrankSupport,
+        Part::CrankBending,
+        Part::Teeth,
+        Part::PinSeat,
+        Part::GearStage,
+        Part::InputShaft,
+        Part::Carrier,
+        Part::Housing,
+    ];
 
     /// Words for tables.
     pub fn name(self) -> &'static str {
@@ -26,6 +36,7 @@ impl Part {
             Part::Teeth => "cycloid teeth and pins",
             Part::PinSeat => "pin seats",
             Part::GearStage => "gear stage",
+            Part::InputShaft => "input shaft torsion",
             Part::Carrier => "carrier torsion",
             Part::Housing => "main bearings in the housing",
         }
@@ -50,52 +61,32 @@ pub trait Sink {
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
 }
 
-/// Sums forces and tangents; the coordinate number `size` is a prescribed sun, whose torque is kept aside.
+/// Sums forces and tangents. Coordinates from number `size` on are held or prescribed; the torque on a prescribed input is kept aside.
 pub struct Assembly<'a> {
     pub force: &'a mut [f64],
     pub linearisation: &'a mut DenseLinearisation,
     pub size: usize,
-    /// Coordinate that a prescribed sun goes round with, if any.
-    pub sun_rides_on: Option<usize>,
-    /// Torque on the prescribed sun in N·m.
+    pub input: usize,
+    /// Torque of the machine on a prescribed input in N·m.
     pub prescribed_torque: f64,
     pub balance: Balance,
 }
 
 impl Assembly<'_> {
     pub fn add_force(&mut self, coordinate: usize, value: f64) {
-        if coordinate >= self.size {
+        if coordinate < self.size {
+            self.force[coordinate] += value;
+        } else if coordinate == self.input {
             self.prescribed_torque += value;
         }
-        if let Some(own) = self.own(coordinate) {
-            self.force[own] += value;
-        }
-    }
-
-    /// Viscous drag c (N·m·s/rad) on the sun at its speed against what is at rest; a sun that rides on the carrier takes it from there.
-    pub fn drag_on_sun(&mut self, sun: usize, c: f64, speed: f64, rides: bool) {
-        if rides {
-            self.prescribed_torque -= c * speed;
-            self.balance.dissipation += c * speed * speed;
-        } else {
-            self.damper(&[sun], &[-c * speed], &[c], c * speed * speed);
-        }
-    }
-
-    /// The free coordinate that moves this one, if one does.
-    fn own(&self, coordinate: usize) -> Option<usize> {
-        if coordinate < self.size { Some(coordinate) } else { self.sun_rides_on }
     }
 
     /// Calls `add` for all pairs of free coordinates with the entry of a matrix given row by row.
     fn scatter(&mut self, index: &[usize], matrix: &[f64], add: fn(&mut DenseLinearisation, usize, usize, f64)) {
         let n = index.len();
-        for (i, row) in index.iter().enumerate() {
-            let Some(row) = self.own(*row) else { continue };
-            for (j, column) in index.iter().enumerate() {
-                if let Some(column) = self.own(*column) {
-                    add(self.linearisation, row, column, matrix[i * n + j]);
-                }
+        for (i, row) in index.iter().enumerate().filter(|(_, row)| **row < self.size) {
+            for (j, column) in index.iter().enumerate().filter(|(_, column)| **column < self.size) {
+                add(self.linearisation, *row, *column, matrix[i * n + j]);
             }
         }
     }
@@ -121,7 +112,7 @@ impl Sink for Assembly<'_> {
 
 /// Tangent compliance per part along one motion g of all coordinates: gᵀ K_part g.
 pub struct Split<'a> {
-    /// Of all coordinates, a prescribed sun included.
+    /// Of all coordinates, those held included.
     pub motion: &'a [f64],
     pub compliance: [f64; Part::ALL.len()],
 }

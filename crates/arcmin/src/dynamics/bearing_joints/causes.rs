@@ -114,12 +114,11 @@ impl BearingJoints {
         }
         let mut stored = Stored([0.0; Part::ALL.len()]);
         self.visit(&q, &v, &mut stored);
-        for part in [Part::CrankBending, Part::GearStage, Part::Carrier, Part::Housing] {
+        for part in [Part::CrankBending, Part::GearStage, Part::InputShaft, Part::Carrier, Part::Housing] {
             add(Cause::Elastic, 2.0 * stored.0[part as usize]);
         }
         let (stiffness, clearance) = self.main;
-        let at = self.layout.carrier();
-        add(Cause::MainBearingClearance, stiffness * (q[at].hypot(q[at + 1]) - clearance).max(0.0) * clearance);
+        add(Cause::MainBearingClearance, stiffness * (self.main_displacement(&q).norm() - clearance).max(0.0) * clearance);
         for (j, ring) in self.rings.iter().enumerate() {
             let (pose, rate) = self.disc_state(j, &q, &v);
             let profile = ring.profile();

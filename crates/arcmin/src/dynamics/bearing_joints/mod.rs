@@ -6,6 +6,7 @@ mod causes;
 mod error_tests;
 mod layout;
 mod planar_mesh;
+mod rings;
 mod roller;
 mod shaft;
 mod sharing;
@@ -20,14 +21,14 @@ pub use roller::{BearingState, RadialBearing};
 pub use sharing::{BearingMeshing, LostMotionSplit};
 
 use assembly::Split;
-use layout::Layout;
+use layout::{Degrees, Layout};
 use planar_mesh::PlanarMesh;
 use shaft::Shaft;
 
 use super::{Drive, DynamicsError, OutputLoad};
 use crate::contact::{PinContacts, Sliding};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
-use crate::machine::{EccentricError, FixedMember, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, PinMounting, RunOut};
+use crate::machine::{EccentricError, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, PinMounting, RunOut};
 
 /// What the model takes beside the machine.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,14 +90,13 @@ impl Arm {
 /// Discs, crankshafts, carrier and sun free in the plane, in roller bearings with clearance.
 ///
 /// Coordinates are absolute places (m) and angles (rad): per crankshaft the shaft at both supports and at every disc (x, y) and its turn; per disc
-/// (x, y, θ); sun (x, y); carrier (x, y, θ); the output flange where the carrier's torsion is given; the sun's turn where it is free. The shaft's
-/// mass sits at its stations. All springs derive from energies, so forces and tangents agree:
+/// (x, y, θ); sun (x, y); carrier (x, y, θ), or housing where that is the output; the carrier's flange where its torsion is given; the turn of sun and
+/// input where they are free. The shaft's mass sits at its stations. All springs derive from energies, so forces and tangents agree:
 /// pins (any contact law, seat compliance in series), turning-arm bearings between eccentric and disc bore, crank supports between shaft and
 /// carrier, bending and shear of the shaft, involute meshes with moving centres (shaft torsion in series), main bearings, the sun's support,
-/// torsion of the carrier. Bearings and shafts are damped in proportion to their tangent stiffness.
+/// torsion of carrier and input shaft. Bearings and shafts are damped in proportion to their tangent stiffness.
 ///
-/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings and discs, the cage's own motion. With the carrier at rest the model stays in the frame of the housing,
-/// where carrier and held sun go round together; that serves balances, not runs in time.
+/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings and discs, the cage's own motion.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     kinematics: Kinematics,
@@ -113,14 +113,13 @@ pub struct BearingJoints {
     main_seat: Arm,
     sun_support: f64,
     carrier_torsion: f64,
+    input_torsion: f64,
     /// Eccentrics per crankshaft and disc, bores per crankshaft and disc, bores of the carrier, journals.
     eccentrics: Vec<Vec<Arm>>,
     disc_bores: Vec<Vec<Arm>>,
     carrier_bores: Vec<Arm>,
     journals: Vec<Arm>,
     input: Input,
-    /// Where the carrier is at rest, the sun is held against it: its angle in the frame of the housing is the one held plus this coordinate.
-    sun_rides_on: Option<usize>,
     load: OutputLoad,
     drag: f64,
     drag_speed: f64,
@@ -143,14 +142,10 @@ impl BearingJoints {
     /// Builds the model; `drag` is a steady torque (N·m) at the output against its motion, on top of the machine's seal drag.
     ///
     /// # Errors
-    /// [`DynamicsError`] for values without meaning, or a machine with a fixed carrier.
+    /// [`DynamicsError`] for values without meaning.
     pub fn new(machine: &Machine, settings: &JointSettings, drive: Drive, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
         drive.validate()?;
-        if machine.fixed_member == FixedMember::Carrier {
-            return Err(DynamicsError::NotModelled("the housing has no mass here: runs in time with bearings need it at rest; use ideal joints"));
-        }
-        let free_sun = drive.leaves_sun_free();
-        BearingJoints::build(machine, settings, Input::Driven(drive), free_sun, load, drag)
+        BearingJoints::build(machine, settings, Input::Driven(drive), load, drag)
     }
 
     /// The model with the sun held, for static questions; load and sun angle are set later.
@@ -158,17 +153,10 @@ impl BearingJoints {
     /// # Errors
     /// As [`BearingJoints::new`].
     pub fn held(machine: &Machine, settings: &JointSettings) -> Result<BearingJoints, DynamicsError> {
-        BearingJoints::build(machine, settings, Input::Held { angle: 0.0, speed: 0.0 }, false, OutputLoad::None, 0.0)
+        BearingJoints::build(machine, settings, Input::Held { angle: 0.0, speed: 0.0 }, OutputLoad::None, 0.0)
     }
 
-    fn build(
-        machine: &Machine,
-        settings: &JointSettings,
-        input: Input,
-        free_sun: bool,
-        load: OutputLoad,
-        drag: f64,
-    ) -> Result<BearingJoints, DynamicsError> {
+    fn build(machine: &Machine, settings: &JointSettings, input: Input, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
         load.validate()?;
         validate(machine, settings, drag)?;
         let kinematics = machine.kinematics();
@@ -186,7 +174,20 @@ impl BearingJoints {
         let disc_bore = |k: usize, j: usize| errors.discs.get(j).and_then(|disc| disc.bores.get(k));
         let shaft = Shaft::new(machine, scale);
         let torsional = machine.carrier.torsional_stiffness * scale;
-        let layout = Layout::new(cranks, discs, torsional.is_finite(), free_sun);
+        let stage = &machine.gear_stage;
+        let input_torsion = stage.input_torsional_stiffness * scale;
+        let free_input = matches!(&input, Input::Driven(drive) if drive.leaves_sun_free());
+        let degrees = Degrees { flange: torsional.is_finite(), input_shaft: input_torsion.is_finite(), free_input };
+        if free_input && degrees.input_shaft {
+            DynamicsError::require(
+                stage.motor_inertia > 0.0,
+                "moment of inertia of the motor",
+                stage.motor_inertia,
+                "kg·m²",
+                "must be positive behind an elastic input shaft",
+            )?;
+        }
+        let layout = Layout::new(cranks, discs, machine.fixed_member, degrees);
         let turning_arm = |k: usize, j: usize| {
             let mut bearing = RadialBearing::new(&machine.bearings.turning_arm, scale);
             bearing.widen(disc_bore(k, j).map_or(0.0, |bore| bore.diameter));
@@ -197,8 +198,7 @@ impl BearingJoints {
             bearing.widen(errors.carrier_bores.get(k).map_or(0.0, |bore| bore.diameter));
             bearing
         };
-        let stage = &machine.gear_stage;
-        let ratio = kinematics.housing_fixed_ratio();
+        let ratio = kinematics.ratio();
         let mut model = BearingJoints {
             rings: (0..discs).map(|j| ring(machine, settings, j)).collect(),
             meshes: (0..cranks)
@@ -219,6 +219,7 @@ impl BearingJoints {
             main_seat: Arm { radius: errors.carrier.amplitude, phase: errors.carrier.phase },
             sun_support: machine.bearings.sun.radial * scale,
             carrier_torsion: torsional,
+            input_torsion,
             eccentrics: (0..cranks)
                 .map(|k| {
                     (0..discs)
@@ -244,7 +245,6 @@ impl BearingJoints {
                 .collect(),
             mass: layout.mass(machine),
             scale: layout.scale(&kinematics, radius),
-            sun_rides_on: (machine.fixed_member == FixedMember::Carrier).then(|| layout.output()),
             input,
             load,
             drag: drag + machine.friction.seal_drag,
@@ -284,17 +284,9 @@ impl BearingJoints {
         self.layout.output()
     }
 
-    /// +1 where the carrier is the output, −1 where the housing is: against it the carrier turns the other way.
-    fn output_sense(&self) -> f64 {
-        if self.sun_rides_on.is_some() { -1.0 } else { 1.0 }
-    }
-
-    /// Coordinates of the nominal machine at a sun angle in rad, in the frame of the housing.
+    /// Coordinates of the nominal machine at a sun angle in rad.
     pub fn nominal_position_at(&self, sun: f64) -> Vec<f64> {
-        let i = self.kinematics.housing_fixed_ratio();
-        // A sun at θ_s against a carrier at rest is at θ_s + θ_c in the housing, and i θ_c there.
-        let against_housing = if self.sun_rides_on.is_some() { sun * i / (i - 1.0) } else { sun };
-        self.layout.nominal(&self.kinematics, &self.carrier_bores, against_housing)
+        self.layout.nominal(&self.kinematics, &self.carrier_bores, sun)
     }
 
     /// Velocities of the nominal machine at a sun angle (rad) and speed (rad/s).
@@ -305,50 +297,24 @@ impl BearingJoints {
         ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
     }
 
-    /// θ_out − θ_s/i in rad with the sun held; for a carrier at rest θ_out is the turn of the housing and i the ratio 1 − i of that case.
+    /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and i the ratio of that case.
     pub fn output_error(&self, position: &[f64]) -> f64 {
         let sun = match self.input {
             Input::Held { angle, .. } => angle,
             Input::Driven(_) => 0.0,
         };
-        self.output_sense() * position[self.layout.output()] - sun / self.kinematics.ratio()
+        position[self.layout.output()] - sun / self.kinematics.ratio()
     }
 
     /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates (rad/(N·m), m/(N·m)).
     pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
         let mut whole = motion.to_vec();
-        whole.push(self.sun_rides_on.map_or(0.0, |own| motion[own]));
+        whole.resize(self.layout.whole(), 0.0);
         let mut split = Split { motion: &whole, compliance: [0.0; Part::ALL.len()] };
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.visit(&q, &v, &mut split);
         self.split_rings(&q, &mut split);
         split.compliance
-    }
-
-    fn split_rings(&self, q: &[f64], split: &mut Split<'_>) {
-        for (j, ring) in self.rings.iter().enumerate() {
-            let at = self.layout.disc(j);
-            let g = &split.motion[at..at + 3];
-            let (pose, _) = self.disc_state(j, q, q);
-            let seat = ring.contact().seat_compliance();
-            let rest = crate::contact::DiscVelocity::REST;
-            let reaction = ring.react(pose, rest);
-            let mut whole = 0.0;
-            for a in 0..3 {
-                for b in 0..3 {
-                    whole += g[a] * reaction.stiffness[a][b] * g[b];
-                }
-            }
-            let mut seats = 0.0;
-            ring.visit(pose, rest, false, |contact| {
-                if contact.force > 0.0 {
-                    let rate: f64 = contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum();
-                    seats += contact.stiffness * contact.stiffness * seat * rate * rate;
-                }
-            });
-            split.compliance[Part::Teeth as usize] += whole - seats;
-            split.compliance[Part::PinSeat as usize] += seats;
-        }
     }
 
     /// Relative displacement of eccentric and bore (m) and cage angle (rad) of a turning-arm bearing.
@@ -360,10 +326,10 @@ impl BearingJoints {
     }
 
     fn support_state(&self, k: usize, end: usize, q: &[f64]) -> ([f64; 2], f64) {
-        let (s, t, c) = (self.layout.support(k, end), self.layout.crank_angle(k), self.layout.carrier());
-        let u = Vec2::new(q[s] - q[c], q[s + 1] - q[c + 1]) + self.journals[k].at(q[t]) - self.carrier_bores[k].at(q[c + 2]);
+        let (s, t, [cx, cy, carrier]) = (self.layout.support(k, end), self.layout.crank_angle(k), self.layout.carrier());
+        let u = Vec2::new(q[s] - q[cx], q[s + 1] - q[cy]) + self.journals[k].at(q[t]) - self.carrier_bores[k].at(q[carrier]);
         let w = self.supports[k].inner_share;
-        ([u.x, u.y], w * q[t] + (1.0 - w) * q[c + 2])
+        ([u.x, u.y], w * q[t] + (1.0 - w) * q[carrier])
     }
 
     /// Force (N) on the inner ring and rolling element forces of a turning-arm bearing.
@@ -432,6 +398,8 @@ fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<()
         ("inertia of a disc", machine.disc.inertia, "kg·m²"),
         ("mass of the carrier", machine.carrier.mass, "kg"),
         ("inertia of the carrier", machine.carrier.inertia, "kg·m²"),
+        ("mass of the housing", machine.housing.mass, "kg"),
+        ("inertia of the housing", machine.housing.inertia, "kg·m²"),
         ("span of the crank supports", machine.bearings.crank_support_span, "m"),
         ("diameter of the crankshaft", machine.crankshafts.shaft_diameter, "m"),
         ("regularisation speed of the friction", machine.friction.regularisation_speed, "m/s"),
@@ -439,11 +407,11 @@ fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<()
     for (name, value, unit) in positive {
         check(value > 0.0 && value.is_finite(), name, value, unit, "must be positive")?;
     }
-    check(
-        machine.carrier.torsional_stiffness > 0.0,
-        "torsional stiffness of the carrier",
-        machine.carrier.torsional_stiffness,
-        "N·m/rad",
-        "must be positive",
-    )
+    for (name, value) in [
+        ("torsional stiffness of the carrier", machine.carrier.torsional_stiffness),
+        ("torsional stiffness of the input shaft", machine.gear_stage.input_torsional_stiffness),
+    ] {
+        check(value > 0.0, name, value, "N·m/rad", "must be positive")?;
+    }
+    Ok(())
 }

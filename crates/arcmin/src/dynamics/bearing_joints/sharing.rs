@@ -99,10 +99,11 @@ impl BearingMeshing {
         }
     }
 
-    /// Angle of the sun at which the nominal crankshafts stand at this angle.
+    /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.
     fn sun(&self, crank: CrankAngle) -> f64 {
         let kinematics = self.model.kinematics();
-        -crank.radians() / kinematics.lobe_count * kinematics.housing_fixed_ratio()
+        // The output turns by −θ_k/z_c against the ring where it is the carrier, the ring by the opposite of it where that is the output.
+        kinematics.ratio().abs() * -crank.radians() / kinematics.lobe_count
     }
 
     /// Output error of a balance found at this crank angle just before.

@@ -28,7 +28,7 @@ impl BearingJoints {
     fn visit_crankshaft(&self, k: usize, q: &[f64], v: &[f64], sink: &mut impl Sink) {
         let layout = &self.layout;
         let turn = layout.crank_angle(k);
-        let carrier = layout.carrier();
+        let [cx, cy, carrier] = layout.carrier();
         for end in 0..2 {
             let at = layout.support(k, end);
             let (u, cage) = self.support_state(k, end, q);
@@ -37,9 +37,9 @@ impl BearingJoints {
                 part: Part::CrankSupport,
                 law,
                 state: law.react(u, cage),
-                index: [at, at + 1, turn, carrier, carrier + 1, carrier + 2],
+                index: [at, at + 1, turn, cx, cy, carrier],
                 arm: self.journals[k].at(q[turn]),
-                bore: self.carrier_bores[k].at(q[carrier + 2]),
+                bore: self.carrier_bores[k].at(q[carrier]),
             };
             self.add_journal(&journal, v, sink);
         }
@@ -173,7 +173,7 @@ impl BearingJoints {
     fn mesh_index(&self, k: usize) -> [usize; MESH_COORDINATES] {
         let layout = &self.layout;
         let (sun, planet) = (layout.sun(), layout.support(k, 0));
-        [sun, sun + 1, layout.sun_angle(), planet, planet + 1, layout.crank_angle(k), layout.carrier() + 2]
+        [sun, sun + 1, layout.sun_angle(), planet, planet + 1, layout.crank_angle(k), layout.carrier()[2]]
     }
 
     pub(super) fn mesh_state(&self, k: usize, q: &[f64], v: &[f64]) -> MeshState {
@@ -208,34 +208,41 @@ impl BearingJoints {
         sink.damper(&index, &force, &damping, dissipation);
     }
 
+    /// Displacement of what the main bearings hold on the carrier against the housing, m.
+    pub(super) fn main_displacement(&self, q: &[f64]) -> Vec2 {
+        let ([cx, cy, turn], [hx, hy, _]) = (self.layout.carrier(), self.layout.housing());
+        Vec2::new(q[cx] - q[hx], q[cy] - q[hy]) + self.main_seat.at(q[turn])
+    }
+
     fn visit_supports(&self, q: &[f64], v: &[f64], sink: &mut impl Sink) {
-        let carrier = self.layout.carrier();
-        let sun = self.layout.sun();
-        let seat = self.main_seat.at(q[carrier + 2]);
-        self.add_support(Part::Housing, [carrier, carrier + 1, carrier + 2], self.main, seat, q, v, sink);
-        self.add_support(Part::GearStage, [sun, sun + 1, self.layout.sun_angle()], (self.sun_support, 0.0), Vec2::zeros(), q, v, sink);
-        if self.layout.has_flange() {
-            let index = [carrier + 2, self.layout.output()];
-            let k = self.carrier_torsion;
-            let twist = q[index[1]] - q[index[0]];
-            sink.element(&Element {
-                part: Part::Carrier,
-                index: &index,
-                gradient: &[-k * twist, k * twist],
-                hessian: &[k, -k, -k, k],
-                stored: 0.5 * k * twist * twist,
-            });
-            if self.loss_time > 0.0 {
-                let c = self.loss_time * k;
-                let rate = v[index[1]] - v[index[0]];
-                sink.damper(&index, &[c * rate, -c * rate], &[c, -c, -c, c], c * rate * rate);
-            }
+        let layout = &self.layout;
+        let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
+        let seat = self.main_seat.at(q[carrier]);
+        self.add_support(Part::Housing, [cx, cy, carrier, hx, hy], self.main, seat, q, v, sink);
+        self.add_support(Part::GearStage, [sun, sun + 1, layout.sun_angle(), hx, hy], (self.sun_support, 0.0), Vec2::zeros(), q, v, sink);
+        if let Some(flange) = layout.flange() {
+            self.add_torsion(Part::Carrier, [carrier, flange], self.carrier_torsion, q, v, sink);
+        }
+        if layout.input() != layout.sun_angle() {
+            self.add_torsion(Part::InputShaft, [layout.input(), layout.sun_angle()], self.input_torsion, q, v, sink);
         }
     }
 
-    /// Linear radial support of stiffness and radial clearance to the housing; `seat` is what it holds on a body that turns with the last coordinate.
-    fn add_support(&self, part: Part, index: [usize; 3], (stiffness, clearance): (f64, f64), seat: Vec2, q: &[f64], v: &[f64], sink: &mut impl Sink) {
-        let u = Vec2::new(q[index[0]], q[index[1]]) + seat;
+    /// Torsion spring of stiffness k (N·m/rad) between two angles.
+    fn add_torsion(&self, part: Part, index: [usize; 2], k: f64, q: &[f64], v: &[f64], sink: &mut impl Sink) {
+        let twist = q[index[1]] - q[index[0]];
+        let gradient = [-k * twist, k * twist];
+        sink.element(&Element { part, index: &index, gradient: &gradient, hessian: &[k, -k, -k, k], stored: 0.5 * k * twist * twist });
+        if self.loss_time > 0.0 {
+            let c = self.loss_time * k;
+            let rate = v[index[1]] - v[index[0]];
+            sink.damper(&index, &[c * rate, -c * rate], &[c, -c, -c, c], c * rate * rate);
+        }
+    }
+
+    /// Linear support of stiffness and radial clearance between two bodies; `seat` is what it holds on the first, which turns with the third coordinate.
+    fn add_support(&self, part: Part, index: [usize; 5], (stiffness, clearance): (f64, f64), seat: Vec2, q: &[f64], v: &[f64], sink: &mut impl Sink) {
+        let u = Vec2::new(q[index[0]] - q[index[3]], q[index[1]] - q[index[4]]) + seat;
         let distance = u.norm();
         if distance < clearance {
             return;
@@ -245,26 +252,26 @@ impl BearingJoints {
         let depth = distance - clearance;
         let force = stiffness * (1.0 - open) * u;
         let along = quarter_turn(seat);
-        let rows = [[1.0, 0.0, along.x], [0.0, 1.0, along.y]];
+        let rows = [[1.0, 0.0, along.x, -1.0, 0.0], [0.0, 1.0, along.y, 0.0, -1.0]];
         let entry = |i: usize, j: usize| stiffness * ((1.0 - open) * f64::from(u8::from(i == j)) + open * normal[i] * normal[j]);
         let radial = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
-        let mut hessian = [0.0; 9];
-        for a in 0..3 {
-            for b in 0..3 {
+        let mut hessian = [0.0; 25];
+        for a in 0..5 {
+            for b in 0..5 {
                 for i in 0..2 {
                     for j in 0..2 {
-                        hessian[a * 3 + b] += rows[i][a] * radial[i][j] * rows[j][b];
+                        hessian[a * 5 + b] += rows[i][a] * radial[i][j] * rows[j][b];
                     }
                 }
             }
         }
         let damping = hessian.map(|k| self.loss_time * k);
-        hessian[8] -= force.dot(&seat);
-        let gradient = [force.x, force.y, force.dot(&along)];
+        hessian[12] -= force.dot(&seat);
+        let gradient: [f64; 5] = std::array::from_fn(|a| force.x * rows[0][a] + force.y * rows[1][a]);
         sink.element(&Element { part, index: &index, gradient: &gradient, hessian: &hessian, stored: 0.5 * stiffness * depth * depth });
         if self.loss_time > 0.0 {
             let rate = index.map(|i| v[i]);
-            let pull: [f64; 3] = std::array::from_fn(|a| -(0..3).map(|b| damping[a * 3 + b] * rate[b]).sum::<f64>());
+            let pull: [f64; 5] = std::array::from_fn(|a| -(0..5).map(|b| damping[a * 5 + b] * rate[b]).sum::<f64>());
             let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
             sink.damper(&index, &pull, &damping, dissipation);
         }

@@ -385,6 +385,10 @@ impl Reducer for FlexibleJoints {
         self.rigid.load_torque(time)
     }
 
+    fn free_input(&self) -> Option<usize> {
+        self.rigid.free_input()
+    }
+
     fn nominal_position(&self) -> Vec<f64> {
         vec![0.0; self.mass.len()]
     }
