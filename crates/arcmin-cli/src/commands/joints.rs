@@ -1,5 +1,5 @@
 use arcmin::dynamics::{BearingMeshing, JointSettings};
-use arcmin::machine::Machine;
+use arcmin::machine::{Machine, ManufacturingErrors};
 
 use crate::failure::Failure;
 
@@ -22,7 +22,7 @@ impl Joints {
 }
 
 /// Load sharing with bearings, new surfaces.
-pub fn bearing_meshing(machine: &Machine) -> Result<BearingMeshing, Failure> {
-    BearingMeshing::new(machine, &JointSettings::default())
+pub fn bearing_meshing(machine: &Machine, errors: &ManufacturingErrors) -> Result<BearingMeshing, Failure> {
+    BearingMeshing::new(machine, &JointSettings { errors: errors.clone(), ..JointSettings::default() })
         .map_err(|error| Failure::Usage { message: error.to_string(), help: "ideal joints (--joints ideal) take every machine".to_owned() })
 }

@@ -6,14 +6,15 @@ use arcmin::dynamics::{
 };
 use arcmin::fem::FlexibleDiscs;
 use arcmin::geometry::Relief;
-use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_with};
-use arcmin::machine::Machine;
+use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_made, predict_with};
+use arcmin::machine::{Machine, ManufacturingErrors};
 use arcmin::report::{Provenance, Section};
 use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
 use arcmin::units::{ARCMIN, DEG, HOUR, MPA, UM};
 use arcmin::wear::WearError;
 use serde_json::{Map, Value, json};
 
+use super::deviations::Deviations;
 use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
@@ -45,6 +46,8 @@ pub struct Options {
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
     #[command(flatten)]
+    deviations: super::deviations::Options,
+    #[command(flatten)]
     elastic: super::elastic::Options,
     /// Times between new and the end of the service life.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(2..=1000))]
@@ -67,6 +70,7 @@ impl Clock {
 pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("life", &options.common)?;
     let machine = run.design.machine();
+    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
     let mut clock = Clock::default();
     let findings = clock.time("check", || checks::check(&machine));
     let mut settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
@@ -76,7 +80,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     }
     // The prediction follows the wear step by step; the runs of the study fill the other cores meanwhile.
     let (mut wear_clock, mut study_clock) = (Clock::default(), Clock::default());
-    let bearings = (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine)).transpose()?;
+    let made = |errors: &ManufacturingErrors| (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, errors)).transpose();
+    let bearings = made(&ManufacturingErrors::default())?.zip(made(&deviations.errors)?);
     let discs = if options.flexible {
         run.progress().report("reducing the discs", 0.0);
         Some(clock.time("reduction", || super::elastic::discs(&machine, &options.elastic, &run.path(".")))?)
@@ -87,7 +92,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         || {
             wear_clock.time("wear", || {
                 match (bearings, &discs) {
-                    (Some(bearings), _) => predict_with(&machine, bearings, settings, run.progress()),
+                    (Some((nominal, made)), _) => predict_made(&machine, nominal, made, settings, run.progress()),
                     (None, Some(discs)) => {
                         let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs.clone());
                         predict_with(&machine, meshing, settings, run.progress())
@@ -130,6 +135,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     run.finish(json!({
         "ratio": machine.kinematics().ratio(),
         "joints": options.joints.word(),
+        "errors": deviations.summary(),
         "elastic_prediction": options.flexible && options.joints == Joints::Ideal,
         "hours_to_limit": prediction.hours_to_limit,
         "hours_to_limit_searched": prediction.searched_hours,

@@ -156,8 +156,8 @@ pub struct PinContacts {
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
     directions: Vec<Vec2>,
     relief: Relief,
-    /// Metal lost by every pin as a function of the angle ψ on the pin, if any.
-    pin_relief: Option<Relief>,
+    /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for each.
+    pin_reliefs: Vec<Relief>,
     /// Errors of this disc's flank around its circumference, if any.
     flank_error: Option<FlankError>,
     /// Bound from below of what pins and flank errors take off, in m.
@@ -180,7 +180,7 @@ impl PinContacts {
             pins,
             directions,
             relief: Relief::uniform(0.0),
-            pin_relief: None,
+            pin_reliefs: Vec::new(),
             flank_error: None,
             shallowest_elsewhere: 0.0,
             relief_floors: [0.0; FLOOR_SECTORS],
@@ -229,13 +229,20 @@ impl PinContacts {
     /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's own place on the ring
     /// to the flank normal, 0 where the pin faces the centre of the ring.
     pub fn set_pin_relief(&mut self, relief: Relief) {
-        self.pin_relief = (!relief.is_zero()).then_some(relief);
+        self.pin_reliefs = if relief.is_zero() { Vec::new() } else { vec![relief] };
+        self.update_bounds();
+    }
+
+    /// The same for every pin by itself.
+    pub fn set_pin_reliefs(&mut self, reliefs: Vec<Relief>) {
+        debug_assert_eq!(reliefs.len(), self.pins.len());
+        self.pin_reliefs = if reliefs.iter().all(Relief::is_zero) { Vec::new() } else { reliefs };
         self.update_bounds();
     }
 
     /// Metal lost by the pin where a contact's line of action leaves it, in m.
     pub fn pin_depth(&self, contact: &PinContact) -> f64 {
-        self.pin_relief.as_ref().map_or(0.0, |relief| {
+        self.pin_relief(contact.pin).map_or(0.0, |relief| {
             let place = self.directions[contact.pin];
             relief.at(cross(place, contact.normal).atan2(place.dot(&contact.normal))).depth
         })
@@ -263,8 +270,13 @@ impl PinContacts {
         self.flank_error.as_ref()
     }
 
-    pub(super) fn pin_relief(&self) -> Option<&Relief> {
-        self.pin_relief.as_ref()
+    #[inline]
+    pub(super) fn pin_relief(&self, pin: usize) -> Option<&Relief> {
+        match self.pin_reliefs.as_slice() {
+            [] => None,
+            [all] => Some(all),
+            each => each.get(pin),
+        }
     }
 
     /// ψ in rad: from the pin's own place on the ring to the flank normal.
@@ -288,8 +300,8 @@ impl PinContacts {
             let (low, high) = samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
             low - margin * (high - low)
         };
-        self.shallowest_elsewhere = self.pin_relief.as_ref().map_or(0.0, |relief| floor(&mut relief.samples().iter().copied(), 0.5))
-            + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
+        let pins = self.pin_reliefs.iter().map(|relief| floor(&mut relief.samples().iter().copied(), 0.5));
+        self.shallowest_elsewhere = pins.reduce(f64::min).unwrap_or(0.0) + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
         let samples = self.relief.samples();
         let count = samples.len();
         let reach = (count / 18).max(2);
@@ -303,7 +315,7 @@ impl PinContacts {
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         let mut reaction = Reaction::default();
-        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || self.pin_relief.is_some() || self.flank_error.is_some();
+        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || !self.pin_reliefs.is_empty() || self.flank_error.is_some();
         self.visit(pose, velocity, false, |contact| {
             let radius = self.pins[contact.pin].radius;
             reaction.add(contact, velocity, radius, self.sliding.as_ref());
@@ -393,7 +405,7 @@ impl PinContacts {
             self.profile.closest_on_worn(p, &foot, &self.relief, radius)
         };
         let Closest { tau, meshing_angle, meshing_unit, mut gap, normal: flank_normal, flank_curvature, relative_curvature } = closest;
-        if let Some(pin_relief) = &self.pin_relief {
+        if let Some(pin_relief) = self.pin_relief(pin) {
             // Depth where the line of action leaves the pin. Its slope is left out: the pin hardly wears but at the edge of its zone, where two
             // contacts could stand side by side and the closest point would jump between them.
             gap += pin_relief.at(cross(e, flank_normal).atan2(e.dot(&flank_normal))).depth;

@@ -37,7 +37,7 @@ impl PinContacts {
             read += error.depth(contact.tau, profile.outward_normal(contact.tau));
             error_slope = error.slope(contact.tau, profile);
         }
-        if let Some(pin_relief) = self.pin_relief() {
+        if let Some(pin_relief) = self.pin_relief(contact.pin) {
             let sample = pin_relief.at(self.pin_angle(contact));
             read += sample.depth;
             pin_slope = sample.slope;

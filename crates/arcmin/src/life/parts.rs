@@ -29,12 +29,21 @@ pub struct PartsFollower<'a> {
 }
 
 /// Crank positions over a turn of the crankshafts for lost motion and for rates.
-pub(super) const POSITIONS: usize = 12;
+const POSITIONS: usize = 12;
+
+/// Crank positions of the mean lost motion: more of them where it takes the whole ring to repeat (a test shows what is left).
+pub(super) fn lost_motion_positions<S: ShareLoad>(meshing: &S) -> usize {
+    if meshing.discs_alike() { POSITIONS } else { 4 * POSITIONS }
+}
 
 impl<'a> PartsFollower<'a> {
     pub fn new(machine: &'a Machine) -> Option<PartsFollower<'a>> {
-        let meshing = BearingMeshing::new(machine, &JointSettings::default()).ok()?;
-        Some(PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default() })
+        Some(PartsFollower::with(machine, BearingMeshing::new(machine, &JointSettings::default()).ok()?))
+    }
+
+    /// The same for joints at hand, as new.
+    pub fn with(machine: &'a Machine, meshing: BearingMeshing) -> PartsFollower<'a> {
+        PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default() }
     }
 
     pub fn wear(&self) -> &PartWear {
@@ -43,8 +52,19 @@ impl<'a> PartsFollower<'a> {
 
     /// Takes over the surfaces of flanks and pins.
     pub fn see(&mut self, surfaces: &WearSnapshot) {
-        self.meshing.set_relief(self.designed.plus(surfaces.flank_seen_by_contact()));
-        self.meshing.set_pin_relief(surfaces.pin_seen_by_contact().clone());
+        surfaces.put_on(&self.designed, &mut self.meshing);
+    }
+
+    /// Lost motion by cause with these surfaces and what bearings and gears have lost by then.
+    ///
+    /// # Errors
+    /// [`WearError::Load`] where no balance is found.
+    pub fn lost_motion_causes(&self, surfaces: &WearSnapshot, wear: PartWear) -> Result<PartsPoint, WearError> {
+        let mut meshing = self.meshing.clone();
+        surfaces.put_on(&self.designed, &mut meshing);
+        meshing.set_part_wear(&wear);
+        let positions = lost_motion_positions(&meshing);
+        Ok(PartsPoint { wear, lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())? })
     }
 
     /// Wears bearings and gears for `time` (s) at the loads of the present state.
@@ -93,7 +113,8 @@ const STEPS: usize = 8;
 /// [`WearError::Load`] where no balance is found; `None` for a machine that is not modelled with bearings.
 pub fn lost_motion_causes(machine: &Machine, settings: &JointSettings) -> Result<Option<PartsPoint>, WearError> {
     let Ok(mut meshing) = BearingMeshing::new(machine, settings) else { return Ok(None) };
-    Ok(Some(PartsPoint { wear: settings.part_wear, lost_motion: meshing.lost_motion_causes(POSITIONS, &mut Vec::new())? }))
+    let positions = lost_motion_positions(&meshing);
+    Ok(Some(PartsPoint { wear: settings.part_wear, lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())? }))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
 use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
 use crate::geometry::Relief;
-use crate::load::{FreeTravel, LoadError, LoadSharing, ShareLoad};
+use crate::load::{FreeTravel, LoadError, LoadSharing, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
 use crate::units::ARCMIN;
 use crate::wear::parts;
@@ -13,12 +13,16 @@ use crate::wear::parts;
 ///
 /// The counterpart of [`Meshing`](crate::load::Meshing): same questions, same answers, forces from [`BearingJoints`] without inertia.
 /// The pattern of pins and eccentrics repeats every pin pitch, but the crankshafts stand elsewhere on the carrier then; everything repeats after a turn of
-/// the crankshafts against the carrier, z_c pin pitches.
+/// the crankshafts against the carrier, z_c pin pitches; with errors of single pins after a turn of the output
+/// ([`ManufacturingErrors::crank_turns`](crate::machine::ManufacturingErrors::crank_turns)).
 #[derive(Debug, Clone)]
 pub struct BearingMeshing {
     model: BearingJoints,
     /// Size of the rated torque in N·m.
     rated: f64,
+    /// Turns of the crankshafts after which everything repeats.
+    crank_turns: usize,
+    discs_alike: bool,
     /// Deviations of the last balances at no load, lag and lead: where the next ones start.
     loose: [Option<Vec<f64>>; 2],
 }
@@ -46,6 +50,8 @@ impl LostMotionSplit {
 const LOST_MOTION_SHARE: f64 = 0.03;
 /// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would lie anywhere in their clearance.
 const ZERO_SHARE: f64 = 1e-4;
+/// 1/ρ with ρ³ = ρ + 1.
+const SPREAD: f64 = 0.754_877_666_246_692_8;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of all contacts.
 const TOLERANCE: f64 = 1e-7;
 const FORCE_TOLERANCE: f64 = 1e-6;
@@ -59,7 +65,9 @@ impl BearingMeshing {
         let mut machine = machine.clone();
         machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
         let model = BearingJoints::held(&machine, &JointSettings { damped: false, ..settings.clone() })?;
-        Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), loose: [None, None] })
+        let errors = &settings.errors;
+        let (crank_turns, discs_alike) = (errors.crank_turns(&machine), errors.discs_alike());
+        Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), crank_turns, discs_alike, loose: [None, None] })
     }
 
     /// The balances of this model hold the loads of the bearings as well.
@@ -99,6 +107,26 @@ impl BearingMeshing {
         }
     }
 
+    /// [`BearingMeshing::balance`]; where it is not found from a place that was right for other pins, again from the nominal place, and then by way of larger
+    /// torques, under which more contacts hold the bodies.
+    fn balance_from_afar(&mut self, crank: CrankAngle, torque: f64, start: Option<&[f64]>) -> Result<(Vec<f64>, f64), LoadError> {
+        let failure = match self.balance(crank, torque, start) {
+            Ok(found) => return Ok(found),
+            Err(failure) => failure,
+        };
+        if let (true, Ok(found)) = (start.is_some(), self.balance(crank, torque, None)) {
+            return Ok(found);
+        }
+        let mut step = self.rated.max(3.0 * torque.abs()).copysign(torque);
+        let mut place: Option<Vec<f64>> = None;
+        while step.abs() > torque.abs() {
+            let (position, _) = self.balance(crank, step, place.as_deref()).map_err(|_| failure.clone())?;
+            place = Some(self.deviation(crank, &position));
+            step /= 3.0;
+        }
+        self.balance(crank, torque, place.as_deref()).map_err(|_| failure)
+    }
+
     /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.
     fn sun(&self, crank: CrankAngle) -> f64 {
         let kinematics = self.model.kinematics();
@@ -124,7 +152,7 @@ impl BearingMeshing {
                 let crank = self.crank_position(index, positions, 0.0);
                 let slot = side * positions + index;
                 let start = starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
-                let (position, _) = self.balance(crank, sign * small, start.map(Vec::as_slice))?;
+                let (position, _) = self.balance_from_afar(crank, sign * small, start.map(Vec::as_slice))?;
                 split.whole -= sign * self.model.output_error(&position) / positions as f64;
                 for (sum, work) in split.causes.iter_mut().zip(self.model.causes(&position)) {
                     *sum += work / small / positions as f64;
@@ -157,7 +185,7 @@ impl BearingMeshing {
             let mut start: Option<Vec<f64>> = None;
             for index in 0..positions {
                 let crank = self.crank_position(index, positions, 0.0);
-                let (position, _) = self.balance(crank, duty.torque, start.as_deref())?;
+                let (position, _) = self.balance_from_afar(crank, duty.torque, start.as_deref())?;
                 let loads = self.model.part_loads(&position);
                 rates = rates.plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
                 start = Some(self.deviation(crank, &position));
@@ -207,17 +235,41 @@ impl ShareLoad for BearingMeshing {
         }
     }
 
+    fn set_surfaces(&mut self, flanks: Vec<Relief>, pins: Vec<Relief>) {
+        for (disc, ring) in self.model.rings.iter_mut().enumerate() {
+            ring.set_relief(flanks[disc % flanks.len()].clone());
+            let count = ring.pins().len();
+            match pins.chunks_exact(count).nth(disc) {
+                Some(own) => ring.set_pin_reliefs(own.to_vec()),
+                None => ring.set_pin_relief(pins[0].clone()),
+            }
+        }
+    }
+
     fn set_part_wear(&mut self, wear: &PartWear) {
         self.model.set_part_wear(*wear);
     }
 
     fn pitches(&self) -> usize {
-        self.model.kinematics().lobe_count as usize
+        self.crank_turns * self.model.kinematics().lobe_count as usize
+    }
+
+    fn discs_alike(&self) -> bool {
+        self.discs_alike
+    }
+
+    fn crank_position(&self, index: usize, count: usize, offset: f64) -> CrankAngle {
+        let kinematics = self.model.kinematics();
+        let within = turn_position(kinematics, kinematics.lobe_count as usize, index, count, offset);
+        // Which turn of the crankshafts: spread over all of them by a number that is far from any fraction (R2 sequence), so that neither the places
+        // within a turn nor the updates of a wear computation (whose offsets go by the golden section) keep meeting the same pins.
+        let turn = ((index as f64 * SPREAD + 7.0 * offset).fract() * self.crank_turns as f64).floor();
+        CrankAngle::from_radians(within.radians() + turn * kinematics.lobe_count * kinematics.pattern_period())
     }
 
     /// A body that no contact holds leaves the stiffness at 0.
     fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&Vec<f64>>) -> Result<(LoadSharing, Vec<f64>), LoadError> {
-        let (position, residual) = self.balance(crank, torque, start.map(Vec::as_slice))?;
+        let (position, residual) = self.balance_from_afar(crank, torque, start.map(Vec::as_slice))?;
         let discs = (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, &position)).collect();
         let stiffness = self.stiffness(&position).unwrap_or(0.0);
         let sharing = LoadSharing { crank_angle: crank, torque, output_error: self.error(&position), residual, stiffness, discs };
@@ -230,7 +282,8 @@ impl ShareLoad for BearingMeshing {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let start = self.loose[side].take();
             let small = sign * ZERO_SHARE * self.rated;
-            let (position, _) = self.balance(crank, small, start.as_deref()).or_else(|_| self.balance(crank, 10.0 * small, start.as_deref()))?;
+            let (position, _) =
+                self.balance_from_afar(crank, small, start.as_deref()).or_else(|_| self.balance_from_afar(crank, 10.0 * small, start.as_deref()))?;
             ends[side] = self.model.output_error(&position);
             self.loose[side] = Some(self.deviation(crank, &position));
         }
@@ -317,8 +370,8 @@ mod tests {
         ideal.advance_to(target).unwrap();
         let mut bearings = CoupledWear::with(&machine, meshing, options);
         bearings.advance_to(target).unwrap();
-        let (deepest, _) = ideal.state().flank.deepest();
-        for (a, b) in bearings.state().flank.samples().iter().zip(ideal.state().flank.samples()) {
+        let (deepest, _) = ideal.state().flank().deepest();
+        for (a, b) in bearings.state().flank().samples().iter().zip(ideal.state().flank().samples()) {
             assert!((a - b).abs() < 5e-3 * deepest, "{a:e} {b:e} {deepest:e}");
         }
     }
