@@ -46,9 +46,10 @@ pub trait ShareLoad {
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError>;
 
     /// Crank angle number `index` of `count`, for means over everything that repeats: the fractions of a pin pitch are equidistant, and so, within one
-    /// pitch, are the places on the whole period. `offset` (0 to 1) shifts the fractions.
-    fn crank_position(&self, index: usize, count: usize, offset: f64) -> CrankAngle {
-        turn_position(self.kinematics(), self.pitches(), index, count, offset)
+    /// pitch, are the places on the whole period. `offset` (0 to 1) shifts the fractions, `shift` goes that many places on along the period with the same
+    /// fractions: one place for one fraction would be taken for a property of the flank.
+    fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
+        turn_position(self.kinematics(), self.pitches(), index, count, offset, shift)
     }
 
     /// Whether all discs lose the same metal, as in a machine without errors.
@@ -72,14 +73,14 @@ pub trait ShareLoad {
     /// [`LoadError`] of the first position that has no solution.
     fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let period = self.kinematics().pattern_period() * self.pitches() as f64;
-        let angles: Vec<CrankAngle> = (0..count).map(|index| self.crank_position(index, count, 0.0)).collect();
+        let angles: Vec<CrankAngle> = (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
         sample(self, torque, period, angles, 3)
     }
 }
 
-/// Crank angle number `index` of `count` within `pitches` pin pitches: fractions of a pitch and places on the whole are both equidistant.
-pub(crate) fn turn_position(kinematics: &Kinematics, pitches: usize, index: usize, count: usize, offset: f64) -> CrankAngle {
-    let whole = index * pitches / count;
+/// [`ShareLoad::crank_position`] for a period of `pitches` pin pitches.
+pub(crate) fn turn_position(kinematics: &Kinematics, pitches: usize, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
+    let whole = (index + shift) % count * pitches / count;
     CrankAngle::from_radians(kinematics.pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64))
 }
 
@@ -118,7 +119,7 @@ pub fn lost_motion<S: ShareLoad>(sharer: &mut S, rated_torque: f64, positions: u
     for sign in [1.0, -1.0] {
         let mut start = None;
         for index in 0..positions {
-            let (sharing, found) = sharer.share(sharer.crank_position(index, positions, 0.0), sign * small, start.as_ref())?;
+            let (sharing, found) = sharer.share(sharer.crank_position(index, positions, 0.0, 0), sign * small, start.as_ref())?;
             sum -= sign * sharing.output_error.radians();
             start = Some(found);
         }

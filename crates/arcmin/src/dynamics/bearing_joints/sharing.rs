@@ -55,8 +55,8 @@ const SPREAD: f64 = 0.754_877_666_246_692_8;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of all contacts.
 const TOLERANCE: f64 = 1e-7;
 const FORCE_TOLERANCE: f64 = 1e-6;
-/// Of the load, and of the rated torque, that a jump of the contact forces may leave unbalanced.
-const JUMP: (f64, f64) = (1e-2, 1e-5);
+/// Of the load, and of the rated torque, that a jump of the contact forces may leave unbalanced: 1e-4 of the rated torque wind the machine up by some 2e-4'.
+const JUMP: (f64, f64) = (1e-2, 1e-4);
 
 impl BearingMeshing {
     /// # Errors
@@ -149,7 +149,7 @@ impl BearingMeshing {
         let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             for index in 0..positions {
-                let crank = self.crank_position(index, positions, 0.0);
+                let crank = self.crank_position(index, positions, 0.0, 0);
                 let slot = side * positions + index;
                 let start = starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
                 let (position, _) = self.balance_from_afar(crank, sign * small, start.map(Vec::as_slice))?;
@@ -184,7 +184,7 @@ impl BearingMeshing {
             let speeds = [output * (kinematics.housing_fixed_ratio() - 1.0), relative];
             let mut start: Option<Vec<f64>> = None;
             for index in 0..positions {
-                let crank = self.crank_position(index, positions, 0.0);
+                let crank = self.crank_position(index, positions, 0.0, 0);
                 let (position, _) = self.balance_from_afar(crank, duty.torque, start.as_deref())?;
                 let loads = self.model.part_loads(&position);
                 rates = rates.plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
@@ -258,9 +258,9 @@ impl ShareLoad for BearingMeshing {
         self.discs_alike
     }
 
-    fn crank_position(&self, index: usize, count: usize, offset: f64) -> CrankAngle {
+    fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
         let kinematics = self.model.kinematics();
-        let within = turn_position(kinematics, kinematics.lobe_count as usize, index, count, offset);
+        let within = turn_position(kinematics, kinematics.lobe_count as usize, index, count, offset, shift);
         // Which turn of the crankshafts: spread over all of them by a number that is far from any fraction (R2 sequence), so that neither the places
         // within a turn nor the updates of a wear computation (whose offsets go by the golden section) keep meeting the same pins.
         let turn = ((index as f64 * SPREAD + 7.0 * offset).fract() * self.crank_turns as f64).floor();
