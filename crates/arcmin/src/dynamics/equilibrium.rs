@@ -35,6 +35,8 @@ impl Default for EquilibriumControl {
 
 /// A full Newton step from a place accepted at a jump is shorter than this, in units of the system's scale.
 const NEAR_JUMP: f64 = 1e-2;
+/// Share of the elastic energy that a jump may leave as work along one unit of scale.
+const JUMP_OF_STORED: f64 = 2e-3;
 /// Where several contacts jump, Newton's method creeps along their edges: so many iterations without halving the forces are enough.
 const CREEPING: usize = 60;
 
@@ -73,7 +75,9 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
         if size < 0.5 * halved.0 {
             halved = (size, iteration);
         }
-        let creeps = iteration > halved.1 + CREEPING && size <= control.jump_tolerance;
+        // A machine under preload has larger forces to jump than its load tells.
+        let jump = if control.jump_tolerance > 0.0 { control.jump_tolerance.max(JUMP_OF_STORED * balance.stored) } else { 0.0 };
+        let creeps = iteration > halved.1 + CREEPING && size <= jump;
         if creeps || largest(&force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration });
         }
@@ -117,7 +121,7 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             trust = (2.0 * trust).min(control.trust);
         } else {
             trust = 0.25 * length.min(trust);
-            if trust < control.tolerance && length < NEAR_JUMP && size <= control.jump_tolerance {
+            if trust < control.tolerance && length < NEAR_JUMP && size <= jump {
                 return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
             }
             mu = match mu {

@@ -58,6 +58,9 @@ const FORCE_TOLERANCE: f64 = 1e-6;
 /// Of the load, and of the rated torque, that a jump of the contact forces may leave unbalanced: 1e-4 of the rated torque wind the machine up by some 2e-4'.
 const JUMP: (f64, f64) = (1e-2, 1e-4);
 
+/// The same at no load in a machine that errors have made so tight that its pins jump from flank to flank under some 100 N.
+const TIGHT_JUMP: f64 = 2e-3;
+
 impl BearingMeshing {
     /// # Errors
     /// [`DynamicsError`] for a machine with a fixed carrier or values without meaning.
@@ -80,6 +83,11 @@ impl BearingMeshing {
     /// # Errors
     /// [`LoadError`] where no balance is found.
     pub fn balance(&mut self, crank: CrankAngle, torque: f64, start: Option<&[f64]>) -> Result<(Vec<f64>, f64), LoadError> {
+        self.balance_within(JUMP.1, crank, torque, start)
+    }
+
+    /// `jump` is the share of the rated torque that a jump of the contact forces may leave.
+    fn balance_within(&mut self, jump: f64, crank: CrankAngle, torque: f64, start: Option<&[f64]>) -> Result<(Vec<f64>, f64), LoadError> {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
         }
@@ -94,7 +102,7 @@ impl BearingMeshing {
         let control = EquilibriumControl {
             tolerance: TOLERANCE,
             force_tolerance: FORCE_TOLERANCE,
-            jump_tolerance: (JUMP.0 * torque.abs() + JUMP.1 * self.rated) * ARCMIN,
+            jump_tolerance: (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN,
             ..EquilibriumControl::default()
         };
         match solve_equilibrium(&self.model, 0.0, &place, control) {
@@ -276,14 +284,17 @@ impl ShareLoad for BearingMeshing {
         Ok((sharing, self.deviation(crank, &position)))
     }
 
-    /// Read at ±1e-4 of rated torque; where forces that jump (worn pins) leave no balance there, at ±1e-3.
+    /// Read at ±1e-4 of rated torque; where forces that jump (worn pins, a machine so tight that its pins press without load) leave no balance there, at ±1e-3,
+    /// and within 2e-3 of rated torque if need be: some 0.005'.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
         let mut ends = [0.0; 2];
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let start = self.loose[side].take();
             let small = sign * ZERO_SHARE * self.rated;
-            let (position, _) =
-                self.balance_from_afar(crank, small, start.as_deref()).or_else(|_| self.balance_from_afar(crank, 10.0 * small, start.as_deref()))?;
+            let (position, _) = self
+                .balance_from_afar(crank, small, start.as_deref())
+                .or_else(|_| self.balance_from_afar(crank, 10.0 * small, start.as_deref()))
+                .or_else(|_| self.balance_within(TIGHT_JUMP, crank, 10.0 * small, None))?;
             ends[side] = self.model.output_error(&position);
             self.loose[side] = Some(self.deviation(crank, &position));
         }
