@@ -99,6 +99,15 @@ impl Deviations {
         Ok(deviations)
     }
 
+    /// Machines drawn with this one's seed and those that follow it.
+    pub fn series(&self, run: &Run, machine: &Machine, count: u32) -> Result<Vec<(u64, ManufacturingErrors)>, Failure> {
+        let (Some(seed), Some(tolerances)) = (self.seed, run.design.drawing_tolerances()) else {
+            return Err(usage("--machines draws the machines of a series", "it goes with --joints bearings --errors drawn"));
+        };
+        let seeds = (0..u64::from(count)).map(|index| seed.wrapping_add(index));
+        Ok(seeds.map(|seed| (seed, ManufacturingErrors::draw(machine, &tolerances, seed))).collect())
+    }
+
     pub fn summary(&self) -> Value {
         let source = match self.choice {
             Choice::Given => "given",

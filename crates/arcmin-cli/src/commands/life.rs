@@ -19,6 +19,10 @@ use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
 
+use series::Spread;
+
+mod series;
+
 #[derive(Debug, clap::Args)]
 #[command(
     long_about = "The main job: how the accuracy of the reducer decays with running hours, and what limits it.\n\n\
@@ -27,10 +31,14 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   60 µm with the static and dynamic transmission error of the multibody model (STE, DTE).\n\n\
                   report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns), \
                   lost_motion_causes.csv the lost motion of the whole machine with its bearings by cause; profiles of the \
-                  worn flank are in wear.csv.",
+                  worn flank are in wear.csv.\n\n\
+                  With bearings, manufacturing errors act on wear and accuracy: those of the design's [errors], or a machine drawn from its [tolerances] \
+                  (--errors drawn --seed S, listed in errors.csv). --machines N follows a series of N such machines: series.csv (hours, lost motion without \
+                  errors, least, 10 %, median, 90 %, largest) and machines.csv (one row per seed).",
     after_help = "Examples:\n  arcmin life my-reducer.toml\n  arcmin life my-reducer.toml --quasi-static        without the multibody runs, in a blink\n  \
                   arcmin life my-reducer.toml --flexible            with elastic discs as well\n  \
-                  arcmin life my-reducer.toml --joints bearings     the prediction with the machine in its bearings"
+                  arcmin life my-reducer.toml --joints bearings     the prediction with the machine in its bearings\n  \
+                  arcmin life my-reducer.toml --joints bearings --errors drawn --machines 20     how far machines of a series spread"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -49,6 +57,10 @@ pub struct Options {
     deviations: super::deviations::Options,
     #[command(flatten)]
     elastic: super::elastic::Options,
+    /// With --joints bearings --errors drawn: follow N machines as well, drawn with the seed and those after it, and show how far they spread. Some ten
+    /// seconds of a core for each.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
+    machines: Option<u32>,
     /// Times between new and the end of the service life.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
@@ -71,6 +83,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("life", &options.common)?;
     let machine = run.design.machine();
     let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
+    let drawn = options.machines.map(|count| deviations.series(&run, &machine, count)).transpose()?;
     let mut clock = Clock::default();
     let findings = clock.time("check", || checks::check(&machine));
     let mut settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
@@ -82,6 +95,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let (mut wear_clock, mut study_clock) = (Clock::default(), Clock::default());
     let made = |errors: &ManufacturingErrors| (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, errors)).transpose();
     let bearings = made(&ManufacturingErrors::default())?.zip(made(&deviations.errors)?);
+    let nominal = bearings.as_ref().map(|(nominal, _)| nominal.clone());
     let discs = if options.flexible {
         run.progress().report("reducing the discs", 0.0);
         Some(clock.time("reduction", || super::elastic::discs(&machine, &options.elastic, &run.path(".")))?)
@@ -108,6 +122,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     clock.0.append(&mut wear_clock.0);
     clock.0.append(&mut study_clock.0);
 
+    let spread = match drawn.zip(nominal) {
+        Some((drawn, nominal)) => Some(clock.time("series", || Spread::compute(&run, &machine, nominal, &drawn, settings))?),
+        None => None,
+    };
+
     let prediction_rows: Vec<LifeRow> = prediction.points.iter().map(|point| row(point, None)).collect();
     let mut study_rows: Vec<LifeRow> =
         study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect();
@@ -121,9 +140,14 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if !parts.is_empty() {
         run.table("lost_motion_causes.csv", super::causes::table(parts.iter().copied()))?;
     }
+    let limit = machine.limits.lost_motion / ARCMIN;
+    let section = spread.as_ref().map(|spread| spread.section(limit));
+    if let Some(spread) = &spread {
+        spread.tables(&mut run)?;
+    }
     let design_name = options.common.design.display().to_string();
     let report = clock.time("report", || {
-        render(&run, &design_name, &machine, options.joints, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts)
+        render(&run, &design_name, &machine, options.joints, &deviations, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts, section)
     });
     run.file("report.html", report.as_bytes())?;
 
@@ -131,11 +155,15 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if let Some((hours, point)) = parts.last() {
         run.say(&format!("\nafter {hours:.0} h, {}", super::causes::say(point)));
     }
+    if let Some(spread) = &spread {
+        run.say(&spread.terminal(limit));
+    }
     let last = &prediction_rows[prediction_rows.len() - 1];
     run.finish(json!({
         "ratio": machine.kinematics().ratio(),
         "joints": options.joints.word(),
         "errors": deviations.summary(),
+        "series": spread.as_ref().map(Spread::summary),
         "elastic_prediction": options.flexible && options.joints == Joints::Ideal,
         "hours_to_limit": prediction.hours_to_limit,
         "hours_to_limit_searched": prediction.searched_hours,
@@ -278,13 +306,15 @@ fn table(rows: &[LifeRow], points: &[LifePoint]) -> Table {
     table
 }
 
-/// Depth along the flank at every point of the prediction.
+/// Depth along the flank at every point of the prediction; of each disc (counted from 0) where they differ.
 fn profiles(prediction: &Prediction) -> Table {
-    let mut table = Table::new(&["hours", "meshing_angle_deg", "depth_um"]);
-    for point in &prediction.points {
-        let count = point.flank.samples().len();
-        for (phi, depth) in arcmin::geometry::Relief::grid(count).zip(point.flank.samples()) {
-            table.row(&[point.hours.into(), (phi / DEG).into(), (depth / UM).into()]);
+    let mut table = Table::new(&["hours", "meshing_angle_deg", "depth_um", "disc"]);
+    for (point, surfaces) in prediction.points.iter().zip(&prediction.surfaces) {
+        for (disc, flank) in surfaces.flanks.iter().enumerate() {
+            let disc = (surfaces.flanks.len() > 1).then_some(disc);
+            for (phi, depth) in Relief::grid(flank.samples().len()).zip(flank.samples()) {
+                table.row(&[point.hours.into(), (phi / DEG).into(), (depth / UM).into(), disc.into()]);
+            }
         }
     }
     table
@@ -335,6 +365,7 @@ fn render(
     design_name: &str,
     machine: &Machine,
     joints: Joints,
+    deviations: &Deviations,
     prediction: &Prediction,
     study: &PaperStudy,
     simulated: Option<&TransmissionErrorStudy>,
@@ -343,13 +374,21 @@ fn render(
     study_rows: &[LifeRow],
     findings: &[checks::Finding],
     parts: &[(f64, &PartsPoint)],
+    series: Option<Section>,
 ) -> String {
     // New, four stations on the way, and the end: as many curves as a reader can tell apart.
     let intervals = prediction.points.len() - 1;
     let stations = 5.min(intervals);
     let flanks: Vec<WornFlank> = (0..=stations)
         .map(|station| &prediction.points[intervals * station / stations])
-        .map(|point| WornFlank { hours: point.hours, flank: &point.flank, cycle: &point.cycle })
+        .map(|point| WornFlank {
+            hours: point.hours,
+            flank: &point.flank,
+            cycle: &point.cycle,
+            forces: &point.flank_forces[0],
+            peaks: &point.flank_peaks,
+            pins: &point.pin_loads,
+        })
         .collect();
     // The paper shows its runs at 10 µm.
     let level = 1.min(study.points.len() - 1);
@@ -367,11 +406,12 @@ fn render(
             version: env!("CARGO_PKG_VERSION").to_owned(),
             design_hash: run.design.short_hash(),
             command: std::iter::once("arcmin".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
-            seeds: Vec::new(),
+            seeds: deviations.seeds(),
         },
         design_name,
         design_text: run.design.text(),
         contacts_alone: joints == Joints::Ideal,
+        errors: deviations.sentence(),
         prediction: prediction_rows,
         flanks: &flanks,
         hours_to_limit: prediction.hours_to_limit,
@@ -386,7 +426,7 @@ fn render(
         ste_starts: simulated.map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
         findings,
         advice: Vec::new(),
-        more: (!parts.is_empty()).then(|| super::causes::section(parts)).into_iter().chain(elastic.iter().map(|(_, section)| section.clone())).collect(),
+        more: series.into_iter().chain((!parts.is_empty()).then(|| super::causes::section(parts))).chain(elastic.iter().map(|(_, section)| section.clone())).collect(),
     }
     .page()
     .render()

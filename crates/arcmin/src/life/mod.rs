@@ -1,15 +1,17 @@
 //! Accuracy over life: the coupled prediction, and beside it the paper's study of uniform depths.
 
 mod parts;
+mod series;
 
 use parts::lost_motion_positions;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes, worn_settings};
+pub use series::{MachineLife, Quantiles, Series, predict_series};
 
 use rayon::prelude::*;
 
 use crate::dynamics::BearingMeshing;
 use crate::geometry::Relief;
-use crate::load::{Cycle, FlankForce, ShareLoad, lost_motion};
+use crate::load::{Cycle, FlankForce, PinLoad, ShareLoad, lost_motion};
 use crate::machine::{Machine, OutputAngle, PartWear};
 use crate::progress::Progress;
 use crate::units::{HOUR, UM};
@@ -46,6 +48,8 @@ pub struct LifePoint {
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
+    /// What every pin bears over everything that repeats; empty where all bear the same.
+    pub pin_loads: Vec<PinLoad>,
     /// Worn surfaces.
     pub flank: Relief,
     /// Lost motion of the machine with bearings by cause; only in a prediction of a machine that is modelled with bearings.
@@ -135,6 +139,7 @@ pub fn accuracy<S: ShareLoad>(
         let (means, peaks): (Vec<_>, Vec<_>) = (0..machine.disc_count).map(|disc| cycle.flank_cells(disc, FLANK_CELLS)).unzip();
         (means, highest(&peaks))
     };
+    let pin_loads = if alike { Vec::new() } else { cycle.pin_loads() };
     let (max_depth, max_depth_at) = flank.deepest();
     let play = cycle.mean_play();
     let sign = if machine.rated.torque < 0.0 { 1.0 } else { -1.0 };
@@ -156,6 +161,7 @@ pub fn accuracy<S: ShareLoad>(
         cycle: pitch,
         flank_forces,
         flank_peaks,
+        pin_loads,
     })
 }
 
@@ -244,36 +250,51 @@ impl Course<'_> {
             })
             .collect::<Result<Vec<LifePoint>, WearError>>()?;
         let updates = wear.updates();
-        let limit = machine.limits.lost_motion;
-        let furthest = options.search_factor.max(1.0) * service_hours;
-        let mut history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.machine_lost_motion().radians())).collect();
-        let mut hours_to_limit = crossing(&history, limit);
-        let mut searched_hours = service_hours;
-        while hours_to_limit.is_none() && searched_hours < furthest {
-            let hours = (searched_hours + service_hours / 4.0).min(furthest);
-            if let Some(parts) = &mut parts {
-                parts.see(wear.state());
-                parts.advance((hours - searched_hours) * HOUR)?;
-                wear.set_part_wear(parts.wear());
-            }
-            let lost = advance(&mut wear, exposure.at(hours * HOUR), progress).and_then(|()| match &parts {
-                Some(parts) => Ok(parts.lost_motion_causes(wear.state(), *parts.wear())?.lost_motion.whole),
-                None => {
-                    let meshing = wear.meshing_mut();
-                    Ok(lost_motion(meshing, machine.rated.torque, lost_motion_positions(meshing))?.radians())
-                }
-            });
-            match lost {
-                Ok(lost) => history.push((hours, lost)),
-                // Far beyond the service life a flank may be worn out of the model's reach; the search ends where it still held.
-                Err(WearError::Load(_)) => break,
-                Err(error) => return Err(error),
-            }
-            searched_hours = hours;
-            hours_to_limit = crossing(&history, limit);
-        }
+        let history = points.iter().map(|point| (point.hours, point.machine_lost_motion().radians())).collect();
+        let (hours_to_limit, searched_hours) = search_limit(machine, &mut wear, &mut parts, &exposure, options, history, progress)?;
         Ok(Prediction { points, surfaces, exposure, updates, hours_to_limit, searched_hours })
     }
+}
+
+/// Goes on beyond the service life until the lost motion reaches its limit: hours to there, and how far was looked. `history` holds (h, rad) over the service life.
+fn search_limit<S: ShareLoad>(
+    machine: &Machine,
+    wear: &mut CoupledWear<'_, S>,
+    parts: &mut Option<PartsFollower<'_>>,
+    exposure: &Exposure,
+    options: LifeOptions,
+    mut history: Vec<(f64, f64)>,
+    progress: &dyn Progress,
+) -> Result<(Option<f64>, f64), WearError> {
+    let service_hours = machine.limits.service_life / HOUR;
+    let limit = machine.limits.lost_motion;
+    let furthest = options.search_factor.max(1.0) * service_hours;
+    let mut hours_to_limit = crossing(&history, limit);
+    let mut searched_hours = service_hours;
+    while hours_to_limit.is_none() && searched_hours < furthest {
+        let hours = (searched_hours + service_hours / 4.0).min(furthest);
+        if let Some(parts) = parts {
+            parts.see(wear.state());
+            parts.advance((hours - searched_hours) * HOUR)?;
+            wear.set_part_wear(parts.wear());
+        }
+        let lost = advance(wear, exposure.at(hours * HOUR), progress).and_then(|()| match &parts {
+            Some(parts) => Ok(parts.lost_motion_causes(wear.state(), *parts.wear())?.lost_motion.whole),
+            None => {
+                let meshing = wear.meshing_mut();
+                Ok(lost_motion(meshing, machine.rated.torque, lost_motion_positions(meshing))?.radians())
+            }
+        });
+        match lost {
+            Ok(lost) => history.push((hours, lost)),
+            // Far beyond the service life a flank may be worn out of the model's reach; the search ends where it still held.
+            Err(WearError::Load(_)) => break,
+            Err(error) => return Err(error),
+        }
+        searched_hours = hours;
+        hours_to_limit = crossing(&history, limit);
+    }
+    Ok((hours_to_limit, searched_hours))
 }
 
 fn advance<S: ShareLoad>(wear: &mut CoupledWear<'_, S>, target: f64, progress: &dyn Progress) -> Result<(), WearError> {

@@ -94,7 +94,8 @@ fn val_a_displaced_pin_wears_by_its_own_load() {
 #[test]
 fn few_positions_per_update_suffice_with_errors() {
     let machine = crate::templates::rv_40e_81();
-    let tolerances = Tolerances { pin_position: 3.0 * UM, pin_radius: UM, pin_circle_offset: 4.0 * UM, eccentricity: 2.0 * UM, ..Tolerances::default() };
+    let tolerances =
+        Tolerances { pin_position: 3.0 * UM, pin_radius: UM, pin_circle_offset: 4.0 * UM, eccentricity: 2.0 * UM, ..Tolerances::default() };
     let errors = ManufacturingErrors::draw(&machine, &tolerances, 5);
     let of = |crank_positions: usize| worn(&machine, &errors, CoupledOptions { crank_positions, ..CoupledOptions::default() }, 600.0);
     let (few, many) = (of(15), of(60));

@@ -187,7 +187,8 @@ fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
 #[test]
 fn means_over_the_ring_converge() {
     let machine = crate::templates::rv_40e_81();
-    let tolerances = Tolerances { pin_position: 3.0 * UM, pin_radius: UM, pin_circle_offset: 4.0 * UM, eccentricity: 2.0 * UM, ..Tolerances::default() };
+    let tolerances =
+        Tolerances { pin_position: 3.0 * UM, pin_radius: UM, pin_circle_offset: 4.0 * UM, eccentricity: 2.0 * UM, ..Tolerances::default() };
     let errors = ManufacturingErrors::draw(&machine, &tolerances, 5);
     let meshing = BearingMeshing::new(&machine, &JointSettings { errors, ..JointSettings::default() }).unwrap();
     assert_eq!(meshing.pitches(), 39 * 40);
