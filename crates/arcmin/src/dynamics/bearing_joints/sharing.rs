@@ -78,7 +78,8 @@ impl BearingMeshing {
         &self.model
     }
 
-    /// Balance under an output torque (N·m, positive against positive motion), as deviation of all coordinates from the nominal machine.
+    /// Balance under an output torque (N·m, positive against positive motion): all coordinates, and the largest force left. `start` is the deviation of an
+    /// earlier one from the nominal machine, seen from its carrier.
     ///
     /// # Errors
     /// [`LoadError`] where no balance is found.
@@ -96,7 +97,11 @@ impl BearingMeshing {
         self.model.set_load(torque);
         let nominal = self.model.nominal_position_at(sun);
         let place: Vec<f64> = match start {
-            Some(start) => nominal.iter().zip(start).map(|(n, d)| n + d).collect(),
+            Some(start) => {
+                let mut deviation = start.to_vec();
+                self.turn(&mut deviation, self.carrier_angle(crank));
+                nominal.iter().zip(&deviation).map(|(n, d)| n + d).collect()
+            }
             None => nominal,
         };
         let control = EquilibriumControl {
@@ -203,7 +208,21 @@ impl BearingMeshing {
     }
 
     fn deviation(&self, crank: CrankAngle, position: &[f64]) -> Vec<f64> {
-        position.iter().zip(self.model.nominal_position_at(self.sun(crank))).map(|(q, n)| q - n).collect()
+        let mut deviation: Vec<f64> = position.iter().zip(self.model.nominal_position_at(self.sun(crank))).map(|(q, n)| q - n).collect();
+        self.turn(&mut deviation, -self.carrier_angle(crank));
+        deviation
+    }
+
+    /// Angle of the carrier in the frame of the coordinates: what the crankshafts do at one place of the ring they do at all of them.
+    fn carrier_angle(&self, crank: CrankAngle) -> f64 {
+        if self.model.layout.housing_moves() { 0.0 } else { -crank.radians() / self.model.kinematics().lobe_count }
+    }
+
+    fn turn(&self, deviation: &mut [f64], angle: f64) {
+        let (sin, cos) = angle.sin_cos();
+        for x in self.model.layout.centres() {
+            (deviation[x], deviation[x + 1]) = (cos * deviation[x] - sin * deviation[x + 1], sin * deviation[x] + cos * deviation[x + 1]);
+        }
     }
 
     /// dT/dφ at the output of the whole machine in N·m/rad.
@@ -341,7 +360,7 @@ mod tests {
             (q[at], q[at + 1], q[at + 2]) = (pose.centre.x, pose.centre.y, pose.angle);
         }
         q[layout.output()] = output;
-        q.iter().zip(&nominal).map(|(q, n)| q - n).collect()
+        meshing.deviation(crank, &q)
     }
 
     /// Forces of all pins within 1e-4 of the largest with equal springs. The line contact of the model with bearings is conservative: it pushes along the
