@@ -39,9 +39,10 @@ pub trait ShareLoad {
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError>;
 
     /// Crank angle number `index` of `count`, for means over everything that repeats: the fractions of a pin pitch are equidistant, and so, within one
-    /// pitch, are the places on the whole period. `offset` (0 to 1) shifts the fractions.
-    fn crank_position(&self, index: usize, count: usize, offset: f64) -> CrankAngle {
-        let whole = index * self.pitches() / count;
+    /// pitch, are the places on the whole period. `offset` (0 to 1) shifts the fractions, `shift` goes that many places on along the period with the same
+    /// fractions: one place for one fraction would be taken for a property of the flank.
+    fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
+        let whole = (index + shift) % count * self.pitches() / count;
         CrankAngle::from_radians(self.kinematics().pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64))
     }
 
@@ -61,7 +62,7 @@ pub trait ShareLoad {
     /// [`LoadError`] of the first position that has no solution.
     fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let period = self.kinematics().pattern_period() * self.pitches() as f64;
-        let angles: Vec<CrankAngle> = (0..count).map(|index| self.crank_position(index, count, 0.0)).collect();
+        let angles: Vec<CrankAngle> = (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
         sample(self, torque, period, angles, 3)
     }
 }
@@ -101,7 +102,7 @@ pub fn lost_motion<S: ShareLoad>(sharer: &mut S, rated_torque: f64, positions: u
     for sign in [1.0, -1.0] {
         let mut start = None;
         for index in 0..positions {
-            let (sharing, found) = sharer.share(sharer.crank_position(index, positions, 0.0), sign * small, start.as_ref())?;
+            let (sharing, found) = sharer.share(sharer.crank_position(index, positions, 0.0, 0), sign * small, start.as_ref())?;
             sum -= sign * sharing.output_error.radians();
             start = Some(found);
         }

@@ -210,14 +210,16 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         let count = self.options.crank_positions;
         // The crank positions shift from update to update by the golden section, so that no place of the flank is favoured.
         let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
+        // Each fraction of a pitch meets all places of the period within `count` updates.
+        let shift = if self.meshing.pitches() > 1 { self.updates % count } else { 0 };
         for (row, duty) in machine.duty.iter().enumerate() {
             if duty.torque == 0.0 || duty.share == 0.0 {
                 continue;
             }
             let mut passes: Vec<Vec<Pass>> = vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
             for index in 0..count {
-                let crank = self.meshing.crank_position(index, count, offset);
-                let start = &mut self.starts[row * count + index];
+                let crank = self.meshing.crank_position(index, count, offset, shift);
+                let start = &mut self.starts[row * count + (index + shift) % count];
                 let (sharing, found) = self.meshing.share(crank, duty.torque, start.as_ref())?;
                 *start = Some(found);
                 for (contacts, passes) in sharing.discs.iter().zip(&mut passes) {

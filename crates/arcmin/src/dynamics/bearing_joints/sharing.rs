@@ -121,7 +121,7 @@ impl BearingMeshing {
         let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             for index in 0..positions {
-                let crank = self.crank_position(index, positions, 0.0);
+                let crank = self.crank_position(index, positions, 0.0, 0);
                 let slot = side * positions + index;
                 let start = starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
                 let (position, _) = self.balance(crank, sign * small, start.map(Vec::as_slice))?;
@@ -156,7 +156,7 @@ impl BearingMeshing {
             let speeds = [output * (kinematics.housing_fixed_ratio() - 1.0), relative];
             let mut start: Option<Vec<f64>> = None;
             for index in 0..positions {
-                let crank = self.crank_position(index, positions, 0.0);
+                let crank = self.crank_position(index, positions, 0.0, 0);
                 let (position, _) = self.balance(crank, duty.torque, start.as_deref())?;
                 let loads = self.model.part_loads(&position);
                 rates = rates.plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
