@@ -86,11 +86,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let drawn = options.machines.map(|count| deviations.series(&run, &machine, count)).transpose()?;
     let mut clock = Clock::default();
     let findings = clock.time("check", || checks::check(&machine));
-    let mut settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
-    if options.flexible {
-        // Beyond the service life elastic load sharing takes its time on ever rougher flanks.
-        settings.search_factor = 1.25;
-    }
+    let settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
     // The prediction follows the wear step by step; the runs of the study fill the other cores meanwhile.
     let (mut wear_clock, mut study_clock) = (Clock::default(), Clock::default());
     let made = |errors: &ManufacturingErrors| (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, errors)).transpose();

@@ -20,10 +20,6 @@ const MAX_ITERATIONS: usize = 90;
 const REACH: f64 = 5e-6;
 /// As for rigid discs.
 const RESIDUAL_FLOOR: f64 = 5e-9;
-/// A wavy, worn flank may have two places equally near to a pin; where the nearer one changes, the pin's force jumps with the curvature, and the torque by a
-/// tenth of a per cent. A bracket (rad) that closes around such a jump is the equilibrium; what is left of the torque is reported with the solution.
-const NO_WIDTH: f64 = 1e-10;
-const LARGEST_JUMP: f64 = 1e-2;
 /// First guess of the torsional stiffness in N·m/rad: teeth and discs in series.
 const EXPECTED_STIFFNESS: f64 = 2500.0 / crate::units::ARCMIN;
 
@@ -147,8 +143,7 @@ impl FlexibleMeshing {
         for _ in 0..MAX_ITERATIONS {
             let (q, stiffness) = self.generalised_torque(nominal, error)?;
             residual = q - torque;
-            let jumps = high - low <= NO_WIDTH && residual.abs() <= LARGEST_JUMP * torque.abs();
-            if jumps || residual.abs() <= (5e-10 * torque.abs()).max(RESIDUAL_FLOOR) {
+            if residual.abs() <= (5e-10 * torque.abs()).max(RESIDUAL_FLOOR) {
                 return self.sharing_at(crank_angle, torque, error, residual, stiffness);
             }
             if residual > 0.0 {
