@@ -140,6 +140,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         WearError::Stopped => Failure::Cancelled,
         error => Failure::compute("compute the wear")(error),
     })?;
+    let mut summary = summary;
+    summary["errors"] = deviations.summary();
     run.table("wear.csv", tables.wear)?;
     run.table("wear_history.csv", tables.history)?;
     run.finish(summary)?;

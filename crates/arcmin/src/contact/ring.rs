@@ -240,14 +240,6 @@ impl PinContacts {
         self.update_bounds();
     }
 
-    /// Metal lost by the pin where a contact's line of action leaves it, in m.
-    pub fn pin_depth(&self, contact: &PinContact) -> f64 {
-        self.pin_relief(contact.pin).map_or(0.0, |relief| {
-            let place = self.directions[contact.pin];
-            relief.at(cross(place, contact.normal).atan2(place.dot(&contact.normal))).depth
-        })
-    }
-
     /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank is left out: an amplitude of 10 µm
     /// at order z_c tilts the normal by some mrad, a second-order change of the gap.
     pub fn set_flank_error(&mut self, error: FlankError) {

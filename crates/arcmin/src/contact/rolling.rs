@@ -24,6 +24,16 @@ impl Rolling {
 }
 
 impl PinContacts {
+    /// Metal lost by the pin where a contact's line of action leaves it, in m.
+    pub fn pin_depth(&self, contact: &PinContact) -> f64 {
+        self.pin_relief(contact.pin).map_or(0.0, |relief| relief.at(self.pin_angle(contact)).depth)
+    }
+
+    /// What the flank's error takes off where a contact is, in m.
+    pub fn flank_error_depth(&self, contact: &PinContact) -> f64 {
+        self.flank_error().map_or(0.0, |error| error.depth(contact.tau, self.profile().outward_normal(contact.tau)))
+    }
+
     /// Travel of the foot of `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
         let pin_radius = self.pins()[contact.pin].radius;
@@ -34,7 +44,7 @@ impl PinContacts {
 
         let (mut read, mut error_slope, mut pin_slope) = (0.0, 0.0, 0.0);
         if let Some(error) = self.flank_error() {
-            read += error.depth(contact.tau, profile.outward_normal(contact.tau));
+            read += self.flank_error_depth(contact);
             error_slope = error.slope(contact.tau, profile);
         }
         if let Some(pin_relief) = self.pin_relief(contact.pin) {

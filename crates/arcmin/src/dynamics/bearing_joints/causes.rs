@@ -2,6 +2,7 @@
 
 use super::BearingJoints;
 use super::assembly::{Element, Part, Sink};
+use crate::geometry::unit;
 use crate::wear::PartLoads;
 
 /// Where lost motion comes from.
@@ -18,10 +19,12 @@ pub enum Cause {
     GearWear,
     MainBearingClearance,
     Elastic,
+    /// Gaps opened (or, negative, closed) by manufacturing errors.
+    ManufacturingErrors,
 }
 
 impl Cause {
-    pub const ALL: [Cause; 11] = [
+    pub const ALL: [Cause; 12] = [
         Cause::FlankWear,
         Cause::PinWear,
         Cause::FlankModification,
@@ -33,6 +36,7 @@ impl Cause {
         Cause::GearWear,
         Cause::MainBearingClearance,
         Cause::Elastic,
+        Cause::ManufacturingErrors,
     ];
 
     /// Words for tables.
@@ -49,6 +53,7 @@ impl Cause {
             Cause::GearWear => "wear of the gears",
             Cause::MainBearingClearance => "clearance of the main bearings",
             Cause::Elastic => "elastic, at ±3 % of rated torque",
+            Cause::ManufacturingErrors => "manufacturing errors",
         }
     }
 
@@ -66,6 +71,7 @@ impl Cause {
             Cause::GearWear => "gear_wear",
             Cause::MainBearingClearance => "main_bearing_clearance",
             Cause::Elastic => "elastic",
+            Cause::ManufacturingErrors => "manufacturing_errors",
         }
     }
 }
@@ -85,18 +91,29 @@ impl BearingJoints {
     /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by cause.
     ///
     /// The forces F_e of all joints balance the torque T at the output, so for small displacements T φ = Σ F_e u_e, and each u_e is the gap that was there
-    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements and for manufacturing errors.
-    /// Exact for springs: Q δ = (n + 1) U of a roller, 2 U of linear springs.
+    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements.
+    /// Exact for springs: Q δ = (n + 1) U of a roller, 2 U of linear springs. Manufacturing errors do the work of F_e on what they displace in the nominal place;
+    /// where they press parts together without load, elastic work and theirs are large and nearly cancel.
     pub fn causes(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut causes = [0.0; Cause::ALL.len()];
         let mut add = |cause: Cause, work: f64| causes[cause as usize] += work;
+        let nominal = self.has_errors.then(|| {
+            let nominal = self.nominal_position_at(self.held_angle());
+            self.full(0.0, &nominal, &vec![0.0; nominal.len()]).0
+        });
         for k in 0..self.layout.cranks {
-            let arms = (0..self.layout.discs).map(|j| (&self.turning_arms[k][j], self.turning_arm_state(k, j, &q), self.part_wear.turning_arm));
-            let supports = (0..2).map(|end| (&self.supports[k], self.support_state(k, end, &q), self.part_wear.crank_support));
+            let arms = (0..self.layout.discs).map(|j| {
+                let made = nominal.as_ref().map(|nominal| self.turning_arm_state(k, j, nominal).0);
+                (&self.turning_arms[k][j], self.turning_arm_state(k, j, &q), self.part_wear.turning_arm, made)
+            });
+            let supports = (0..2).map(|end| {
+                let made = nominal.as_ref().map(|nominal| self.support_state(k, end, nominal).0);
+                (&self.supports[k], self.support_state(k, end, &q), self.part_wear.crank_support, made)
+            });
             let own = [(Cause::TurningArmClearance, Cause::TurningArmWear), (Cause::CrankSupportClearance, Cause::CrankSupportWear)];
             let all = arms.map(|bearing| (own[0], bearing)).chain(supports.map(|bearing| (own[1], bearing)));
-            for ((clearance, wear), (law, (u, cage), worn)) in all {
+            for ((clearance, wear), (law, (u, cage), worn, made)) in all {
                 let state = law.react(u, cage);
                 let elastic = (law.exponent + 1.0) * state.stored;
                 let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
@@ -104,12 +121,18 @@ impl BearingJoints {
                 add(Cause::Elastic, elastic);
                 add(clearance, gap * (1.0 - share));
                 add(wear, gap * share);
+                if let Some(made) = made {
+                    add(Cause::ManufacturingErrors, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
+                }
             }
             let mesh = self.mesh_state(k, &q, &v);
             for side in 0..2 {
                 let force = mesh.side_force[side];
                 add(Cause::GearBacklash, force * self.meshes[k].half_backlash);
                 add(Cause::GearWear, force * self.meshes[k].flank_loss[side]);
+                if let Some(nominal) = &nominal {
+                    add(Cause::ManufacturingErrors, -force * self.mesh_overlap(k, nominal)[side]);
+                }
             }
         }
         let mut stored = Stored([0.0; Part::ALL.len()]);
@@ -118,11 +141,17 @@ impl BearingJoints {
             add(Cause::Elastic, 2.0 * stored.0[part as usize]);
         }
         let (stiffness, clearance) = self.main;
-        add(Cause::MainBearingClearance, stiffness * (self.main_displacement(&q).norm() - clearance).max(0.0) * clearance);
+        let shift = self.main_displacement(&q);
+        let force = stiffness * (shift.norm() - clearance).max(0.0);
+        add(Cause::MainBearingClearance, force * clearance);
+        if let Some(nominal) = nominal.as_ref().filter(|_| force > 0.0) {
+            add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.main_displacement(nominal)));
+        }
         for (j, ring) in self.rings.iter().enumerate() {
             let (pose, rate) = self.disc_state(j, &q, &v);
             let profile = ring.profile();
             let k1 = profile.short_width_coefficient();
+            let (circle, radius) = (profile.pin_circle_radius - self.radial_offset, profile.pin_radius - self.equidistant_offset);
             ring.visit(pose, rate, false, |contact| {
                 if contact.force <= 0.0 {
                     return;
@@ -134,6 +163,12 @@ impl BearingJoints {
                 let cos = contact.meshing_angle.cos();
                 let offsets = self.equidistant_offset - self.radial_offset * (1.0 - k1 * cos) / profile.speed_factor(cos);
                 add(Cause::FlankModification, contact.force * (designed + offsets));
+                if nominal.is_some() {
+                    let pin = &ring.pins()[contact.pin];
+                    let moved = pin.centre - circle * unit(std::f64::consts::TAU * contact.pin as f64 / ring.pins().len() as f64);
+                    let gap = contact.normal.dot(&moved) + radius - pin.radius + ring.flank_error_depth(contact);
+                    add(Cause::ManufacturingErrors, contact.force * gap);
+                }
             });
         }
         causes

@@ -127,6 +127,7 @@ pub struct BearingJoints {
     mesh_sliding: f64,
     loss_time: f64,
     part_wear: PartWear,
+    has_errors: bool,
     /// What is taken off the flank on purpose, to tell it from wear.
     designed_relief: Relief,
     equidistant_offset: f64,
@@ -254,6 +255,7 @@ impl BearingJoints {
             mesh_sliding: 0.4 * std::f64::consts::PI * stage.module * stage.pressure_angle.cos(),
             loss_time: if settings.damped { LOSS_TIME } else { 0.0 },
             part_wear: PartWear::default(),
+            has_errors: !settings.errors.is_zero(),
             designed_relief: machine.designed_relief(),
             equidistant_offset: machine.disc.modification.equidistant_offset,
             radial_offset: machine.disc.modification.radial_offset,
@@ -299,11 +301,15 @@ impl BearingJoints {
 
     /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and i the ratio of that case.
     pub fn output_error(&self, position: &[f64]) -> f64 {
-        let sun = match self.input {
+        position[self.layout.output()] - self.held_angle() / self.kinematics.ratio()
+    }
+
+    /// Where the sun is held, in rad.
+    fn held_angle(&self) -> f64 {
+        match self.input {
             Input::Held { angle, .. } => angle,
             Input::Driven(_) => 0.0,
-        };
-        position[self.layout.output()] - sun / self.kinematics.ratio()
+        }
     }
 
     /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates (rad/(N·m), m/(N·m)).

@@ -40,7 +40,7 @@ impl LostMotionSplit {
         self.causes[cause as usize]
     }
 
-    /// What the causes leave of the whole: terms of second order in the displacements, manufacturing errors.
+    /// What the causes leave of the whole: terms of second order in the displacements.
     pub fn residual(&self) -> f64 {
         self.whole - self.causes.iter().sum::<f64>()
     }
