@@ -83,7 +83,7 @@ fn errors_of_zero_change_no_byte() {
     }
 }
 
-/// Pin 8 stands 4 µm too far in: pins.csv shows it, and nothing else, out of the common run.
+/// Pin 8 stands 4 µm too far in.
 #[test]
 fn a_displaced_pin_stands_out_among_the_others() {
     let directory = with_design("\n[[errors.pins]]\npin = 8\nradial_um = -4\n");
@@ -99,10 +99,13 @@ fn a_displaced_pin_stands_out_among_the_others() {
         })
         .collect();
     assert_eq!(forces.len(), 80);
-    let others: Vec<f64> = forces.iter().filter(|(pin, _)| ![6, 7, 8].contains(pin)).map(|(_, force)| *force).collect();
-    let (low, high) = others.iter().fold((f64::INFINITY, 0.0f64), |(low, high), force| (low.min(*force), high.max(*force)));
-    assert!(forces.iter().filter(|(pin, _)| *pin == 7).all(|(_, force)| *force > 1.5 * high), "{forces:?}");
-    assert!(high < 1.2 * low, "{low} {high}");
+    // It bears for its neighbours, which bear least; those on the far side of the ring hardly notice.
+    let of = |index: usize| forces.iter().filter(move |(pin, _)| *pin == index).map(|(_, force)| *force);
+    let high = forces.iter().filter(|(pin, _)| *pin != 7).map(|(_, force)| *force).fold(0.0, f64::max);
+    let low = forces.iter().map(|(_, force)| *force).fold(f64::INFINITY, f64::min);
+    assert!(of(7).all(|force| force > 4.0 * high), "{forces:?}");
+    assert!(of(6).chain(of(8)).all(|force| force < 1.1 * low), "{forces:?}");
+    assert!(of(27).all(|force| force > 0.95 * high), "{forces:?}");
     assert_eq!(summary(d, "o")["mean_over"]["pin_pitches"], 1560);
 }
 
