@@ -16,7 +16,7 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   contact.csv: crank_angle_deg, disc, pin (both counted from 0), meshing_angle_deg, force_n, pressure_mpa, half_width_um, gap_um.\n\
                   error.csv: crank_angle_deg, te_loaded_arcmin, torsional_stiffness_nm_per_arcmin. spectrum of the loaded error (ideal joints): harmonics.csv.",
     after_help = "Examples:\n  arcmin contact my-reducer.toml\n  arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10\n  \
-                  arcmin contact my-reducer.toml --joints bearings\n  arcmin contact my-reducer.toml --method closed-form"
+                  arcmin contact my-reducer.toml --joints bearings --flexible\n  arcmin contact my-reducer.toml --method closed-form"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -27,7 +27,7 @@ pub struct Options {
     /// Joints between the bodies; with bearings the error is that of the whole machine, input locked, and the discs need not carry alike.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
-    /// Share the load on elastic discs (finite elements; equilibrium, ideal joints).
+    /// Share the load on elastic discs (finite elements; equilibrium).
     #[arg(long)]
     flexible: bool,
     #[command(flatten)]
@@ -56,10 +56,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
     let mut table = Table::new(&["crank_angle_deg", "disc", "pin", "meshing_angle_deg", "force_n", "pressure_mpa", "half_width_um", "gap_um"]);
-    if options.flexible && (options.joints == Joints::Bearings || options.method == Method::ClosedForm) {
+    if options.flexible && options.method == Method::ClosedForm {
         return Err(Failure::Usage {
-            message: "elastic discs share the load by equilibrium with ideal joints only".to_owned(),
-            help: "leave --flexible, or --joints and --method, out".to_owned(),
+            message: "elastic discs share the load by equilibrium only".to_owned(),
+            help: "leave --flexible or --method out".to_owned(),
         });
     }
     let summary = match options.method {
@@ -69,7 +69,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 equilibrium(&mut run, &options, meshing, &machine, torque, &mut table)?
             }
             Joints::Ideal => equilibrium(&mut run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, torque, &mut table)?,
-            Joints::Bearings => equilibrium(&mut run, &options, bearing_meshing(&machine)?, &machine, torque, &mut table)?,
+            Joints::Bearings => {
+                let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+                equilibrium(&mut run, &options, bearing_meshing(&machine, discs)?, &machine, torque, &mut table)?
+            }
         },
         Method::ClosedForm if options.joints == Joints::Bearings => {
             return Err(Failure::Usage {
@@ -147,6 +150,7 @@ fn equilibrium<S: ShareLoad>(
     Ok(json!({
         "method": "equilibrium",
         "joints": options.joints.word(),
+        "elastic_discs": options.flexible,
         "disc_torque_shares": shares,
         "torque_n_m": torque,
         "wear_um": options.wear_um,

@@ -1,4 +1,4 @@
-use arcmin::dynamics::{BearingMeshing, JointSettings};
+use arcmin::dynamics::{BearingMeshing, ElasticDiscs, JointSettings};
 use arcmin::machine::Machine;
 
 use crate::failure::Failure;
@@ -21,8 +21,8 @@ impl Joints {
     }
 }
 
-/// Load sharing with bearings, new surfaces.
-pub fn bearing_meshing(machine: &Machine) -> Result<BearingMeshing, Failure> {
-    BearingMeshing::new(machine, &JointSettings::default())
+/// Load sharing with bearings, new surfaces, on rigid or elastic discs.
+pub fn bearing_meshing(machine: &Machine, discs: Option<ElasticDiscs>) -> Result<BearingMeshing, Failure> {
+    BearingMeshing::new(machine, &JointSettings { discs, ..JointSettings::default() })
         .map_err(|error| Failure::Usage { message: error.to_string(), help: "ideal joints (--joints ideal) take every machine".to_owned() })
 }

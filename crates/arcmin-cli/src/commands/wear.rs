@@ -30,7 +30,7 @@ pub struct Options {
     /// Joints between the bodies (coupled mode): with bearings the pins see the forces that clearances and elastic bearings leave them.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
-    /// Share the load on elastic discs (finite elements; coupled mode, ideal joints).
+    /// Share the load on elastic discs (finite elements; coupled mode).
     #[arg(long)]
     flexible: bool,
     #[command(flatten)]
@@ -103,10 +103,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
     let mut tables = Tables::new();
-    if options.flexible && (options.joints == Joints::Bearings || options.mode == Mode::Paper) {
+    if options.flexible && options.mode == Mode::Paper {
         return Err(Failure::Usage {
-            message: "elastic discs wear in the coupled mode with ideal joints only".to_owned(),
-            help: "leave --flexible, or --joints and --mode, out".to_owned(),
+            message: "elastic discs wear in the coupled mode only".to_owned(),
+            help: "leave --flexible or --mode out".to_owned(),
         });
     }
     let summary = match options.mode {
@@ -116,7 +116,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 coupled(&run, &options, meshing, &machine, end, &mut tables)
             }
             Joints::Ideal => coupled(&run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, end, &mut tables),
-            Joints::Bearings => coupled(&run, &options, bearing_meshing(&machine)?, &machine, end, &mut tables),
+            Joints::Bearings => {
+                let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+                coupled(&run, &options, bearing_meshing(&machine, discs)?, &machine, end, &mut tables)
+            }
         },
         Mode::Paper if options.joints == Joints::Bearings => {
             return Err(Failure::Usage {
@@ -190,6 +193,7 @@ fn coupled<S: ShareLoad + Clone>(
     Ok(json!({
         "mode": "coupled",
         "joints": options.joints.word(),
+        "elastic_discs": options.flexible,
         "hours": end,
         "max_depth_um": last.max_depth / UM,
         "max_depth_at_deg": last.max_depth_at.abs() / DEG,

@@ -167,6 +167,8 @@ pub struct PinContacts {
     contact: LineContact,
     sliding: Option<Sliding>,
     conservative: bool,
+    /// Gap in m below which a pin is always looked at.
+    reach: f64,
     /// Straight edges in place of the flank, if asked for.
     facets: Option<Facets>,
 }
@@ -187,6 +189,7 @@ impl PinContacts {
             contact,
             sliding: None,
             conservative: false,
+            reach: 1e-6,
             facets: None,
         };
         contacts.set_relief(relief);
@@ -251,6 +254,14 @@ impl PinContacts {
     /// Sets the damping of every contact; none at first.
     pub fn set_damping(&mut self, damping: Option<Damping>) {
         self.contact.damping = damping;
+    }
+
+    /// Hands the contacts to an elastic disc: the law of its surface, damped as before, and how far (m) its flank may come out to meet a pin.
+    pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
+        let damping = self.contact.damping;
+        self.contact = law;
+        self.contact.damping = damping;
+        self.reach = reach;
     }
 
     /// Whether reactions include what makes them the gradient of the stored energy ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at
@@ -359,7 +370,7 @@ impl PinContacts {
         let along = off.dot(&c1) * per_speed;
         let curvature = cross(c1, c2).abs() * per_speed * per_speed * per_speed;
         // Only where the curvature cannot change its size on the way to the foot.
-        curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + 1e-6
+        curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + self.reach
     }
 
     #[inline]

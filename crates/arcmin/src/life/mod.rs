@@ -138,16 +138,18 @@ pub fn accuracy<S: ShareLoad>(
 /// # Errors
 /// [`WearError`]; `Stopped` when `progress` was cancelled.
 pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress) -> Result<Prediction, WearError> {
-    predict_with(machine, machine.meshing(&Relief::uniform(0.0)), options, progress)
+    predict_with(machine, machine.meshing(&Relief::uniform(0.0)), &JointSettings::default(), options, progress)
 }
 
-/// [`predict`] with the joints of `meshing`.
+/// [`predict`] with the joints of `meshing`; `whole` gives the model with bearings, which lost motion by cause and the wear of bearings and gears come from, its errors
+/// and elastic discs.
 ///
 /// # Errors
 /// As [`predict`].
 pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
     machine: &Machine,
     meshing: S,
+    whole: &JointSettings,
     options: LifeOptions,
     progress: &dyn Progress,
 ) -> Result<Prediction, WearError> {
@@ -156,7 +158,7 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
     let service_hours = machine.limits.service_life / HOUR;
     let hours_of = |interval: usize| service_hours * interval as f64 / options.intervals as f64;
     let mut surfaces = Vec::with_capacity(options.intervals + 1);
-    let mut parts = PartsFollower::new(machine);
+    let mut parts = PartsFollower::new(machine, whole);
     let mut part_wear = Vec::with_capacity(options.intervals + 1);
     for interval in 0..=options.intervals {
         if let Some(parts) = parts.as_mut().filter(|_| interval > 0) {
@@ -187,7 +189,7 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
             joints.set_part_wear(&part_wear.unwrap_or_default());
             let mut point = accuracy(machine, &mut joints, &worn.flank, hours_of(interval), options.crank_positions)?;
             if let Some(part_wear) = *part_wear {
-                point.parts = lost_motion_causes(machine, &JointSettings { flank_wear, pin_wear, part_wear, ..JointSettings::default() })?;
+                point.parts = lost_motion_causes(machine, &JointSettings { flank_wear, pin_wear, part_wear, ..whole.clone() })?;
             }
             Ok(point)
         })
@@ -208,7 +210,7 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
         let lost = advance(&mut wear, exposure.at(hours * HOUR), progress).and_then(|()| {
             if let Some(parts) = &parts {
                 let (flank_wear, pin_wear) = (wear.state().flank_seen_by_contact().clone(), wear.state().pin_seen_by_contact().clone());
-                let settings = JointSettings { flank_wear, pin_wear, part_wear: *parts.wear(), ..JointSettings::default() };
+                let settings = JointSettings { flank_wear, pin_wear, part_wear: *parts.wear(), ..whole.clone() };
                 if let Some(point) = lost_motion_causes(machine, &settings)? {
                     return Ok(point.lost_motion.whole);
                 }
