@@ -17,7 +17,7 @@ pub enum Part {
 }
 
 impl Part {
-    pub const ALL: [Part; 9] = [
+    pub const ALL: [Part; 10] = [
         Part::TurningArm,
         Part::CrankSupport,
         Part::CrankBending,
