@@ -115,7 +115,9 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         page.sections.insert(1, super::causes::shares(*hours, point));
     }
     if let Some(discs) = discs {
-        page.sections.push(super::elastic::section(&machine, &options.elastic, discs.discs().clone())?);
+        // Literature stays last.
+        let last = page.sections.len().saturating_sub(1);
+        page.sections.insert(last, super::elastic::section(&machine, &options.elastic, discs.discs().clone())?);
     }
     run.file("report.html", page.render().as_bytes())?;
     let figure = |state: &RigState| {
