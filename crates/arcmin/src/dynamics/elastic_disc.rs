@@ -287,6 +287,7 @@ impl ElasticDiscs {
                 }
             }
         }
+        self.add_rolling(disc, ring, &state, motion.modes, (&mut rows, &mut pushes), &mut reaction);
         // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
         let mut scratch = Vec::with_capacity(n);
         let mut response = vec![0.0; n];
@@ -302,16 +303,25 @@ impl ElasticDiscs {
                 }
             }
         }
-        self.add_rolling(disc, ring, &state, motion.modes, &mut reaction.force);
         self.add_modal_forces(disc, motion, &mut reaction);
         reaction
     }
 
     /// What makes the forces the gradient of the stored energy: its derivative with the places of the contacts,
     /// −∂U/∂τ_i = F_i φ′_i·q + ½ ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′. It acts along the flank: the slope of the deformed flank under the contact force, and
-    /// the work of rolling to another curvature. Its tangents are left out: it is 1e-3 of the contact force.
-    fn add_rolling(&self, disc: usize, ring: &PinContacts, state: &DiscContacts, q: &[f64], force: &mut [f64]) {
+    /// the work of rolling to another curvature. It is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc: the tangents that
+    /// go with φ′ are a per cent there. Those of the curvature are left out, as on the rigid disc.
+    fn add_rolling(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        state: &DiscContacts,
+        q: &[f64],
+        (rows, pushes): (&mut [f64], &mut [f64]),
+        reaction: &mut ElasticReaction,
+    ) {
         let (body, forces) = (&self.bodies[disc], &state.forces.force);
+        let width = reaction.force.len();
         for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| forces[*i] > 0.0) {
             let slope = self.discs.slope_stencil(disc, contact.tau);
             let rolling = ring.rolling(contact);
@@ -319,11 +329,23 @@ impl ElasticDiscs {
                 .filter(|j| *j != i && forces[*j] > 0.0)
                 .map(|j| forces[j] * body.residual.cross(&slope, &state.coupled[j].place))
                 .sum();
-            let modes: f64 = q.iter().enumerate().map(|(m, q)| q * body.modes.at(m, &slope)).sum();
-            let pull = forces[i] * (modes + 0.5 * forces[i] * body.residual.own(&slope) + others)
+            let mut bent = forces[i] * body.residual.own(&slope) + others;
+            for (m, q) in q.iter().enumerate() {
+                let turn = body.modes.at(m, &slope);
+                bent += q * turn;
+                for a in 0..3 {
+                    let coupling = forces[i] * turn * rolling.by_pose[a];
+                    reaction.stiffness[a * width + 3 + m] -= coupling;
+                    reaction.stiffness[(3 + m) * width + a] -= coupling;
+                }
+            }
+            let pull = forces[i] * (bent - 0.5 * forces[i] * body.residual.own(&slope))
                 - ring.contact().energy_by_log_radius(forces[i]) * rolling.log_radius_slope;
             for a in 0..3 {
-                force[a] += pull * rolling.by_pose[a] + forces[i] * rolling.gap_slope[a];
+                reaction.force[a] += pull * rolling.by_pose[a] + forces[i] * rolling.gap_slope[a];
+                // The approach changes with the place as well.
+                rows[i * width + a] += bent * rolling.by_pose[a];
+                pushes[i * width + a] += bent * rolling.by_pose[a];
             }
         }
     }
@@ -346,11 +368,13 @@ impl ElasticDiscs {
         self.bodies[disc].modes.eigenvalues.iter().zip(q).map(|(square, q)| square * q * q).sum()
     }
 
-    /// gᵀ K g of the pins and the disc along a motion g of (x, y, θ, q), where it sits: ds = −B g, dF = D ds, and dsᵀ D ds = Σ dF²/f′ + dFᵀ C dF.
+    /// gᵀ K g of the pins and the disc along a motion g of (x, y, θ, q), where it sits: ds = −B g and dF = D ds change the energy of modes and residual compliance by ω² g_q² and
+    /// dFᵀ C dF, that of the seats by c dF²; the rest is the contacts', with the turning of their normals.
     pub(super) fn split(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>, g: &[f64]) -> DiscSplit {
-        let count = motion.modes.len();
+        let (count, width) = (motion.modes.len(), g.len());
+        let stiffness = self.react(disc, ring, motion).stiffness;
+        let whole: f64 = (0..width).map(|a| (0..width).map(|b| g[a] * stiffness[a * width + b] * g[b]).sum::<f64>()).sum();
         let state = self.contacts(disc, ring, motion);
-        let seat = ring.contact().seat_compliance();
         let change: Vec<f64> = state
             .contacts
             .iter()
@@ -363,14 +387,12 @@ impl ElasticDiscs {
         let mut response = change.clone();
         state.forces.respond(&mut response, &mut Vec::new());
         let mut split = DiscSplit { disc: self.modal_work(disc, &g[3..]), ..DiscSplit::default() };
-        for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| state.forces.force[*i] > 0.0) {
-            let (square, local) = (response[i] * response[i], state.forces.local_stiffness[i]);
-            let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
-            let turning: f64 = (0..3).map(|a| (0..3).map(|b| g[a] * hessian[a][b] * g[b]).sum::<f64>()).sum();
-            split.seats += seat * square;
-            split.teeth += square / local - seat * square - state.forces.force[i] * turning;
-            split.disc += change[i] * response[i] - square / local;
+        for i in (0..state.contacts.len()).filter(|i| state.forces.force[*i] > 0.0) {
+            let square = response[i] * response[i];
+            split.seats += ring.contact().seat_compliance() * square;
+            split.disc += change[i] * response[i] - square / state.forces.local_stiffness[i];
         }
+        split.teeth = whole - split.seats - split.disc;
         split
     }
 }

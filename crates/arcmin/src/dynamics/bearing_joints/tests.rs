@@ -21,9 +21,8 @@ fn forces_and_tangents_derive_from_the_energy() {
     for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
         forces_and_tangents(Machine { fixed_member, ..machine() }, None);
     }
-    // The line contact's tangents leave out those of rolling, some 1e-3.
     let (linear, hertz) = (machine().contact_law, ContactLaw::LineHertz);
-    for (contact_law, fixed_member) in [(linear, FixedMember::Housing), (hertz, FixedMember::Housing), (linear, FixedMember::Carrier)] {
+    for (contact_law, fixed_member) in [(linear, FixedMember::Housing), (hertz, FixedMember::Housing), (hertz, FixedMember::Carrier)] {
         let machine = Machine { contact_law, fixed_member, ..machine() };
         let options = crate::dynamics::FlexibleOptions::default();
         let discs = ElasticDiscs::free(&machine, crate::fem::tests::discs(&machine), options).unwrap();
@@ -37,6 +36,8 @@ fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
     let errors = ManufacturingErrors { carrier: run_out, sun: run_out, journals: vec![run_out; 2], ..ManufacturingErrors::default() };
     machine.carrier.torsional_stiffness = 5e6;
     machine.ring.seat_compliance = 1e-9;
+    // Tangents of an elastic disc leave out the curvature of its deformed flank.
+    let tolerance = if discs.is_some() { 2e-3 } else { 1e-3 };
     let mut model = BearingJoints::held(&machine, &JointSettings { damped: false, errors, discs, ..JointSettings::default() }).unwrap();
     let sun = 2.0;
     model.hold_sun(sun, 0.0);
@@ -63,7 +64,7 @@ fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
         for j in 0..n {
             let k = -(fu[j] - fd[j]) / (2.0 * h);
             let size = (lin.stiffness(i, i) * lin.stiffness(j, j)).abs().sqrt();
-            assert!((k - lin.stiffness(j, i)).abs() < 1e-3 * size, "stiffness {j} {i}: {k} {}", lin.stiffness(j, i));
+            assert!((k - lin.stiffness(j, i)).abs() < tolerance * size, "stiffness {j} {i}: {k} {}", lin.stiffness(j, i));
         }
     }
 }
