@@ -430,3 +430,35 @@ fn the_elastic_disc_is_written_for_paraview() {
         assert!(text.contains(field), "{field}");
     }
 }
+
+/// Elastic discs in bearings through all commands that take them; one reduction serves all. Bores tied to one spider are refused before anything is meshed.
+#[test]
+fn elastic_discs_run_in_bearings() {
+    let directory = with_design();
+    let run = |arguments: &[&str], out: &str| {
+        let mut all = arguments.to_vec();
+        all.extend(["--out", out, "--cache", "cache", "--quiet"]);
+        arcmin(directory.path(), &all)
+    };
+    let output = run(&["simulate", "d.toml", "--model", "flexible", "--joints", "bearings", "--bores", "common"], "no");
+    assert!(!output.status.success());
+    assert!(texts(&output).1.contains("one spider for all bores"), "{}", texts(&output).1);
+    assert!(!directory.path().join("cache").exists());
+    let loaded = ["--load", "constant", "--rise-s", "0.02", "--end-s", "0.1"];
+    let output = run(&[&["simulate", "d.toml", "--model", "flexible", "--joints", "bearings"], &loaded[..]].concat(), "s");
+    assert!(output.status.success(), "{}", texts(&output).1);
+    let result = summary(&directory.path().join("s"));
+    assert!(result["solver"]["energy_residual"].as_f64().unwrap() < 1e-6, "{result}");
+    assert!((-2.6..-2.0).contains(&result["te"]["mean_arcmin"].as_f64().unwrap()), "{result}");
+    for (command, more) in [("contact", ["--positions", "8"]), ("wear", ["--hours", "100"])] {
+        let output = run(&[command, "d.toml", "--flexible", "--joints", "bearings", more[0], more[1]], command);
+        assert!(output.status.success(), "{}", texts(&output).1);
+        let result = summary(&directory.path().join(command));
+        assert_eq!((result["joints"].as_str(), result["elastic_discs"].as_bool()), (Some("bearings"), Some(true)), "{result}");
+    }
+    let output = run(&["rig", "d.toml", "--flexible", "--positions", "1", "--te-positions", "64"], "rig");
+    assert!(output.status.success(), "{}", texts(&output).1);
+    let split = std::fs::read_to_string(directory.path().join("rig/stiffness.csv")).unwrap();
+    assert!(split.contains("cycloid discs"), "{split}");
+    assert!(std::fs::read_to_string(directory.path().join("rig/report.html")).unwrap().contains("Elastic disc"));
+}

@@ -1,7 +1,8 @@
 //! Wall time of the paper's 0.8 s run, of one evaluation of the equations of motion, and of the contacts of one disc.
 
 use arcmin::contact::{ContactLaw, DiscVelocity};
-use arcmin::dynamics::{Drive, IdealJoints, OutputLoad, Run, RunPlan, System};
+use arcmin::dynamics::{BearingJoints, Drive, ElasticDiscs, FlexibleOptions, IdealJoints, JointSettings, OutputLoad, Run, RunPlan, System};
+use arcmin::fem::{FlexibleDiscs, FlexibleSettings};
 use arcmin::geometry::Relief;
 use arcmin::units::{ARCMIN, RPM, UM};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -55,5 +56,33 @@ fn evaluation(criterion: &mut Criterion) {
     criterion.bench_function("contacts_40_pins_loaded", |bencher| bencher.iter(|| contacts.react(black_box(pose), DiscVelocity::REST)));
 }
 
-criterion_group!(benches, runs, evaluation);
+/// Elastic discs in bearings.
+fn elastic(criterion: &mut Criterion) {
+    let machine = arcmin::templates::rv_40e_81();
+    let discs = FlexibleDiscs::reduce(&machine, FlexibleSettings::plane_stress).unwrap_or_else(|error| panic!("{error}"));
+    let discs = ElasticDiscs::free(&machine, discs, FlexibleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let settings = JointSettings { discs: Some(discs), ..JointSettings::default() };
+    let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
+    let load = OutputLoad::Constant { torque: 412.0 };
+    let model = BearingJoints::new(&machine, &settings, drive, load, 5.0).unwrap_or_else(|error| panic!("{error}"));
+    let mut group = criterion.benchmark_group("elastic_discs_in_bearings");
+    group.sample_size(10);
+    group.bench_function("run_0.8_s", |bencher| {
+        bencher.iter(|| {
+            let mut run = Run::new(&model, RunPlan::default()).unwrap_or_else(|error| panic!("{error}"));
+            run.finish().unwrap_or_else(|error| panic!("{error}"));
+            run.result().counts
+        });
+    });
+    if let Ok(rest) = arcmin::dynamics::solve_equilibrium(&model, 0.0, &model.nominal_position_at(0.0), Default::default()) {
+        let speed = vec![0.0; rest.position.len()];
+        let (mut force, mut lin) = (speed.clone(), model.linearisation());
+        group.bench_function("evaluation_loaded", |bencher| {
+            bencher.iter(|| black_box(model.evaluate(0.0, black_box(&rest.position), &speed, &mut force, &mut lin)))
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, runs, evaluation, elastic);
 criterion_main!(benches);

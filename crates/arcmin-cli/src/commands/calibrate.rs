@@ -57,7 +57,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let settings = CoupledOptions::default();
     let calibration = match options.joints {
         Joints::Ideal => fit_and_predict(&machine, machine.meshing(&Relief::uniform(0.0)), settings, &fitted, &others, duration),
-        Joints::Bearings => fit_and_predict(&machine, bearing_meshing(&machine, &deviations.errors)?, settings, &fitted, &others, duration),
+        Joints::Bearings => fit_and_predict(&machine, bearing_meshing(&machine, &deviations.errors, None)?, settings, &fitted, &others, duration),
     }
     .map_err(Failure::compute("fit the wear coefficient"))?;
     let k = calibration.exposure.coefficient;

@@ -1,3 +1,4 @@
+use arcmin::dynamics::BearingMeshing;
 use arcmin::geometry::Relief;
 use arcmin::load::{Cycle, PinLoad, ShareLoad, closed_form};
 use arcmin::machine::{CrankAngle, Machine, ManufacturingErrors};
@@ -20,7 +21,7 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   repeat after a turn of the output; the figures are those of that whole turn, and pins.csv tells what every pin bears in it (disc, pin, \
                   max_force_n, at_meshing_angle_deg, mean_force_n, loaded_share), while contact.csv shows the first turn of the crankshaft.",
     after_help = "Examples:\n  arcmin contact my-reducer.toml\n  arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10\n  \
-                  arcmin contact my-reducer.toml --joints bearings\n  arcmin contact my-reducer.toml --joints bearings --errors drawn --seed 7\n  \
+                  arcmin contact my-reducer.toml --joints bearings --flexible\n  arcmin contact my-reducer.toml --joints bearings --errors drawn --seed 7\n  \
                   arcmin contact my-reducer.toml --method closed-form"
 )]
 pub struct Options {
@@ -32,7 +33,7 @@ pub struct Options {
     /// Joints between the bodies; with bearings the error is that of the whole machine, input locked, and the discs need not carry alike.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
-    /// Share the load on elastic discs (finite elements; equilibrium, ideal joints).
+    /// Share the load on elastic discs (finite elements; equilibrium).
     #[arg(long)]
     flexible: bool,
     #[command(flatten)]
@@ -63,10 +64,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
     let mut table = Table::new(&["crank_angle_deg", "disc", "pin", "meshing_angle_deg", "force_n", "pressure_mpa", "half_width_um", "gap_um"]);
-    if options.flexible && (options.joints == Joints::Bearings || options.method == Method::ClosedForm) {
+    if options.flexible && options.method == Method::ClosedForm {
         return Err(Failure::Usage {
-            message: "elastic discs share the load by equilibrium with ideal joints only".to_owned(),
-            help: "leave --flexible, or --joints and --method, out".to_owned(),
+            message: "elastic discs share the load by equilibrium only".to_owned(),
+            help: "leave --flexible or --method out".to_owned(),
         });
     }
     let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
@@ -78,10 +79,12 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             }
             Joints::Ideal => equilibrium(&mut run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, torque, &mut table)?,
             Joints::Bearings => {
-                let mut summary =
-                    equilibrium(&mut run, &options, bearing_meshing(&machine, &deviations.errors)?, &machine, torque, &mut table)?;
+                let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+                let made = bearing_meshing(&machine, &deviations.errors, discs.clone())?;
+                let mut summary = equilibrium(&mut run, &options, made, &machine, torque, &mut table)?;
                 if deviations.choice != Choice::None {
-                    summary["nominal"] = nominal(&run, &options, &machine, torque)?;
+                    let drawn = bearing_meshing(&machine, &ManufacturingErrors::default(), discs)?;
+                    summary["nominal"] = nominal(&run, &options, drawn, &machine, torque)?;
                 }
                 summary
             }
@@ -107,8 +110,7 @@ fn cycle_positions<S: ShareLoad>(meshing: &S) -> usize {
 }
 
 /// What the machine without errors would bear.
-fn nominal(run: &Run, options: &Options, machine: &Machine, torque: f64) -> Result<Value, Failure> {
-    let mut meshing = bearing_meshing(machine, &ManufacturingErrors::default())?;
+fn nominal(run: &Run, options: &Options, mut meshing: BearingMeshing, machine: &Machine, torque: f64) -> Result<Value, Failure> {
     meshing.set_relief(machine.designed_relief().plus(&Relief::uniform(options.wear_um * UM)));
     let cycle = meshing.whole_cycle(torque, 72).map_err(Failure::compute("share the load"))?;
     let (force, error) = (cycle.max_force(), cycle.mean_error().arcmin());
@@ -210,6 +212,7 @@ fn equilibrium<S: ShareLoad>(
     Ok(json!({
         "method": "equilibrium",
         "joints": options.joints.word(),
+        "elastic_discs": options.flexible,
         "disc_torque_shares": shares,
         "torque_n_m": torque,
         "wear_um": options.wear_um,

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use arcmin::dynamics::FlexibleOptions;
+use arcmin::dynamics::{ElasticDiscs, FlexibleOptions};
 use arcmin::fem::{BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc};
 use arcmin::geometry::Relief;
 use arcmin::load::{FlexibleMeshing, LoadSharing};
@@ -16,7 +16,7 @@ pub struct Options {
     /// Finite elements of the elastic disc.
     #[arg(long, value_enum, default_value = "plane-stress")]
     pub element: Element,
-    /// What the bores are tied to.
+    /// What the bores are tied to; in bearings each bore goes its own way.
     #[arg(long, value_enum, default_value = "per-bore")]
     pub bores: Bores,
     /// Elastic discs: modes up to this frequency vibrate, the compliance of the others acts without inertia.
@@ -57,6 +57,17 @@ impl Options {
         FlexibleOptions { mode_frequency: self.mode_frequency_hz, damping_ratio: self.damping_ratio }
     }
 
+    /// Bearings move every bore by itself.
+    fn bores_move(&self) -> Result<(), Failure> {
+        match self.bores {
+            Bores::PerBore => Ok(()),
+            Bores::Common => Err(Failure::Usage {
+                message: "bearings move every bore by itself: one spider for all bores leaves none to them".to_owned(),
+                help: "leave --bores common out, or choose --joints ideal".to_owned(),
+            }),
+        }
+    }
+
     pub fn settings(&self, shape: &DiscShape) -> FlexibleSettings {
         let settings = match self.element {
             Element::PlaneStress => FlexibleSettings::plane_stress(shape),
@@ -94,6 +105,19 @@ pub fn discs(machine: &Machine, options: &Options, directory: &Path) -> Result<F
         write_file(&output.join("disc.vtu"), text.as_bytes())?;
     }
     Ok(discs)
+}
+
+/// Elastic discs whose bores are moved by bearings.
+pub fn in_bearings(run: &Run, machine: &Machine, options: &Options) -> Result<ElasticDiscs, Failure> {
+    run.progress().report("reducing the discs", 0.0);
+    options.bores_move()?;
+    free(machine, discs(machine, options, &run.path("."))?, options)
+}
+
+/// As [`in_bearings`], the reductions at hand.
+pub fn free(machine: &Machine, discs: FlexibleDiscs, options: &Options) -> Result<ElasticDiscs, Failure> {
+    options.bores_move()?;
+    ElasticDiscs::free(machine, discs, options.dynamics()).map_err(Failure::compute("free the bores of the elastic disc"))
 }
 
 /// Load sharing on elastic discs, new surfaces.

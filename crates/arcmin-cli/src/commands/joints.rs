@@ -1,4 +1,4 @@
-use arcmin::dynamics::{BearingMeshing, JointSettings};
+use arcmin::dynamics::{BearingMeshing, ElasticDiscs, JointSettings};
 use arcmin::machine::{Machine, ManufacturingErrors};
 
 use crate::failure::Failure;
@@ -21,8 +21,8 @@ impl Joints {
     }
 }
 
-/// Load sharing with bearings, new surfaces.
-pub fn bearing_meshing(machine: &Machine, errors: &ManufacturingErrors) -> Result<BearingMeshing, Failure> {
-    BearingMeshing::new(machine, &JointSettings { errors: errors.clone(), ..JointSettings::default() })
+/// Load sharing with bearings, new surfaces, on rigid or elastic discs.
+pub fn bearing_meshing(machine: &Machine, errors: &ManufacturingErrors, discs: Option<ElasticDiscs>) -> Result<BearingMeshing, Failure> {
+    BearingMeshing::new(machine, &JointSettings { errors: errors.clone(), discs, ..JointSettings::default() })
         .map_err(|error| Failure::Usage { message: error.to_string(), help: "ideal joints (--joints ideal) take every machine".to_owned() })
 }

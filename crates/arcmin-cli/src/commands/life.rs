@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use arcmin::checks::{self, Severity};
 use arcmin::dynamics::{
-    DynamicsError, RunResult, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, transmission_error_study,
+    DynamicsError, JointSettings, RunResult, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, transmission_error_study,
 };
 use arcmin::fem::FlexibleDiscs;
 use arcmin::geometry::Relief;
@@ -46,7 +46,7 @@ pub struct Options {
     /// Leave out the multibody runs (STE and DTE).
     #[arg(long)]
     quasi_static: bool,
-    /// Elastic discs (finite elements): the prediction shares the load on them (with ideal joints), and the study shows their static and dynamic
+    /// Elastic discs (finite elements): the prediction shares the load on them, and the study shows their static and dynamic
     /// transmission error at every wear level as well: some ten seconds.
     #[arg(long, conflicts_with = "quasi_static")]
     flexible: bool,
@@ -89,15 +89,20 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
     // The prediction follows the wear step by step; the runs of the study fill the other cores meanwhile.
     let (mut wear_clock, mut study_clock) = (Clock::default(), Clock::default());
-    let made = |errors: &ManufacturingErrors| (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, errors)).transpose();
-    let bearings = made(&ManufacturingErrors::default())?.zip(made(&deviations.errors)?);
-    let nominal = bearings.as_ref().map(|(nominal, _)| nominal.clone());
     let discs = if options.flexible {
         run.progress().report("reducing the discs", 0.0);
         Some(clock.time("reduction", || super::elastic::discs(&machine, &options.elastic, &run.path(".")))?)
     } else {
         None
     };
+    // The machine as a whole stands in its bearings whatever the joints of the prediction; bores tied to one spider leave its discs rigid.
+    let moves = options.elastic.bores == super::elastic::Bores::PerBore || options.joints == Joints::Bearings;
+    let free = discs.as_ref().filter(|_| moves).map(|discs| super::elastic::free(&machine, discs.clone(), &options.elastic)).transpose()?;
+    let whole = JointSettings { discs: free, ..JointSettings::default() };
+    let made =
+        |errors: &ManufacturingErrors| (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, errors, whole.discs.clone())).transpose();
+    let bearings = made(&ManufacturingErrors::default())?.zip(made(&deviations.errors)?);
+    let nominal = bearings.as_ref().map(|(nominal, _)| nominal.clone());
     let (prediction, study) = rayon::join(
         || {
             wear_clock.time("wear", || {
@@ -105,7 +110,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                     (Some((nominal, made)), _) => predict_made(&machine, nominal, made, settings, run.progress()),
                     (None, Some(discs)) => {
                         let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs.clone());
-                        predict_with(&machine, meshing, settings, run.progress())
+                        predict_with(&machine, meshing, &whole, settings, run.progress())
                     }
                     (None, None) => predict(&machine, settings, run.progress()),
                 }
@@ -119,7 +124,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     clock.0.append(&mut study_clock.0);
 
     let spread = match drawn.zip(nominal) {
-        Some((drawn, nominal)) => Some(clock.time("series", || Spread::compute(&run, &machine, nominal, &drawn, settings))?),
+        Some((drawn, nominal)) => Some(clock.time("series", || Spread::compute(&run, &machine, nominal, whole.discs.as_ref(), &drawn, settings))?),
         None => None,
     };
 
@@ -160,7 +165,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         "joints": options.joints.word(),
         "errors": deviations.summary(),
         "series": spread.as_ref().map(Spread::summary),
-        "elastic_prediction": options.flexible && options.joints == Joints::Ideal,
+        "elastic_prediction": options.flexible,
         "hours_to_limit": prediction.hours_to_limit,
         "hours_to_limit_searched": prediction.searched_hours,
         "hours_to_limit_paper_study": study.hours_to_limit,

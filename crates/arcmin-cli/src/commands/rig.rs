@@ -30,7 +30,7 @@ mod results;
                   te.csv: output_angle_deg, te_arcmin, direction, torque_n_m. stiffness.csv, bearings.csv, bearing_forces.csv, efficiency.csv, \
                   lost_motion_causes.csv; errors.csv with manufacturing errors.\n\n\
                   A design without friction is tested with assumed coefficients, and the run says so; --frictionless switches that off.",
-    after_help = "Examples:\n  arcmin rig my-reducer.toml\n  arcmin rig my-reducer.toml --hours 2000\n  arcmin rig my-reducer.toml --measured loop.csv"
+    after_help = "Examples:\n  arcmin rig my-reducer.toml\n  arcmin rig my-reducer.toml --hours 2000\n  arcmin rig my-reducer.toml --flexible\n  arcmin rig my-reducer.toml --measured loop.csv"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -50,6 +50,11 @@ pub struct Options {
     te_positions: u32,
     #[command(flatten)]
     deviations: super::deviations::Options,
+    /// Elastic discs (finite elements), their bores moved by the bearings.
+    #[arg(long)]
+    flexible: bool,
+    #[command(flatten)]
+    elastic: super::elastic::Options,
     /// No friction, even where the design gives none and some would be assumed.
     #[arg(long)]
     frictionless: bool,
@@ -64,13 +69,14 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         run.say("friction: assumed (flank 0.06, bearings 0.002, gear mesh 0.06, seals 4 N·m): the design gives none");
     }
     let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, Joints::Bearings)?;
-    let as_made = JointSettings { errors: deviations.errors.clone(), ..JointSettings::default() };
+    let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+    let as_made = JointSettings { errors: deviations.errors.clone(), discs: discs.clone(), ..JointSettings::default() };
     let measured = measured::read(&options.measured, &machine)?;
     let new = test(&run, &machine, &as_made, 0.0, &options)?;
     let worn = match options.hours {
         Some(hours) if hours > 0.0 => {
             let worn = worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?;
-            let worn = JointSettings { errors: deviations.errors.clone(), ..worn };
+            let worn = JointSettings { errors: deviations.errors.clone(), discs: discs.clone(), ..worn };
             let causes = lost_motion_causes(&machine, &worn).map_err(Failure::compute("split the lost motion"))?;
             Some((test(&run, &machine, &worn, hours, &options)?, causes))
         }
@@ -105,6 +111,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if let Some((hours, point)) = causes.last() {
         page.sections.insert(1, super::causes::shares(*hours, point));
     }
+    if let Some(discs) = discs {
+        // Literature stays last.
+        let last = page.sections.len().saturating_sub(1);
+        page.sections.insert(last, super::elastic::section(&machine, &options.elastic, discs.discs().clone())?);
+    }
     run.file("report.html", page.render().as_bytes())?;
     let figure = |state: &RigState| {
         json!({
@@ -119,6 +130,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let Value::Object(mut summary) = figure(state) else { unreachable!("an object") };
     summary.insert("new".to_owned(), figure(&new));
     summary.insert("errors".to_owned(), deviations.summary());
+    summary.insert("elastic_discs".to_owned(), json!(options.flexible));
     summary.insert("friction_assumed".to_owned(), json!(assumed));
     summary.insert("no_load_running_torque_n_m".to_owned(), json!(state.torques.no_load));
     summary.insert("starting_torque_n_m".to_owned(), json!(state.torques.starting));

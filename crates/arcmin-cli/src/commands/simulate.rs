@@ -235,20 +235,17 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let facet_mm = facets.is_some().then_some(options.facet_mm);
     let case = Case { machine: &machine, hours: options.hours, facet_mm, unloaded, worn: &worn, deviations: &deviations };
     match (options.model, options.joints) {
-        (Model::Rigid, Joints::Bearings) => {
+        (discs, Joints::Bearings) => {
+            let discs = (discs == Model::Flexible).then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
             let part_wear = match options.hours {
                 Some(hours) if machine.wear.parts.any() => worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?.part_wear,
                 _ => PartWear::default(),
             };
             let errors = deviations.errors.clone();
-            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone(), part_wear, errors, ..JointSettings::default() };
+            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone(), part_wear, errors, discs, ..JointSettings::default() };
             let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
             execute(run, &options, &model, model.output_index(), plan, &case)
         }
-        (Model::Flexible, Joints::Bearings) => Err(Failure::Usage {
-            message: "flexible discs do not run in bearings yet".to_owned(),
-            help: "choose --model rigid --joints bearings, or --model flexible --joints ideal".to_owned(),
-        }),
         (Model::Rigid, Joints::Ideal) => {
             let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
             if !worn.pin.is_zero() {

@@ -31,7 +31,7 @@ pub struct Options {
     /// Joints between the bodies (coupled mode): with bearings the pins see the forces that clearances and elastic bearings leave them.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
-    /// Share the load on elastic discs (finite elements; coupled mode, ideal joints).
+    /// Share the load on elastic discs (finite elements; coupled mode).
     #[arg(long)]
     flexible: bool,
     #[command(flatten)]
@@ -106,10 +106,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
     let mut tables = Tables::new();
-    if options.flexible && (options.joints == Joints::Bearings || options.mode == Mode::Paper) {
+    if options.flexible && options.mode == Mode::Paper {
         return Err(Failure::Usage {
-            message: "elastic discs wear in the coupled mode with ideal joints only".to_owned(),
-            help: "leave --flexible, or --joints and --mode, out".to_owned(),
+            message: "elastic discs wear in the coupled mode only".to_owned(),
+            help: "leave --flexible or --mode out".to_owned(),
         });
     }
     let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
@@ -124,8 +124,9 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 coupled(&run, &options, meshing.clone(), meshing, &machine, end, &mut tables)
             }
             Joints::Bearings => {
-                let nominal = bearing_meshing(&machine, &ManufacturingErrors::default())?;
-                coupled(&run, &options, nominal, bearing_meshing(&machine, &deviations.errors)?, &machine, end, &mut tables)
+                let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+                let nominal = bearing_meshing(&machine, &ManufacturingErrors::default(), discs.clone())?;
+                coupled(&run, &options, nominal, bearing_meshing(&machine, &deviations.errors, discs)?, &machine, end, &mut tables)
             }
         },
         Mode::Paper if options.joints == Joints::Bearings => {
@@ -202,6 +203,7 @@ fn coupled<S: ShareLoad>(
     Ok(json!({
         "mode": "coupled",
         "joints": options.joints.word(),
+        "elastic_discs": options.flexible,
         "hours": end,
         "max_depth_um": last.max_depth / UM,
         "max_depth_at_deg": last.max_depth_at.abs() / DEG,

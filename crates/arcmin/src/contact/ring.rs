@@ -1,4 +1,5 @@
 use super::facets::{Facets, MeshContact};
+use super::sliding::Sliding;
 use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{Closest, FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
@@ -119,15 +120,6 @@ impl PinContact {
     }
 }
 
-/// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sliding {
-    /// μ. On a pin that turns in its seat the smaller of the coefficients of flank and seat: it slides where that is least.
-    pub coefficient: f64,
-    /// v_r in m/s.
-    pub regularisation_speed: f64,
-}
-
 /// Sum of the contact forces on one disc, about its centre, with its tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reaction {
@@ -167,6 +159,8 @@ pub struct PinContacts {
     contact: LineContact,
     sliding: Option<Sliding>,
     conservative: bool,
+    /// Gap in m below which a pin is always looked at.
+    reach: f64,
     /// Straight edges in place of the flank, if asked for.
     facets: Option<Facets>,
 }
@@ -187,6 +181,7 @@ impl PinContacts {
             contact,
             sliding: None,
             conservative: false,
+            reach: 1e-6,
             facets: None,
         };
         contacts.set_relief(relief);
@@ -250,6 +245,14 @@ impl PinContacts {
     /// Sets the damping of every contact; none at first.
     pub fn set_damping(&mut self, damping: Option<Damping>) {
         self.contact.damping = damping;
+    }
+
+    /// Hands the contacts to an elastic disc: the law of its surface, damped as before, and how far (m) its flank may come out to meet a pin.
+    pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
+        let damping = self.contact.damping;
+        self.contact = law;
+        self.contact.damping = damping;
+        self.reach = reach;
     }
 
     /// Whether reactions include what makes them the gradient of the stored energy ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at
@@ -363,7 +366,7 @@ impl PinContacts {
         let along = off.dot(&c1) * per_speed;
         let curvature = cross(c1, c2).abs() * per_speed * per_speed * per_speed;
         // Only where the curvature cannot change its size on the way to the foot.
-        curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + 1e-6
+        curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + self.reach
     }
 
     #[inline]
@@ -435,14 +438,6 @@ impl PinContacts {
             along,
             meshing_unit,
         }
-    }
-}
-
-impl Sliding {
-    /// (F_t/F, its derivative with respect to the sliding speed).
-    pub(crate) fn share(&self, speed: f64) -> (f64, f64) {
-        let reach = 1.0 / speed.hypot(self.regularisation_speed);
-        (self.coefficient * speed * reach, self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3))
     }
 }
 

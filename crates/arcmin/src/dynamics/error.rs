@@ -21,6 +21,8 @@ pub enum DynamicsError {
     TableRunsBackwards { table: &'static str, row: usize, time: f64, previous: f64 },
     #[error("{table}: {message}")]
     BadTable { table: &'static str, message: &'static str },
+    #[error("elastic disc: {0}")]
+    ElasticDisc(#[from] crate::fem::FemError),
     #[error("the simulation was stopped at t = {time:.6} s")]
     Cancelled { time: f64 },
     /// A checkpoint that belongs to another model.

@@ -382,4 +382,4 @@ mod flexible;
 #[cfg(test)]
 mod tests;
 
-pub use flexible::{FlexibleJoints, FlexibleOptions};
+pub use flexible::FlexibleJoints;

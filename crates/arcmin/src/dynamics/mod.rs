@@ -2,6 +2,7 @@
 
 mod bearing_joints;
 mod drive;
+mod elastic_disc;
 mod equilibrium;
 mod error;
 mod gear_mesh;
@@ -18,10 +19,11 @@ mod table;
 
 pub use bearing_joints::{BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing};
 pub use drive::{Drive, InputMotion};
+pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium};
 pub use error::DynamicsError;
 pub use gear_mesh::{GearMesh, MeshForce};
-pub use ideal_joints::{FlexibleJoints, FlexibleOptions, IdealJoints};
+pub use ideal_joints::{FlexibleJoints, IdealJoints};
 pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepControl, StepCounts};
 pub use load::OutputLoad;
 pub use reducer::{ForceSummary, Reducer};

@@ -57,6 +57,11 @@ impl FlexibleDiscs {
         Arc::ptr_eq(&self.discs[disc].0, &self.discs[other].0)
     }
 
+    /// Angle in rad by which a disc must be turned to cover the one that was reduced.
+    pub fn turn(&self, disc: usize) -> f64 {
+        self.discs[disc].1
+    }
+
     /// The place τ of a disc's flank on its reduction.
     #[inline]
     pub fn stencil(&self, disc: usize, tau: f64) -> Stencil {

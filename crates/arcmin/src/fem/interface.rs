@@ -3,8 +3,7 @@ use faer::Mat;
 use super::disc::DiscModel;
 use super::reduced::Interface;
 use super::reduction::read;
-use super::solve::symmetric_eigen;
-use super::{FemError, FlankStations, ReducedDisc};
+use super::{FemError, FlankStations};
 
 impl DiscModel {
     /// Constraint modes and the matrices of the interface coordinates.
@@ -50,38 +49,5 @@ impl DiscModel {
                 .collect(),
             flank: (0..count).flat_map(|b| stations.coefficients(rows.iter().map(|row| read(row, constraint.col_as_slice(b))).collect())).collect(),
         })
-    }
-}
-
-impl ReducedDisc {
-    /// Frequencies in Hz of the reduced disc with its interface free: three zeros, then elastic modes. To be held against
-    /// [`DiscModel::free_modes`]. Empty where the interface is one rigid spider.
-    ///
-    /// # Errors
-    /// [`FemError::Factorisation`] if the small eigenproblem cannot be solved.
-    pub fn free_frequencies(&self) -> Result<Vec<f64>, FemError> {
-        let (nb, nq) = (self.interface.count, self.eigenvalues.len());
-        if nb == 0 {
-            return Ok(Vec::new());
-        }
-        let n = nb + nq;
-        let mass = Mat::from_fn(n, n, |i, j| match (i < nb, j < nb) {
-            (true, true) => self.interface.mass[i * nb + j],
-            (true, false) => self.interface.coupling[i * nq + j - nb],
-            (false, true) => self.interface.coupling[j * nq + i - nb],
-            (false, false) => f64::from(u8::from(i == j)),
-        });
-        let (values, vectors) = symmetric_eigen(mass.as_ref())?;
-        let whitening = Mat::from_fn(n, n, |i, k| vectors[(i, k)] / values[k].sqrt());
-        let stiffness = |i: usize, j: usize| match (i < nb, j < nb) {
-            (true, true) => self.interface.stiffness[i * nb + j],
-            (false, false) if i == j => self.eigenvalues[i - nb],
-            _ => 0.0,
-        };
-        let half = Mat::from_fn(n, n, |i, k| (0..n).map(|j| stiffness(i, j) * whitening[(j, k)]).sum::<f64>());
-        let projected = Mat::from_fn(n, n, |i, j| (0..n).map(|k| whitening[(k, i)] * half[(k, j)]).sum::<f64>());
-        let symmetric = Mat::from_fn(n, n, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
-        let (eigenvalues, _) = symmetric_eigen(symmetric.as_ref())?;
-        Ok(eigenvalues.iter().map(|l| l.max(0.0).sqrt() / std::f64::consts::TAU).collect())
     }
 }

@@ -14,6 +14,7 @@ pub mod elements;
 pub mod flank;
 mod interface;
 pub mod mesh;
+mod modes;
 pub mod plane;
 pub mod quadrature;
 mod reduced;
@@ -22,7 +23,7 @@ pub mod shape;
 pub mod solve;
 mod stress;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 #[cfg(test)]
 mod verification;
 pub mod vtu;
@@ -34,6 +35,7 @@ pub use contacts::{CoupledContact, CoupledForces, FlexibleDiscs};
 pub use disc::{DiscModel, FlankLoad};
 pub use flank::{FlankStations, Stencil};
 pub use mesh::{ElementKind, Mesh, MeshQuality};
+pub use modes::{FlankModes, FreeModes};
 pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
@@ -53,4 +55,6 @@ pub enum FemError {
     Modes { found: usize, wanted: usize, vectors: usize },
     #[error("{what} lies outside the mesh")]
     OutsideMesh { what: String },
+    #[error("one rigid spider ties all bores of the disc, so that none moves by itself: reduce it with its bores apart")]
+    NoInterface,
 }

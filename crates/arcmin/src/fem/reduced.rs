@@ -48,7 +48,7 @@ pub struct FlankCompliance {
 }
 
 #[inline]
-fn spline(coefficients: &[f64], weights: &[(usize, f64); 4]) -> f64 {
+pub(super) fn spline(coefficients: &[f64], weights: &[(usize, f64); 4]) -> f64 {
     weights.iter().map(|(s, w)| w * coefficients[*s]).sum()
 }
 

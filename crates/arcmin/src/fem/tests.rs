@@ -33,7 +33,12 @@ fn fixture() -> &'static Fixture {
     })
 }
 
-fn discs(machine: &Machine) -> FlexibleDiscs {
+/// The reduced disc of the reference machine, on the coarse mesh.
+pub(crate) fn reduced() -> &'static ReducedDisc {
+    &fixture().reduced
+}
+
+pub(crate) fn discs(machine: &Machine) -> FlexibleDiscs {
     FlexibleDiscs::with(machine, |_| Ok::<_, FemError>(fixture().reduced.clone())).unwrap()
 }
 
@@ -59,6 +64,85 @@ fn free_frequencies_of_the_reduced_disc_are_those_of_the_mesh() {
         // Rayleigh–Ritz from above; nine normal modes up to 40 kHz carry the first five elastic ones to a few per cent.
         assert!(found[k] >= exact[k] * (1.0 - 1e-9) && found[k] < 1.02 * exact[k], "{} {}", found[k], exact[k]);
     }
+}
+
+/// A disc on springs at its bore centres, loaded on the flank: rigid motions, elastic modes of the free disc and the residual compliance give the displacements of the full
+/// mesh, factorised with these springs. Any number of held modes will do, for what they leave the residual holds.
+#[test]
+fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() {
+    use nalgebra::{DMatrix, DVector};
+    let Fixture { model, reduced, .. } = fixture();
+    let spring = 5e8;
+    let inner = model.inner_unknowns();
+    let mut sprung = model.stiffness.clone();
+    for column in inner..model.map.count {
+        let diagonal = (sprung.column_start[column]..sprung.column_start[column + 1]).find(|k| sprung.rows[*k] == column).unwrap();
+        sprung.values[diagonal] += spring;
+    }
+    let factor = solve::Cholesky::new(&sprung).unwrap();
+    let stations = &reduced.stations;
+    // On the loaded flank of three lobes: far from the bores, over a bore, between.
+    let places: Vec<f64> = [0usize, 10, 23].map(|lobe| stations.parameter((lobe * stations.per_lobe()) as f64 + 3.4)).to_vec();
+    let bores: Vec<_> = model.shape.bores.iter().map(|bore| bore.centre).collect();
+    for held in [0, 3, 9] {
+        let free = reduced.free_modes(held).unwrap();
+        let residual = reduced.residual_compliance(held);
+        let n = 3 + free.flank.count();
+        assert_eq!(free.flank.count(), 1 + held);
+        // Displacement of a place along a direction by the rigid motions.
+        let rigid = |place: crate::geometry::Vec2, along: crate::geometry::Vec2| [along.x, along.y, along.dot(&crate::geometry::quarter_turn(place))];
+        let mut stiffness = DMatrix::<f64>::zeros(n, n);
+        for (m, square) in free.flank.eigenvalues.iter().enumerate() {
+            stiffness[(3 + m, 3 + m)] = *square;
+        }
+        let bore_row = |k: usize, along: crate::geometry::Vec2| {
+            let modes = (0..free.flank.count()).map(|m| free.bore(m, k).dot(&along)).collect::<Vec<_>>();
+            DVector::from_iterator(n, rigid(bores[k], along).into_iter().chain(modes))
+        };
+        let axes = [crate::geometry::Vec2::x(), crate::geometry::Vec2::y()];
+        for k in 0..bores.len() {
+            for along in axes {
+                let row = bore_row(k, along);
+                stiffness += spring * &row * row.transpose();
+            }
+        }
+        let flank_row = |tau: f64| {
+            let at = stations.stencil(tau);
+            let modes = (0..free.flank.count()).map(|m| free.flank.at(m, &at)).collect::<Vec<_>>();
+            DVector::from_iterator(n, rigid(model.shape.profile.flank_point(tau), -model.shape.profile.outward_normal(tau)).into_iter().chain(modes))
+        };
+        for tau in &places {
+            let mut force = vec![0.0; model.map.count];
+            model.surface().surface(*tau).add_force(&model.map, &mut force, 1.0);
+            let mut solution = faer::Mat::from_fn(force.len(), 1, |i, _| force[i]);
+            factor.solve(solution.as_mut());
+            let exact = solution.col_as_slice(0);
+            let found = stiffness.clone().lu().solve(&flank_row(*tau)).unwrap();
+            let at = stations.stencil(*tau);
+            let own = model.read_at_depth(exact, *tau, reduced.reading_depth).unwrap();
+            let mine = flank_row(*tau).dot(&found) + residual.own(&at);
+            // Surface and reading depth move alike under far forces, within the Poisson strain between them; splines between stations.
+            assert!((mine / own - 1.0).abs() < 0.01, "{held} own: {mine:e} {own:e}");
+            for other in places.iter().filter(|other| *other != tau) {
+                let exact = model.read_surface(exact, *other);
+                let mine = flank_row(*other).dot(&found) + residual.cross(&at, &stations.stencil(*other));
+                assert!((mine - exact).abs() < 3e-3 * own, "{held} cross: {mine:e} {exact:e} of {own:e}");
+            }
+            for k in 0..bores.len() {
+                for (axis, along) in axes.into_iter().enumerate() {
+                    let (mine, exact) = (bore_row(k, along).dot(&found), exact[inner + 2 * k + axis]);
+                    assert!((mine - exact).abs() < 2e-3 * own, "{held} bore {k}: {mine:e} {exact:e} of {own:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn one_spider_for_all_bores_leaves_none_to_bearings() {
+    let mut tied = reduced().clone();
+    tied.interface = Interface::default();
+    assert_eq!(tied.free_modes(3).unwrap_err(), FemError::NoInterface);
 }
 
 #[test]

@@ -9,7 +9,7 @@ pub use series::{MachineLife, Quantiles, Series, predict_series};
 
 use rayon::prelude::*;
 
-use crate::dynamics::BearingMeshing;
+use crate::dynamics::{BearingMeshing, JointSettings};
 use crate::geometry::Relief;
 use crate::load::{Cycle, FlankForce, PinLoad, ShareLoad, lost_motion};
 use crate::machine::{Machine, OutputAngle, PartWear};
@@ -170,21 +170,23 @@ pub fn accuracy<S: ShareLoad>(
 /// # Errors
 /// [`WearError`]; `Stopped` when `progress` was cancelled.
 pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress) -> Result<Prediction, WearError> {
-    predict_with(machine, machine.meshing(&Relief::uniform(0.0)), options, progress)
+    predict_with(machine, machine.meshing(&Relief::uniform(0.0)), &JointSettings::default(), options, progress)
 }
 
-/// [`predict`] with the joints of `meshing`.
+/// [`predict`] with the joints of `meshing`; `whole` gives the model with bearings, which lost motion by cause and the wear of bearings and gears come from, its errors
+/// and elastic discs.
 ///
 /// # Errors
 /// As [`predict`].
 pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
     machine: &Machine,
     meshing: S,
+    whole: &JointSettings,
     options: LifeOptions,
     progress: &dyn Progress,
 ) -> Result<Prediction, WearError> {
     let exposure = coupled_exposure(machine, meshing.clone(), options.wear)?;
-    Course { machine, parts: PartsFollower::new(machine), exposure, options, progress }.predict(meshing)
+    Course { machine, parts: PartsFollower::new(machine, whole), exposure, options, progress }.predict(meshing)
 }
 
 /// [`predict`] of one real machine in its bearings. The wear coefficient belongs to the design: where it is to be calibrated, the `nominal` machine is.

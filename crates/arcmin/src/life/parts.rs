@@ -37,8 +37,9 @@ pub(super) fn lost_motion_positions<S: ShareLoad>(meshing: &S) -> usize {
 }
 
 impl<'a> PartsFollower<'a> {
-    pub fn new(machine: &'a Machine) -> Option<PartsFollower<'a>> {
-        Some(PartsFollower::with(machine, BearingMeshing::new(machine, &JointSettings::default()).ok()?))
+    /// `settings`: errors and elastic discs, if any; surfaces are shown later.
+    pub fn new(machine: &'a Machine, settings: &JointSettings) -> Option<PartsFollower<'a>> {
+        Some(PartsFollower::with(machine, BearingMeshing::new(machine, settings).ok()?))
     }
 
     /// The same for joints at hand, as new.
@@ -87,7 +88,7 @@ pub fn worn_settings(machine: &Machine, hours: f64) -> Result<JointSettings, Wea
     let options = CoupledOptions::default();
     let exposure = machine.coupled_exposure(options)?;
     let mut wear = CoupledWear::new(machine, options);
-    let mut parts = PartsFollower::new(machine).filter(|_| machine.wear.parts.any());
+    let mut parts = PartsFollower::new(machine, &JointSettings::default()).filter(|_| machine.wear.parts.any());
     for step in 1..=STEPS {
         if let Some(parts) = &mut parts {
             parts.see(wear.state());
@@ -239,7 +240,7 @@ mod tests {
     fn intervals_of_the_part_wear_hardly_matter() {
         let machine = with_laws();
         let growth = |steps: usize| {
-            let mut parts = PartsFollower::new(&machine).unwrap();
+            let mut parts = PartsFollower::new(&machine, &JointSettings::default()).unwrap();
             for _ in 0..steps {
                 parts.advance(7500.0 * HOUR / steps as f64).unwrap();
             }

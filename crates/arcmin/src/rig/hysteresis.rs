@@ -216,5 +216,7 @@ pub fn stiffness_split(machine: &Machine, settings: &JointSettings, sun: f64) ->
         ends[1] = model.output_error(&q);
         whole += 0.5 * sign * (ends[1] - ends[0]) / (0.5 * rated);
     }
-    Ok(StiffnessSplit { parts: Part::ALL.into_iter().zip(parts).collect(), whole })
+    // Rigid discs are no part of their own.
+    let elastic = settings.discs.is_some();
+    Ok(StiffnessSplit { parts: Part::ALL.into_iter().zip(parts).filter(|(part, _)| elastic || *part != Part::Disc).collect(), whole })
 }

@@ -62,6 +62,26 @@ fn parts_of_the_compliance_add_up_to_the_whole() {
     }
 }
 
+/// Elastic discs soften the machine by some per cent and are a part of their own in the split; with the carrier at rest as well. Discs 10⁴ times stiffer are rigid ones.
+#[test]
+fn elastic_discs_soften_the_machine() {
+    use crate::dynamics::{ElasticDiscs, FlexibleOptions, Part};
+    use crate::fem::tests::discs;
+    for fixed_member in [crate::machine::FixedMember::Housing, crate::machine::FixedMember::Carrier] {
+        let machine = Machine { fixed_member, ..machine() };
+        let elastic = ElasticDiscs::free(&machine, discs(&machine), FlexibleOptions::default()).unwrap();
+        let settings = JointSettings { discs: Some(elastic), ..JointSettings::default() };
+        let (soft, rigid) = (stiffness_split(&machine, &settings, 0.7).unwrap(), stiffness_split(&machine, &JointSettings::default(), 0.7).unwrap());
+        let of = |split: &StiffnessSplit, part: Part| split.parts.iter().find(|(other, _)| *other == part).map(|(_, c)| c / split.whole);
+        assert!((soft.parts.iter().map(|part| part.1).sum::<f64>() / soft.whole - 1.0).abs() < 0.02, "{soft:?}");
+        assert!(of(&soft, Part::Disc).unwrap() > 0.03 && of(&rigid, Part::Disc).is_none(), "{soft:?}");
+        assert!((1.02..1.2).contains(&(soft.whole / rigid.whole)), "{} {}", soft.whole, rigid.whole);
+        // Two balances of a machine whose discs deform still pass the same torque on.
+        let loads = bearing_loads(&machine, &settings, 8).unwrap();
+        assert!(loads.iter().all(|load| load.mean_force() > 100.0));
+    }
+}
+
 #[test]
 fn friction_widens_the_loop_and_costs_efficiency() {
     let plain = machine();

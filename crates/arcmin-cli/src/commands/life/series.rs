@@ -1,6 +1,6 @@
 //! `life --machines N`: what a series of drawn machines makes of the accuracy over life.
 
-use arcmin::dynamics::BearingMeshing;
+use arcmin::dynamics::{BearingMeshing, ElasticDiscs};
 use arcmin::life::{LifeOptions, MachineLife, Quantiles, Series, predict_series};
 use arcmin::machine::{Machine, ManufacturingErrors};
 use arcmin::report::Section;
@@ -24,10 +24,11 @@ impl Spread {
         run: &Run,
         machine: &Machine,
         nominal: BearingMeshing,
+        discs: Option<&ElasticDiscs>,
         drawn: &[(u64, ManufacturingErrors)],
         options: LifeOptions,
     ) -> Result<Spread, Failure> {
-        let made = drawn.iter().map(|(_, errors)| bearing_meshing(machine, errors)).collect::<Result<Vec<_>, _>>()?;
+        let made = drawn.iter().map(|(_, errors)| bearing_meshing(machine, errors, discs.cloned())).collect::<Result<Vec<_>, _>>()?;
         let series = predict_series(machine, nominal, &made, options, run.progress()).map_err(super::wear_failure)?;
         Ok(Spread { series, seeds: drawn.iter().map(|(seed, _)| *seed).collect() })
     }

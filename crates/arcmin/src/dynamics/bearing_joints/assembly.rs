@@ -8,6 +8,8 @@ pub enum Part {
     CrankBending,
     Teeth,
     PinSeat,
+    /// Of elastic discs.
+    Disc,
     GearStage,
     InputShaft,
     Carrier,
@@ -15,12 +17,13 @@ pub enum Part {
 }
 
 impl Part {
-    pub const ALL: [Part; 9] = [
+    pub const ALL: [Part; 10] = [
         Part::TurningArm,
         Part::CrankSupport,
         Part::CrankBending,
         Part::Teeth,
         Part::PinSeat,
+        Part::Disc,
         Part::GearStage,
         Part::InputShaft,
         Part::Carrier,
@@ -35,6 +38,7 @@ impl Part {
             Part::CrankBending => "crankshaft bending",
             Part::Teeth => "cycloid teeth and pins",
             Part::PinSeat => "pin seats",
+            Part::Disc => "cycloid discs",
             Part::GearStage => "gear stage",
             Part::InputShaft => "input shaft torsion",
             Part::Carrier => "carrier torsion",
@@ -79,6 +83,13 @@ impl Assembly<'_> {
         } else if coordinate == self.input {
             self.prescribed_torque += value;
         }
+    }
+
+    /// Adds stored energy (J), dissipation (W) and the closing rate (1/s) of a ring of pins.
+    pub fn add_powers(&mut self, stored: f64, dissipation: f64, onset_rate: f64) {
+        self.balance.stored += stored;
+        self.balance.dissipation += dissipation;
+        self.balance.onset_rate = self.balance.onset_rate.max(onset_rate);
     }
 
     /// Calls `add` for all pairs of free coordinates with the entry of a matrix given row by row.

@@ -140,6 +140,7 @@ impl BearingJoints {
         for part in [Part::CrankBending, Part::GearStage, Part::InputShaft, Part::Carrier, Part::Housing] {
             add(Cause::Elastic, 2.0 * stored.0[part as usize]);
         }
+        add(Cause::Elastic, self.modal_work(&q));
         let (stiffness, clearance) = self.main;
         let shift = self.main_displacement(&q);
         let force = stiffness * (shift.norm() - clearance).max(0.0);
@@ -148,26 +149,22 @@ impl BearingJoints {
             add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.main_displacement(nominal)));
         }
         for (j, ring) in self.rings.iter().enumerate() {
-            let (pose, rate) = self.disc_state(j, &q, &v);
             let profile = ring.profile();
             let k1 = profile.short_width_coefficient();
             let (circle, radius) = (profile.pin_circle_radius - self.radial_offset, profile.pin_radius - self.equidistant_offset);
-            ring.visit(pose, rate, false, |contact| {
-                if contact.force <= 0.0 {
-                    return;
-                }
+            self.visit_loaded(j, &q, &v, |contact, force, approach| {
                 let designed = self.designed_relief.at(contact.meshing_angle).depth;
-                add(Cause::Elastic, -contact.force * contact.gap);
-                add(Cause::FlankWear, contact.force * (ring.relief().at(contact.meshing_angle).depth - designed));
-                add(Cause::PinWear, contact.force * ring.pin_depth(contact));
+                add(Cause::Elastic, force * approach);
+                add(Cause::FlankWear, force * (ring.relief().at(contact.meshing_angle).depth - designed));
+                add(Cause::PinWear, force * ring.pin_depth(contact));
                 let cos = contact.meshing_angle.cos();
                 let offsets = self.equidistant_offset - self.radial_offset * (1.0 - k1 * cos) / profile.speed_factor(cos);
-                add(Cause::FlankModification, contact.force * (designed + offsets));
+                add(Cause::FlankModification, force * (designed + offsets));
                 if nominal.is_some() {
                     let pin = &ring.pins()[contact.pin];
                     let moved = pin.centre - circle * unit(std::f64::consts::TAU * contact.pin as f64 / ring.pins().len() as f64);
                     let gap = contact.normal.dot(&moved) + radius - pin.radius + ring.flank_error_depth(contact);
-                    add(Cause::ManufacturingErrors, contact.force * gap);
+                    add(Cause::ManufacturingErrors, force * gap);
                 }
             });
         }

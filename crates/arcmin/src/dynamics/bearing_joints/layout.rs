@@ -9,6 +9,8 @@ use crate::units::ARCMIN;
 pub(super) struct Layout {
     pub cranks: usize,
     pub discs: usize,
+    /// Modes of every disc; none where discs are rigid.
+    modes: Vec<usize>,
     at_rest: FixedMember,
     /// (x, y, θ) of the carrier where the crankshafts sit.
     carrier: [usize; 3],
@@ -35,13 +37,16 @@ pub(super) struct Degrees {
 }
 
 impl Layout {
-    pub fn new(cranks: usize, discs: usize, at_rest: FixedMember, degrees: Degrees) -> Layout {
-        let mut next = cranks * (2 * (discs + 2) + 1) + 3 * discs + 2;
+    /// `modes` holds the number of modes of every disc.
+    pub fn new(cranks: usize, modes: Vec<usize>, at_rest: FixedMember, degrees: Degrees) -> Layout {
+        let discs = modes.len();
+        let mut next = cranks * (2 * (discs + 2) + 1) + 3 * discs + modes.iter().sum::<usize>() + 2;
         let mut take = |count: usize| {
             next += count;
             next - count
         };
-        let mut layout = Layout { cranks, discs, at_rest, carrier: [0; 3], flange: 0, housing: [0; 3], sun_angle: 0, input: 0, size: 0, whole: 0 };
+        let mut layout =
+            Layout { cranks, discs, modes, at_rest, carrier: [0; 3], flange: 0, housing: [0; 3], sun_angle: 0, input: 0, size: 0, whole: 0 };
         match at_rest {
             FixedMember::Housing => {
                 let at = take(3);
@@ -105,7 +110,13 @@ impl Layout {
 
     /// x of disc j.
     pub fn disc(&self, j: usize) -> usize {
-        self.crank(self.cranks) + 3 * j
+        self.crank(self.cranks) + 3 * j + self.modes[..j].iter().sum::<usize>()
+    }
+
+    /// Modes of disc j.
+    pub fn modes(&self, j: usize) -> std::ops::Range<usize> {
+        let first = self.disc(j) + 3;
+        first..first + self.modes[j]
     }
 
     /// x of every centre that moves in the plane, the housing's apart.
@@ -179,6 +190,7 @@ impl Layout {
             let at = self.disc(j);
             mass[at..at + 2].fill(machine.disc.mass);
             mass[at + 2] = machine.disc.inertia;
+            mass[self.modes(j)].fill(1.0);
         }
         // The sun as a steel cylinder of twice its face width, an assumption that matters for vibrations only.
         let stage = &machine.gear_stage;
@@ -201,14 +213,15 @@ impl Layout {
         mass
     }
 
-    /// One minute of arc at the output, as places (at the radius of the crankshafts) and angles.
-    pub fn scale(&self, kinematics: &Kinematics, radius: f64) -> Vec<f64> {
+    /// One minute of arc at the output, as places (at the radius of the crankshafts) and angles, and a modal coordinate's unit of error.
+    pub fn scale(&self, kinematics: &Kinematics, radius: f64, mode: f64) -> Vec<f64> {
         let mut scale = vec![radius * ARCMIN; self.whole];
         for k in 0..self.cranks {
             scale[self.crank_angle(k)] = kinematics.lobe_count * ARCMIN;
         }
         for j in 0..self.discs {
             scale[self.disc(j) + 2] = ARCMIN;
+            scale[self.modes(j)].fill(mode);
         }
         for angle in [self.carrier[2], self.flange, self.housing[2]] {
             scale[angle] = ARCMIN;

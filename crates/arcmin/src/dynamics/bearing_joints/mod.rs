@@ -2,6 +2,7 @@
 
 mod assembly;
 mod causes;
+mod elastic;
 #[cfg(test)]
 mod error_tests;
 mod layout;
@@ -25,13 +26,13 @@ use layout::{Degrees, Layout};
 use planar_mesh::PlanarMesh;
 use shaft::Shaft;
 
-use super::{Drive, DynamicsError, OutputLoad};
+use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad};
 use crate::contact::{PinContacts, Sliding};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
 use crate::machine::{EccentricError, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, PinMounting, RunOut};
 
 /// What the model takes beside the machine.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct JointSettings {
     /// Metal lost by every flank, as the contact sees it.
     pub flank_wear: Relief,
@@ -40,7 +41,9 @@ pub struct JointSettings {
     /// What bearings and gears have lost.
     pub part_wear: PartWear,
     pub errors: ManufacturingErrors,
-    /// Multiplies the stiffness of bearings, shafts and supports (not of teeth and gears); 1 for the machine as it is.
+    /// Discs that deform, from [`ElasticDiscs::free`]; rigid ones without.
+    pub discs: Option<ElasticDiscs>,
+    /// Multiplies the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the machine as it is.
     pub stiffness_scale: f64,
     /// Whether contacts and meshes are damped; a slow quasi-static test has no use for damping.
     pub damped: bool,
@@ -53,6 +56,7 @@ impl Default for JointSettings {
             pin_wear: Relief::uniform(0.0),
             part_wear: PartWear::default(),
             errors: ManufacturingErrors::default(),
+            discs: None,
             stiffness_scale: 1.0,
             damped: true,
         }
@@ -90,18 +94,19 @@ impl Arm {
 /// Discs, crankshafts, carrier and sun free in the plane, in roller bearings with clearance.
 ///
 /// Coordinates are absolute places (m) and angles (rad): per crankshaft the shaft at both supports and at every disc (x, y) and its turn; per disc
-/// (x, y, θ); sun (x, y); carrier (x, y, θ), or housing where that is the output; the carrier's flange where its torsion is given; the turn of sun and
-/// input where they are free. The shaft's mass sits at its stations. All springs derive from energies, so forces and tangents agree:
+/// (x, y, θ) and its modes, if it is elastic ([`ElasticDiscs`]); sun (x, y); carrier (x, y, θ), or housing where that is the output; the carrier's flange where its torsion is
+/// given; the turn of sun and input where they are free. The shaft's mass sits at its stations. All springs derive from energies, so forces and tangents agree:
 /// pins (any contact law, seat compliance in series), turning-arm bearings between eccentric and disc bore, crank supports between shaft and
 /// carrier, bending and shear of the shaft, involute meshes with moving centres (shaft torsion in series), main bearings, the sun's support,
 /// torsion of carrier and input shaft. Bearings and shafts are damped in proportion to their tangent stiffness.
 ///
-/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings and discs, the cage's own motion.
+/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings of bearings, the cage's own motion.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     kinematics: Kinematics,
     layout: Layout,
     rings: Vec<PinContacts>,
+    elastic: Option<ElasticDiscs>,
     meshes: Vec<PlanarMesh>,
     shaft: Shaft,
     /// Per crankshaft and disc.
@@ -188,7 +193,9 @@ impl BearingJoints {
                 "must be positive behind an elastic input shaft",
             )?;
         }
-        let layout = Layout::new(cranks, discs, machine.fixed_member, degrees);
+        let elastic = settings.discs.clone();
+        let modes = (0..discs).map(|j| elastic.as_ref().map_or(0, |elastic| elastic.mode_count(j))).collect();
+        let layout = Layout::new(cranks, modes, machine.fixed_member, degrees);
         let turning_arm = |k: usize, j: usize| {
             let mut bearing = RadialBearing::new(&machine.bearings.turning_arm, scale);
             bearing.widen(disc_bore(k, j).map_or(0.0, |bore| bore.diameter));
@@ -245,7 +252,8 @@ impl BearingJoints {
                 })
                 .collect(),
             mass: layout.mass(machine),
-            scale: layout.scale(&kinematics, radius),
+            scale: layout.scale(&kinematics, radius, ElasticDiscs::scale(machine)),
+            elastic,
             input,
             load,
             drag: drag + machine.friction.seal_drag,
@@ -326,7 +334,7 @@ impl BearingJoints {
     /// Relative displacement of eccentric and bore (m) and cage angle (rad) of a turning-arm bearing.
     fn turning_arm_state(&self, k: usize, j: usize, q: &[f64]) -> ([f64; 2], f64) {
         let (s, t, d) = (self.layout.disc_station(k, j), self.layout.crank_angle(k), self.layout.disc(j));
-        let u = Vec2::new(q[s] - q[d], q[s + 1] - q[d + 1]) + self.eccentrics[k][j].at(q[t]) - self.disc_bores[k][j].at(q[d + 2]);
+        let u = Vec2::new(q[s] - q[d], q[s + 1] - q[d + 1]) + self.eccentrics[k][j].at(q[t]) - self.bore_at(k, j, q);
         let w = self.turning_arms[k][j].inner_share;
         ([u.x, u.y], w * q[t] + (1.0 - w) * q[d + 2])
     }
@@ -357,8 +365,7 @@ impl BearingJoints {
     /// State of every pin on one disc.
     pub fn pin_contacts(&self, disc: usize, position: &[f64]) -> Vec<crate::contact::PinContact> {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let (pose, rate) = self.disc_state(disc, &q, &v);
-        self.rings[disc].contacts(pose, rate)
+        self.ring_contacts(disc, &q, &v)
     }
 }
 
@@ -387,11 +394,17 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
         PinMounting::Spinning => friction.flank.min(friction.pin_seat),
     };
     ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
+    if let Some(discs) = &settings.discs {
+        discs.take_over(&mut ring, machine);
+    }
     ring
 }
 
 fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
     let check = DynamicsError::require;
+    if let Some(discs) = &settings.discs {
+        check(discs.count() == machine.disc_count, "number of elastic discs", discs.count() as f64, "", "must be that of the machine's discs")?;
+    }
     check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
     let positive = [
         ("stiffness scale", settings.stiffness_scale, ""),

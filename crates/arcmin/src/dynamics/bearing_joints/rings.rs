@@ -2,7 +2,8 @@
 
 use super::BearingJoints;
 use super::assembly::{Assembly, Part, Split};
-use crate::contact::{DiscPose, DiscVelocity, Reaction};
+use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, Reaction};
+use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit};
 use crate::geometry::{Vec2, quarter_turn};
 
 /// ∂(x, y, θ of the disc in the ring)/∂(coordinates), row by row.
@@ -41,80 +42,162 @@ impl BearingJoints {
         [[cos, sin, 0.0, -cos, -sin, -c.x], [-sin, cos, 0.0, sin, -cos, -c.y], [0.0, 0.0, 1.0, 0.0, 0.0, -1.0]]
     }
 
-    /// Adds what the pins do to disc and housing.
-    pub(super) fn add_ring(&self, disc: usize, q: &[f64], v: &[f64], assembly: &mut Assembly<'_>) {
-        let (pose, rate) = self.disc_state(disc, q, v);
-        let Reaction { force, stiffness, damping, stored, dissipation, onset_rate } = self.rings[disc].react(pose, rate);
-        let index = self.ring_index(disc);
-        if self.layout.housing_moves() {
-            self.add_ring_of_moving_housing(&index, pose, q, (force, stiffness, damping), assembly);
-        } else {
-            for i in 0..3 {
-                assembly.add_force(index[i], force[i]);
-                for j in 0..3 {
-                    assembly.linearisation.add_stiffness(index[i], index[j], stiffness[i][j]);
-                    assembly.linearisation.add_damping(index[i], index[j], damping[i][j]);
-                }
-            }
-        }
-        assembly.balance.stored += stored;
-        assembly.balance.dissipation += dissipation;
-        assembly.balance.onset_rate = assembly.balance.onset_rate.max(onset_rate);
+    /// Motion of a disc in the ring, its modes included.
+    pub(super) fn disc_motion<'a>(&self, disc: usize, q: &'a [f64], v: &'a [f64]) -> DiscMotion<'a> {
+        let (pose, velocity) = self.disc_state(disc, q, v);
+        let at = self.layout.modes(disc);
+        DiscMotion { pose, velocity, modes: &q[at.clone()], rates: &v[at] }
     }
 
-    /// Q = Gᵀ f with G from [`Self::seen_from_ring`], and its tangent Gᵀ K G − (∂Gᵀ/∂q) f.
-    fn add_ring_of_moving_housing(
+    /// Adds what the pins do to disc and housing, and what an elastic disc does to itself.
+    pub(super) fn add_ring(&self, disc: usize, q: &[f64], v: &[f64], assembly: &mut Assembly<'_>) {
+        let motion = self.disc_motion(disc, q, v);
+        match &self.elastic {
+            None => {
+                let Reaction { force, stiffness, damping, stored, dissipation, onset_rate } = self.rings[disc].react(motion.pose, motion.velocity);
+                self.add_reaction(disc, motion.pose, q, (&force, stiffness.as_flattened(), damping.as_flattened()), assembly);
+                assembly.add_powers(stored, dissipation, onset_rate);
+            }
+            Some(discs) => {
+                let reaction = discs.react(disc, &self.rings[disc], motion);
+                self.add_reaction(disc, motion.pose, q, (&reaction.force, &reaction.stiffness, &reaction.damping), assembly);
+                assembly.add_powers(reaction.stored, reaction.dissipation, reaction.onset_rate);
+            }
+        }
+    }
+
+    /// Adds forces on (x, y, θ in the ring, modes) and their tangents, row by row.
+    fn add_reaction(
         &self,
-        index: &[usize; 6],
+        disc: usize,
         pose: DiscPose,
         q: &[f64],
-        (force, stiffness, damping): ([f64; 3], [[f64; 3]; 3], [[f64; 3]; 3]),
+        (force, stiffness, damping): (&[f64], &[f64], &[f64]),
         assembly: &mut Assembly<'_>,
     ) {
-        let turn = q[index[5]];
+        if self.layout.housing_moves() {
+            return self.add_reaction_of_moving_housing(disc, pose, q, (force, stiffness, damping), assembly);
+        }
+        let (at, width) = (self.layout.disc(disc), force.len());
+        for i in 0..width {
+            assembly.add_force(at + i, force[i]);
+            for j in 0..width {
+                assembly.linearisation.add_stiffness(at + i, at + j, stiffness[i * width + j]);
+                assembly.linearisation.add_damping(at + i, at + j, damping[i * width + j]);
+            }
+        }
+    }
+
+    /// Q = Gᵀ f with G from [`Self::seen_from_ring`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f.
+    fn add_reaction_of_moving_housing(
+        &self,
+        disc: usize,
+        pose: DiscPose,
+        q: &[f64],
+        (force, stiffness, damping): (&[f64], &[f64], &[f64]),
+        assembly: &mut Assembly<'_>,
+    ) {
+        let place = self.ring_index(disc);
+        let turn = q[place[5]];
         let seen = self.seen_from_ring(pose, turn);
         let (sin, cos) = turn.sin_cos();
         // J R f: how the force on the disc turns with the housing.
         let turning = quarter_turn(Vec2::new(cos * force[0] - sin * force[1], sin * force[0] + cos * force[1]));
-        let mut geometric = [[0.0; 6]; 6];
         for (i, value) in [(0, turning.x), (1, turning.y), (3, -turning.x), (4, -turning.y)] {
-            geometric[i][5] = -value;
-            geometric[5][i] = -value;
+            assembly.linearisation.add_stiffness(place[i], place[5], -value);
+            assembly.linearisation.add_stiffness(place[5], place[i], -value);
         }
-        geometric[5][5] = force[0] * pose.centre.x + force[1] * pose.centre.y;
-        for i in 0..6 {
-            assembly.add_force(index[i], (0..3).map(|a| seen[a][i] * force[a]).sum());
-            for j in 0..6 {
-                let through = |m: &[[f64; 3]; 3]| -> f64 { (0..3).map(|a| seen[a][i] * (0..3).map(|b| m[a][b] * seen[b][j]).sum::<f64>()).sum() };
-                assembly.linearisation.add_stiffness(index[i], index[j], through(&stiffness) + geometric[i][j]);
-                assembly.linearisation.add_damping(index[i], index[j], through(&damping));
+        assembly.linearisation.add_stiffness(place[5], place[5], force[0] * pose.centre.x + force[1] * pose.centre.y);
+        let width = force.len();
+        // (coordinate, what it moves and by how much).
+        let places = (0..6).map(|i| (place[i], [(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]));
+        let modes = self.layout.modes(disc).enumerate().map(|(m, at)| (at, [(3 + m, 1.0), (0, 0.0), (0, 0.0)]));
+        let motions: Vec<(usize, [(usize, f64); 3])> = places.chain(modes).collect();
+        for (row, by_row) in &motions {
+            assembly.add_force(*row, by_row.iter().map(|(a, g)| g * force[*a]).sum());
+            for (column, by_column) in &motions {
+                let through =
+                    |m: &[f64]| -> f64 { by_row.iter().map(|(a, g)| g * by_column.iter().map(|(b, h)| m[a * width + b] * h).sum::<f64>()).sum() };
+                assembly.linearisation.add_stiffness(*row, *column, through(stiffness));
+                assembly.linearisation.add_damping(*row, *column, through(damping));
             }
         }
     }
 
+    /// The rings' part of the compliance along a motion.
     pub(super) fn split_rings(&self, q: &[f64], split: &mut Split<'_>) {
+        let rest = vec![0.0; q.len()];
         for (j, ring) in self.rings.iter().enumerate() {
-            let (pose, _) = self.disc_state(j, q, q);
+            let state = self.disc_motion(j, q, &rest);
             let motion = self.ring_index(j).map(|i| split.motion[i]);
-            let g = self.seen_from_ring(pose, q[self.layout.housing()[2]]).map(|row| row.iter().zip(&motion).map(|(s, g)| s * g).sum::<f64>());
-            let seat = ring.contact().seat_compliance();
-            let rest = crate::contact::DiscVelocity::REST;
-            let reaction = ring.react(pose, rest);
-            let mut whole = 0.0;
-            for a in 0..3 {
-                for b in 0..3 {
-                    whole += g[a] * reaction.stiffness[a][b] * g[b];
+            let seen = self.seen_from_ring(state.pose, q[self.layout.housing()[2]]);
+            let g = seen.map(|row| row.iter().zip(&motion).map(|(s, g)| s * g).sum::<f64>());
+            match &self.elastic {
+                None => {
+                    let (teeth, seats) = rigid_split(ring, state.pose, &g);
+                    split.compliance[Part::Teeth as usize] += teeth;
+                    split.compliance[Part::PinSeat as usize] += seats;
+                }
+                Some(discs) => {
+                    let whole: Vec<f64> = g.iter().chain(&split.motion[self.layout.modes(j)]).copied().collect();
+                    let DiscSplit { teeth, seats, disc } = discs.split(j, ring, state, &whole);
+                    split.compliance[Part::Teeth as usize] += teeth;
+                    split.compliance[Part::PinSeat as usize] += seats;
+                    split.compliance[Part::Disc as usize] += disc;
                 }
             }
-            let mut seats = 0.0;
-            ring.visit(pose, rest, false, |contact| {
-                if contact.force > 0.0 {
-                    let rate: f64 = contact.gradient.iter().zip(&g).map(|(s, g)| s * g).sum();
-                    seats += contact.stiffness * contact.stiffness * seat * rate * rate;
-                }
-            });
-            split.compliance[Part::Teeth as usize] += whole - seats;
-            split.compliance[Part::PinSeat as usize] += seats;
         }
     }
+
+    /// State of every pin on a disc at all coordinates and velocities.
+    pub(super) fn ring_contacts(&self, disc: usize, q: &[f64], v: &[f64]) -> Vec<PinContact> {
+        match &self.elastic {
+            Some(discs) => discs.pin_contacts(disc, &self.rings[disc], self.disc_motion(disc, q, v)),
+            None => {
+                let (pose, rate) = self.disc_state(disc, q, v);
+                self.rings[disc].contacts(pose, rate)
+            }
+        }
+    }
+
+    /// Calls `visit` for every pin that carries, with its force (N) and its approach (m) on the disc as its modes have bent it: elastic work F s, the neighbours' included.
+    pub(super) fn visit_loaded(&self, disc: usize, q: &[f64], v: &[f64], mut visit: impl FnMut(&PinContact, f64, f64)) {
+        match &self.elastic {
+            Some(discs) => {
+                let state = discs.contacts(disc, &self.rings[disc], self.disc_motion(disc, q, v));
+                for ((contact, coupled), force) in state.contacts.iter().zip(&state.coupled).zip(&state.forces.force) {
+                    if *force > 0.0 {
+                        visit(contact, *force, coupled.approach);
+                    }
+                }
+            }
+            None => {
+                let (pose, rate) = self.disc_state(disc, q, v);
+                self.rings[disc].visit(pose, rate, false, |contact| {
+                    if contact.force > 0.0 {
+                        visit(contact, contact.force, -contact.gap);
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// gᵀ K g of teeth and seats of a rigid disc along a motion g of (x, y, θ).
+fn rigid_split(ring: &PinContacts, pose: crate::contact::DiscPose, g: &[f64]) -> (f64, f64) {
+    let reaction = ring.react(pose, DiscVelocity::REST);
+    let mut whole = 0.0;
+    for a in 0..3 {
+        for b in 0..3 {
+            whole += g[a] * reaction.stiffness[a][b] * g[b];
+        }
+    }
+    let mut seats = 0.0;
+    ring.visit(pose, DiscVelocity::REST, false, |contact| {
+        if contact.force > 0.0 {
+            let rate: f64 = contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum();
+            seats += contact.stiffness * contact.stiffness * ring.contact().seat_compliance() * rate * rate;
+        }
+    });
+    (whole - seats, seats)
 }

@@ -1,6 +1,7 @@
 //! All springs of the model except the pins, each handed to a [`Sink`].
 
 use super::assembly::{Element, Part, Sink};
+use super::elastic::{BoreMode, WithModes};
 use super::planar_mesh::{MESH_COORDINATES, MeshState};
 use super::{BearingJoints, BearingState, RadialBearing};
 use crate::geometry::{Vec2, quarter_turn};
@@ -14,6 +15,8 @@ struct Journal<'a> {
     index: [usize; 6],
     arm: Vec2,
     bore: Vec2,
+    /// Modes of the body that move its bore.
+    modes: &'a [BoreMode],
 }
 
 impl BearingJoints {
@@ -40,6 +43,7 @@ impl BearingJoints {
                 index: [at, at + 1, turn, cx, cy, carrier],
                 arm: self.journals[k].at(q[turn]),
                 bore: self.carrier_bores[k].at(q[carrier]),
+                modes: &[],
             };
             self.add_journal(&journal, v, sink);
         }
@@ -47,13 +51,15 @@ impl BearingJoints {
             let (at, disc) = (layout.disc_station(k, j), layout.disc(j));
             let (u, cage) = self.turning_arm_state(k, j, q);
             let law = &self.turning_arms[k][j];
+            let modes: Vec<BoreMode> = self.bore_modes(k, j, q[disc + 2]).collect();
             let journal = Journal {
                 part: Part::TurningArm,
                 law,
                 state: law.react(u, cage),
                 index: [at, at + 1, turn, disc, disc + 1, disc + 2],
                 arm: self.eccentrics[k][j].at(q[turn]),
-                bore: self.disc_bores[k][j].at(q[disc + 2]),
+                bore: self.bore_at(k, j, q),
+                modes: &modes,
             };
             self.add_journal(&journal, v, sink);
         }
@@ -66,6 +72,7 @@ impl BearingJoints {
         if stored == 0.0 {
             return;
         }
+        let mut sink = WithModes { sink, modes: journal.modes };
         let (a, b) = (quarter_turn(journal.arm), quarter_turn(journal.bore));
         let w = journal.law.inner_share;
         // Rows u_x, u_y, ψ.
@@ -86,7 +93,11 @@ impl BearingJoints {
         matrix[2 * 6 + 2] -= gradient[0] * journal.arm.x + gradient[1] * journal.arm.y;
         matrix[5 * 6 + 5] += gradient[0] * journal.bore.x + gradient[1] * journal.bore.y;
         sink.element(&Element { part: journal.part, index: &journal.index, gradient: &slope, hessian: &matrix, stored });
-        let rate = journal.index.map(|i| v[i]);
+        let mut rate = journal.index.map(|i| v[i]);
+        for (mode, by) in journal.modes {
+            rate[3] += v[*mode] * by.x;
+            rate[4] += v[*mode] * by.y;
+        }
         let mut force = [0.0; 6];
         let mut dissipation = 0.0;
         if self.loss_time > 0.0 {

@@ -137,12 +137,9 @@ impl Reducer for BearingJoints {
             summary.mesh_force += self.mesh_state(k, &q, &v).force;
         }
         for disc in 0..self.layout.discs {
-            let (pose, rate) = self.disc_state(disc, &q, &v);
-            self.rings[disc].visit(pose, rate, false, |contact| {
-                if contact.force > 0.0 {
-                    summary.loaded_pins += 1;
-                    summary.largest_pin_force = summary.largest_pin_force.max(contact.force);
-                }
+            self.visit_loaded(disc, &q, &v, |_, force, _| {
+                summary.loaded_pins += 1;
+                summary.largest_pin_force = summary.largest_pin_force.max(force);
             });
         }
         summary

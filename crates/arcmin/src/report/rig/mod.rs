@@ -3,7 +3,7 @@
 mod figures;
 
 use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
-use crate::dynamics::SpectrumLine;
+use crate::dynamics::{Part, SpectrumLine};
 use crate::machine::Machine;
 use crate::rig::{BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RunningTorques, StiffnessSplit};
 use crate::units::ARCMIN;
@@ -151,14 +151,16 @@ impl RigPage<'_> {
                     .into(),
             ));
         }
+        let discs = if state.split.parts.iter().any(|(part, _)| *part == Part::Disc) { "" } else { " bodies of the discs," };
         let split = vec![
             figures::stiffness_split(state),
             Block::Note(
                 Tone::Neutral,
-                "Bearings, shafts and supports are assumptions where the design file says so. Bearing rings, bodies of the discs, carrier plates and housing \
-                 are rigid; a real reducer is softer by their share. `[carrier] torsional_stiffness_n_m_per_arcmin` and `[ring] seat_compliance_um_per_kn` \
-                 take measured values."
-                    .into(),
+                format!(
+                    "Bearings, shafts and supports are assumptions where the design file says so. Bearing rings,{discs} carrier plates and housing are rigid; a \
+                     real reducer is softer by their share. `[carrier] torsional_stiffness_n_m_per_arcmin` and `[ring] seat_compliance_um_per_kn` take \
+                     measured values."
+                ),
             ),
         ];
         vec![

@@ -1,0 +1,254 @@
+use super::super::tests::{machine, settle};
+use super::super::{JointSettings, Part};
+use super::*;
+use crate::contact::ContactLaw;
+use crate::dynamics::{
+    Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, Linearisation, OutputLoad, Reducer, Run, RunPlan, RunResult,
+    StepControl, System, TimeTable, solve_equilibrium,
+};
+use crate::fem::tests::{discs, reduced};
+use crate::fem::{FemError, FlexibleDiscs};
+use crate::geometry::Relief;
+use crate::machine::Machine;
+use crate::units::ARCMIN;
+
+fn elastic(machine: &Machine) -> Option<ElasticDiscs> {
+    Some(ElasticDiscs::free(machine, discs(machine), FlexibleOptions::default()).unwrap())
+}
+
+/// Discs of a material ten thousand times stiffer.
+fn stiff(machine: &Machine) -> Option<ElasticDiscs> {
+    let reduced = reduced().stiffened(1e4);
+    let discs = FlexibleDiscs::with(machine, |_| Ok::<_, FemError>(reduced.clone())).unwrap();
+    // As many modes as of the real disc: their frequencies are a hundred times higher.
+    let options = FlexibleOptions { mode_frequency: 2e6, ..FlexibleOptions::default() };
+    Some(ElasticDiscs::free(machine, discs, options).unwrap())
+}
+
+fn still(discs: Option<ElasticDiscs>) -> JointSettings {
+    JointSettings { discs, damped: false, ..JointSettings::default() }
+}
+
+/// Output error in arcmin at rest.
+fn error(machine: &Machine, settings: &JointSettings, sun: f64, torque: f64) -> f64 {
+    let mut model = BearingJoints::held(machine, settings).unwrap();
+    model.hold_sun(sun, 0.0);
+    model.set_load(torque);
+    model.output_error(&settle(&model, sun)) / ARCMIN
+}
+
+fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
+    let settings = JointSettings { discs, flank_wear: Relief::uniform(5e-6), ..JointSettings::default() };
+    let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.02 };
+    let model = BearingJoints::new(machine, &settings, drive, OutputLoad::Constant { torque: 412.0 }, 5.0).unwrap();
+    // What differs between two models must not be the local error of their runs.
+    let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
+    let mut run = Run::new(&model, RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() }).unwrap();
+    run.finish().unwrap();
+    run.result()
+}
+
+#[test]
+fn discs_ten_thousand_times_stiffer_rest_and_run_like_rigid_ones() {
+    let machine = machine();
+    for (sun, torque) in [(0.0, 412.0), (1.3, -206.0), (7.7, 12.0)] {
+        let (a, b) = (error(&machine, &still(stiff(&machine)), sun, torque), error(&machine, &still(None), sun, torque));
+        assert!((a - b).abs() < 1e-4, "{sun} {torque}: {a}' {b}'");
+    }
+    let (a, b) = (run(&machine, stiff(&machine)), run(&machine, None));
+    for (a, b) in a.series.iter().zip(&b.series) {
+        let difference = (a.transmission_error - b.transmission_error) / ARCMIN;
+        assert!(difference.abs() < 1e-4, "{} s: {difference}'", a.time);
+    }
+}
+
+#[test]
+fn energy_balances() {
+    for contact_law in [ContactLaw::Linear { stiffness: 2.85e8 }, ContactLaw::LineHertz] {
+        let machine = Machine { contact_law, ..machine() };
+        let residual = run(&machine, elastic(&machine)).energy.residual();
+        assert!(residual < 1e-6, "{contact_law:?}: {residual:e}");
+    }
+}
+
+/// More held modes as coordinates change a run only by what their inertia does.
+#[test]
+fn the_result_does_not_depend_on_the_number_of_modes() {
+    let machine = machine();
+    let mean = |mode_frequency: f64| {
+        let options = FlexibleOptions { mode_frequency, ..FlexibleOptions::default() };
+        let discs = ElasticDiscs::free(&machine, discs(&machine), options).unwrap();
+        run(&machine, Some(discs)).statistics.unwrap().mean / ARCMIN
+    };
+    let (none, some, more) = (mean(0.0), mean(20e3), mean(40e3));
+    assert!((none / more - 1.0).abs() < 1e-3 && (some / more - 1.0).abs() < 1e-3, "{none} {some} {more}");
+}
+
+/// Bearings, shafts and supports a million times stiffer, without clearance, hold the bores as ideal joints do: the same elastic disc, once by its free modes and once by its held
+/// ones. Both leave the bores' rims free to turn about their centres.
+#[test]
+fn val_stiff_bearings_are_ideal_joints_with_elastic_discs() {
+    let mut machine = machine();
+    machine.bearings.turning_arm.clearance = 0.0;
+    let settings = JointSettings { stiffness_scale: 1e6, ..still(elastic(&machine)) };
+    let rigid = JointSettings { discs: None, ..settings.clone() };
+    for (sun, torque) in [(0.0, 412.0), (1.3, -206.0), (7.7, 412.0)] {
+        let bearings = error(&machine, &settings, sun, torque);
+        let drive = Drive::SpeedTable(TimeTable::new("speed", &[(0.0, 2.0 * sun), (1.0, 0.0)]).unwrap());
+        let (load, options) = (OutputLoad::Constant { torque }, FlexibleOptions::default());
+        let ideal = FlexibleJoints::new(&machine, discs(&machine), &Relief::uniform(0.0), drive, load, 0.0, options).unwrap();
+        let output = sun / 81.0;
+        let mut start = vec![-39.0 * output, output];
+        for _ in 0..2 {
+            // p = q + c θ.
+            start.extend((0..ideal.mode_count() / 2).map(|m| reduced().momentum[2][m] * output));
+        }
+        let rest = solve_equilibrium(&ideal, 1.0, &start, EquilibriumControl::default()).unwrap().position;
+        let expected = ideal.transmission_error(1.0, &rest, &vec![0.0; rest.len()]) / ARCMIN;
+        assert!((bearings - expected).abs() < 1e-4, "{sun} {torque}: {bearings}' {expected}'");
+        // The elasticity of the discs is not nothing there.
+        assert!((bearings - error(&machine, &rigid, sun, torque)).abs() > 0.01);
+    }
+}
+
+#[test]
+fn split_adds_up_with_a_part_for_the_discs() {
+    let mut machine = crate::templates::rv_40e_81();
+    machine.ring.seat_compliance = 1e-9;
+    for discs in [elastic(&machine), None] {
+        let mut model = BearingJoints::held(&machine, &still(discs)).unwrap();
+        model.set_load(412.0);
+        let q = settle(&model, 0.0);
+        let n = q.len();
+        let (mut force, mut lin) = (vec![0.0; n], model.linearisation());
+        model.evaluate(0.0, &q, &vec![0.0; n], &mut force, &mut lin);
+        let mut motion = vec![0.0; n];
+        motion[model.output_index()] = 1.0;
+        let weights = crate::dynamics::Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
+        lin.solve(&vec![0.0; n], weights, &mut motion).unwrap();
+        let whole = motion[model.output_index()];
+        let parts = model.split(&q, &motion);
+        let share = |part: Part| parts[part as usize] / whole;
+        assert!((parts.iter().sum::<f64>() / whole - 1.0).abs() < 1e-9, "{parts:?} {whole}");
+        match &model.elastic {
+            Some(_) => assert!(share(Part::Disc) > 0.01 && share(Part::PinSeat) > 1e-3, "{parts:?} {whole}"),
+            None => assert_eq!(share(Part::Disc), 0.0),
+        }
+    }
+}
+
+/// Collects the forces of one kind of spring.
+struct Forces {
+    part: Part,
+    force: Vec<f64>,
+}
+
+impl Sink for Forces {
+    fn element(&mut self, element: &Element<'_>) {
+        if element.part == self.part {
+            element.index.iter().zip(element.gradient).for_each(|(i, slope)| self.force[*i] -= slope);
+        }
+    }
+
+    fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
+}
+
+/// Turning-arm bearings push shaft and deformed disc with equal and opposite forces: none is left over, nor a moment about the centre of the machine. The modes, which are
+/// pushed as well, have no momentum.
+#[test]
+fn turning_arms_act_and_react() {
+    let machine = machine();
+    let mut model = BearingJoints::held(&machine, &still(elastic(&machine))).unwrap();
+    model.hold_sun(2.0, 0.0);
+    model.set_load(412.0);
+    let mut q = settle(&model, 2.0);
+    let layout = model.layout.clone();
+    for j in 0..2 {
+        // Bores some micrometres off their place.
+        layout.modes(j).enumerate().for_each(|(m, at)| q[at] += 2e-6 * (1.0 + m as f64));
+    }
+    let (q, rest) = model.full(0.0, &q, &vec![0.0; q.len()]);
+    let mut forces = Forces { part: Part::TurningArm, force: vec![0.0; q.len()] };
+    model.visit(&q, &rest, &mut forces);
+    let f = &forces.force;
+    let (mut sum, mut moment, mut size) = (Vec2::zeros(), 0.0, 0.0);
+    let mut add = |at: usize, angle: Option<usize>| {
+        let (force, place) = (Vec2::new(f[at], f[at + 1]), Vec2::new(q[at], q[at + 1]));
+        sum += force;
+        moment += crate::geometry::cross(place, force) + angle.map_or(0.0, |angle| f[angle]);
+        size += force.norm();
+    };
+    for k in 0..layout.cranks {
+        for j in 0..layout.discs {
+            add(layout.disc_station(k, j), (j == 0).then(|| layout.crank_angle(k)));
+        }
+    }
+    for j in 0..layout.discs {
+        add(layout.disc(j), Some(layout.disc(j) + 2));
+    }
+    assert!(size > 1e4, "{size}");
+    // Rounding of sums of some 10 kN at 40 mm.
+    assert!(sum.norm() < 1e-9 * size && moment.abs() < 1e-10 * size, "{sum:?} {moment:e} of {size}");
+    assert!(layout.modes(0).map(|at| f[at].abs()).sum::<f64>() > 1.0);
+}
+
+/// At ±3 % of rated torque and worn: the causes of lost motion leave at most 1 %, as with rigid discs.
+#[test]
+fn causes_add_up_with_elastic_discs() {
+    use crate::dynamics::{BearingMeshing, Cause};
+    let machine = crate::templates::rv_40e_81();
+    let settings = JointSettings { flank_wear: Relief::uniform(10e-6), ..still(elastic(&machine)) };
+    let split = BearingMeshing::new(&machine, &settings).unwrap().lost_motion_causes(4, &mut Vec::new()).unwrap();
+    let rigid = BearingMeshing::new(&machine, &JointSettings { discs: None, ..settings }).unwrap().lost_motion_causes(4, &mut Vec::new()).unwrap();
+    assert!(split.residual().abs() < 0.01 * split.whole, "{} of {}", split.residual(), split.whole);
+    assert!(split.of(Cause::Elastic) > rigid.of(Cause::Elastic), "{split:?} {rigid:?}");
+    assert!((split.of(Cause::FlankWear) / rigid.of(Cause::FlankWear) - 1.0).abs() < 0.05, "{split:?} {rigid:?}");
+}
+
+/// Half a turn of the whole machine brings the first disc onto the second, lobes on lobes and each bore onto that of the other crankshaft, so both deform alike in every position; the
+/// shaft and the planets at one of its ends are all that tells them apart. The second disc takes its modes from the first one's reduction, turned, its bores exchanged.
+#[test]
+fn equal_discs_deform_alike() {
+    let machine = machine();
+    let mut model = BearingJoints::held(&machine, &still(elastic(&machine))).unwrap();
+    for sun in [0.0, 2.0, 6.5] {
+        model.hold_sun(sun, 0.0);
+        model.set_load(412.0);
+        let q = settle(&model, sun);
+        let discs = model.elastic.as_ref().unwrap();
+        let modes = [0, 1].map(|disc| &q[model.layout.modes(disc)]);
+        let [first, second] = [0, 1].map(|disc| discs.modal_work(disc, modes[disc]));
+        assert!((first / second - 1.0).abs() < 0.02, "{sun}: {first:e} {second:e}");
+        for (a, b) in modes[0].iter().zip(modes[1]) {
+            assert!((a - b).abs() < 0.02 * modes[0].iter().fold(0.0, |m: f64, q| m.max(q.abs())), "{sun}: {modes:?}");
+        }
+    }
+}
+
+/// Pins that are passed over before the modes are known would not touch: with all pins looked at, the forces are the same, at rated torque and at three times that.
+#[test]
+fn no_pin_out_of_reach_would_touch() {
+    let machine = machine();
+    let mut model = BearingJoints::held(&machine, &still(elastic(&machine))).unwrap();
+    for (sun, torque) in [(0.0, 412.0), (2.0, 1236.0), (6.5, -1236.0)] {
+        model.hold_sun(sun, 0.0);
+        model.set_load(torque);
+        let q = settle(&model, sun);
+        let rest = vec![0.0; q.len()];
+        let forces = |model: &BearingJoints| {
+            let mut force = rest.clone();
+            model.evaluate(0.0, &q, &rest, &mut force, &mut model.linearisation());
+            (force, model.forces(0.0, &q, &rest).loaded_pins)
+        };
+        let mut all = model.clone();
+        for ring in &mut all.rings {
+            let law = ring.contact().clone();
+            ring.set_elastic(law, 1.0);
+        }
+        let ((few, touching), (every, touching_of_all)) = (forces(&model), forces(&all));
+        assert_eq!(touching, touching_of_all);
+        for (i, (a, b)) in few.iter().zip(&every).enumerate() {
+            assert!((a - b).abs() < 1e-6 * torque.abs(), "{sun} {torque} {i}: {a} {b}");
+        }
+    }
+}

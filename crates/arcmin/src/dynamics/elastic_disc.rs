@@ -1,0 +1,421 @@
+use std::sync::Arc;
+
+use super::DynamicsError;
+use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
+use crate::fem::{CoupledContact, CoupledForces, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
+use crate::geometry::{Vec2, turned, unit};
+use crate::machine::Machine;
+
+/// What elastic discs need beyond rigid ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlexibleOptions {
+    /// Held modes up to this frequency in Hz are coordinates; the compliance of the others acts without inertia.
+    pub mode_frequency: f64,
+    /// ζ of every mode.
+    pub damping_ratio: f64,
+}
+
+impl Default for FlexibleOptions {
+    /// The three lowest held modes of an RV-40E's disc; bolted and fitted steel parts damp about 2 %.
+    fn default() -> Self {
+        FlexibleOptions { mode_frequency: 20e3, damping_ratio: 0.02 }
+    }
+}
+
+impl FlexibleOptions {
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for damping or frequencies without meaning.
+    pub fn validate(&self) -> Result<(), DynamicsError> {
+        let check = DynamicsError::require;
+        check(self.damping_ratio >= 0.0 && self.damping_ratio < 1.0, "modal damping ratio", self.damping_ratio, "", "must lie in [0, 1)")?;
+        check(self.mode_frequency >= 0.0, "mode frequency", self.mode_frequency, "Hz", "must not be negative")
+    }
+}
+
+/// What equal discs share.
+#[derive(Debug)]
+struct Body {
+    modes: FlankModes,
+    /// Displacement of every bore centre per unit of a mode in the frame of the reduction, mode after mode; empty where bores are held.
+    bores: Vec<Vec2>,
+    /// Static compliance of the flank beyond the modes, the bores held.
+    residual: FlankCompliance,
+}
+
+/// Elastic discs as their pins and bearings meet them.
+///
+/// A disc is a frame (centre, angle) with modes in it, u = Φ q. The flank gives way by u_i = φ(τ_i)·q + Σ_j C^res_ij F_j along its inward normal: the modes kept as
+/// coordinates, and the static compliance of all the others. Contact is sought on the analytic (worn) flank and the approach s_i = −gap_i − φ_i·q handed to
+/// the coupled contact law, so no facet and no second contact stiffness enters, and the frequencies of modes left out do not limit the step.
+/// Forces are the gradient of the stored energy U = min over F of Σ W_i(δ_i, R_i) + ½ FᵀC^res F, plus ½ ω² q²; modal damping 2 ζ ω q̇.
+///
+/// With ideal joints the frame is that of the bores and the modes are those of the disc held there. In bearings it is that of the mean axes: the modes of the free disc,
+/// which move the bore centres; kinetic energy is then ½ m v² + ½ J θ̇² + ½ q̇². Mass and moment of inertia are the machine's, those of the modes the mesh's.
+///
+/// Not modelled: Coriolis and centrifugal forces of the deformation, the tangential displacement of the flank, deformation of the bores' rims.
+#[derive(Debug, Clone)]
+pub struct ElasticDiscs {
+    discs: FlexibleDiscs,
+    bodies: Vec<Arc<Body>>,
+    /// Bore displacements disc by disc in the disc's own frame: mode after mode, bores in the order of the crankshafts.
+    bores: Vec<Vec<Vec2>>,
+    damping_ratio: f64,
+}
+
+/// How a disc moves: its frame and its modes.
+#[derive(Clone, Copy)]
+pub(super) struct DiscMotion<'a> {
+    pub pose: DiscPose,
+    pub velocity: DiscVelocity,
+    /// q in m·√kg and its rate.
+    pub modes: &'a [f64],
+    pub rates: &'a [f64],
+}
+
+/// Contacts of one disc at one state.
+pub(super) struct DiscContacts {
+    /// As on the rigid disc; force and stiffness are not theirs.
+    pub contacts: Vec<PinContact>,
+    /// Rate of s in m/s.
+    pub rate: Vec<f64>,
+    /// φ_i of the modes, contact by contact.
+    pub shape: Vec<f64>,
+    pub coupled: Vec<CoupledContact>,
+    pub forces: CoupledForces,
+}
+
+/// Forces on (x, y, θ) and the modes of a disc with their tangents, matrices row by row.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ElasticReaction {
+    pub force: Vec<f64>,
+    /// −∂Q/∂(x, y, θ, q).
+    pub stiffness: Vec<f64>,
+    pub damping: Vec<f64>,
+    pub stored: f64,
+    pub dissipation: f64,
+    pub onset_rate: f64,
+}
+
+/// Tangent compliance of a disc and its contacts along one motion.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct DiscSplit {
+    pub teeth: f64,
+    pub seats: f64,
+    pub disc: f64,
+}
+
+/// A pin farther off than this (m) is not reached by a flank that its neighbours' forces and the modes of a held disc lift by a fraction of a micrometre.
+const HELD_REACH: f64 = 1e-6;
+/// Bores that move lift it by some micrometres more.
+const FREE_REACH: f64 = 5e-6;
+
+impl ElasticDiscs {
+    /// Discs held at their bores.
+    ///
+    /// # Errors
+    /// As [`FlexibleOptions::validate`].
+    pub fn held(discs: FlexibleDiscs, options: FlexibleOptions) -> Result<ElasticDiscs, DynamicsError> {
+        let bodies = bodies(&discs, options, |reduced, count| Ok((reduced.held_modes(count), Vec::new())))?;
+        let bores = vec![Vec::new(); discs.count()];
+        Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
+    }
+
+    /// Discs whose bore centres are free, for bearings.
+    ///
+    /// # Errors
+    /// As [`FlexibleOptions::validate`], and [`DynamicsError::ElasticDisc`] for discs reduced with one spider for all bores.
+    pub fn free(machine: &Machine, discs: FlexibleDiscs, options: FlexibleOptions) -> Result<ElasticDiscs, DynamicsError> {
+        let cranks = machine.crankshafts.count;
+        let bodies = bodies(&discs, options, |reduced, count| {
+            let free = reduced.free_modes(count)?;
+            let bores = (0..free.flank.count()).flat_map(|mode| (0..cranks).map(move |bore| (mode, bore))).map(|(mode, bore)| free.bore(mode, bore));
+            let bores = bores.collect();
+            Ok((free.flank, bores))
+        })?;
+        let shapes: Vec<DiscShape> = (0..discs.count()).map(|disc| DiscShape::of(machine, disc)).collect();
+        let bores = (0..discs.count())
+            .map(|disc| {
+                let first = (0..disc).find(|other| discs.is_shared(disc, *other)).unwrap_or(disc);
+                let (ahead, back) = (unit(discs.turn(disc)), unit(-discs.turn(disc)));
+                // Turned onto the disc that was reduced, a bore may cover that of another crankshaft.
+                let covered: Vec<usize> = (0..cranks)
+                    .map(|k| {
+                        let place = turned(shapes[disc].bores[k].centre, ahead);
+                        let distance = |other: &usize| (shapes[first].bores[*other].centre - place).norm();
+                        (0..cranks).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(k)
+                    })
+                    .collect();
+                let body = &bodies[disc];
+                (0..body.modes.count()).flat_map(|mode| covered.iter().map(move |k| turned(body.bores[mode * cranks + k], back))).collect()
+            })
+            .collect();
+        Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
+    }
+
+    /// Hands the pins to these discs: flanks that read their displacement at a depth have a contact law of their own.
+    pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {
+        let law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
+        let reach = if self.bores.iter().all(Vec::is_empty) { HELD_REACH } else { FREE_REACH };
+        ring.set_elastic(law, reach);
+    }
+
+    pub fn count(&self) -> usize {
+        self.discs.count()
+    }
+
+    /// Modes of a disc that are coordinates.
+    pub fn mode_count(&self, disc: usize) -> usize {
+        self.bodies[disc].modes.count()
+    }
+
+    /// The reductions behind.
+    pub fn discs(&self) -> &FlexibleDiscs {
+        &self.discs
+    }
+
+    /// Displacement of the bore of a crankshaft per unit of a mode, in the frame of the disc.
+    pub(super) fn bore(&self, disc: usize, mode: usize, crankshaft: usize) -> Vec2 {
+        let cranks = self.bores[disc].len() / self.mode_count(disc).max(1);
+        self.bores[disc][mode * cranks + crankshaft]
+    }
+
+    /// Change of a modal coordinate that counts as one unit of error: an arcmin at the flank, φ being of the order 1/√(disc mass).
+    pub(super) fn scale(machine: &Machine) -> f64 {
+        machine.ring.pin_circle_radius * crate::units::ARCMIN * machine.disc.mass.sqrt()
+    }
+
+    /// Contacts within reach with their coupled forces; `ring` has been [taken over](ElasticDiscs::take_over).
+    pub(super) fn contacts(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> DiscContacts {
+        let body = &self.bodies[disc];
+        let mut state =
+            DiscContacts { contacts: Vec::new(), rate: Vec::new(), shape: Vec::new(), coupled: Vec::new(), forces: CoupledForces::default() };
+        ring.visit(motion.pose, motion.velocity, false, |contact| {
+            let place = self.discs.stencil(disc, contact.tau);
+            let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
+            let first = state.shape.len();
+            for m in 0..motion.modes.len() {
+                let phi = body.modes.at(m, &place);
+                approach -= phi * motion.modes[m];
+                rate -= phi * motion.rates[m];
+                state.shape.push(phi);
+            }
+            if approach < -HELD_REACH {
+                state.shape.truncate(first);
+                return;
+            }
+            state.coupled.push(CoupledContact { place, approach, equivalent_radius: 1.0 / contact.relative_curvature });
+            state.rate.push(rate);
+            state.contacts.push(*contact);
+        });
+        // An iteration that does not settle leaves a residual that the step's own Newton iteration sees and rejects.
+        state.forces.solve(ring.contact(), &body.residual, &state.coupled);
+        state
+    }
+
+    /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank has given way: minus the local approach where it touches.
+    pub(super) fn pin_contacts(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> Vec<PinContact> {
+        let state = self.contacts(disc, ring, motion);
+        let mut all = ring.contacts(motion.pose, motion.velocity);
+        for contact in &mut all {
+            (contact.force, contact.stiffness) = (0.0, 0.0);
+            (contact.elastic, contact.stored, contact.friction) = (0.0, 0.0, 0.0);
+        }
+        for (i, contact) in state.contacts.iter().enumerate() {
+            if let Some(entry) = all.iter_mut().find(|entry| entry.pin == contact.pin) {
+                let here = ring.contact().damped_force(state.forces.local[i], state.rate[i], state.coupled[i].equivalent_radius);
+                (entry.force, entry.elastic, entry.stored) = (here.force, here.elastic, here.stored);
+                entry.stiffness = state.forces.local_stiffness[i];
+                entry.gap = -state.forces.local[i];
+                entry.approach_rate = state.rate[i];
+                entry.friction = ring.sliding().map_or(0.0, |sliding| -here.force * sliding.share(contact.sliding_speed).0);
+            }
+        }
+        all
+    }
+
+    /// Everything that pins and elasticity do to a disc.
+    pub(super) fn react(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> ElasticReaction {
+        let count = motion.modes.len();
+        let width = 3 + count;
+        let state = self.contacts(disc, ring, motion);
+        let n = state.contacts.len();
+        let mut reaction = ElasticReaction {
+            force: vec![0.0; width],
+            stiffness: vec![0.0; width * width],
+            damping: vec![0.0; width * width],
+            stored: state.forces.flexural_energy,
+            ..ElasticReaction::default()
+        };
+        let law = ring.contact();
+        // Rows −∂s/∂z, and what each force does to the coordinates, friction included.
+        let (mut rows, mut pushes) = (vec![0.0; n * width], vec![0.0; n * width]);
+        let mut gain = vec![0.0; n];
+        let v = [motion.velocity.centre.x, motion.velocity.centre.y, motion.velocity.angle];
+        for (i, contact) in state.contacts.iter().enumerate() {
+            let (local, rate) = (state.forces.local[i], state.rate[i]);
+            let here = law.damped_force(local, rate, state.coupled[i].equivalent_radius);
+            if local <= 0.0 && rate > 0.0 {
+                reaction.onset_rate = reaction.onset_rate.max(rate / (TOLERABLE_DEPTH - local));
+            }
+            reaction.stored += here.stored;
+            reaction.dissipation += (here.force - here.elastic) * rate;
+            let row = &mut rows[i * width..(i + 1) * width];
+            row[..3].copy_from_slice(&contact.gradient);
+            row[3..].copy_from_slice(&state.shape[i * count..(i + 1) * count]);
+            if here.force <= 0.0 {
+                continue;
+            }
+            gain[i] = here.stiffness / state.forces.local_stiffness[i];
+            let (share, slope) = ring.sliding().map_or((0.0, 0.0), |sliding| sliding.share(contact.sliding_speed));
+            reaction.dissipation += share * here.force * contact.sliding_speed;
+            let push = &mut pushes[i * width..(i + 1) * width];
+            push.copy_from_slice(row);
+            push.iter_mut().zip(contact.along).for_each(|(push, along)| *push -= share * along);
+            let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
+            for a in 0..width {
+                reaction.force[a] += here.force * push[a];
+                for b in 0..width {
+                    reaction.damping[a * width + b] += here.damping * push[a] * row[b];
+                }
+            }
+            for a in 0..3 {
+                let rate_slope = hessian[a][0] * v[0] + hessian[a][1] * v[1] + hessian[a][2] * v[2];
+                for b in 0..3 {
+                    reaction.stiffness[a * width + b] -= here.force * hessian[a][b];
+                    reaction.stiffness[b * width + a] += here.damping * rate_slope * push[b];
+                    reaction.damping[a * width + b] += here.force * slope * contact.along[a] * contact.along[b];
+                }
+            }
+        }
+        self.add_rolling(disc, ring, &state, motion.modes, (&mut rows, &mut pushes), &mut reaction);
+        // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
+        let mut scratch = Vec::with_capacity(n);
+        let mut response = vec![0.0; n];
+        for b in 0..width {
+            (0..n).for_each(|i| response[i] = rows[i * width + b]);
+            state.forces.respond(&mut response, &mut scratch);
+            for i in 0..n {
+                let response = gain[i] * response[i];
+                if response != 0.0 {
+                    for a in 0..width {
+                        reaction.stiffness[a * width + b] += pushes[i * width + a] * response;
+                    }
+                }
+            }
+        }
+        self.add_modal_forces(disc, motion, &mut reaction);
+        reaction
+    }
+
+    /// What makes the forces the gradient of the stored energy: its derivative with the places of the contacts,
+    /// −∂U/∂τ_i = F_i φ′_i·q + ½ ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′. It acts along the flank: the slope of the deformed flank under the contact force, and
+    /// the work of rolling to another curvature. It is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc: the tangents that
+    /// go with φ′ are a per cent there. Those of the curvature are left out, as on the rigid disc.
+    fn add_rolling(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        state: &DiscContacts,
+        q: &[f64],
+        (rows, pushes): (&mut [f64], &mut [f64]),
+        reaction: &mut ElasticReaction,
+    ) {
+        let (body, forces) = (&self.bodies[disc], &state.forces.force);
+        let width = reaction.force.len();
+        for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| forces[*i] > 0.0) {
+            let slope = self.discs.slope_stencil(disc, contact.tau);
+            let rolling = ring.rolling(contact);
+            let others: f64 = (0..forces.len())
+                .filter(|j| *j != i && forces[*j] > 0.0)
+                .map(|j| forces[j] * body.residual.cross(&slope, &state.coupled[j].place))
+                .sum();
+            let mut bent = forces[i] * body.residual.own(&slope) + others;
+            for (m, q) in q.iter().enumerate() {
+                let turn = body.modes.at(m, &slope);
+                bent += q * turn;
+                for a in 0..3 {
+                    let coupling = forces[i] * turn * rolling.by_pose[a];
+                    reaction.stiffness[a * width + 3 + m] -= coupling;
+                    reaction.stiffness[(3 + m) * width + a] -= coupling;
+                }
+            }
+            let pull = forces[i] * (bent - 0.5 * forces[i] * body.residual.own(&slope))
+                - ring.contact().energy_by_log_radius(forces[i]) * rolling.log_radius_slope;
+            for a in 0..3 {
+                reaction.force[a] += pull * rolling.by_pose[a] + forces[i] * rolling.gap_slope[a];
+                // The approach changes with the place as well.
+                rows[i * width + a] += bent * rolling.by_pose[a];
+                pushes[i * width + a] += bent * rolling.by_pose[a];
+            }
+        }
+    }
+
+    fn add_modal_forces(&self, disc: usize, motion: DiscMotion<'_>, reaction: &mut ElasticReaction) {
+        let width = reaction.force.len();
+        for (m, square) in self.bodies[disc].modes.eigenvalues.iter().enumerate() {
+            let damping = 2.0 * self.damping_ratio * square.sqrt();
+            let (q, rate) = (motion.modes[m], motion.rates[m]);
+            reaction.stored += 0.5 * square * q * q;
+            reaction.dissipation += damping * rate * rate;
+            reaction.force[3 + m] -= square * q + damping * rate;
+            reaction.stiffness[(3 + m) * (width + 1)] += square;
+            reaction.damping[(3 + m) * (width + 1)] += damping;
+        }
+    }
+
+    /// Twice the elastic energy of the modes in J.
+    pub(super) fn modal_work(&self, disc: usize, q: &[f64]) -> f64 {
+        self.bodies[disc].modes.eigenvalues.iter().zip(q).map(|(square, q)| square * q * q).sum()
+    }
+
+    /// gᵀ K g of the pins and the disc along a motion g of (x, y, θ, q), where it sits: ds = −B g and dF = D ds change the energy of modes and residual compliance by ω² g_q² and
+    /// dFᵀ C dF, that of the seats by c dF²; the rest is the contacts', with the turning of their normals.
+    pub(super) fn split(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>, g: &[f64]) -> DiscSplit {
+        let (count, width) = (motion.modes.len(), g.len());
+        let stiffness = self.react(disc, ring, motion).stiffness;
+        let whole: f64 = (0..width).map(|a| (0..width).map(|b| g[a] * stiffness[a * width + b] * g[b]).sum::<f64>()).sum();
+        let state = self.contacts(disc, ring, motion);
+        let change: Vec<f64> = state
+            .contacts
+            .iter()
+            .enumerate()
+            .map(|(i, contact)| {
+                let modes: f64 = state.shape[i * count..(i + 1) * count].iter().zip(&g[3..]).map(|(phi, g)| phi * g).sum();
+                contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum::<f64>() + modes
+            })
+            .collect();
+        let mut response = change.clone();
+        state.forces.respond(&mut response, &mut Vec::new());
+        let mut split = DiscSplit { disc: self.modal_work(disc, &g[3..]), ..DiscSplit::default() };
+        for i in (0..state.contacts.len()).filter(|i| state.forces.force[*i] > 0.0) {
+            let square = response[i] * response[i];
+            split.seats += ring.contact().seat_compliance() * square;
+            split.disc += change[i] * response[i] - square / state.forces.local_stiffness[i];
+        }
+        split.teeth = whole - split.seats - split.disc;
+        split
+    }
+}
+
+/// One body per different disc.
+fn bodies(
+    discs: &FlexibleDiscs,
+    options: FlexibleOptions,
+    modes: impl Fn(&crate::fem::ReducedDisc, usize) -> Result<(FlankModes, Vec<Vec2>), DynamicsError>,
+) -> Result<Vec<Arc<Body>>, DynamicsError> {
+    options.validate()?;
+    let mut bodies: Vec<Arc<Body>> = Vec::new();
+    for disc in 0..discs.count() {
+        let same = (0..disc).find(|other| discs.is_shared(disc, *other)).map(|other| bodies[other].clone());
+        bodies.push(match same {
+            Some(body) => body,
+            None => {
+                let reduced = discs.reduced(disc);
+                let count = reduced.modes_up_to(options.mode_frequency);
+                let (modes, bores) = modes(reduced, count)?;
+                Arc::new(Body { modes, bores, residual: reduced.residual_compliance(count) })
+            }
+        });
+    }
+    Ok(bodies)
+}
