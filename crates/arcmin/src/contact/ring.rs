@@ -256,12 +256,9 @@ impl PinContacts {
         self.contact.damping = damping;
     }
 
-    /// Hands the contacts to an elastic disc: the law of its surface, damped as before, and how far (m) its flank may come out to meet a pin.
+    /// Hands the contacts to an elastic disc: the law of its surface, and how far (m) its flank may come out to meet a pin.
     pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
-        let damping = self.contact.damping;
-        self.contact = law;
-        self.contact.damping = damping;
-        self.reach = reach;
+        (self.contact, self.reach) = (law, reach);
     }
 
     /// Whether reactions include what makes them the gradient of the stored energy ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at
