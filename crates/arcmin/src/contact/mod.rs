@@ -4,6 +4,7 @@ mod facets;
 mod law;
 mod ring;
 mod rolling;
+mod worn_pin;
 
 pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, Damping, LineContact};

@@ -1,4 +1,5 @@
 use super::facets::{Facets, MeshContact};
+use super::worn_pin::turn_on_pin;
 use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{Closest, FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
@@ -154,7 +155,7 @@ pub struct PinContacts {
     profile: Profile,
     pins: Vec<Pin>,
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
-    directions: Vec<Vec2>,
+    pub(super) directions: Vec<Vec2>,
     relief: Relief,
     /// Metal lost by every pin as a function of the angle ψ on the pin, if any.
     pin_relief: Option<Relief>,
@@ -236,14 +237,6 @@ impl PinContacts {
         self.update_bounds();
     }
 
-    /// Metal lost by the pin where a contact's line of action leaves it, in m.
-    pub fn pin_depth(&self, contact: &PinContact) -> f64 {
-        self.pin_relief.as_ref().map_or(0.0, |relief| {
-            let place = self.directions[contact.pin];
-            relief.at(cross(place, contact.normal).atan2(place.dot(&contact.normal))).depth
-        })
-    }
-
     /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank is left out: an amplitude of 10 µm
     /// at order z_c tilts the normal by some mrad, a second-order change of the gap.
     pub fn set_flank_error(&mut self, error: FlankError) {
@@ -273,12 +266,6 @@ impl PinContacts {
 
     pub(super) fn pin_relief(&self) -> Option<&Relief> {
         self.pin_relief.as_ref()
-    }
-
-    /// ψ in rad: from the pin's own place on the ring to the flank normal.
-    pub(super) fn pin_angle(&self, contact: &PinContact) -> f64 {
-        let place = self.directions[contact.pin];
-        cross(place, contact.normal).atan2(place.dot(&contact.normal))
     }
 
     pub(crate) fn sliding(&self) -> Option<&Sliding> {
@@ -311,7 +298,7 @@ impl PinContacts {
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         let mut reaction = Reaction::default();
-        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || self.pin_relief.is_some() || self.flank_error.is_some();
+        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || self.flank_error.is_some();
         self.visit(pose, velocity, false, |contact| {
             let radius = self.pins[contact.pin].radius;
             reaction.add(contact, velocity, radius, self.sliding.as_ref());
@@ -401,17 +388,17 @@ impl PinContacts {
             self.profile.closest_on_worn(p, &foot, &self.relief, radius)
         };
         let Closest { tau, meshing_angle, meshing_unit, mut gap, normal: flank_normal, flank_curvature, relative_curvature } = closest;
-        if let Some(pin_relief) = &self.pin_relief {
-            // Depth where the line of action leaves the pin. Its slope is left out: the pin hardly wears but at the edge of its zone, where two
-            // contacts could stand side by side and the closest point would jump between them.
-            gap += pin_relief.at(cross(e, flank_normal).atan2(e.dot(&flank_normal))).depth;
-        }
         if let Some(error) = &self.flank_error {
             gap += error.depth(tau, flank_normal);
         }
         let normal = turned(flank_normal, rotation);
-        let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
         let t = quarter_turn(normal);
+        let mut gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
+        if let Some(worn) = self.worn_pin(pin, normal) {
+            let turn = turn_on_pin(t, arm, flank_curvature, closest.gap + radius);
+            gap += worn.depth;
+            gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
+        }
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);

@@ -307,11 +307,15 @@ impl BearingJoints {
 
     /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and i the ratio of that case.
     pub fn output_error(&self, position: &[f64]) -> f64 {
-        let sun = match self.input {
+        position[self.layout.output()] - self.held_sun() / self.kinematics.ratio()
+    }
+
+    /// Angle at which the sun is held, 0 where it is not.
+    fn held_sun(&self) -> f64 {
+        match self.input {
             Input::Held { angle, .. } => angle,
             Input::Driven(_) => 0.0,
-        };
-        position[self.layout.output()] - sun / self.kinematics.ratio()
+        }
     }
 
     /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates (rad/(N·m), m/(N·m)).
