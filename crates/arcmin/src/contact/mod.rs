@@ -5,6 +5,7 @@ mod law;
 mod ring;
 mod rolling;
 mod sliding;
+mod worn_pin;
 
 pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, Damping, LineContact};

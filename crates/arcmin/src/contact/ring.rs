@@ -1,5 +1,6 @@
 use super::facets::{Facets, MeshContact};
 use super::sliding::Sliding;
+use super::worn_pin::turn_on_pin;
 use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{Closest, FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
@@ -146,7 +147,7 @@ pub struct PinContacts {
     profile: Profile,
     pins: Vec<Pin>,
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
-    directions: Vec<Vec2>,
+    pub(super) directions: Vec<Vec2>,
     relief: Relief,
     /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for each.
     pin_reliefs: Vec<Relief>,
@@ -247,12 +248,9 @@ impl PinContacts {
         self.contact.damping = damping;
     }
 
-    /// Hands the contacts to an elastic disc: the law of its surface, damped as before, and how far (m) its flank may come out to meet a pin.
+    /// Hands the contacts to an elastic disc: the law of its surface, and how far (m) its flank may come out to meet a pin.
     pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
-        let damping = self.contact.damping;
-        self.contact = law;
-        self.contact.damping = damping;
-        self.reach = reach;
+        (self.contact, self.reach) = (law, reach);
     }
 
     /// Whether reactions include what makes them the gradient of the stored energy ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at
@@ -272,12 +270,6 @@ impl PinContacts {
             [all] => Some(all),
             each => each.get(pin),
         }
-    }
-
-    /// ψ in rad: from the pin's own place on the ring to the flank normal.
-    pub(super) fn pin_angle(&self, contact: &PinContact) -> f64 {
-        let place = self.directions[contact.pin];
-        cross(place, contact.normal).atan2(place.dot(&contact.normal))
     }
 
     pub(crate) fn sliding(&self) -> Option<&Sliding> {
@@ -310,7 +302,7 @@ impl PinContacts {
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         let mut reaction = Reaction::default();
-        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || !self.pin_reliefs.is_empty() || self.flank_error.is_some();
+        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || self.flank_error.is_some();
         self.visit(pose, velocity, false, |contact| {
             let radius = self.pins[contact.pin].radius;
             reaction.add(contact, velocity, radius, self.sliding.as_ref());
@@ -400,17 +392,17 @@ impl PinContacts {
             self.profile.closest_on_worn(p, &foot, &self.relief, radius)
         };
         let Closest { tau, meshing_angle, meshing_unit, mut gap, normal: flank_normal, flank_curvature, relative_curvature } = closest;
-        if let Some(pin_relief) = self.pin_relief(pin) {
-            // Depth where the line of action leaves the pin. Its slope is left out: the pin hardly wears but at the edge of its zone, where two
-            // contacts could stand side by side and the closest point would jump between them.
-            gap += pin_relief.at(cross(e, flank_normal).atan2(e.dot(&flank_normal))).depth;
-        }
         if let Some(error) = &self.flank_error {
             gap += error.depth(tau, flank_normal);
         }
         let normal = turned(flank_normal, rotation);
-        let gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
         let t = quarter_turn(normal);
+        let mut gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
+        if let Some(worn) = self.worn_pin(pin, normal) {
+            let turn = turn_on_pin(t, arm, flank_curvature, closest.gap + radius);
+            gap += worn.depth;
+            gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
+        }
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);

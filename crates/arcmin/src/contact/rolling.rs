@@ -3,15 +3,15 @@ use crate::geometry::{cross, quarter_turn};
 
 /// How a contact travels on flank and pin while the disc moves: what the forces need beyond F ∂g/∂q to derive from the stored energy.
 ///
-/// The energy U(δ, R_eq) of a line contact falls with sharper curvature, the compliance of an elastic disc changes along its flank, and flank errors and
-/// worn pins are read where the contact is. All depend on the foot τ, and rolling to another place takes or gives work.
+/// The energy U(δ, R_eq) of a line contact falls with sharper curvature, the compliance of an elastic disc changes along its flank, and flank errors
+/// are read where the contact is. All depend on the foot τ, and rolling to another place takes or gives work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rolling {
     /// ∂τ/∂(x, y, θ) of the foot, in rad/m and rad/rad.
     pub by_pose: [f64; 3],
     /// d(ln R_eq)/dτ.
     pub log_radius_slope: f64,
-    /// What ∂(gap)/∂(x, y, θ) leaves out: slopes of the flank's error and of the worn pin.
+    /// What ∂(gap)/∂(x, y, θ) leaves out: the slope of the flank's error.
     pub gap_slope: [f64; 3],
 }
 
@@ -24,11 +24,6 @@ impl Rolling {
 }
 
 impl PinContacts {
-    /// Metal lost by the pin where a contact's line of action leaves it, in m.
-    pub fn pin_depth(&self, contact: &PinContact) -> f64 {
-        self.pin_relief(contact.pin).map_or(0.0, |relief| relief.at(self.pin_angle(contact)).depth)
-    }
-
     /// What the flank's error takes off where a contact is, in m.
     pub fn flank_error_depth(&self, contact: &PinContact) -> f64 {
         self.flank_error().map_or(0.0, |error| error.depth(contact.tau, self.profile().outward_normal(contact.tau)))
@@ -42,26 +37,16 @@ impl PinContacts {
         // Facets leave the radius of the pin.
         let log_radius_slope = if self.is_faceted() { 0.0 } else { -course.relative_curvature_rate / contact.relative_curvature };
 
-        let (mut read, mut error_slope, mut pin_slope) = (0.0, 0.0, 0.0);
+        let (mut read, mut error_slope) = (self.pin_depth(contact), 0.0);
         if let Some(error) = self.flank_error() {
             read += self.flank_error_depth(contact);
             error_slope = error.slope(contact.tau, profile);
-        }
-        if let Some(pin_relief) = self.pin_relief(contact.pin) {
-            let sample = pin_relief.at(self.pin_angle(contact));
-            read += sample.depth;
-            pin_slope = sample.slope;
         }
         // The pin centre moves by −T dz past the flank, and the closest point by 1/(1 − κ D) of that, D being the distance between the two.
         let reach = 1.0 - course.curvature * (contact.gap - read + pin_radius);
         let t = quarter_turn(contact.normal);
         let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along / (reach * course.length));
-        // Normals turn by −κ per length along the flank, and with the disc.
-        let gap_slope = std::array::from_fn(|i| {
-            let turn = f64::from(u8::from(i == 2)) - course.curvature * course.length * by_pose[i];
-            error_slope * by_pose[i] + pin_slope * turn
-        });
-        Rolling { by_pose, log_radius_slope, gap_slope }
+        Rolling { by_pose, log_radius_slope, gap_slope: by_pose.map(|travel| error_slope * travel) }
     }
 
     /// Generalised force (N, N, N·m) on the disc that the stored energy asks for beyond F ∂g/∂q.

@@ -154,7 +154,8 @@ impl ElasticDiscs {
 
     /// Hands the pins to these discs: flanks that read their displacement at a depth have a contact law of their own.
     pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {
-        let law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
+        let mut law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
+        law.damping = ring.contact().damping;
         let reach = if self.bores.iter().all(Vec::is_empty) { HELD_REACH } else { FREE_REACH };
         ring.set_elastic(law, reach);
     }

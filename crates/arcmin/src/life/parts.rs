@@ -125,16 +125,19 @@ mod tests {
     use crate::machine::{ManufacturingErrors, RollingWear, RunOut, Tolerances};
     use crate::units::UM;
 
-    /// New, after 7500 h, with 10 µm taken off everywhere, and with worn bearings and gears: the causes leave at most 1 % of the whole. What is left is of
-    /// second order: places move by some 10 µm along flanks of some 0.1 mm to 10 mm of curvature radius.
+    /// New, after 7500 h with pins that last and with pins that wear like the discs, with 10 µm taken off everywhere, and with worn bearings and gears: the
+    /// causes leave at most 1 % of the whole. What is left is of second order in the displacements of the bearings.
     #[test]
     fn causes_add_up_to_the_lost_motion() {
         let machine = crate::templates::rv_40e_81();
+        let mut worn_pins = machine.clone();
+        worn_pins.wear.pin_ratio = 1.0;
         let new = JointSettings::default();
         let part_wear = PartWear { turning_arm: 6.0 * UM, crank_support: 4.0 * UM, gears: [5.0 * UM, 2.0 * UM] };
         let states = [
             (new.clone(), Cause::TurningArmClearance),
             (worn_settings(&machine, 7500.0).unwrap(), Cause::FlankWear),
+            (worn_settings(&worn_pins, 7500.0).unwrap(), Cause::PinWear),
             (JointSettings { flank_wear: Relief::uniform(10.0 * UM), ..new.clone() }, Cause::FlankWear),
             (JointSettings { part_wear, ..new.clone() }, Cause::TurningArmWear),
             (JointSettings { errors: Default::default(), pin_wear: Relief::uniform(3.0 * UM), ..new.clone() }, Cause::PinWear),
@@ -143,7 +146,8 @@ mod tests {
             let split = lost_motion_causes(&machine, &settings).unwrap().unwrap().lost_motion;
             assert!(split.residual().abs() < 0.01 * split.whole, "{cause:?}: {} of {}", split.residual(), split.whole);
             assert!(split.of(cause) > 0.1 * split.whole, "{cause:?}: {split:?}");
-            assert!(split.causes.iter().all(|share| *share > -1e-9), "{split:?}");
+            let signed = Cause::ALL.iter().zip(&split.causes).filter(|(cause, _)| **cause != Cause::FlankCurvature);
+            assert!(signed.into_iter().all(|(_, share)| *share > -1e-9), "{split:?}");
         }
     }
 

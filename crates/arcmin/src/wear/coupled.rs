@@ -5,7 +5,7 @@ use super::deposit::{FlankArc, spread_on_pin};
 use super::film::{boundary_share, film_ratio};
 use super::smoothing::ContactAverage;
 use crate::contact::PinContact;
-use crate::geometry::{Relief, cross, unit};
+use crate::geometry::Relief;
 use crate::load::closed_form::ClosedFormError;
 use crate::load::{LoadError, Meshing, ShareLoad};
 use crate::machine::{DutyPoint, Machine, PartWear, PinMounting};
@@ -303,11 +303,10 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             let entrainment = 0.5 * (2.0 * on_flank - sliding).abs().max(1e-3 * sliding);
             removal *= boundary_share(film_ratio(oil, contact.effective_modulus, radius, line_load, entrainment));
         }
-        let place = unit(std::f64::consts::TAU * c.pin as f64 / machine.ring.pin_count as f64);
         Pass {
             pin: c.pin,
             meshing_angle: c.meshing_angle,
-            pin_angle: cross(place, c.normal).atan2(place.dot(&c.normal)),
+            pin_angle: self.meshing.contacts().pin_angle(c),
             half_width: contact.half_width(c.force, radius),
             removal,
         }

@@ -2,7 +2,8 @@
 
 use super::BearingJoints;
 use super::assembly::{Element, Part, Sink};
-use crate::geometry::unit;
+use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts};
+use crate::geometry::{Relief, unit};
 use crate::wear::PartLoads;
 
 /// Where lost motion comes from.
@@ -11,6 +12,8 @@ pub enum Cause {
     FlankWear,
     PinWear,
     FlankModification,
+    /// Contacts come nearer to the root on their way through all clearances, where normals turn: of second order in the way, of either sign.
+    FlankCurvature,
     TurningArmClearance,
     TurningArmWear,
     CrankSupportClearance,
@@ -24,10 +27,11 @@ pub enum Cause {
 }
 
 impl Cause {
-    pub const ALL: [Cause; 12] = [
+    pub const ALL: [Cause; 13] = [
         Cause::FlankWear,
         Cause::PinWear,
         Cause::FlankModification,
+        Cause::FlankCurvature,
         Cause::TurningArmClearance,
         Cause::TurningArmWear,
         Cause::CrankSupportClearance,
@@ -45,6 +49,7 @@ impl Cause {
             Cause::FlankWear => "wear of the disc flanks",
             Cause::PinWear => "wear of the pins",
             Cause::FlankModification => "modification of the flanks",
+            Cause::FlankCurvature => "curvature of the flanks on the way",
             Cause::TurningArmClearance => "clearance of the turning-arm bearings, new",
             Cause::TurningArmWear => "wear of the turning-arm bearings",
             Cause::CrankSupportClearance => "clearance of the crank supports, new",
@@ -63,6 +68,7 @@ impl Cause {
             Cause::FlankWear => "flank_wear",
             Cause::PinWear => "pin_wear",
             Cause::FlankModification => "flank_modification",
+            Cause::FlankCurvature => "flank_curvature",
             Cause::TurningArmClearance => "turning_arm_clearance",
             Cause::TurningArmWear => "turning_arm_wear",
             Cause::CrankSupportClearance => "crank_support_clearance",
@@ -73,6 +79,34 @@ impl Cause {
             Cause::Elastic => "elastic",
             Cause::ManufacturingErrors => "manufacturing_errors",
         }
+    }
+}
+
+/// The unworn contacts of a disc in the same pose, and its way (x, y, θ) from the nominal place.
+struct Lost<'a> {
+    ring: &'a PinContacts,
+    unworn: Vec<PinContact>,
+    moved: [f64; 3],
+}
+
+impl Lost<'_> {
+    /// Change of a gap on the way back to the nominal place.
+    fn back(&self, gradient: [f64; 3]) -> f64 {
+        -gradient.iter().zip(&self.moved).map(|(g, d)| g * d).sum::<f64>()
+    }
+
+    /// Gap in m of the unworn surfaces back along its tangent.
+    fn unworn_gap(&self, contact: &PinContact) -> f64 {
+        let unworn = &self.unworn[contact.pin];
+        unworn.gap + self.back(unworn.gradient)
+    }
+
+    /// Metal lost by the flank and by the pin in m, back along the tangents.
+    fn of(&self, contact: &PinContact) -> [f64; 2] {
+        let round = contact.round_gradient();
+        let pin = self.ring.pin_depth(contact);
+        let worn_pin = pin + self.back(std::array::from_fn(|i| contact.gradient[i] - round[i]));
+        [contact.gap - pin + self.back(round) - self.unworn_gap(contact), worn_pin]
     }
 }
 
@@ -91,15 +125,18 @@ impl BearingJoints {
     /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by cause.
     ///
     /// The forces F_e of all joints balance the torque T at the output, so for small displacements T φ = Σ F_e u_e, and each u_e is the gap that was there
-    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements.
-    /// Exact for springs: Q δ = (n + 1) U of a roller, 2 U of linear springs. Manufacturing errors do the work of F_e on what they displace in the nominal place;
-    /// where they press parts together without load, elastic work and theirs are large and nearly cancel.
+    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements of bearings. Wear is
+    /// counted at the nominal place, back along the tangents of the gaps: near the root a contact goes a long way along a worn flank or pin until it carries, to
+    /// other depths than where it was. What the unworn gaps miss of their nominal value that way, half their second derivative, is a cause of its own.
+    /// Exact for springs: Q δ = (n + 1) U of a roller, 2 U of linear springs.
+    /// Manufacturing errors do the work of F_e on what they displace in the nominal place; where they press parts together without load, elastic work and theirs
+    /// are large and nearly cancel.
     pub fn causes(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut causes = [0.0; Cause::ALL.len()];
         let mut add = |cause: Cause, work: f64| causes[cause as usize] += work;
         let nominal = self.has_errors.then(|| {
-            let nominal = self.nominal_position_at(self.held_angle());
+            let nominal = self.nominal_position_at(self.held_sun());
             self.full(0.0, &nominal, &vec![0.0; nominal.len()]).0
         });
         for k in 0..self.layout.cranks {
@@ -149,26 +186,43 @@ impl BearingJoints {
             add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.main_displacement(nominal)));
         }
         for (j, ring) in self.rings.iter().enumerate() {
+            let lost = self.lost(j, self.disc_state(j, &q, &v).0);
             let profile = ring.profile();
             let k1 = profile.short_width_coefficient();
             let (circle, radius) = (profile.pin_circle_radius - self.radial_offset, profile.pin_radius - self.equidistant_offset);
             self.visit_loaded(j, &q, &v, |contact, force, approach| {
-                let designed = self.designed_relief.at(contact.meshing_angle).depth;
                 add(Cause::Elastic, force * approach);
-                add(Cause::FlankWear, force * (ring.relief().at(contact.meshing_angle).depth - designed));
-                add(Cause::PinWear, force * ring.pin_depth(contact));
+                let [flank, pin] = lost.of(contact);
+                add(Cause::FlankWear, force * flank);
+                add(Cause::PinWear, force * pin);
                 let cos = contact.meshing_angle.cos();
                 let offsets = self.equidistant_offset - self.radial_offset * (1.0 - k1 * cos) / profile.speed_factor(cos);
-                add(Cause::FlankModification, force * (designed + offsets));
+                let modification = self.designed_relief.at(contact.meshing_angle).depth + offsets;
+                add(Cause::FlankModification, force * modification);
+                let mut made = 0.0;
                 if nominal.is_some() {
                     let pin = &ring.pins()[contact.pin];
                     let moved = pin.centre - circle * unit(std::f64::consts::TAU * contact.pin as f64 / ring.pins().len() as f64);
-                    let gap = contact.normal.dot(&moved) + radius - pin.radius + ring.flank_error_depth(contact);
-                    add(Cause::ManufacturingErrors, force * gap);
+                    made = contact.normal.dot(&moved) + radius - pin.radius + ring.flank_error_depth(contact);
+                    add(Cause::ManufacturingErrors, force * made);
                 }
+                add(Cause::FlankCurvature, force * (lost.unworn_gap(contact) - modification - made));
             });
         }
         causes
+    }
+
+    /// What flank and pins have lost against a disc, followed back to its nominal place along the tangents of the gaps.
+    fn lost(&self, disc: usize, pose: DiscPose) -> Lost<'_> {
+        let nominal = self.nominal_position_at(self.held_sun());
+        let (q, v) = self.full(0.0, &nominal, &vec![0.0; nominal.len()]);
+        let from = self.disc_state(disc, &q, &v).0;
+        let ring = &self.rings[disc];
+        let mut unworn = ring.clone();
+        unworn.set_relief(self.designed_relief.clone());
+        unworn.set_pin_relief(Relief::uniform(0.0));
+        let moved = pose.centre - from.centre;
+        Lost { ring, unworn: unworn.contacts(pose, DiscVelocity::REST), moved: [moved.x, moved.y, pose.angle - from.angle] }
     }
 
     /// Loads of bearings and gears at a balance, means of all of a kind.

@@ -309,11 +309,11 @@ impl BearingJoints {
 
     /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and i the ratio of that case.
     pub fn output_error(&self, position: &[f64]) -> f64 {
-        position[self.layout.output()] - self.held_angle() / self.kinematics.ratio()
+        position[self.layout.output()] - self.held_sun() / self.kinematics.ratio()
     }
 
-    /// Where the sun is held, in rad.
-    fn held_angle(&self) -> f64 {
+    /// Angle at which the sun is held, 0 where it is not.
+    fn held_sun(&self) -> f64 {
         match self.input {
             Input::Held { angle, .. } => angle,
             Input::Driven(_) => 0.0,

@@ -45,6 +45,7 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
     let contacts = |row: &super::LifeRow| row.lost_motion_arcmin.unwrap_or(2.0 * row.play_arcmin);
     let lost = |row: &super::LifeRow| row.machine_lost_motion_arcmin.unwrap_or(contacts(row));
     let lost_kind = match (new.machine_lost_motion_arcmin, new.lost_motion_arcmin) {
+        (Some(_), _) if !life.contacts_alone => "lost motion at ±3 % of rated torque, bearings and gears as in the design".to_owned(),
         (Some(_), _) => {
             format!(
                 "lost motion at ±3 % of rated torque, bearings and gears as in the design; tooth contacts alone {} arcmin",
