@@ -52,6 +52,12 @@ fn ideal_joints_refuse_errors_and_say_so_where_a_design_has_some() {
     }
     refused(d, &["life", "d.toml", "--joints", "bearings", "--machines", "3"], &["--machines draws", "--joints bearings --errors drawn"]);
     refused(d, &["life", "d.toml", "--machines", "1"], &["2..=1000"]);
+    for (command, chosen, method) in [("contact", ["--method", "closed-form"], "the closed form"), ("wear", ["--mode", "paper"], "the paper's study")]
+    {
+        let with = |more: &[&'static str]| [&[command, "d.toml"][..], &chosen, more].concat();
+        refused(d, &with(&["--joints", "bearings"]), &[method, "knows no bearings", "leave --joints or", chosen[0]]);
+        refused(d, &with(&["--flexible"]), &[method, "knows no elastic discs", "leave --flexible or", chosen[0]]);
+    }
     let said = good(d, &["contact", "d.toml", "--positions", "8", "--out", "ideal"]);
     assert!(said.contains("the design's [errors] enter with --joints bearings only"), "{said}");
     let errors = summary(d, "ideal")["errors"].clone();

@@ -6,7 +6,7 @@ use arcmin::units::{DEG, MPA, UM};
 use serde_json::{Value, json};
 
 use super::deviations::{Choice, Deviations};
-use super::joints::{Joints, bearing_meshing};
+use super::joints::{Joints, bearing_meshing, refuse_beyond};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
 
@@ -64,11 +64,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
     let mut table = Table::new(&["crank_angle_deg", "disc", "pin", "meshing_angle_deg", "force_n", "pressure_mpa", "half_width_um", "gap_um"]);
-    if options.flexible && options.method == Method::ClosedForm {
-        return Err(Failure::Usage {
-            message: "elastic discs share the load by equilibrium only".to_owned(),
-            help: "leave --flexible or --method out".to_owned(),
-        });
+    if options.method == Method::ClosedForm {
+        refuse_beyond("the closed form", "--method", options.joints, options.flexible)?;
     }
     let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
     let summary = match options.method {
@@ -89,12 +86,6 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 summary
             }
         },
-        Method::ClosedForm if options.joints == Joints::Bearings => {
-            return Err(Failure::Usage {
-                message: "the closed form knows no bearings".to_owned(),
-                help: "leave --joints or --method out".to_owned(),
-            });
-        }
         Method::ClosedForm => closed_form(&run, &options, &machine, torque, &mut table)?,
     };
     let mut summary = summary;

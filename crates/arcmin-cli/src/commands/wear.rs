@@ -9,7 +9,7 @@ use arcmin::wear::{CoupledOptions, CoupledWear, WearError};
 use serde_json::{Value, json};
 
 use super::deviations::Deviations;
-use super::joints::{Joints, bearing_meshing};
+use super::joints::{Joints, bearing_meshing, refuse_beyond};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
 
@@ -106,11 +106,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let machine = run.design.machine();
     let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
     let mut tables = Tables::new();
-    if options.flexible && options.mode == Mode::Paper {
-        return Err(Failure::Usage {
-            message: "elastic discs wear in the coupled mode only".to_owned(),
-            help: "leave --flexible or --mode out".to_owned(),
-        });
+    if options.mode == Mode::Paper {
+        refuse_beyond("the paper's study", "--mode", options.joints, options.flexible)?;
     }
     let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
     let summary = match options.mode {
@@ -129,12 +126,6 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 coupled(&run, &options, nominal, bearing_meshing(&machine, &deviations.errors, discs)?, &machine, end, &mut tables)
             }
         },
-        Mode::Paper if options.joints == Joints::Bearings => {
-            return Err(Failure::Usage {
-                message: "the paper's study knows no bearings".to_owned(),
-                help: "leave --joints or --mode out".to_owned(),
-            });
-        }
         Mode::Paper => paper(&run, &options, &machine, end, &mut tables),
     };
     let summary = summary.map_err(|error| match error {

@@ -109,7 +109,7 @@ impl Default for LifeOptions {
 /// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
 const RING_POSITIONS: usize = 4;
 /// Steps of the meshing angle for forces that differ from pin to pin.
-const FLANK_CELLS: usize = 180;
+const FLANK_CELLS: usize = 72;
 
 /// The largest force of all discs in each cell.
 fn highest(discs: &[Vec<FlankForce>]) -> Vec<FlankForce> {

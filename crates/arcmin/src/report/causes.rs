@@ -2,9 +2,23 @@
 
 use super::{Axis, Block, Colour, Plot, Series};
 
+/// Less than this, in arcmin, does not spoil a stack.
+const NEGLIGIBLE: f64 = 0.02;
+
 /// Lost motion per cause: (cause, points of (h, arcmin)), all at the same hours.
 pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
     let mut plot = Plot::new("Lost motion by cause", Axis::new("Running time", "h"), Axis::new("Lost motion", "arcmin").from_zero());
+    // Causes that take lost motion away (manufacturing errors that close gaps) cannot stand on others.
+    if causes.iter().flat_map(|(_, points)| points).any(|(_, value)| *value < -NEGLIGIBLE) {
+        for (index, (cause, points)) in causes.iter().enumerate() {
+            plot.series.push(Series::line(cause.clone(), points.iter().copied()).coloured(Colour::Palette((index % 7) as u8)));
+        }
+        let hours = causes.first().map_or(&[][..], |(_, points)| points).iter().map(|(hours, _)| *hours);
+        let sum = |at: usize| causes.iter().filter_map(|(_, points)| points.get(at)).map(|(_, value)| value).sum();
+        plot.series.push(Series::line("sum", hours.enumerate().map(|(at, hours)| (hours, sum(at)))).coloured(Colour::Reference).strong());
+        plot.note = "Negative causes close gaps; where they press parts together without load, elastic work and theirs nearly cancel.".into();
+        return Block::Plot(plot);
+    }
     // Stacked: every band stands on the one before.
     let mut below: Vec<(f64, f64)> = Vec::new();
     for (index, (cause, points)) in causes.iter().enumerate() {
@@ -34,5 +48,13 @@ mod tests {
         let Block::Plot(plot) = lost_motion_causes(&causes) else { panic!("a plot") };
         assert_eq!(plot.series[1].points.low, vec![Some(0.1), Some(0.4)]);
         assert!((plot.series[2].points.y[1].unwrap_or(0.0) - 0.7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn causes_that_take_away_are_lines_with_their_sum() {
+        let causes = vec![("elastic".to_owned(), vec![(0.0, 0.9), (10.0, 0.8)]), ("errors".to_owned(), vec![(0.0, -0.5), (10.0, -0.2)])];
+        let Block::Plot(plot) = lost_motion_causes(&causes) else { panic!("a plot") };
+        assert!(plot.series.iter().all(|series| series.points.low.is_empty()));
+        assert!((plot.series[2].points.y[1].unwrap_or(0.0) - 0.6).abs() < 1e-12);
     }
 }

@@ -154,10 +154,12 @@ impl BearingJoints {
                 let state = law.react(u, cage);
                 let elastic = (law.exponent + 1.0) * state.stored;
                 let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
-                let share = if law.half_clearance == 0.0 { 0.0 } else { 0.5 * worn / law.half_clearance };
+                let share = |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
                 add(Cause::Elastic, elastic);
-                add(clearance, gap * (1.0 - share));
-                add(wear, gap * share);
+                add(clearance, gap * share(law.drawn_half_clearance));
+                add(wear, gap * share(0.5 * worn));
+                // Bores made too wide or too narrow.
+                add(Cause::ManufacturingErrors, gap * share(law.half_clearance - law.drawn_half_clearance - 0.5 * worn));
                 if let Some(made) = made {
                     add(Cause::ManufacturingErrors, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
                 }

@@ -18,6 +18,8 @@ pub struct RadialBearing {
     stiffness: f64,
     pub(super) exponent: f64,
     pub(super) half_clearance: f64,
+    /// The same as drawn, m.
+    pub(super) drawn_half_clearance: f64,
     contact_cosine: f64,
     /// w: how far the cage follows the inner ring.
     pub(super) inner_share: f64,
@@ -82,6 +84,7 @@ impl RadialBearing {
             stiffness: scale * stiffness,
             exponent,
             half_clearance: 0.5 * bearing.clearance,
+            drawn_half_clearance: 0.5 * bearing.clearance,
             contact_cosine: cosine,
             inner_share: 0.5 * (1.0 - bearing.roller_diameter * cosine / bearing.pitch_diameter),
             mean_radius: 0.5 * bearing.pitch_diameter,

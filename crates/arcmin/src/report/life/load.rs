@@ -229,7 +229,10 @@ fn loaded_error(life: &LifePage) -> Plot {
         plot.series.push(Series::line(state_name(worn), points).coloured(ordered(index, life.flanks.len())));
     }
     plot.annotations.push(Annotation::Vertical { at: life.flanks[0].cycle.period / DEG, label: "one pin pitch".into(), tone: Tone::Neutral });
-    plot.note =
-        format!("Quasi-static at rated torque, contacts only: the ripple is that of pairs entering and leaving. Mean values: {}.", means.join(", "));
+    plot.note = format!(
+        "Quasi-static at rated torque, {}: the ripple is that of pairs entering and leaving. Mean values: {}.",
+        if life.contacts_alone { "contacts only" } else { "bearings included" },
+        means.join(", ")
+    );
     plot
 }

@@ -55,8 +55,8 @@ fn reached(series: &Series) -> Option<Plot> {
     let count = series.followed().count() as f64;
     let (first, last) = (*hours_to.first()?, *hours_to.last()?);
     let steps = hours_to.iter().enumerate().map(|(index, hours)| (*hours, 100.0 * (index + 1) as f64 / count));
-    let points = std::iter::once((first, 0.0)).chain(steps);
-    let mut plot = Plot::new("Machines past their limit", hours(), Axis::new("Share of the machines", "%").between(0.0, 100.0))
+    let points = [(0.0, 0.0), (first, 0.0)].into_iter().chain(steps).chain([(1.1 * last, 100.0 * hours_to.len() as f64 / count)]);
+    let mut plot = Plot::new("Machines past their limit", hours().from_zero(), Axis::new("Share of the machines", "%").between(0.0, 100.0))
         .with(crate::report::Series::new("past the limit", Style::Step, points).strong());
     let never = series.followed().filter(|life| life.hours_to_limit.is_none()).count();
     let searched = series.followed().map(|life| life.searched_hours).fold(f64::INFINITY, f64::min);
