@@ -390,7 +390,7 @@ impl PinContacts {
             (batch.place[lane], batch.tau[lane], batch.direction[lane]) = (batch.place[0], batch.tau[0], batch.direction[0]);
         }
         self.profile.feet_from((&batch.place, &batch.tau, &batch.direction), ez, batch.count, |lane, foot| {
-            visit(&self.contact_of(batch.pin[lane], batch.arm[lane], batch.place[lane], batch.direction[lane], foot, rotation, velocity));
+            visit(&self.contact_of(batch.pin[lane], batch.arm[lane], batch.place[lane], foot, rotation, velocity));
         });
         batch.count = 0;
     }
@@ -409,7 +409,7 @@ impl PinContacts {
     }
 
     #[inline]
-    fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, e: Vec2, foot: &Foot, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
+    fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, foot: &Foot, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
         let radius = self.pins[pin].radius;
         let closest = if let Some(facets) = &self.facets {
             let nearest = facets.nearest(p, foot.tau, radius);
