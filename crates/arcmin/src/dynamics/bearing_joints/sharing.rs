@@ -5,7 +5,7 @@ use crate::contact::PinContacts;
 use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LoadError, LoadSharing, ShareLoad};
-use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
+use crate::machine::{CrankAngle, Friction, Kinematics, Machine, ManufacturingErrors, OutputAngle, PartWear};
 use crate::units::ARCMIN;
 use crate::wear::parts;
 
@@ -19,6 +19,8 @@ pub struct BearingMeshing {
     model: BearingJoints,
     /// Size of the rated torque in N·m.
     rated: f64,
+    /// Whether the machine has manufacturing errors.
+    has_errors: bool,
     /// Deviations of the last balances at no load, lag and lead: where the next ones start.
     loose: [Option<Vec<f64>>; 2],
 }
@@ -52,6 +54,9 @@ const FORCE_TOLERANCE: f64 = 1e-6;
 /// Of the load, and of the rated torque, that a jump of the contact forces may leave unbalanced.
 const JUMP: (f64, f64) = (1e-2, 1e-5);
 
+/// Multiples of a small torque on the way down to it.
+const LARGER: [f64; 4] = [300.0, 60.0, 12.0, 3.0];
+
 impl BearingMeshing {
     /// # Errors
     /// [`DynamicsError`] for a machine with a fixed carrier or values without meaning.
@@ -59,7 +64,12 @@ impl BearingMeshing {
         let mut machine = machine.clone();
         machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
         let model = BearingJoints::held(&machine, &JointSettings { damped: false, ..settings.clone() })?;
-        Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), loose: [None, None] })
+        Ok(BearingMeshing {
+            model,
+            rated: machine.rated.torque.abs(),
+            has_errors: settings.errors != ManufacturingErrors::default(),
+            loose: [None, None],
+        })
     }
 
     /// The balances of this model hold the loads of the bearings as well.
@@ -86,7 +96,7 @@ impl BearingMeshing {
         let control = EquilibriumControl {
             tolerance: TOLERANCE,
             force_tolerance: FORCE_TOLERANCE,
-            jump_tolerance: (JUMP.0 * torque.abs() + JUMP.1 * self.rated) * ARCMIN,
+            jump_tolerance: if self.has_errors { (JUMP.0 * torque.abs() + JUMP.1 * self.rated) * ARCMIN } else { 0.0 },
             ..EquilibriumControl::default()
         };
         match solve_equilibrium(&self.model, 0.0, &place, control) {
@@ -166,6 +176,16 @@ impl BearingMeshing {
         Ok(rates)
     }
 
+    /// Balance under a torque so small that bodies may hang between contacts on a long way: down from larger ones.
+    fn unloaded(&mut self, crank: CrankAngle, torque: f64) -> Result<Vec<f64>, LoadError> {
+        let mut start: Option<Vec<f64>> = None;
+        for factor in LARGER {
+            let (position, _) = self.balance(crank, factor * torque, start.as_deref())?;
+            start = Some(self.deviation(crank, &position));
+        }
+        Ok(self.balance(crank, torque, start.as_deref())?.0)
+    }
+
     fn deviation(&self, crank: CrankAngle, position: &[f64]) -> Vec<f64> {
         position.iter().zip(self.model.nominal_position_at(self.sun(crank))).map(|(q, n)| q - n).collect()
     }
@@ -230,7 +250,10 @@ impl ShareLoad for BearingMeshing {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let start = self.loose[side].take();
             let small = sign * ZERO_SHARE * self.rated;
-            let (position, _) = self.balance(crank, small, start.as_deref()).or_else(|_| self.balance(crank, 10.0 * small, start.as_deref()))?;
+            let position = match self.balance(crank, small, start.as_deref()) {
+                Ok((position, _)) => position,
+                Err(_) => self.unloaded(crank, small)?,
+            };
             ends[side] = self.model.output_error(&position);
             self.loose[side] = Some(self.deviation(crank, &position));
         }
