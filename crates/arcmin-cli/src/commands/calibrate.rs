@@ -6,6 +6,7 @@ use arcmin::geometry::Relief;
 use arcmin::wear::calibrate::{Observation, Observed, fit_and_predict};
 use serde_json::json;
 
+use super::deviations::Deviations;
 use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
@@ -13,6 +14,7 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
 #[derive(Debug, clap::Args)]
 #[command(
     long_about = "Fits the wear coefficient k of the coupled prediction to observations, by least squares of the relative residuals.\n\n\
+                  With --joints bearings and --errors the observations are those of one real machine.\n\n\
                   DATA.csv has a header and one observation a line: hours, and depth_um (largest depth of a flank) or lost_motion_arcmin or \
                   lost_motion_arcsec (increase of the lost motion since new). An empty field is no observation. The running-in of the design is kept.\n\n\
                   calibration.csv: hours, quantity, observed, predicted, residual_percent, use (fitted or predicted).",
@@ -34,11 +36,14 @@ pub struct Options {
     /// Joints between the bodies: those of the load sharing, and what the lost motion is that of.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
+    #[command(flatten)]
+    deviations: super::deviations::Options,
 }
 
 pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("calibrate", &options.common)?;
     let machine = run.design.machine();
+    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
     let observations = read(&options.data)?;
     let until = options.fit_until_h.unwrap_or(f64::INFINITY) * HOUR;
     let (fitted, others): (Vec<Observation>, Vec<Observation>) = observations.into_iter().partition(|o| o.time <= until * (1.0 + 1e-9));
@@ -52,7 +57,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let settings = CoupledOptions::default();
     let calibration = match options.joints {
         Joints::Ideal => fit_and_predict(&machine, machine.meshing(&Relief::uniform(0.0)), settings, &fitted, &others, duration),
-        Joints::Bearings => fit_and_predict(&machine, bearing_meshing(&machine, None)?, settings, &fitted, &others, duration),
+        Joints::Bearings => fit_and_predict(&machine, bearing_meshing(&machine, &deviations.errors, None)?, settings, &fitted, &others, duration),
     }
     .map_err(Failure::compute("fit the wear coefficient"))?;
     let k = calibration.exposure.coefficient;
@@ -93,6 +98,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         "wear_coefficient_per_pa": k,
         "wear_coefficient_mm2_per_n": k * 1e6,
         "joints": options.joints.word(),
+        "errors": deviations.summary(),
         "running_in_factor": running_in.map(|r| r.factor),
         "running_in_duration_h": running_in.map(|r| r.duration / HOUR),
         "observations": rows,

@@ -43,13 +43,13 @@ pub fn summary(point: &PartsPoint) -> Value {
 pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
     let series: Vec<(String, Vec<(f64, f64)>)> = Cause::ALL
         .into_iter()
-        .filter(|cause| rows.iter().any(|(_, point)| point.lost_motion.of(*cause) / ARCMIN > 1e-4))
+        .filter(|cause| rows.iter().any(|(_, point)| (point.lost_motion.of(*cause) / ARCMIN).abs() > 1e-4))
         .map(|cause| (cause.name().to_owned(), rows.iter().map(|(hours, point)| (*hours, point.lost_motion.of(cause) / ARCMIN)).collect()))
         .collect();
     let residual = rows.iter().map(|(_, point)| (point.lost_motion.residual() / ARCMIN).abs()).fold(0.0, f64::max);
     let note = format!(
         "The machine with its bearings, without friction, input locked, mean over a turn of the crankshafts. The causes follow from virtual work with the forces \
-         at ±3 % of rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in the displacements, manufacturing errors."
+         at ±3 % of rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in the displacements."
     );
     Section::new("causes", "Lost motion of the whole machine", vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)])
 }
@@ -57,11 +57,14 @@ pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
 /// For the report of one state: which cause gives how much.
 pub fn shares(hours: f64, point: &PartsPoint) -> Section {
     let split = &point.lost_motion;
-    let rows =
-        Cause::ALL.into_iter().map(|cause| (cause.name().to_owned(), split.of(cause) / ARCMIN, String::new())).filter(|row| row.1 > 1e-4).collect();
+    let rows = Cause::ALL
+        .into_iter()
+        .map(|cause| (cause.name().to_owned(), split.of(cause) / ARCMIN, String::new()))
+        .filter(|row| row.1.abs() > 1e-4)
+        .collect();
     let note = format!(
         "After {hours:.0} h, friction aside, mean over a turn of the crankshafts. Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second \
-         order in the displacements, manufacturing errors).",
+         order in the displacements).",
         split.whole / ARCMIN,
         split.residual() / ARCMIN
     );
@@ -76,7 +79,7 @@ pub fn shares(hours: f64, point: &PartsPoint) -> Section {
 pub fn say(point: &PartsPoint) -> String {
     let split = &point.lost_motion;
     let mut text = format!("lost motion of the whole machine {:.3}':", split.whole / ARCMIN);
-    for cause in Cause::ALL.into_iter().filter(|cause| split.of(*cause) / ARCMIN > 5e-4) {
+    for cause in Cause::ALL.into_iter().filter(|cause| (split.of(*cause) / ARCMIN).abs() > 5e-4) {
         text.push_str(&format!("\n  {:44} {:.3}'", cause.name(), split.of(cause) / ARCMIN));
     }
     text.push_str(&format!("\n  {:44} {:+.4}'", "not explained", split.residual() / ARCMIN));

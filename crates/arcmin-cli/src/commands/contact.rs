@@ -1,9 +1,11 @@
+use arcmin::dynamics::BearingMeshing;
 use arcmin::geometry::Relief;
-use arcmin::load::{ShareLoad, closed_form};
-use arcmin::machine::{CrankAngle, Machine};
+use arcmin::load::{Cycle, PinLoad, ShareLoad, closed_form};
+use arcmin::machine::{CrankAngle, Machine, ManufacturingErrors};
 use arcmin::units::{DEG, MPA, UM};
 use serde_json::{Value, json};
 
+use super::deviations::{Choice, Deviations};
 use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
@@ -14,9 +16,13 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   The equilibrium method finds the pose in which all forces and moments vanish, with the real gaps of both flanks; the closed form is \
                   the handbook method of Tao2024 (eqs. 5-10) at one crank position.\n\n\
                   contact.csv: crank_angle_deg, disc, pin (both counted from 0), meshing_angle_deg, force_n, pressure_mpa, half_width_um, gap_um.\n\
-                  error.csv: crank_angle_deg, te_loaded_arcmin, torsional_stiffness_nm_per_arcmin. spectrum of the loaded error (ideal joints): harmonics.csv.",
+                  error.csv: crank_angle_deg, te_loaded_arcmin, torsional_stiffness_nm_per_arcmin. spectrum of the loaded error (ideal joints): harmonics.csv.\n\n\
+                  With bearings, manufacturing errors act: those of the design's [errors], or a machine drawn from its [tolerances]. Errors of single pins \
+                  repeat after a turn of the output; the figures are those of that whole turn, and pins.csv tells what every pin bears in it (disc, pin, \
+                  max_force_n, at_meshing_angle_deg, mean_force_n, loaded_share), while contact.csv shows the first turn of the crankshaft.",
     after_help = "Examples:\n  arcmin contact my-reducer.toml\n  arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10\n  \
-                  arcmin contact my-reducer.toml --joints bearings --flexible\n  arcmin contact my-reducer.toml --method closed-form"
+                  arcmin contact my-reducer.toml --joints bearings --flexible\n  arcmin contact my-reducer.toml --joints bearings --errors drawn --seed 7\n  \
+                  arcmin contact my-reducer.toml --method closed-form"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -30,6 +36,8 @@ pub struct Options {
     /// Share the load on elastic discs (finite elements; equilibrium).
     #[arg(long)]
     flexible: bool,
+    #[command(flatten)]
+    deviations: super::deviations::Options,
     #[command(flatten)]
     elastic: super::elastic::Options,
     /// Output torque in N·m, positive against positive output motion [default: the rated torque].
@@ -62,6 +70,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             help: "leave --flexible or --method out".to_owned(),
         });
     }
+    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
     let summary = match options.method {
         Method::Equilibrium => match options.joints {
             Joints::Ideal if options.flexible => {
@@ -71,7 +80,13 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             Joints::Ideal => equilibrium(&mut run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, torque, &mut table)?,
             Joints::Bearings => {
                 let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
-                equilibrium(&mut run, &options, bearing_meshing(&machine, discs)?, &machine, torque, &mut table)?
+                let made = bearing_meshing(&machine, &deviations.errors, discs.clone())?;
+                let mut summary = equilibrium(&mut run, &options, made, &machine, torque, &mut table)?;
+                if deviations.choice != Choice::None {
+                    let drawn = bearing_meshing(&machine, &ManufacturingErrors::default(), discs)?;
+                    summary["nominal"] = nominal(&run, &options, drawn, &machine, torque)?;
+                }
+                summary
             }
         },
         Method::ClosedForm if options.joints == Joints::Bearings => {
@@ -82,9 +97,52 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         }
         Method::ClosedForm => closed_form(&run, &options, &machine, torque, &mut table)?,
     };
+    let mut summary = summary;
+    summary["errors"] = deviations.summary();
     run.table("contact.csv", table)?;
     run.finish(summary)?;
     Ok(Verdict::Fine)
+}
+
+/// Crank positions of the figures of a cycle; where it takes a turn of the output, enough for every pin to meet every disc at many angles.
+fn cycle_positions<S: ShareLoad>(meshing: &S) -> usize {
+    if meshing.discs_alike() { 72 } else { 720 }
+}
+
+/// What the machine without errors would bear.
+fn nominal(run: &Run, options: &Options, mut meshing: BearingMeshing, machine: &Machine, torque: f64) -> Result<Value, Failure> {
+    meshing.set_relief(machine.designed_relief().plus(&Relief::uniform(options.wear_um * UM)));
+    let cycle = meshing.whole_cycle(torque, 72).map_err(Failure::compute("share the load"))?;
+    let (force, error) = (cycle.max_force(), cycle.mean_error().arcmin());
+    run.say(&format!("without errors: largest force {force:.1} N, loaded transmission error {error:.4}', one-sided play {:.4}'", cycle.mean_play().arcmin()));
+    Ok(json!({
+        "max_force_n": force,
+        "loaded_pairs": cycle.loaded_pairs(),
+        "te_loaded_arcmin": error,
+        "te_loaded_peak_to_peak_arcmin": cycle.peak_to_peak_error().arcmin(),
+        "play_arcmin": cycle.mean_play().arcmin(),
+    }))
+}
+
+/// pins.csv, and a line about the pins that bear most and least.
+fn pins(run: &mut Run, cycle: &Cycle) -> Result<String, Failure> {
+    let loads = cycle.pin_loads();
+    let mut table = Table::new(&["disc", "pin", "max_force_n", "at_meshing_angle_deg", "mean_force_n", "loaded_share"]);
+    for load in &loads {
+        table.row(&[
+            load.disc.into(),
+            load.pin.into(),
+            load.max_force.into(),
+            (load.max_force_at / DEG).into(),
+            load.mean_force.into(),
+            load.loaded_share.into(),
+        ]);
+    }
+    run.table("pins.csv", table)?;
+    let by_mean = |a: &&PinLoad, b: &&PinLoad| a.mean_force.total_cmp(&b.mean_force);
+    let (Some(most), Some(least)) = (loads.iter().max_by(by_mean), loads.iter().min_by(by_mean)) else { unreachable!("a ring has pins") };
+    let one = |load: &PinLoad| format!("pin {} on disc {}: {:.1} N in the mean, {:.1} N at most", load.pin + 1, load.disc + 1, load.mean_force, load.max_force);
+    Ok(format!("bears most: {}\nbears least: {} (pins and discs counted from 1 as in the design)", one(most), one(least)))
 }
 
 fn equilibrium<S: ShareLoad>(
@@ -121,8 +179,11 @@ fn equilibrium<S: ShareLoad>(
         start = Some(found);
     }
     run.table("error.csv", errors)?;
-    // With ideal joints the pattern repeats every pin pitch: one pitch, finely, gives the figures of the cycle.
-    let cycle = meshing.whole_cycle(torque, 72).map_err(Failure::compute("share the load"))?;
+    // With ideal joints the pattern repeats every pin pitch: one pitch, finely, gives the figures of the cycle; with bearings a turn of the crankshafts, with
+    // errors of the ring a turn of the output.
+    let positions = cycle_positions(&meshing);
+    let cycle = meshing.whole_cycle(torque, positions).map_err(Failure::compute("share the load"))?;
+    let of_pins = if meshing.discs_alike() { None } else { Some(pins(run, &cycle)?) };
     if meshing.pitches() == 1 {
         let mut harmonics = Table::new(&["order", "amplitude_arcmin"]);
         let kinematics = meshing.kinematics();
@@ -147,6 +208,7 @@ fn equilibrium<S: ShareLoad>(
         stiffness,
         shares.iter().map(|share| format!("{share:.4} T")).collect::<Vec<_>>().join(", ")
     ));
+    of_pins.iter().for_each(|line| run.say(line));
     Ok(json!({
         "method": "equilibrium",
         "joints": options.joints.word(),
@@ -154,6 +216,10 @@ fn equilibrium<S: ShareLoad>(
         "disc_torque_shares": shares,
         "torque_n_m": torque,
         "wear_um": options.wear_um,
+        "mean_over": {
+            "crank_positions": positions,
+            "pin_pitches": meshing.pitches(),
+        },
         "max_force_n": cycle.max_force(),
         "loaded_pairs": cycle.loaded_pairs(),
         "max_pressure_mpa": cycle.max_pressure(&contact) / MPA,

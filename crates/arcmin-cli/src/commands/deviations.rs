@@ -5,10 +5,11 @@ use arcmin::machine::{BoreError, Machine, ManufacturingErrors, RunOut};
 use arcmin::units::{ARCMIN, DEG, UM};
 use serde_json::{Value, json};
 
+use super::joints::Joints;
 use crate::failure::Failure;
 use crate::run::{Cell, Columns, Run, Table};
 
-/// Options of everything that takes manufacturing errors.
+/// Options of everything that takes manufacturing errors; they act with bearings.
 #[derive(Debug, Clone, PartialEq, clap::Args)]
 pub struct Options {
     /// Manufacturing errors [default: those of the design's [errors], if it has any].
@@ -35,11 +36,13 @@ pub struct Deviations {
     pub errors: ManufacturingErrors,
     pub choice: Choice,
     pub seed: Option<u64>,
+    /// Whether the design gives errors that ideal joints leave out.
+    left_out: bool,
 }
 
 impl Deviations {
     /// Reads or draws what the options ask for. `design` is the path of the design file, beside which measured flanks lie.
-    pub fn new(run: &Run, design: &Path, machine: &Machine, options: &Options) -> Result<Deviations, Failure> {
+    fn new(run: &Run, design: &Path, machine: &Machine, options: &Options) -> Result<Deviations, Failure> {
         let given = run.design.given_errors();
         let choice = options.errors.unwrap_or(if given.is_some() { Choice::Given } else { Choice::None });
         if options.seed.is_some() && choice != Choice::Drawn {
@@ -67,7 +70,42 @@ impl Deviations {
             }
         };
         let seed = (choice == Choice::Drawn).then(|| options.seed.unwrap_or(1));
-        Ok(Deviations { errors, choice, seed })
+        Ok(Deviations { errors, choice, seed, left_out: false })
+    }
+
+    /// As [`Deviations::new`], said on the terminal, errors.csv staged. Ideal joints have no place for errors: asking for them is wrong usage, and a design that
+    /// gives some is told so.
+    pub fn with_joints(run: &mut Run, design: &Path, machine: &Machine, options: &Options, joints: Joints) -> Result<Deviations, Failure> {
+        let mut wanted = options.clone();
+        let mut left_out = false;
+        if joints == Joints::Ideal {
+            match wanted.errors {
+                Some(Choice::Given | Choice::Drawn) => {
+                    return Err(usage("ideal joints have no place for manufacturing errors", "add --joints bearings"));
+                }
+                None if run.design.given_errors().is_some() => {
+                    run.say("the design's [errors] enter with --joints bearings only");
+                    left_out = true;
+                }
+                _ => {}
+            }
+            wanted.errors = Some(Choice::None);
+        }
+        let deviations = Deviations { left_out, ..Deviations::new(run, design, machine, &wanted)? };
+        deviations.sentence().iter().for_each(|line| run.say(line));
+        if deviations.choice != Choice::None {
+            run.table("errors.csv", deviations.table())?;
+        }
+        Ok(deviations)
+    }
+
+    /// Machines drawn with this one's seed and those that follow it.
+    pub fn series(&self, run: &Run, machine: &Machine, count: u32) -> Result<Vec<(u64, ManufacturingErrors)>, Failure> {
+        let (Some(seed), Some(tolerances)) = (self.seed, run.design.drawing_tolerances()) else {
+            return Err(usage("--machines draws the machines of a series", "it goes with --joints bearings --errors drawn"));
+        };
+        let seeds = (0..u64::from(count)).map(|index| seed.wrapping_add(index));
+        Ok(seeds.map(|seed| (seed, ManufacturingErrors::draw(machine, &tolerances, seed))).collect())
     }
 
     pub fn summary(&self) -> Value {
@@ -76,7 +114,11 @@ impl Deviations {
             Choice::Drawn => "drawn",
             Choice::None => "none",
         };
-        json!({ "source": source, "seed": self.seed })
+        let mut summary = json!({ "source": source, "seed": self.seed });
+        if self.left_out {
+            summary["left_out"] = json!("the design's [errors] enter with --joints bearings only");
+        }
+        summary
     }
 
     pub fn seeds(&self) -> Vec<u64> {

@@ -1,5 +1,5 @@
 use arcmin::dynamics::{BearingMeshing, ElasticDiscs, JointSettings};
-use arcmin::machine::Machine;
+use arcmin::machine::{Machine, ManufacturingErrors};
 
 use crate::failure::Failure;
 
@@ -22,7 +22,7 @@ impl Joints {
 }
 
 /// Load sharing with bearings, new surfaces, on rigid or elastic discs.
-pub fn bearing_meshing(machine: &Machine, discs: Option<ElasticDiscs>) -> Result<BearingMeshing, Failure> {
-    BearingMeshing::new(machine, &JointSettings { discs, ..JointSettings::default() })
+pub fn bearing_meshing(machine: &Machine, errors: &ManufacturingErrors, discs: Option<ElasticDiscs>) -> Result<BearingMeshing, Failure> {
+    BearingMeshing::new(machine, &JointSettings { errors: errors.clone(), discs, ..JointSettings::default() })
         .map_err(|error| Failure::Usage { message: error.to_string(), help: "ideal joints (--joints ideal) take every machine".to_owned() })
 }

@@ -6,17 +6,22 @@ use arcmin::dynamics::{
 };
 use arcmin::fem::FlexibleDiscs;
 use arcmin::geometry::Relief;
-use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_with};
-use arcmin::machine::Machine;
+use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_made, predict_with};
+use arcmin::machine::{Machine, ManufacturingErrors};
 use arcmin::report::{Provenance, Section};
 use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
 use arcmin::units::{ARCMIN, DEG, HOUR, MPA, UM};
 use arcmin::wear::WearError;
 use serde_json::{Map, Value, json};
 
+use super::deviations::Deviations;
 use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
 use crate::run::{Cell, Common, Run, Table, Verdict};
+
+use series::Spread;
+
+mod series;
 
 #[derive(Debug, clap::Args)]
 #[command(
@@ -26,10 +31,14 @@ use crate::run::{Cell, Common, Run, Table, Verdict};
                   60 µm with the static and dynamic transmission error of the multibody model (STE, DTE).\n\n\
                   report.html opens offline in any browser. life_coupled.csv holds the prediction, life.csv the study (same columns), \
                   lost_motion_causes.csv the lost motion of the whole machine with its bearings by cause; profiles of the \
-                  worn flank are in wear.csv.",
+                  worn flank are in wear.csv.\n\n\
+                  With bearings, manufacturing errors act on wear and accuracy: those of the design's [errors], or a machine drawn from its [tolerances] \
+                  (--errors drawn --seed S, listed in errors.csv). --machines N follows a series of N such machines: series.csv (hours, lost motion without \
+                  errors, least, 10 %, median, 90 %, largest) and machines.csv (one row per seed).",
     after_help = "Examples:\n  arcmin life my-reducer.toml\n  arcmin life my-reducer.toml --quasi-static        without the multibody runs, in a blink\n  \
                   arcmin life my-reducer.toml --flexible            with elastic discs as well\n  \
-                  arcmin life my-reducer.toml --joints bearings     the prediction with the machine in its bearings"
+                  arcmin life my-reducer.toml --joints bearings     the prediction with the machine in its bearings\n  \
+                  arcmin life my-reducer.toml --joints bearings --errors drawn --machines 20     how far machines of a series spread"
 )]
 pub struct Options {
     #[command(flatten)]
@@ -45,7 +54,13 @@ pub struct Options {
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
     #[command(flatten)]
+    deviations: super::deviations::Options,
+    #[command(flatten)]
     elastic: super::elastic::Options,
+    /// With --joints bearings --errors drawn: follow N machines as well, drawn with the seed and those after it, and show how far they spread. Some ten
+    /// seconds of a core for each.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
+    machines: Option<u32>,
     /// Times between new and the end of the service life.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
@@ -67,6 +82,8 @@ impl Clock {
 pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("life", &options.common)?;
     let machine = run.design.machine();
+    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
+    let drawn = options.machines.map(|count| deviations.series(&run, &machine, count)).transpose()?;
     let mut clock = Clock::default();
     let findings = clock.time("check", || checks::check(&machine));
     let settings = LifeOptions { intervals: options.points as usize, ..LifeOptions::default() };
@@ -82,12 +99,15 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let moves = options.elastic.bores == super::elastic::Bores::PerBore || options.joints == Joints::Bearings;
     let free = discs.as_ref().filter(|_| moves).map(|discs| super::elastic::free(&machine, discs.clone(), &options.elastic)).transpose()?;
     let whole = JointSettings { discs: free, ..JointSettings::default() };
-    let bearings = (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, whole.discs.clone())).transpose()?;
+    let made =
+        |errors: &ManufacturingErrors| (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, errors, whole.discs.clone())).transpose();
+    let bearings = made(&ManufacturingErrors::default())?.zip(made(&deviations.errors)?);
+    let nominal = bearings.as_ref().map(|(nominal, _)| nominal.clone());
     let (prediction, study) = rayon::join(
         || {
             wear_clock.time("wear", || {
                 match (bearings, &discs) {
-                    (Some(bearings), _) => predict_with(&machine, bearings, &whole, settings, run.progress()),
+                    (Some((nominal, made)), _) => predict_made(&machine, nominal, made, settings, run.progress()),
                     (None, Some(discs)) => {
                         let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs.clone());
                         predict_with(&machine, meshing, &whole, settings, run.progress())
@@ -103,6 +123,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     clock.0.append(&mut wear_clock.0);
     clock.0.append(&mut study_clock.0);
 
+    let spread = match drawn.zip(nominal) {
+        Some((drawn, nominal)) => Some(clock.time("series", || Spread::compute(&run, &machine, nominal, whole.discs.as_ref(), &drawn, settings))?),
+        None => None,
+    };
+
     let prediction_rows: Vec<LifeRow> = prediction.points.iter().map(|point| row(point, None)).collect();
     let mut study_rows: Vec<LifeRow> =
         study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect();
@@ -116,9 +141,14 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if !parts.is_empty() {
         run.table("lost_motion_causes.csv", super::causes::table(parts.iter().copied()))?;
     }
+    let limit = machine.limits.lost_motion / ARCMIN;
+    let section = spread.as_ref().map(|spread| spread.section(limit));
+    if let Some(spread) = &spread {
+        spread.tables(&mut run)?;
+    }
     let design_name = options.common.design.display().to_string();
     let report = clock.time("report", || {
-        render(&run, &design_name, &machine, options.joints, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts)
+        render(&run, &design_name, &machine, options.joints, &deviations, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts, section)
     });
     run.file("report.html", report.as_bytes())?;
 
@@ -126,10 +156,15 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if let Some((hours, point)) = parts.last() {
         run.say(&format!("\nafter {hours:.0} h, {}", super::causes::say(point)));
     }
+    if let Some(spread) = &spread {
+        run.say(&spread.terminal(limit));
+    }
     let last = &prediction_rows[prediction_rows.len() - 1];
     run.finish(json!({
         "ratio": machine.kinematics().ratio(),
         "joints": options.joints.word(),
+        "errors": deviations.summary(),
+        "series": spread.as_ref().map(Spread::summary),
         "elastic_prediction": options.flexible,
         "hours_to_limit": prediction.hours_to_limit,
         "hours_to_limit_searched": prediction.searched_hours,
@@ -272,13 +307,15 @@ fn table(rows: &[LifeRow], points: &[LifePoint]) -> Table {
     table
 }
 
-/// Depth along the flank at every point of the prediction.
+/// Depth along the flank at every point of the prediction; of each disc (counted from 0) where they differ.
 fn profiles(prediction: &Prediction) -> Table {
-    let mut table = Table::new(&["hours", "meshing_angle_deg", "depth_um"]);
-    for point in &prediction.points {
-        let count = point.flank.samples().len();
-        for (phi, depth) in arcmin::geometry::Relief::grid(count).zip(point.flank.samples()) {
-            table.row(&[point.hours.into(), (phi / DEG).into(), (depth / UM).into()]);
+    let mut table = Table::new(&["hours", "meshing_angle_deg", "depth_um", "disc"]);
+    for (point, surfaces) in prediction.points.iter().zip(&prediction.surfaces) {
+        for (disc, flank) in surfaces.flanks.iter().enumerate() {
+            let disc = (surfaces.flanks.len() > 1).then_some(disc);
+            for (phi, depth) in Relief::grid(flank.samples().len()).zip(flank.samples()) {
+                table.row(&[point.hours.into(), (phi / DEG).into(), (depth / UM).into(), disc.into()]);
+            }
         }
     }
     table
@@ -329,6 +366,7 @@ fn render(
     design_name: &str,
     machine: &Machine,
     joints: Joints,
+    deviations: &Deviations,
     prediction: &Prediction,
     study: &PaperStudy,
     simulated: Option<&TransmissionErrorStudy>,
@@ -337,13 +375,21 @@ fn render(
     study_rows: &[LifeRow],
     findings: &[checks::Finding],
     parts: &[(f64, &PartsPoint)],
+    series: Option<Section>,
 ) -> String {
     // New, four stations on the way, and the end: as many curves as a reader can tell apart.
     let intervals = prediction.points.len() - 1;
     let stations = 5.min(intervals);
     let flanks: Vec<WornFlank> = (0..=stations)
         .map(|station| &prediction.points[intervals * station / stations])
-        .map(|point| WornFlank { hours: point.hours, flank: &point.flank, cycle: &point.cycle })
+        .map(|point| WornFlank {
+            hours: point.hours,
+            flank: &point.flank,
+            cycle: &point.cycle,
+            forces: &point.flank_forces[0],
+            peaks: &point.flank_peaks,
+            pins: &point.pin_loads,
+        })
         .collect();
     // The paper shows its runs at 10 µm.
     let level = 1.min(study.points.len() - 1);
@@ -361,11 +407,12 @@ fn render(
             version: env!("CARGO_PKG_VERSION").to_owned(),
             design_hash: run.design.short_hash(),
             command: std::iter::once("arcmin".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
-            seeds: Vec::new(),
+            seeds: deviations.seeds(),
         },
         design_name,
         design_text: run.design.text(),
         contacts_alone: joints == Joints::Ideal,
+        errors: deviations.sentence(),
         prediction: prediction_rows,
         flanks: &flanks,
         hours_to_limit: prediction.hours_to_limit,
@@ -380,7 +427,7 @@ fn render(
         ste_starts: simulated.map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
         findings,
         advice: Vec::new(),
-        more: (!parts.is_empty()).then(|| super::causes::section(parts)).into_iter().chain(elastic.iter().map(|(_, section)| section.clone())).collect(),
+        more: series.into_iter().chain((!parts.is_empty()).then(|| super::causes::section(parts))).chain(elastic.iter().map(|(_, section)| section.clone())).collect(),
     }
     .page()
     .render()

@@ -13,7 +13,8 @@ use arcmin::life::{PartsPoint, lost_motion_causes, worn_settings};
 use arcmin::units::ARCMIN;
 use serde_json::{Value, json};
 
-use super::deviations::{Choice, Deviations};
+use super::deviations::Deviations;
+use super::joints::Joints;
 use crate::failure::Failure;
 use crate::run::{Common, Run, Verdict};
 
@@ -67,11 +68,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if assumed {
         run.say("friction: assumed (flank 0.06, bearings 0.002, gear mesh 0.06, seals 4 N·m): the design gives none");
     }
-    let deviations = Deviations::new(&run, &options.common.design, &machine, &options.deviations)?;
-    deviations.sentence().iter().for_each(|line| run.say(line));
-    if deviations.choice != Choice::None {
-        run.table("errors.csv", deviations.table())?;
-    }
+    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, Joints::Bearings)?;
     let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
     let as_made = JointSettings { errors: deviations.errors.clone(), discs: discs.clone(), ..JointSettings::default() };
     let measured = measured::read(&options.measured, &machine)?;

@@ -14,7 +14,7 @@ use arcmin::wear::{CoupledOptions, WornSurfaces};
 use serde::{Deserialize, Serialize};
 
 use self::inputs::{contact_law, drive, load};
-use super::deviations::{Choice, Deviations};
+use super::deviations::Deviations;
 use super::joints::Joints;
 use crate::failure::Failure;
 use crate::run::{Common, Run, Verdict, write_file};
@@ -201,7 +201,7 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(10);
 const CHECKPOINT: &str = "checkpoint.json";
 
 pub fn run(options: Options) -> Result<Verdict, Failure> {
-    let run = Run::start("simulate", &options.common)?;
+    let mut run = Run::start("simulate", &options.common)?;
     let mut machine = run.design.machine();
     if let Some(law) = contact_law(&options)? {
         machine.contact_law = law;
@@ -210,7 +210,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         Some(hours) => machine.worn_surfaces(hours * HOUR, CoupledOptions::default()).map_err(Failure::compute("compute the wear"))?,
         None => WornSurfaces::uniform(options.wear_um.unwrap_or(0.0) * UM),
     };
-    let deviations = deviations(&run, &options, &machine)?;
+    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
     let drive = drive(&options, &machine)?;
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
@@ -278,27 +278,6 @@ struct Case<'a> {
     unloaded: bool,
     worn: &'a WornSurfaces,
     deviations: &'a Deviations,
-}
-
-/// Manufacturing errors of the run; ideal joints have no place for them.
-fn deviations(run: &Run, options: &Options, machine: &arcmin::machine::Machine) -> Result<Deviations, Failure> {
-    let mut wanted = options.deviations.clone();
-    if options.joints == Joints::Ideal {
-        match wanted.errors {
-            Some(Choice::Given | Choice::Drawn) => {
-                return Err(Failure::Usage {
-                    message: "ideal joints have no place for manufacturing errors".to_owned(),
-                    help: "add --joints bearings".to_owned(),
-                });
-            }
-            None if run.design.given_errors().is_some() => run.say("the design's [errors] enter with --joints bearings only"),
-            _ => {}
-        }
-        wanted.errors = Some(Choice::None);
-    }
-    let deviations = Deviations::new(run, &options.common.design, machine, &wanted)?;
-    deviations.sentence().iter().for_each(|line| run.say(line));
-    Ok(deviations)
 }
 
 fn plan(options: &Options) -> RunPlan {

@@ -1,23 +1,24 @@
 use arcmin::geometry::Relief;
 use arcmin::life::{LifePoint, accuracy};
-use arcmin::load::{ShareLoad, closed_form};
-use arcmin::machine::Machine;
+use arcmin::load::{FlankForce, ShareLoad, closed_form};
+use arcmin::machine::{Machine, ManufacturingErrors};
 use arcmin::units::{DEG, HOUR, UM};
 use arcmin::wear::calibrate::coupled_exposure;
 use arcmin::wear::paper::PaperWear;
 use arcmin::wear::{CoupledOptions, CoupledWear, WearError};
 use serde_json::{Value, json};
 
+use super::deviations::Deviations;
 use super::joints::{Joints, bearing_meshing};
 use crate::failure::Failure;
-use crate::run::{Common, Run, Table, Verdict};
+use crate::run::{Cell, Common, Run, Table, Verdict};
 
 #[derive(Debug, clap::Args)]
 #[command(
     long_about = "Wears flanks (and pins, where the design says so) over the hours of service at the design's duty.\n\n\
                   The coupled mode lets the worn flank change the load sharing: wear slows down by itself. The paper mode is the study of Tao2024: one \
                   uniform depth that grows by the largest k (F/B) xi of all pins.\n\n\
-                  wear.csv: hours, meshing_angle_deg, depth_um, force_n, specific_sliding. wear_history.csv: hours, max_depth_um, max_force_n, \
+                  wear.csv: hours, meshing_angle_deg, depth_um, force_n, specific_sliding, disc (counted from 0; empty where all discs are alike). wear_history.csv: hours, max_depth_um, max_force_n, \
                   loaded_pairs, play_arcmin (one-sided, at the output, input locked).",
     after_help = "Examples:\n  arcmin wear my-reducer.toml\n  arcmin wear my-reducer.toml --mode paper\n  arcmin wear my-reducer.toml --hours 2000 --points 40"
 )]
@@ -33,6 +34,8 @@ pub struct Options {
     /// Share the load on elastic discs (finite elements; coupled mode).
     #[arg(long)]
     flexible: bool,
+    #[command(flatten)]
+    deviations: super::deviations::Options,
     #[command(flatten)]
     elastic: super::elastic::Options,
     /// Hours of service [default: the service life of the design].
@@ -70,7 +73,7 @@ struct Tables {
 impl Tables {
     fn new() -> Tables {
         Tables {
-            wear: Table::new(&["hours", "meshing_angle_deg", "depth_um", "force_n", "specific_sliding"]),
+            wear: Table::new(&["hours", "meshing_angle_deg", "depth_um", "force_n", "specific_sliding", "disc"]),
             history: Table::new(&[
                 "hours",
                 "max_depth_um",
@@ -109,16 +112,21 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             help: "leave --flexible or --mode out".to_owned(),
         });
     }
+    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
     let summary = match options.mode {
         Mode::Coupled => match options.joints {
             Joints::Ideal if options.flexible => {
                 let meshing = super::elastic::meshing(&run, &machine, &options.elastic)?;
-                coupled(&run, &options, meshing, &machine, end, &mut tables)
+                coupled(&run, &options, meshing.clone(), meshing, &machine, end, &mut tables)
             }
-            Joints::Ideal => coupled(&run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, end, &mut tables),
+            Joints::Ideal => {
+                let meshing = machine.meshing(&Relief::uniform(0.0));
+                coupled(&run, &options, meshing.clone(), meshing, &machine, end, &mut tables)
+            }
             Joints::Bearings => {
                 let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
-                coupled(&run, &options, bearing_meshing(&machine, discs)?, &machine, end, &mut tables)
+                let nominal = bearing_meshing(&machine, &ManufacturingErrors::default(), discs.clone())?;
+                coupled(&run, &options, nominal, bearing_meshing(&machine, &deviations.errors, discs)?, &machine, end, &mut tables)
             }
         },
         Mode::Paper if options.joints == Joints::Bearings => {
@@ -133,22 +141,26 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         WearError::Stopped => Failure::Cancelled,
         error => Failure::compute("compute the wear")(error),
     })?;
+    let mut summary = summary;
+    summary["errors"] = deviations.summary();
     run.table("wear.csv", tables.wear)?;
     run.table("wear_history.csv", tables.history)?;
     run.finish(summary)?;
     Ok(Verdict::Fine)
 }
 
-fn coupled<S: ShareLoad + Clone>(
+/// `nominal` is what the design's wear coefficient is calibrated on, where it is.
+fn coupled<S: ShareLoad>(
     run: &Run,
     options: &Options,
+    nominal: S,
     meshing: S,
     machine: &Machine,
     end: f64,
     tables: &mut Tables,
 ) -> Result<Value, WearError> {
     let settings = CoupledOptions { depth_increment: options.increment_um * UM, ..CoupledOptions::default() };
-    let exposure = coupled_exposure(machine, meshing.clone(), settings)?;
+    let exposure = coupled_exposure(machine, nominal, settings)?;
     let profile = machine.profile();
     let mut wear = CoupledWear::with(machine, meshing, settings);
     let mut last = None;
@@ -164,20 +176,18 @@ fn coupled<S: ShareLoad + Clone>(
             return Err(WearError::Stopped);
         }
         run.progress().report("wear", share);
-        let flank = wear.state().flank.clone();
+        let flank = wear.state().flank().clone();
         let point = accuracy(machine, wear.meshing_mut(), &flank, hours, POSITIONS)?;
         let state = wear.state();
-        let forces = point.cycle.flank_forces();
-        for (phi, depth) in Relief::grid(settings.flank_points).zip(state.flank.samples()) {
-            let at = forces.partition_point(|force| force.meshing_angle < phi);
-            let force = match (forces.get(at.wrapping_sub(1)), forces.get(at)) {
-                (Some(a), Some(b)) => a.force + (b.force - a.force) * (phi - a.meshing_angle) / (b.meshing_angle - a.meshing_angle).max(1e-12),
-                (Some(only), None) | (None, Some(only)) => only.force,
-                (None, None) => 0.0,
-            };
-            tables.wear.row(&[hours.into(), (phi / DEG).into(), (depth / UM).into(), force.into(), profile.specific_sliding(phi.cos()).into()]);
+        for (disc, flank) in state.flanks.iter().enumerate() {
+            let of_disc = (state.flanks.len() > 1).then_some(disc);
+            let forces = &point.flank_forces[disc];
+            for (phi, depth) in Relief::grid(settings.flank_points).zip(flank.samples()) {
+                let sliding = profile.specific_sliding(phi.cos());
+                tables.wear.row(&[hours.into(), (phi / DEG).into(), (depth / UM).into(), force_at(forces, phi).into(), sliding.into(), of_disc.into()]);
+            }
         }
-        tables.history_row(&point, point.max_force, point.loaded_pairs, point.max_depth_at, state.pin.deepest().0);
+        tables.history_row(&point, point.max_force, point.loaded_pairs, point.max_depth_at, state.pin().deepest().0);
         last = Some(point);
     }
     let Some(last) = last else { unreachable!("at least the new machine is evaluated") };
@@ -197,13 +207,23 @@ fn coupled<S: ShareLoad + Clone>(
         "hours": end,
         "max_depth_um": last.max_depth / UM,
         "max_depth_at_deg": last.max_depth_at.abs() / DEG,
-        "max_pin_depth_um": wear.state().pin.deepest().0 / UM,
+        "max_pin_depth_um": wear.state().pin().deepest().0 / UM,
         "play_arcmin": last.play.arcmin(),
         "lost_motion_arcmin": last.lost_motion.arcmin(),
         "wear_coefficient_per_pa": exposure.coefficient,
         "flank_updates": wear.updates(),
         "depth_increment_um": options.increment_um,
     }))
+}
+
+/// By straight lines between the contacts, which are sorted by meshing angle.
+fn force_at(forces: &[FlankForce], phi: f64) -> f64 {
+    let at = forces.partition_point(|force| force.meshing_angle < phi);
+    match (forces.get(at.wrapping_sub(1)), forces.get(at)) {
+        (Some(a), Some(b)) => a.force + (b.force - a.force) * (phi - a.meshing_angle) / (b.meshing_angle - a.meshing_angle).max(1e-12),
+        (Some(only), None) | (None, Some(only)) => only.force,
+        (None, None) => 0.0,
+    }
 }
 
 fn paper(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut Tables) -> Result<Value, WearError> {
@@ -218,7 +238,7 @@ fn paper(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut
         let solution = closed_form::solve(machine, machine.rated.torque.abs(), depth)?;
         for pair in &solution.pairs {
             let sliding = profile.specific_sliding(pair.meshing_angle.cos());
-            tables.wear.row(&[hours.into(), (pair.meshing_angle / DEG).into(), (depth / UM).into(), pair.force.into(), sliding.into()]);
+            tables.wear.row(&[hours.into(), (pair.meshing_angle / DEG).into(), (depth / UM).into(), pair.force.into(), sliding.into(), Cell::Empty]);
         }
         let worst = wear.worst_angle_at(depth);
         tables.history_row(&point, solution.max_force, solution.loaded_pairs() as f64, worst, 0.0);

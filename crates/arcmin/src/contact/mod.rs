@@ -4,9 +4,11 @@ mod facets;
 mod law;
 mod ring;
 mod rolling;
+mod sliding;
 mod worn_pin;
 
 pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, Damping, LineContact};
-pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, Sliding, TOLERABLE_DEPTH};
+pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, TOLERABLE_DEPTH};
 pub use rolling::Rolling;
+pub use sliding::Sliding;

@@ -1,4 +1,5 @@
 use super::facets::{Facets, MeshContact};
+use super::sliding::Sliding;
 use super::worn_pin::turn_on_pin;
 use super::{ContactForce, Damping, LineContact};
 use crate::geometry::{Closest, FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
@@ -120,15 +121,6 @@ impl PinContact {
     }
 }
 
-/// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sliding {
-    /// μ. On a pin that turns in its seat the smaller of the coefficients of flank and seat: it slides where that is least.
-    pub coefficient: f64,
-    /// v_r in m/s.
-    pub regularisation_speed: f64,
-}
-
 /// Sum of the contact forces on one disc, about its centre, with its tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reaction {
@@ -157,8 +149,8 @@ pub struct PinContacts {
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
     pub(super) directions: Vec<Vec2>,
     relief: Relief,
-    /// Metal lost by every pin as a function of the angle ψ on the pin, if any.
-    pin_relief: Option<Relief>,
+    /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for each.
+    pin_reliefs: Vec<Relief>,
     /// Errors of this disc's flank around its circumference, if any.
     flank_error: Option<FlankError>,
     /// Bound from below of what pins and flank errors take off, in m.
@@ -183,7 +175,7 @@ impl PinContacts {
             pins,
             directions,
             relief: Relief::uniform(0.0),
-            pin_relief: None,
+            pin_reliefs: Vec::new(),
             flank_error: None,
             shallowest_elsewhere: 0.0,
             relief_floors: [0.0; FLOOR_SECTORS],
@@ -233,7 +225,14 @@ impl PinContacts {
     /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's own place on the ring
     /// to the flank normal, 0 where the pin faces the centre of the ring.
     pub fn set_pin_relief(&mut self, relief: Relief) {
-        self.pin_relief = (!relief.is_zero()).then_some(relief);
+        self.pin_reliefs = if relief.is_zero() { Vec::new() } else { vec![relief] };
+        self.update_bounds();
+    }
+
+    /// The same for every pin by itself.
+    pub fn set_pin_reliefs(&mut self, reliefs: Vec<Relief>) {
+        debug_assert_eq!(reliefs.len(), self.pins.len());
+        self.pin_reliefs = if reliefs.iter().all(Relief::is_zero) { Vec::new() } else { reliefs };
         self.update_bounds();
     }
 
@@ -264,8 +263,13 @@ impl PinContacts {
         self.flank_error.as_ref()
     }
 
-    pub(super) fn pin_relief(&self) -> Option<&Relief> {
-        self.pin_relief.as_ref()
+    #[inline]
+    pub(super) fn pin_relief(&self, pin: usize) -> Option<&Relief> {
+        match self.pin_reliefs.as_slice() {
+            [] => None,
+            [all] => Some(all),
+            each => each.get(pin),
+        }
     }
 
     pub(crate) fn sliding(&self) -> Option<&Sliding> {
@@ -283,8 +287,8 @@ impl PinContacts {
             let (low, high) = samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
             low - margin * (high - low)
         };
-        self.shallowest_elsewhere = self.pin_relief.as_ref().map_or(0.0, |relief| floor(&mut relief.samples().iter().copied(), 0.5))
-            + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
+        let pins = self.pin_reliefs.iter().map(|relief| floor(&mut relief.samples().iter().copied(), 0.5));
+        self.shallowest_elsewhere = pins.reduce(f64::min).unwrap_or(0.0) + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
         let samples = self.relief.samples();
         let count = samples.len();
         let reach = (count / 18).max(2);
@@ -426,14 +430,6 @@ impl PinContacts {
             along,
             meshing_unit,
         }
-    }
-}
-
-impl Sliding {
-    /// (F_t/F, its derivative with respect to the sliding speed).
-    pub(crate) fn share(&self, speed: f64) -> (f64, f64) {
-        let reach = 1.0 / speed.hypot(self.regularisation_speed);
-        (self.coefficient * speed * reach, self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3))
     }
 }
 

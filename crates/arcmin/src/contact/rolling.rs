@@ -24,6 +24,11 @@ impl Rolling {
 }
 
 impl PinContacts {
+    /// What the flank's error takes off where a contact is, in m.
+    pub fn flank_error_depth(&self, contact: &PinContact) -> f64 {
+        self.flank_error().map_or(0.0, |error| error.depth(contact.tau, self.profile().outward_normal(contact.tau)))
+    }
+
     /// Travel of the foot of `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
         let pin_radius = self.pins()[contact.pin].radius;
@@ -34,7 +39,7 @@ impl PinContacts {
 
         let (mut read, mut error_slope) = (self.pin_depth(contact), 0.0);
         if let Some(error) = self.flank_error() {
-            read += error.depth(contact.tau, profile.outward_normal(contact.tau));
+            read += self.flank_error_depth(contact);
             error_slope = error.slope(contact.tau, profile);
         }
         // The pin centre moves by −T dz past the flank, and the closest point by 1/(1 − κ D) of that, D being the distance between the two.

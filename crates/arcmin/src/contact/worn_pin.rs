@@ -39,6 +39,6 @@ impl PinContacts {
     /// pin hardly wears but at the edge of its zone, where two contacts could stand side by side and the closest point would jump between them.
     #[inline]
     pub(super) fn worn_pin(&self, pin: usize, normal: Vec2) -> Option<DepthSample> {
-        self.pin_relief().map(|relief| relief.at(self.pin_angle_of(pin, normal)))
+        self.pin_relief(pin).map(|relief| relief.at(self.pin_angle_of(pin, normal)))
     }
 }

@@ -6,8 +6,8 @@ use super::sections::SECTION_OR_DEFAULTS;
 use crate::geometry::FlankDirection;
 
 section! {
-    /// Manufacturing errors of one machine, used with bearings (`simulate --joints bearings`, `rig`). Pins, discs and crankshafts are counted
-    /// from 1; what is not listed has no error.
+    /// Manufacturing errors of one machine, used with bearings (`rig`, and every command with `--joints bearings`). Pins, discs and crankshafts are
+    /// counted from 1; what is not listed has no error.
     pub struct ErrorsSection {
         /// Added to the radius of the pin circle.
         pin_circle_radius_um: f64 => default(0.0, -500.0, 500.0),

@@ -22,7 +22,8 @@ pub struct EquilibriumControl {
     /// Longest step of one iteration in units of the system's scale.
     pub trust: f64,
     /// Where forces jump, no place balances them: a pin at the root of a worn flank touches on one side or the other. A place on whose two sides the balance
-    /// lies, closer together than `tolerance`, is accepted when the work of its forces along one unit of scale is below this, in J. The residual says what is left.
+    /// lies, closer together than `tolerance`, is accepted when the work of its forces along one unit of scale is below this, in J; so is a place from which
+    /// steps no longer lead on. The residual says what is left.
     pub jump_tolerance: f64,
 }
 
@@ -34,6 +35,10 @@ impl Default for EquilibriumControl {
 
 /// A full Newton step from a place accepted at a jump is shorter than this, in units of the system's scale.
 const NEAR_JUMP: f64 = 1e-2;
+/// Share of the elastic energy that a jump may leave as work along one unit of scale.
+const JUMP_OF_STORED: f64 = 2e-3;
+/// Where several contacts jump, Newton's method creeps along their edges: so many iterations without halving the forces are enough.
+const CREEPING: usize = 60;
 
 /// Finds q with Q(q, 0, t) = 0 near `start`.
 ///
@@ -60,12 +65,20 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
     let mut balance = system.evaluate(time, &position, &rest, &mut force, &mut lin);
     let mut mu = 0.0;
     let mut trust = control.trust;
+    // Size of the forces that was halved last, and when.
+    let mut halved = (f64::INFINITY, 0);
     for iteration in 0..control.largest_iteration_count {
         let size = work(&force);
         if !size.is_finite() {
             break;
         }
-        if largest(&force) <= control.force_tolerance {
+        if size < 0.5 * halved.0 {
+            halved = (size, iteration);
+        }
+        // A machine under preload has larger forces to jump than its load tells.
+        let jump = if control.jump_tolerance > 0.0 { control.jump_tolerance.max(JUMP_OF_STORED * balance.stored) } else { 0.0 };
+        let creeps = iteration > halved.1 + CREEPING && size <= jump;
+        if creeps || largest(&force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration });
         }
         step.copy_from_slice(&force);
@@ -108,7 +121,7 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             trust = (2.0 * trust).min(control.trust);
         } else {
             trust = 0.25 * length.min(trust);
-            if trust < control.tolerance && length < NEAR_JUMP && size <= control.jump_tolerance {
+            if trust < control.tolerance && length < NEAR_JUMP && size <= jump {
                 return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
             }
             mu = match mu {

@@ -56,6 +56,13 @@ impl Profile {
         -quarter_turn(tangent).normalize()
     }
 
+    /// Angle ψ on a nominally placed pin at which the contact of meshing angle φ lies: from the pin's place on the ring to the normal of the flank, in rad.
+    pub fn pin_angle(&self, meshing_angle: f64) -> f64 {
+        let tau = -meshing_angle / self.lobe_count() as f64;
+        let (place, normal) = (unit(tau), self.outward_normal(tau));
+        cross(place, normal).atan2(place.dot(&normal))
+    }
+
     /// Point of the flank, f(τ) = c(τ) − r n_out(τ), in m.
     pub fn flank_point(&self, tau: f64) -> Vec2 {
         self.trace(tau) - self.pin_radius * self.outward_normal(tau)
@@ -225,6 +232,16 @@ mod tests {
         assert!((right - 3e-3 * (rho0 + 3e-3).abs() / rho0.abs()).abs() < 1e-15);
         let wrong = 1.0 / (1.0 / 3e-3 - 1.0 / rho.abs());
         assert!(right < 1.2e-3 && wrong.abs() > 3e-3);
+    }
+
+    #[test]
+    fn contact_turns_back_on_the_pin_where_the_lever_arm_is_largest() {
+        let p = rv_40e();
+        // sin ψ = K1 there: the line of action is a tangent of the circle a z_p around the ring's centre.
+        let turn = p.short_width_coefficient().acos();
+        assert!((p.pin_angle(turn).abs() - p.short_width_coefficient().asin()).abs() < 1e-12);
+        assert!((p.pin_angle(turn + 1e-4) - p.pin_angle(turn - 1e-4)).abs() < 1e-9);
+        assert!(p.pin_angle(0.0).abs() < 1e-12 && (p.pin_angle(0.5) + p.pin_angle(-0.5)).abs() < 1e-12);
     }
 
     #[test]

@@ -1,15 +1,18 @@
 //! Accuracy over life: the coupled prediction, and beside it the paper's study of uniform depths.
 
 mod parts;
+mod series;
 
+use parts::lost_motion_positions;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes, worn_settings};
+pub use series::{MachineLife, Quantiles, Series, predict_series};
 
 use rayon::prelude::*;
 
-use crate::dynamics::JointSettings;
+use crate::dynamics::{BearingMeshing, JointSettings};
 use crate::geometry::Relief;
-use crate::load::{Cycle, ShareLoad, lost_motion};
-use crate::machine::{Machine, OutputAngle};
+use crate::load::{Cycle, FlankForce, PinLoad, ShareLoad, lost_motion};
+use crate::machine::{Machine, OutputAngle, PartWear};
 use crate::progress::Progress;
 use crate::units::{HOUR, UM};
 use crate::wear::calibrate::coupled_exposure;
@@ -41,6 +44,12 @@ pub struct LifePoint {
     pub loaded_pairs: f64,
     /// Load sharing at rated torque over one pin pitch of crank angle.
     pub cycle: Cycle,
+    /// Forces on the flank by meshing angle: of all discs, or per disc the mean of all pins over everything that repeats.
+    pub flank_forces: Vec<Vec<FlankForce>>,
+    /// The largest of all pins and discs.
+    pub flank_peaks: Vec<FlankForce>,
+    /// What every pin bears over everything that repeats; empty where all bear the same.
+    pub pin_loads: Vec<PinLoad>,
     /// Worn surfaces.
     pub flank: Relief,
     /// Lost motion of the machine with bearings by cause; only in a prediction of a machine that is modelled with bearings.
@@ -97,7 +106,18 @@ impl Default for LifeOptions {
     }
 }
 
-const LOST_MOTION_POSITIONS: usize = parts::POSITIONS;
+/// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
+const RING_POSITIONS: usize = 4;
+/// Steps of the meshing angle for forces that differ from pin to pin.
+const FLANK_CELLS: usize = 180;
+
+/// The largest force of all discs in each cell.
+fn highest(discs: &[Vec<FlankForce>]) -> Vec<FlankForce> {
+    let mut all: Vec<FlankForce> = discs.iter().flatten().copied().collect();
+    all.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
+    let cell = |force: &FlankForce| (force.meshing_angle / std::f64::consts::TAU * FLANK_CELLS as f64).floor();
+    all.chunk_by(|a, b| cell(a) == cell(b)).filter_map(|cell| cell.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force))).collect()
+}
 
 /// Accuracy of one state of wear.
 ///
@@ -110,7 +130,16 @@ pub fn accuracy<S: ShareLoad>(
     hours: f64,
     crank_positions: usize,
 ) -> Result<LifePoint, WearError> {
-    let cycle = meshing.whole_cycle(machine.rated.torque, crank_positions)?;
+    let alike = meshing.discs_alike();
+    let cycle = meshing.whole_cycle(machine.rated.torque, if alike { crank_positions } else { RING_POSITIONS * crank_positions })?;
+    let pitch = if meshing.pitches() == 1 { cycle.clone() } else { meshing.pitch_cycle(machine.rated.torque, crank_positions)? };
+    let (flank_forces, flank_peaks) = if alike {
+        (vec![pitch.flank_forces()], pitch.flank_forces())
+    } else {
+        let (means, peaks): (Vec<_>, Vec<_>) = (0..machine.disc_count).map(|disc| cycle.flank_cells(disc, FLANK_CELLS)).unzip();
+        (means, highest(&peaks))
+    };
+    let pin_loads = if alike { Vec::new() } else { cycle.pin_loads() };
     let (max_depth, max_depth_at) = flank.deepest();
     let play = cycle.mean_play();
     let sign = if machine.rated.torque < 0.0 { 1.0 } else { -1.0 };
@@ -123,13 +152,16 @@ pub fn accuracy<S: ShareLoad>(
         no_load_error: OutputAngle::from_radians(sign * play.radians()),
         loaded_error: cycle.mean_error(),
         loaded_peak_to_peak: cycle.peak_to_peak_error(),
-        lost_motion: lost_motion(meshing, machine.rated.torque, LOST_MOTION_POSITIONS)?,
+        lost_motion: lost_motion(meshing, machine.rated.torque, lost_motion_positions(meshing))?,
         max_force: cycle.max_force(),
         max_pressure: cycle.max_pressure(meshing.contacts().contact()),
         loaded_pairs: cycle.loaded_pairs(),
         flank: flank.clone(),
         parts: None,
-        cycle: if meshing.pitches() == 1 { cycle } else { meshing.pitch_cycle(machine.rated.torque, crank_positions)? },
+        cycle: pitch,
+        flank_forces,
+        flank_peaks,
+        pin_loads,
     })
 }
 
@@ -154,68 +186,106 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
     progress: &dyn Progress,
 ) -> Result<Prediction, WearError> {
     let exposure = coupled_exposure(machine, meshing.clone(), options.wear)?;
-    let mut wear = CoupledWear::with(machine, meshing, options.wear);
-    let service_hours = machine.limits.service_life / HOUR;
-    let hours_of = |interval: usize| service_hours * interval as f64 / options.intervals as f64;
-    let mut surfaces = Vec::with_capacity(options.intervals + 1);
-    let mut parts = PartsFollower::new(machine, whole);
-    let mut part_wear = Vec::with_capacity(options.intervals + 1);
-    for interval in 0..=options.intervals {
-        if let Some(parts) = parts.as_mut().filter(|_| interval > 0) {
-            parts.advance(service_hours * HOUR / options.intervals as f64)?;
-            wear.set_part_wear(parts.wear());
+    Course { machine, parts: PartsFollower::new(machine, whole), exposure, options, progress }.predict(meshing)
+}
+
+/// [`predict`] of one real machine in its bearings. The wear coefficient belongs to the design: where it is to be calibrated, the `nominal` machine is.
+///
+/// # Errors
+/// As [`predict`].
+pub fn predict_made(
+    machine: &Machine,
+    nominal: BearingMeshing,
+    made: BearingMeshing,
+    options: LifeOptions,
+    progress: &dyn Progress,
+) -> Result<Prediction, WearError> {
+    let exposure = coupled_exposure(machine, nominal, options.wear)?;
+    Course { machine, parts: Some(PartsFollower::with(machine, made.clone())), exposure, options, progress }.predict(made)
+}
+
+/// What a prediction follows, whatever the joints.
+struct Course<'a> {
+    machine: &'a Machine,
+    parts: Option<PartsFollower<'a>>,
+    exposure: Exposure,
+    options: LifeOptions,
+    progress: &'a dyn Progress,
+}
+
+impl Course<'_> {
+    fn predict<S: ShareLoad + Clone + Send + Sync>(self, meshing: S) -> Result<Prediction, WearError> {
+        let Course { machine, mut parts, exposure, options, progress } = self;
+        let mut wear = CoupledWear::with(machine, meshing, options.wear);
+        let service_hours = machine.limits.service_life / HOUR;
+        let hours_of = |interval: usize| service_hours * interval as f64 / options.intervals as f64;
+        let mut surfaces = Vec::with_capacity(options.intervals + 1);
+        let mut part_wear = Vec::with_capacity(options.intervals + 1);
+        for interval in 0..=options.intervals {
+            if let Some(parts) = parts.as_mut().filter(|_| interval > 0) {
+                parts.advance(service_hours * HOUR / options.intervals as f64)?;
+                wear.set_part_wear(parts.wear());
+            }
+            advance(&mut wear, exposure.at(hours_of(interval) * HOUR), progress)?;
+            if let Some(parts) = &mut parts {
+                parts.see(wear.state());
+            }
+            part_wear.push(parts.as_ref().map_or_else(PartWear::default, |parts| *parts.wear()));
+            surfaces.push(wear.state().clone());
+            progress.report("wear", interval as f64 / options.intervals as f64);
         }
-        advance(&mut wear, exposure.at(hours_of(interval) * HOUR), progress)?;
-        if let Some(parts) = &mut parts {
-            parts.see(wear.state());
-        }
-        part_wear.push(parts.as_ref().map(|parts| *parts.wear()));
-        surfaces.push(wear.state().clone());
-        progress.report("wear", interval as f64 / options.intervals as f64);
+        let (joints, designed) = (wear.meshing_mut().clone(), machine.designed_relief());
+        let points = surfaces
+            .par_iter()
+            .zip(&part_wear)
+            .enumerate()
+            .map(|(interval, (worn, part_wear))| {
+                if progress.is_cancelled() {
+                    return Err(WearError::Stopped);
+                }
+                let mut joints = joints.clone();
+                worn.put_on(&designed, &mut joints);
+                joints.set_part_wear(part_wear);
+                let mut point = accuracy(machine, &mut joints, worn.flank(), hours_of(interval), options.crank_positions)?;
+                point.parts = parts.as_ref().map(|parts| parts.lost_motion_causes(worn, *part_wear)).transpose()?;
+                Ok(point)
+            })
+            .collect::<Result<Vec<LifePoint>, WearError>>()?;
+        let updates = wear.updates();
+        let history = points.iter().map(|point| (point.hours, point.machine_lost_motion().radians())).collect();
+        let (hours_to_limit, searched_hours) = search_limit(machine, &mut wear, &mut parts, &exposure, options, history, progress)?;
+        Ok(Prediction { points, surfaces, exposure, updates, hours_to_limit, searched_hours })
     }
-    let (joints, designed) = (wear.meshing_mut().clone(), machine.designed_relief());
-    let points = surfaces
-        .par_iter()
-        .zip(&part_wear)
-        .enumerate()
-        .map(|(interval, (worn, part_wear))| {
-            if progress.is_cancelled() {
-                return Err(WearError::Stopped);
-            }
-            let (flank_wear, pin_wear) = (worn.flank_seen_by_contact().clone(), worn.pin_seen_by_contact().clone());
-            let mut joints = joints.clone();
-            joints.set_relief(designed.plus(&flank_wear));
-            joints.set_pin_relief(pin_wear.clone());
-            joints.set_part_wear(&part_wear.unwrap_or_default());
-            let mut point = accuracy(machine, &mut joints, &worn.flank, hours_of(interval), options.crank_positions)?;
-            if let Some(part_wear) = *part_wear {
-                point.parts = lost_motion_causes(machine, &JointSettings { flank_wear, pin_wear, part_wear, ..whole.clone() })?;
-            }
-            Ok(point)
-        })
-        .collect::<Result<Vec<LifePoint>, WearError>>()?;
-    let updates = wear.updates();
+}
+
+/// Goes on beyond the service life until the lost motion reaches its limit: hours to there, and how far was looked. `history` holds (h, rad) over the service life.
+fn search_limit<S: ShareLoad>(
+    machine: &Machine,
+    wear: &mut CoupledWear<'_, S>,
+    parts: &mut Option<PartsFollower<'_>>,
+    exposure: &Exposure,
+    options: LifeOptions,
+    mut history: Vec<(f64, f64)>,
+    progress: &dyn Progress,
+) -> Result<(Option<f64>, f64), WearError> {
+    let service_hours = machine.limits.service_life / HOUR;
     let limit = machine.limits.lost_motion;
     let furthest = options.search_factor.max(1.0) * service_hours;
-    let mut history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.machine_lost_motion().radians())).collect();
     let mut hours_to_limit = crossing(&history, limit);
     let mut searched_hours = service_hours;
     while hours_to_limit.is_none() && searched_hours < furthest {
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
-        if let Some(parts) = &mut parts {
+        if let Some(parts) = parts {
             parts.see(wear.state());
             parts.advance((hours - searched_hours) * HOUR)?;
             wear.set_part_wear(parts.wear());
         }
-        let lost = advance(&mut wear, exposure.at(hours * HOUR), progress).and_then(|()| {
-            if let Some(parts) = &parts {
-                let (flank_wear, pin_wear) = (wear.state().flank_seen_by_contact().clone(), wear.state().pin_seen_by_contact().clone());
-                let settings = JointSettings { flank_wear, pin_wear, part_wear: *parts.wear(), ..whole.clone() };
-                if let Some(point) = lost_motion_causes(machine, &settings)? {
-                    return Ok(point.lost_motion.whole);
-                }
+        let lost = advance(wear, exposure.at(hours * HOUR), progress).and_then(|()| match &parts {
+            Some(parts) => Ok(parts.lost_motion_causes(wear.state(), *parts.wear())?.lost_motion.whole),
+            None => {
+                let meshing = wear.meshing_mut();
+                Ok(lost_motion(meshing, machine.rated.torque, lost_motion_positions(meshing))?.radians())
             }
-            Ok(lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians())
         });
         match lost {
             Ok(lost) => history.push((hours, lost)),
@@ -226,7 +296,7 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
         searched_hours = hours;
         hours_to_limit = crossing(&history, limit);
     }
-    Ok(Prediction { points, surfaces, exposure, updates, hours_to_limit, searched_hours })
+    Ok((hours_to_limit, searched_hours))
 }
 
 fn advance<S: ShareLoad>(wear: &mut CoupledWear<'_, S>, target: f64, progress: &dyn Progress) -> Result<(), WearError> {

@@ -1,5 +1,7 @@
+use std::f64::consts::TAU;
+
 use super::{LoadError, LoadSharing, Meshing};
-use crate::contact::LineContact;
+use crate::contact::{LineContact, PinContact};
 use crate::machine::{CrankAngle, OutputAngle};
 
 /// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads from it.
@@ -24,6 +26,22 @@ pub struct FlankForce {
     pub force: f64,
     /// Relative curvature 1/R_eq in 1/m.
     pub relative_curvature: f64,
+}
+
+/// What one pin bears of one disc over a cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PinLoad {
+    /// Both counted from 0.
+    pub disc: usize,
+    pub pin: usize,
+    /// N.
+    pub max_force: f64,
+    /// Meshing angle in rad at which it is largest.
+    pub max_force_at: f64,
+    /// N, the unloaded positions included.
+    pub mean_force: f64,
+    /// Share of the positions at which the pin is loaded.
+    pub loaded_share: f64,
 }
 
 /// One harmonic of the loaded transmission error.
@@ -56,6 +74,13 @@ impl Meshing {
         }
         Ok(cycle)
     }
+}
+
+fn sorted<'a>(contacts: impl Iterator<Item = &'a PinContact>) -> Vec<FlankForce> {
+    let mut forces: Vec<FlankForce> =
+        contacts.map(|c| FlankForce { meshing_angle: c.meshing_angle, force: c.force, relative_curvature: c.relative_curvature }).collect();
+    forces.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
+    forces
 }
 
 fn mean(angles: impl ExactSizeIterator<Item = OutputAngle>) -> OutputAngle {
@@ -102,14 +127,46 @@ impl Cycle {
 
     /// Forces on one flank of a tooth as it passes through the mesh, sorted by meshing angle, from all positions and discs.
     pub fn flank_forces(&self) -> Vec<FlankForce> {
-        let mut forces: Vec<FlankForce> = self
-            .positions
-            .iter()
-            .flat_map(LoadSharing::contacts)
-            .map(|c| FlankForce { meshing_angle: c.meshing_angle, force: c.force, relative_curvature: c.relative_curvature })
-            .collect();
-        forces.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
-        forces
+        sorted(self.positions.iter().flat_map(LoadSharing::contacts))
+    }
+
+    /// The same where every pin bears differently: of each of `cells` equal steps of the meshing angle the mean over all pins that were met in it, and the
+    /// contact of the largest force. Of one disc; steps that were not met are left out.
+    pub fn flank_cells(&self, disc: usize, cells: usize) -> (Vec<FlankForce>, Vec<FlankForce>) {
+        let all = sorted(self.positions.iter().filter_map(|position| position.discs.get(disc)).flatten());
+        let cell = |force: &FlankForce| ((force.meshing_angle / TAU + 0.5) * cells as f64).floor();
+        let mean = |forces: &[FlankForce]| {
+            let mean = |value: fn(&FlankForce) -> f64| forces.iter().map(value).sum::<f64>() / forces.len() as f64;
+            FlankForce { meshing_angle: mean(|f| f.meshing_angle), force: mean(|f| f.force), relative_curvature: mean(|f| f.relative_curvature) }
+        };
+        let largest = |forces: &[FlankForce]| forces.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force));
+        let cells = || all.chunk_by(|a, b| cell(a) == cell(b));
+        (cells().map(mean).collect(), cells().filter_map(largest).collect())
+    }
+
+    /// Every pin against every disc over all positions, disc by disc.
+    pub fn pin_loads(&self) -> Vec<PinLoad> {
+        let discs = self.positions.first().map_or(0, |position| position.discs.len());
+        let share = 1.0 / self.positions.len().max(1) as f64;
+        let mut loads: Vec<PinLoad> = Vec::new();
+        for disc in 0..discs {
+            let first = loads.len();
+            for contact in self.positions.iter().flat_map(|position| &position.discs[disc]) {
+                while loads.len() <= first + contact.pin {
+                    let pin = loads.len() - first;
+                    loads.push(PinLoad { disc, pin, max_force: 0.0, max_force_at: 0.0, mean_force: 0.0, loaded_share: 0.0 });
+                }
+                let load = &mut loads[first + contact.pin];
+                load.mean_force += share * contact.force;
+                if contact.force > 0.0 {
+                    load.loaded_share += share;
+                }
+                if contact.force > load.max_force {
+                    (load.max_force, load.max_force_at) = (contact.force, contact.meshing_angle);
+                }
+            }
+        }
+        loads
     }
 
     /// Harmonics of the loaded transmission error within the pattern: order per output turn is z_c z_p times the harmonic.
@@ -119,7 +176,7 @@ impl Cycle {
             .map(|harmonic| {
                 let (mut real, mut imaginary) = (0.0, 0.0);
                 for (index, position) in self.positions.iter().enumerate() {
-                    let (sin, cos) = (std::f64::consts::TAU * (harmonic * index % n) as f64 / n as f64).sin_cos();
+                    let (sin, cos) = (TAU * (harmonic * index % n) as f64 / n as f64).sin_cos();
                     real += position.output_error.radians() * cos;
                     imaginary += position.output_error.radians() * sin;
                 }

@@ -248,13 +248,13 @@ mod tests {
         };
         let worn = |mut wear: CoupledWear<'_, FlexibleMeshing>| {
             wear.advance_to(exposure).unwrap();
-            wear.state().flank.clone()
+            wear.state().flank().clone()
         };
         let stiff = worn(CoupledWear::with(&machine, meshing(1e5), options));
         let soft = worn(CoupledWear::with(&machine, meshing(1.0), options));
         let mut rigid = CoupledWear::new(&machine, options);
         rigid.advance_to(exposure).unwrap();
-        let rigid = rigid.state().flank.clone();
+        let rigid = rigid.state().flank().clone();
         let difference = |a: &Relief, b: &Relief| a.samples().iter().zip(b.samples()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let depth = rigid.deepest().0;
         // Both stop at the same exposure; crank positions are spread over one pitch there, over a turn here.

@@ -10,10 +10,11 @@ mod flexible;
 mod gap_model;
 mod share;
 
-pub use cycle::{Cycle, FlankForce, HarmonicError};
+pub use cycle::{Cycle, FlankForce, HarmonicError, PinLoad};
 #[cfg(test)]
 mod tests;
 
 pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing};
 pub use flexible::FlexibleMeshing;
+pub(crate) use share::turn_position;
 pub use share::{ShareLoad, lost_motion};

@@ -20,6 +20,13 @@ pub trait ShareLoad {
     /// Replaces the metal removed from the pins.
     fn set_pin_relief(&mut self, relief: Relief);
 
+    /// Replaces the metal removed from the flanks (designed relief included) and the pins: one relief for all, or one per disc and, pin by pin, per disc. Joints
+    /// without errors know one for all only.
+    fn set_surfaces(&mut self, mut flanks: Vec<Relief>, mut pins: Vec<Relief>) {
+        self.set_relief(flanks.swap_remove(0));
+        self.set_pin_relief(pins.swap_remove(0));
+    }
+
     /// Replaces what bearings and gears have lost; ideal joints have neither clearance nor gap.
     fn set_part_wear(&mut self, _wear: &PartWear) {}
 
@@ -42,8 +49,12 @@ pub trait ShareLoad {
     /// pitch, are the places on the whole period. `offset` (0 to 1) shifts the fractions, `shift` goes that many places on along the period with the same
     /// fractions: one place for one fraction would be taken for a property of the flank.
     fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
-        let whole = (index + shift) % count * self.pitches() / count;
-        CrankAngle::from_radians(self.kinematics().pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64))
+        turn_position(self.kinematics(), self.pitches(), index, count, offset, shift)
+    }
+
+    /// Whether all discs lose the same metal, as in a machine without errors.
+    fn discs_alike(&self) -> bool {
+        true
     }
 
     /// Load sharing at `count` crank positions over one pin pitch, in order; without play.
@@ -65,6 +76,12 @@ pub trait ShareLoad {
         let angles: Vec<CrankAngle> = (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
         sample(self, torque, period, angles, 3)
     }
+}
+
+/// [`ShareLoad::crank_position`] for a period of `pitches` pin pitches.
+pub(crate) fn turn_position(kinematics: &Kinematics, pitches: usize, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
+    let whole = (index + shift) % count * pitches / count;
+    CrankAngle::from_radians(kinematics.pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64))
 }
 
 /// The play is read at every `stride`th position, with `usize::MAX` at none.

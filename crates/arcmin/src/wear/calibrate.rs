@@ -62,13 +62,13 @@ impl WearCurve {
             let lost = lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians() - new;
             let state = wear.state();
             curve.exposures.push(state.exposure);
-            curve.depths.push(state.flank.deepest().0);
+            curve.depths.push(state.flank().deepest().0);
             curve.lost_motions.push(lost);
-            if enough(state.exposure, state.flank.deepest().0, lost) {
+            if enough(state.exposure, state.flank().deepest().0, lost) {
                 return Ok(curve);
             }
             if wear.updates() > 100_000 {
-                return Err(WearError::TargetNotReached { reached_um: state.flank.deepest().0 / UM, exposure: state.exposure });
+                return Err(WearError::TargetNotReached { reached_um: state.flank().deepest().0 / UM, exposure: state.exposure });
             }
         }
     }

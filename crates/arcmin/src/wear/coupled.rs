@@ -48,42 +48,66 @@ impl Default for CoupledOptions {
 }
 
 /// Worn surfaces at one exposure.
+///
+/// One flank serves all lobes of a disc, since every lobe meets every pin within a turn of the output. Where all discs are alike it serves all of them, and one
+/// pin all pins; with manufacturing errors that tell them apart there is a flank per disc, and per disc every pin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WearSnapshot {
     /// x = ∫ k dt in s/Pa.
     pub exposure: f64,
-    /// Depth lost by the flank as a function of the meshing angle.
-    pub flank: Relief,
-    /// Depth lost by the pins as a function of the pin angle.
-    pub pin: Relief,
+    /// Depth lost by the flank as a function of the meshing angle: of all discs, or per disc.
+    pub flanks: Vec<Relief>,
+    /// Depth lost by the pins as a function of the pin angle: of all pins, or pin by pin for the first disc, then the next.
+    pub pins: Vec<Relief>,
     /// The same as the contact sees them: averaged over its width.
-    flank_seen: Relief,
-    pin_seen: Relief,
+    flanks_seen: Vec<Relief>,
+    pins_seen: Vec<Relief>,
 }
 
 impl WearSnapshot {
-    fn unworn(options: &CoupledOptions) -> WearSnapshot {
-        let flank = Relief::from_samples(vec![0.0; options.flank_points]);
-        let pin = Relief::from_samples(vec![0.0; options.pin_points]);
-        WearSnapshot { exposure: 0.0, flank_seen: flank.clone(), pin_seen: pin.clone(), flank, pin }
+    fn unworn(options: &CoupledOptions, flanks: usize, pins: usize) -> WearSnapshot {
+        let flanks = vec![Relief::from_samples(vec![0.0; options.flank_points]); flanks];
+        let pins = vec![Relief::from_samples(vec![0.0; options.pin_points]); pins];
+        WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
     }
 
-    /// Depth of the flank averaged over the width of the contact: what load sharing and dynamics use.
+    /// The flank that has lost most.
+    pub fn flank(&self) -> &Relief {
+        deepest(&self.flanks)
+    }
+
+    /// The pin that has lost most.
+    pub fn pin(&self) -> &Relief {
+        deepest(&self.pins)
+    }
+
+    /// Depth of the (first) flank averaged over the width of the contact: what load sharing and dynamics use.
     pub fn flank_seen_by_contact(&self) -> &Relief {
-        &self.flank_seen
+        &self.flanks_seen[0]
     }
 
-    /// Depth of the pins averaged over the width of the contact.
+    /// Depth of the (first) pin averaged over the width of the contact.
     pub fn pin_seen_by_contact(&self) -> &Relief {
-        &self.pin_seen
+        &self.pins_seen[0]
+    }
+
+    /// Puts the worn surfaces, as the contact sees them, on top of the designed relief.
+    pub fn put_on<S: ShareLoad>(&self, designed: &Relief, meshing: &mut S) {
+        let flanks = self.flanks_seen.iter().map(|flank| designed.plus(flank)).collect();
+        meshing.set_surfaces(flanks, self.pins_seen.clone());
     }
 
     /// Meshing of a machine with these worn surfaces.
     pub fn meshing(&self, machine: &Machine) -> Meshing {
-        let mut meshing = machine.meshing(&self.flank_seen);
-        meshing.set_pin_relief(self.pin_seen.clone());
+        let mut meshing = machine.meshing(self.flank_seen_by_contact());
+        meshing.set_pin_relief(self.pin_seen_by_contact().clone());
         meshing
     }
+}
+
+/// Of several with the same depth the first.
+fn deepest(reliefs: &[Relief]) -> &Relief {
+    reliefs[1..].iter().fold(&reliefs[0], |deepest, other| if other.deepest().0 > deepest.deepest().0 { other } else { deepest })
 }
 
 /// The running computation: advance it in exposure and read snapshots.
@@ -103,13 +127,13 @@ pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
 
 /// Depth rates per unit of exposure.
 struct Rates {
-    flank: Vec<f64>,
-    pin: Vec<f64>,
+    flanks: Vec<Vec<f64>>,
+    pins: Vec<Vec<f64>>,
 }
 
 impl Rates {
     fn largest(&self) -> f64 {
-        self.flank.iter().chain(&self.pin).copied().fold(0.0, f64::max)
+        self.flanks.iter().chain(&self.pins).flatten().copied().fold(0.0, f64::max)
     }
 }
 
@@ -123,7 +147,10 @@ impl<'a> CoupledWear<'a> {
 impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     /// With the joints of `meshing`, whose flanks and pins become those of the new machine.
     pub fn with(machine: &'a Machine, meshing: S, options: CoupledOptions) -> CoupledWear<'a, S> {
-        let state = WearSnapshot::unworn(&options);
+        let discs = if meshing.discs_alike() { 1 } else { machine.disc_count };
+        // Pins that do not wear need no surface each.
+        let pins = if meshing.discs_alike() || machine.wear.pin_ratio == 0.0 { 1 } else { discs * machine.ring.pin_count };
+        let state = WearSnapshot::unworn(&options, discs, pins);
         let profile = machine.profile();
         let arc = FlankArc::new(&profile, options.flank_points);
         CoupledWear {
@@ -141,8 +168,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
 
     /// The joints, with the surfaces reached.
     pub fn meshing_mut(&mut self) -> &mut S {
-        self.meshing.set_relief(self.designed.plus(&self.state.flank_seen));
-        self.meshing.set_pin_relief(self.state.pin_seen.clone());
+        self.state.put_on(&self.designed, &mut self.meshing);
         &mut self.meshing
     }
 
@@ -199,14 +225,13 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         Ok(())
     }
 
-    /// Mean removal over one pattern of crank positions and the duty: dh/dx = Σ F |v_s| K/(B z_c) per pin and disc, where K spreads each contact over its
+    /// Mean removal over everything that repeats and the duty: dh/dx = Σ F |v_s| K/(B z_c) per pin and disc, where K spreads each contact over its
     /// Hertz half-width.
     fn rates(&mut self, state: &WearSnapshot) -> Result<Rates, WearError> {
         let machine = self.machine;
-        self.meshing.set_relief(self.designed.plus(&state.flank_seen));
-        self.meshing.set_pin_relief(state.pin_seen.clone());
-        let mut flank = vec![0.0; self.options.flank_points];
-        let mut pin = vec![0.0; self.options.pin_points];
+        state.put_on(&self.designed, &mut self.meshing);
+        let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
+        let mut pins = vec![vec![0.0; self.options.pin_points]; state.pins.len()];
         let count = self.options.crank_positions;
         // The crank positions shift from update to update by the golden section, so that no place of the flank is favoured.
         let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
@@ -226,25 +251,36 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                     passes.extend(contacts.iter().map(|contact| self.pass(contact, duty)));
                 }
             }
-            let weight = duty.share / (count * machine.disc_count) as f64;
-            for passes in &mut passes {
+            // One flank for all discs takes the mean of them.
+            let weight = duty.share / (count * machine.disc_count / flanks.len()) as f64;
+            for (disc, passes) in passes.iter_mut().enumerate() {
                 // All pins at all positions in the order in which one tooth meets them.
                 passes.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
-                self.deposit(passes, weight, &mut flank, &mut pin);
+                let flank = disc % flanks.len();
+                self.deposit_on_flank(passes, weight, &mut flanks[flank]);
+                if machine.wear.pin_ratio > 0.0 {
+                    let own = machine.ring.pin_count;
+                    match pins.chunks_exact_mut(own).nth(disc) {
+                        Some(pins) => self.deposit_on_each_pin(passes, duty.share, pins),
+                        None => self.deposit_on_pins(passes, weight, &mut pins[0]),
+                    }
+                }
             }
         }
-        for (cell, section) in flank.iter_mut().enumerate() {
-            *section /= self.arc.cell_width(cell);
+        for section in flanks.iter_mut().flat_map(|flank| flank.iter_mut().enumerate()) {
+            *section.1 /= self.arc.cell_width(section.0);
         }
-        let pin_cell = std::f64::consts::TAU * machine.ring.pin_radius / pin.len() as f64;
-        match machine.ring.mounting {
-            PinMounting::Fixed => pin.iter_mut().for_each(|section| *section /= pin_cell),
-            PinMounting::Spinning => {
-                let mean = pin.iter().sum::<f64>() / (pin.len() as f64 * pin_cell);
-                pin.fill(mean);
+        let pin_cell = std::f64::consts::TAU * machine.ring.pin_radius / self.options.pin_points as f64;
+        for pin in &mut pins {
+            match machine.ring.mounting {
+                PinMounting::Fixed => pin.iter_mut().for_each(|section| *section /= pin_cell),
+                PinMounting::Spinning => {
+                    let mean = pin.iter().sum::<f64>() / (pin.len() as f64 * pin_cell);
+                    pin.fill(mean);
+                }
             }
         }
-        Ok(Rates { flank, pin })
+        Ok(Rates { flanks, pins })
     }
 
     /// What one contact removes per unit of time.
@@ -268,6 +304,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             removal *= boundary_share(film_ratio(oil, contact.effective_modulus, radius, line_load, entrainment));
         }
         Pass {
+            pin: c.pin,
             meshing_angle: c.meshing_angle,
             pin_angle: self.meshing.contacts().pin_angle(c),
             half_width: contact.half_width(c.force, radius),
@@ -275,49 +312,101 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         }
     }
 
-    /// Spreads the removal along the path of the contact over flank (mean of the lobes) and pin (mean of the pins).
-    fn deposit(&self, passes: &[Pass], weight: f64, flank: &mut [f64], pin: &mut [f64]) {
-        let machine = self.machine;
-        let count = passes.len();
-        let (lobes, pins) = (machine.ring.pin_count as f64 - 1.0, machine.ring.pin_count as f64);
-        for (index, pass) in passes.iter().enumerate().filter(|(_, pass)| pass.removal > 0.0) {
-            let (before, after) = (&passes[(index + count - 1) % count], &passes[(index + 1) % count]);
-            let halfway = |other: f64, here: f64| here + 0.5 * wrap_angle(other - here);
-            let removal = weight * pass.removal;
+    /// Spreads the removal along the path of the contact over the flank, mean of the lobes.
+    fn deposit_on_flank(&self, passes: &[Pass], weight: f64, flank: &mut [f64]) {
+        let lobes = self.machine.ring.pin_count as f64 - 1.0;
+        for (before, pass, after) in neighbours(passes) {
             let ends = (halfway(before.meshing_angle, pass.meshing_angle), halfway(after.meshing_angle, pass.meshing_angle));
-            self.arc.spread(flank, ends.0, ends.1, pass.half_width, removal / lobes);
-            if machine.wear.pin_ratio > 0.0 {
-                let ends = (halfway(before.pin_angle, pass.pin_angle), halfway(after.pin_angle, pass.pin_angle));
-                spread_on_pin(pin, machine.ring.pin_radius, ends.0, ends.1, pass.half_width, machine.wear.pin_ratio * removal / pins);
+            self.arc.spread(flank, ends.0, ends.1, pass.half_width, weight * pass.removal / lobes);
+        }
+    }
+
+    /// The same over the pins, mean of them.
+    fn deposit_on_pins(&self, passes: &[Pass], weight: f64, pin: &mut [f64]) {
+        let machine = self.machine;
+        let count = machine.ring.pin_count as f64;
+        for (before, pass, after) in neighbours(passes) {
+            let ends = (halfway(before.pin_angle, pass.pin_angle), halfway(after.pin_angle, pass.pin_angle));
+            let amount = machine.wear.pin_ratio * (weight * pass.removal) / count;
+            spread_on_pin(pin, machine.ring.pin_radius, ends.0, ends.1, pass.half_width, amount);
+        }
+    }
+
+    /// The same over every pin by itself. One pin is met at few meshing angles, so its removal is read between them by straight lines, and the contact goes
+    /// on the way that it takes on a nominal pin.
+    fn deposit_on_each_pin(&self, passes: &[Pass], weight: f64, pins: &mut [Vec<f64>]) {
+        let machine = self.machine;
+        let profile = self.meshing.contacts().profile();
+        let mut own: Vec<Vec<&Pass>> = vec![Vec::new(); pins.len()];
+        passes.iter().for_each(|pass| own[pass.pin].push(pass));
+        for (pin, own) in pins.iter_mut().zip(&own) {
+            for (index, pass) in own.iter().enumerate() {
+                let next = own[(index + 1) % own.len()];
+                if pass.removal <= 0.0 && next.removal <= 0.0 {
+                    continue;
+                }
+                // A whole turn to itself where it is the only one.
+                let way = (next.meshing_angle - pass.meshing_angle).rem_euclid(std::f64::consts::TAU);
+                let way = if own.len() == 1 { std::f64::consts::TAU } else { way };
+                let pieces = (way / PIN_PIECE).ceil().max(1.0);
+                for piece in 0..pieces as usize {
+                    let at = |share: f64| pass.meshing_angle + way * (piece as f64 + share) / pieces;
+                    let between = (piece as f64 + 0.5) / pieces;
+                    let blend = |a: f64, b: f64| a + (b - a) * between;
+                    let removal = blend(pass.removal, next.removal);
+                    // An unloaded contact has no width; that of its neighbour fades.
+                    let half_width = blend(pass.half_width, next.half_width).max(1e-9);
+                    let amount = machine.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
+                    let (from, to) = (profile.pin_angle(at(0.0)), profile.pin_angle(at(1.0)));
+                    spread_on_pin(pin, machine.ring.pin_radius, from, to, half_width, amount);
+                }
             }
         }
     }
 
     /// State after adding rates times exposure.
     fn advanced(&self, state: &WearSnapshot, parts: &[(&Rates, f64)]) -> WearSnapshot {
-        let add = |relief: &Relief, rates: fn(&Rates) -> &Vec<f64>| {
-            let mut depths = relief.samples().to_vec();
-            for (part, step) in parts {
-                for (depth, rate) in depths.iter_mut().zip(rates(part)) {
-                    *depth += rate * step;
+        let add = |reliefs: &[Relief], rates: fn(&Rates) -> &Vec<Vec<f64>>| -> Vec<Relief> {
+            let one = |(index, relief): (usize, &Relief)| {
+                let mut depths = relief.samples().to_vec();
+                for (part, step) in parts {
+                    for (depth, rate) in depths.iter_mut().zip(&rates(part)[index]) {
+                        *depth += rate * step;
+                    }
                 }
-            }
-            Relief::from_samples(depths)
+                Relief::from_samples(depths)
+            };
+            reliefs.iter().enumerate().map(one).collect()
         };
-        let (flank, pin) = (add(&state.flank, |rates| &rates.flank), add(&state.pin, |rates| &rates.pin));
+        let (flanks, pins) = (add(&state.flanks, |rates| &rates.flanks), add(&state.pins, |rates| &rates.pins));
         WearSnapshot {
             exposure: state.exposure + parts.iter().map(|(_, step)| step).sum::<f64>(),
-            flank_seen: self.average.flank(&flank),
-            pin_seen: self.average.pin(&pin),
-            flank,
-            pin,
+            flanks_seen: flanks.iter().map(|flank| self.average.flank(flank)).collect(),
+            pins_seen: pins.iter().map(|pin| self.average.pin(pin)).collect(),
+            flanks,
+            pins,
         }
     }
 }
 
+/// Loaded passes with those before and after them, all around.
+fn neighbours(passes: &[Pass]) -> impl Iterator<Item = (&Pass, &Pass, &Pass)> {
+    let count = passes.len();
+    let all = passes.iter().enumerate().filter(|(_, pass)| pass.removal > 0.0);
+    all.map(move |(index, pass)| (&passes[(index + count - 1) % count], pass, &passes[(index + 1) % count]))
+}
+
+fn halfway(other: f64, here: f64) -> f64 {
+    here + 0.5 * wrap_angle(other - here)
+}
+
+/// Longest piece of meshing angle (rad) on which the removal on a pin is taken as one.
+const PIN_PIECE: f64 = 3.0 * std::f64::consts::PI / 180.0;
+
 /// One contact on its way along the flank.
 #[derive(Debug, Clone, Copy)]
 struct Pass {
+    pin: usize,
     meshing_angle: f64,
     pin_angle: f64,
     half_width: f64,

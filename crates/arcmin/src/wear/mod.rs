@@ -22,4 +22,6 @@ pub use parts::PartLoads;
 pub use surfaces::WornSurfaces;
 
 #[cfg(test)]
+mod error_tests;
+#[cfg(test)]
 mod tests;

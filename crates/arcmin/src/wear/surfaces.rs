@@ -30,6 +30,10 @@ impl Machine {
         let mut wear = CoupledWear::new(self, options);
         wear.advance_to(exposure.at(time))?;
         let state = wear.state();
-        Ok(WornSurfaces { flank: state.flank_seen_by_contact().clone(), pin: state.pin_seen_by_contact().clone(), deepest: state.flank.deepest().0 })
+        Ok(WornSurfaces {
+            flank: state.flank_seen_by_contact().clone(),
+            pin: state.pin_seen_by_contact().clone(),
+            deepest: state.flank().deepest().0,
+        })
     }
 }

@@ -21,7 +21,7 @@ fn life(m: &Machine, options: CoupledOptions) -> CoupledWear<'_> {
 fn val_feedback_slows_the_wear_down() {
     let m = machine();
     let wear = life(&m, CoupledOptions::default());
-    let (depth, angle) = wear.state().flank.deepest();
+    let (depth, angle) = wear.state().flank().deepest();
     let cycle = wear.state().meshing(&m).cycle(412.0, 12).unwrap();
     assert!(wear.updates() >= 100);
     assert!((8.0..14.0).contains(&(depth / UM)), "{}", depth / UM);
@@ -29,7 +29,7 @@ fn val_feedback_slows_the_wear_down() {
     // The first touch moves towards the root, where nothing slides; the loaded flank sinks further.
     assert!((0.05..0.4).contains(&cycle.mean_play().arcmin()), "{}", cycle.mean_play().arcmin());
     // Only the loaded flank wears (the width of the contact reaches a little around root and tip).
-    let other: f64 = Relief::grid(720).zip(wear.state().flank.samples()).filter(|(phi, _)| *phi > 0.2 && *phi < 2.9).map(|(_, w)| *w).sum();
+    let other: f64 = Relief::grid(720).zip(wear.state().flank().samples()).filter(|(phi, _)| *phi > 0.2 && *phi < 2.9).map(|(_, w)| *w).sum();
     assert_eq!(other, 0.0);
 }
 
@@ -42,7 +42,7 @@ fn wear_rate_falls_with_hours() {
     let mut depths = vec![0.0];
     for i in 1..=5 {
         wear.advance_to(exposure.at(1500.0 * HOUR) * i as f64).unwrap();
-        depths.push(wear.state().flank.deepest().0);
+        depths.push(wear.state().flank().deepest().0);
     }
     let growth: Vec<f64> = depths.windows(2).map(|w| w[1] - w[0]).collect();
     assert!(growth.windows(2).all(|w| w[1] < w[0]), "{growth:?}");
@@ -64,7 +64,7 @@ fn initial_rate_agrees_with_archards_closed_form() {
         let phi = -degrees * DEG;
         let nearest = forces.iter().min_by(|a, b| (a.meshing_angle - phi).abs().total_cmp(&(b.meshing_angle - phi).abs())).unwrap();
         let expected = exposure.coefficient * nearest.force / m.disc.width * profile.specific_sliding(phi.cos()) * passes;
-        let depth = wear.state().flank.at(phi).depth;
+        let depth = wear.state().flank().at(phi).depth;
         assert!((depth / expected - 1.0).abs() < 0.02, "{degrees}: {depth:e} {expected:e}");
     }
 }
@@ -75,7 +75,7 @@ fn negative_torque_wears_the_other_flank() {
     let mut m = machine();
     m.duty[0].torque = -412.0;
     let wear = life(&m, CoupledOptions { depth_increment: 0.5 * UM, ..CoupledOptions::default() });
-    assert!(wear.state().flank.deepest().1 > 0.0);
+    assert!(wear.state().flank().deepest().1 > 0.0);
 }
 
 /// Pins wear at the edge of their zone, where the contact turns back on them (ψ = asin K1 = 54.3°).
@@ -84,7 +84,7 @@ fn val_pins_wear_at_the_edge_of_their_zone() {
     let mut m = machine();
     m.wear.pin_ratio = 1.0;
     let wear = life(&m, CoupledOptions::default());
-    let (depth, angle) = wear.state().pin.deepest();
+    let (depth, angle) = wear.state().pin().deepest();
     assert!(depth > UM);
     assert!((angle.abs() / DEG - 54.3).abs() < 2.0, "{}", angle / DEG);
 }
@@ -102,7 +102,7 @@ fn halving_the_increment_and_doubling_the_positions_changes_little() {
     ] {
         let wear = life(&m, finer);
         let play = wear.state().meshing(&m).cycle(412.0, 12).unwrap().mean_play().arcmin();
-        let depth_change = wear.state().flank.deepest().0 / reference.state().flank.deepest().0 - 1.0;
+        let depth_change = wear.state().flank().deepest().0 / reference.state().flank().deepest().0 - 1.0;
         assert!(depth_change.abs() < 0.002 && (play / reference_play - 1.0).abs() < 0.01, "{finer:?}: {depth_change} {play} {reference_play}");
     }
 }

@@ -8,7 +8,6 @@ use arcmin::units::{ARCMIN, DEG, UM};
 use serde_json::{Value, json};
 
 use super::Case;
-use crate::commands::deviations::Choice;
 use crate::commands::rig::orders_summary;
 use crate::failure::Failure;
 use crate::run::{Run, Table};
@@ -33,9 +32,6 @@ pub(super) fn write<M: Reducer>(
         ]);
     }
     run.table("timeseries.csv", series)?;
-    if case.deviations.choice != Choice::None {
-        run.table("errors.csv", case.deviations.table())?;
-    }
     let mut forces = Table::new(&["time_s", "largest_pin_force_n", "loaded_pins", "mesh_force_n"]);
     for row in &result.forces {
         let f = row.forces;

@@ -3,7 +3,7 @@
 use super::BearingJoints;
 use super::assembly::{Element, Part, Sink};
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts};
-use crate::geometry::Relief;
+use crate::geometry::{Relief, unit};
 use crate::wear::PartLoads;
 
 /// Where lost motion comes from.
@@ -22,10 +22,12 @@ pub enum Cause {
     GearWear,
     MainBearingClearance,
     Elastic,
+    /// Gaps opened (or, negative, closed) by manufacturing errors.
+    ManufacturingErrors,
 }
 
 impl Cause {
-    pub const ALL: [Cause; 12] = [
+    pub const ALL: [Cause; 13] = [
         Cause::FlankWear,
         Cause::PinWear,
         Cause::FlankModification,
@@ -38,6 +40,7 @@ impl Cause {
         Cause::GearWear,
         Cause::MainBearingClearance,
         Cause::Elastic,
+        Cause::ManufacturingErrors,
     ];
 
     /// Words for tables.
@@ -55,6 +58,7 @@ impl Cause {
             Cause::GearWear => "wear of the gears",
             Cause::MainBearingClearance => "clearance of the main bearings",
             Cause::Elastic => "elastic, at ±3 % of rated torque",
+            Cause::ManufacturingErrors => "manufacturing errors",
         }
     }
 
@@ -73,6 +77,7 @@ impl Cause {
             Cause::GearWear => "gear_wear",
             Cause::MainBearingClearance => "main_bearing_clearance",
             Cause::Elastic => "elastic",
+            Cause::ManufacturingErrors => "manufacturing_errors",
         }
     }
 }
@@ -120,20 +125,32 @@ impl BearingJoints {
     /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by cause.
     ///
     /// The forces F_e of all joints balance the torque T at the output, so for small displacements T φ = Σ F_e u_e, and each u_e is the gap that was there
-    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements of bearings and for manufacturing errors. Wear is
+    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements of bearings. Wear is
     /// counted at the nominal place, back along the tangents of the gaps: near the root a contact goes a long way along a worn flank or pin until it carries, to
     /// other depths than where it was. What the unworn gaps miss of their nominal value that way, half their second derivative, is a cause of its own.
     /// Exact for springs: Q δ = (n + 1) U of a roller, 2 U of linear springs.
+    /// Manufacturing errors do the work of F_e on what they displace in the nominal place; where they press parts together without load, elastic work and theirs
+    /// are large and nearly cancel.
     pub fn causes(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut causes = [0.0; Cause::ALL.len()];
         let mut add = |cause: Cause, work: f64| causes[cause as usize] += work;
+        let nominal = self.has_errors.then(|| {
+            let nominal = self.nominal_position_at(self.held_sun());
+            self.full(0.0, &nominal, &vec![0.0; nominal.len()]).0
+        });
         for k in 0..self.layout.cranks {
-            let arms = (0..self.layout.discs).map(|j| (&self.turning_arms[k][j], self.turning_arm_state(k, j, &q), self.part_wear.turning_arm));
-            let supports = (0..2).map(|end| (&self.supports[k], self.support_state(k, end, &q), self.part_wear.crank_support));
+            let arms = (0..self.layout.discs).map(|j| {
+                let made = nominal.as_ref().map(|nominal| self.turning_arm_state(k, j, nominal).0);
+                (&self.turning_arms[k][j], self.turning_arm_state(k, j, &q), self.part_wear.turning_arm, made)
+            });
+            let supports = (0..2).map(|end| {
+                let made = nominal.as_ref().map(|nominal| self.support_state(k, end, nominal).0);
+                (&self.supports[k], self.support_state(k, end, &q), self.part_wear.crank_support, made)
+            });
             let own = [(Cause::TurningArmClearance, Cause::TurningArmWear), (Cause::CrankSupportClearance, Cause::CrankSupportWear)];
             let all = arms.map(|bearing| (own[0], bearing)).chain(supports.map(|bearing| (own[1], bearing)));
-            for ((clearance, wear), (law, (u, cage), worn)) in all {
+            for ((clearance, wear), (law, (u, cage), worn, made)) in all {
                 let state = law.react(u, cage);
                 let elastic = (law.exponent + 1.0) * state.stored;
                 let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
@@ -141,12 +158,18 @@ impl BearingJoints {
                 add(Cause::Elastic, elastic);
                 add(clearance, gap * (1.0 - share));
                 add(wear, gap * share);
+                if let Some(made) = made {
+                    add(Cause::ManufacturingErrors, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
+                }
             }
             let mesh = self.mesh_state(k, &q, &v);
             for side in 0..2 {
                 let force = mesh.side_force[side];
                 add(Cause::GearBacklash, force * self.meshes[k].half_backlash);
                 add(Cause::GearWear, force * self.meshes[k].flank_loss[side]);
+                if let Some(nominal) = &nominal {
+                    add(Cause::ManufacturingErrors, -force * self.mesh_overlap(k, nominal)[side]);
+                }
             }
         }
         let mut stored = Stored([0.0; Part::ALL.len()]);
@@ -156,11 +179,17 @@ impl BearingJoints {
         }
         add(Cause::Elastic, self.modal_work(&q));
         let (stiffness, clearance) = self.main;
-        add(Cause::MainBearingClearance, stiffness * (self.main_displacement(&q).norm() - clearance).max(0.0) * clearance);
+        let shift = self.main_displacement(&q);
+        let force = stiffness * (shift.norm() - clearance).max(0.0);
+        add(Cause::MainBearingClearance, force * clearance);
+        if let Some(nominal) = nominal.as_ref().filter(|_| force > 0.0) {
+            add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.main_displacement(nominal)));
+        }
         for (j, ring) in self.rings.iter().enumerate() {
             let lost = self.lost(j, self.disc_state(j, &q, &v).0);
             let profile = ring.profile();
             let k1 = profile.short_width_coefficient();
+            let (circle, radius) = (profile.pin_circle_radius - self.radial_offset, profile.pin_radius - self.equidistant_offset);
             self.visit_loaded(j, &q, &v, |contact, force, approach| {
                 add(Cause::Elastic, force * approach);
                 let [flank, pin] = lost.of(contact);
@@ -170,7 +199,14 @@ impl BearingJoints {
                 let offsets = self.equidistant_offset - self.radial_offset * (1.0 - k1 * cos) / profile.speed_factor(cos);
                 let modification = self.designed_relief.at(contact.meshing_angle).depth + offsets;
                 add(Cause::FlankModification, force * modification);
-                add(Cause::FlankCurvature, force * (lost.unworn_gap(contact) - modification));
+                let mut made = 0.0;
+                if nominal.is_some() {
+                    let pin = &ring.pins()[contact.pin];
+                    let moved = pin.centre - circle * unit(std::f64::consts::TAU * contact.pin as f64 / ring.pins().len() as f64);
+                    made = contact.normal.dot(&moved) + radius - pin.radius + ring.flank_error_depth(contact);
+                    add(Cause::ManufacturingErrors, force * made);
+                }
+                add(Cause::FlankCurvature, force * (lost.unworn_gap(contact) - modification - made));
             });
         }
         causes

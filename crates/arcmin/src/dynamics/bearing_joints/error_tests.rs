@@ -6,7 +6,8 @@
 use super::*;
 use crate::contact::{ContactLaw, PinContact};
 use crate::dynamics::{EquilibriumControl, Reducer, solve_equilibrium};
-use crate::machine::{BoreError, CrankAngle, DiscError, PinError};
+use crate::load::ShareLoad;
+use crate::machine::{BoreError, CrankAngle, DiscError, PinError, Tolerances};
 use crate::units::UM;
 
 const TORQUE: f64 = 412.0;
@@ -142,4 +143,65 @@ fn val_planet_run_out() {
     agree("planet", 0.0, cosine.hypot(sine), expected, expected);
     let (loaded, q) = model(&machine, &ManufacturingErrors::default(), 0.0);
     assert!(loaded.forces(0.0, &q, &vec![0.0; q.len()]).mesh_force.abs() > 100.0, "the meshes are meant to carry");
+}
+
+/// One pin 0.2 µm further in, all springs of the pins linear and alike, everything else stiff: with slopes s_i of the gaps along the one motion left, it takes
+/// ΔF_m = k (δ_m + s_m Δε) more, where Δε keeps Σ F_i s_i = T; slopes from the machine with ideal joints.
+#[test]
+fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
+    let machine = machine();
+    let k = 2.85e8;
+    let kinematics = machine.kinematics();
+    for sun in SUNS {
+        let crank = -sun * 39.0 / 81.0;
+        let sharing = machine.load_sharing(CrankAngle::from_radians(crank), TORQUE).unwrap();
+        let slope = |j: usize, c: &PinContact| {
+            let motion = kinematics.crank_per_output_locked() * kinematics.eccentricity * quarter_turn(unit(crank + kinematics.phases[j]));
+            c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2]
+        };
+        let loaded = || sharing.discs.iter().enumerate().flat_map(|(j, disc)| disc.iter().filter(|c| c.force > 0.0).map(move |c| (j, c)));
+        // The slopes balance the torque, so they are the right ones.
+        let torque: f64 = loaded().map(|(j, c)| c.force * slope(j, c)).sum();
+        assert!((torque / TORQUE - 1.0).abs() < 1e-6, "{torque}");
+        let (disc, most) = loaded().max_by(|a, b| a.1.force.total_cmp(&b.1.force)).unwrap();
+        let inwards = -0.2 * UM;
+        let moved = |c: &PinContact| if c.pin == most.pin { inwards * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0)) } else { 0.0 };
+        let stiffness: f64 = loaded().map(|(j, c)| slope(j, c).powi(2)).sum();
+        let way = -loaded().map(|(j, c)| moved(c) * slope(j, c)).sum::<f64>() / stiffness;
+        let expected = -k * (moved(most) + slope(disc, most) * way);
+
+        let mut pins = vec![PinError::default(); 40];
+        pins[most.pin].radial = inwards;
+        let errors = ManufacturingErrors { pins, ..ManufacturingErrors::default() };
+        let force = |errors: &ManufacturingErrors| {
+            let (model, q) = model(&machine, errors, sun);
+            model.pin_contacts(disc, &q)[most.pin].force
+        };
+        let found = force(&errors) - force(&ManufacturingErrors::default());
+        assert!(found > 20.0);
+        agree("force of the pin", sun, found, expected, expected);
+    }
+}
+
+/// Means over the whole ring converge: contact reads 720 positions, life 144 (lost motion 48). Twelve, enough for a machine without errors, miss some pins.
+#[test]
+fn means_over_the_ring_converge() {
+    let machine = crate::templates::rv_40e_81();
+    let tolerances =
+        Tolerances { pin_position: 3.0 * UM, pin_radius: UM, pin_circle_offset: 4.0 * UM, eccentricity: 2.0 * UM, ..Tolerances::default() };
+    let errors = ManufacturingErrors::draw(&machine, &tolerances, 5);
+    let meshing = BearingMeshing::new(&machine, &JointSettings { errors, ..JointSettings::default() }).unwrap();
+    assert_eq!(meshing.pitches(), 39 * 40);
+    let lost = |count: usize| crate::load::lost_motion(&mut meshing.clone(), TORQUE, count).unwrap().arcmin();
+    let force = |cycle: &crate::load::Cycle| cycle.pin_loads().iter().map(|load| load.mean_force).fold(0.0, f64::max);
+    let cycle = |count: usize| meshing.clone().whole_cycle(TORQUE, count).unwrap();
+    let (few, some, many) = (cycle(12), cycle(144), cycle(720));
+    let within = |name: &str, a: f64, b: f64, tolerance: f64| assert!((a - b).abs() < tolerance, "{name}: {a} {b}");
+    within("mean error", some.mean_error().arcmin(), many.mean_error().arcmin(), 0.001);
+    within("play", some.mean_play().arcmin(), many.mean_play().arcmin(), 0.005);
+    within("lost motion", lost(48), lost(480), 0.002);
+    within("share of a disc", some.disc_share(0), many.disc_share(0), 5e-4);
+    within("largest mean force", force(&some), force(&many), 0.03 * force(&many));
+    within("largest force", some.max_force(), many.max_force(), 0.03 * many.max_force());
+    assert!(force(&few) > 1.2 * force(&many) && few.max_force() < 0.9 * many.max_force());
 }

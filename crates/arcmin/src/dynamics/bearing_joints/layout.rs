@@ -119,6 +119,12 @@ impl Layout {
         first..first + self.modes[j]
     }
 
+    /// x of every centre that moves in the plane, the housing's apart.
+    pub fn centres(&self) -> impl Iterator<Item = usize> {
+        let stations = (0..self.cranks).flat_map(move |k| (0..self.discs + 2).map(move |station| self.crank(k) + 2 * station));
+        stations.chain((0..self.discs).map(|j| self.disc(j))).chain([self.sun(), self.carrier[0]]).filter(|x| *x < self.size)
+    }
+
     /// x of the sun.
     pub fn sun(&self) -> usize {
         self.disc(self.discs)

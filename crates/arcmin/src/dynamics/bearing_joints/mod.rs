@@ -132,6 +132,7 @@ pub struct BearingJoints {
     mesh_sliding: f64,
     loss_time: f64,
     part_wear: PartWear,
+    has_errors: bool,
     /// What is taken off the flank on purpose, to tell it from wear.
     designed_relief: Relief,
     equidistant_offset: f64,
@@ -262,6 +263,7 @@ impl BearingJoints {
             mesh_sliding: 0.4 * std::f64::consts::PI * stage.module * stage.pressure_angle.cos(),
             loss_time: if settings.damped { LOSS_TIME } else { 0.0 },
             part_wear: PartWear::default(),
+            has_errors: !settings.errors.is_zero(),
             designed_relief: machine.designed_relief(),
             equidistant_offset: machine.disc.modification.equidistant_offset,
             radial_offset: machine.disc.modification.radial_offset,

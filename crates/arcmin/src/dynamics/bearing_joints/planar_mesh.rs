@@ -71,6 +71,19 @@ impl PlanarMesh {
         }
     }
 
+    /// By how much the teeth of either side would overlap without backlash and wear: in the nominal place, what run-outs make of it. m.
+    pub fn overlap(&self, q: &Row) -> [f64; 2] {
+        let base = self.sun_base_radius + self.planet_base_radius;
+        let arm = |(amplitude, phase): (f64, f64), turn: f64| amplitude * unit(turn + phase);
+        let d = Vec2::new(q[3] - q[0], q[4] - q[1]) + arm(self.planet_run_out, q[5]) - arm(self.sun_run_out, q[2]);
+        let reference = unit(q[6] + self.place);
+        let turn = (reference.x * d.y - reference.y * d.x).atan2(reference.dot(&d));
+        let pressure_angle = (base / d.norm()).min(1.0).acos();
+        let twist = self.sun_base_radius * q[2] + self.planet_base_radius * q[5] - base * (q[6] + turn);
+        let closer = base * (pressure_angle.tan() - pressure_angle - self.nominal_involute);
+        [twist - closer, -twist - closer]
+    }
+
     pub fn react(&self, q: &Row, v: &Row) -> MeshState {
         let mut state = MeshState::default();
         let base = self.sun_base_radius + self.planet_base_radius;

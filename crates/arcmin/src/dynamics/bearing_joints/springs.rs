@@ -192,6 +192,11 @@ impl BearingJoints {
         self.meshes[k].react(&index.map(|i| q[i]), &index.map(|i| v[i]))
     }
 
+    /// [`PlanarMesh::overlap`](super::planar_mesh::PlanarMesh::overlap) of a mesh.
+    pub(super) fn mesh_overlap(&self, k: usize, q: &[f64]) -> [f64; 2] {
+        self.meshes[k].overlap(&self.mesh_index(k).map(|i| q[i]))
+    }
+
     fn add_mesh(&self, k: usize, q: &[f64], v: &[f64], sink: &mut impl Sink) {
         let index = self.mesh_index(k);
         let rate = index.map(|i| v[i]);

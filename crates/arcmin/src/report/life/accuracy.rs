@@ -61,6 +61,7 @@ fn angles(life: &LifePage) -> Plot {
         "{scope} While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, which no one notices; it shows when the \
          torque reverses, as lost motion."
     );
+    life.errors.iter().for_each(|errors| plot.note.push_str(&format!(" {errors}")));
     plot
 }
 

@@ -43,7 +43,7 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
     }
     if !life.flanks.is_empty() {
         blocks.push(Block::Plot(equilibrium_forces(life)));
-        blocks.push(Block::Plot(one_pin_over_a_turn(life)));
+        blocks.push(Block::Plot(if life.errors.is_some() { pins_around_the_ring(life) } else { one_pin_over_a_turn(life) }));
         blocks.push(Block::Plot(pressure(life)));
         blocks.push(Block::Plot(loaded_error(life)));
     }
@@ -113,11 +113,13 @@ fn equilibrium_forces(life: &LifePage) -> Plot {
         "Wear takes the load off the flank where it slides most and moves it towards the root, where it slides least: growth slows down by \
          itself. The uniform depth of the paper's study leaves this out.",
     );
+    if life.errors.is_some() {
+        plot.note.push_str(" With manufacturing errors: of one disc, mean of all pins over the whole ring.");
+    }
     for (index, worn) in life.flanks.iter().enumerate() {
         let side = life.loaded_side();
         let mut points: Vec<(f64, f64)> = worn
-            .cycle
-            .flank_forces()
+            .forces
             .iter()
             .filter(|force| force.meshing_angle * side >= 0.0)
             .map(|force| ((force.meshing_angle * side) / DEG, force.force))
@@ -158,6 +160,22 @@ fn one_pin_over_a_turn(life: &LifePage) -> Plot {
     plot
 }
 
+/// What each pin bears in the mean over a turn of the output, new and at the end.
+fn pins_around_the_ring(life: &LifePage) -> Plot {
+    let mut plot = Plot::new("Load on every pin", Axis::new("Pin, counted from the x axis", ""), Axis::new("Mean contact force", "N").from_zero())
+        .half()
+        .noted("Mean over a turn of the output, of one disc, unloaded times included. Without manufacturing errors all pins would bear the same.");
+    for (state, style) in [(life.flanks.first(), Style::LineMarkers), (life.flanks.last().filter(|_| life.flanks.len() > 1), Style::Dashed)] {
+        let Some(worn) = state else { continue };
+        for disc in 0..life.machine.disc_count {
+            let points = worn.pins.iter().filter(|load| load.disc == disc).map(|load| ((load.pin + 1) as f64, load.mean_force));
+            let name = format!("disc {}, {}", disc + 1, state_name(worn));
+            plot.series.push(Series::new(name, style, points).coloured(Colour::Palette([0, 4, 2][disc % 3])));
+        }
+    }
+    plot
+}
+
 fn pressure(life: &LifePage) -> Plot {
     let limit = life.machine.limits.contact_pressure * 1e-6;
     let mut plot = Plot::new(
@@ -172,8 +190,7 @@ fn pressure(life: &LifePage) -> Plot {
     let mut largest = 0.0_f64;
     for (index, worn) in life.flanks.iter().enumerate() {
         let mut points: Vec<(f64, f64)> = worn
-            .cycle
-            .flank_forces()
+            .peaks
             .iter()
             .filter(|force| force.meshing_angle * side >= 0.0)
             .map(|force| ((force.meshing_angle * side) / DEG, contact.pressure(force.force, 1.0 / force.relative_curvature) * 1e-6))
@@ -203,7 +220,9 @@ fn loaded_error(life: &LifePage) -> Plot {
         let mean = worn.cycle.mean_error().radians();
         let steps = worn.cycle.positions.len();
         means.push(format!("{}: {} arcmin", state_name(worn), significant(mean / ARCMIN, 3)));
-        let points = (0..=2 * steps).map(|step| {
+        // With manufacturing errors the next pitch is another one.
+        let pitches = if life.errors.is_some() { 1 } else { 2 };
+        let points = (0..=pitches * steps).filter(|step| pitches > 1 || *step < steps).map(|step| {
             let position = &worn.cycle.positions[step % steps];
             (worn.cycle.period / DEG * step as f64 / steps as f64, (position.output_error.radians() - mean) / ARCMIN * 60.0)
         });

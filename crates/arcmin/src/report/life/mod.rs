@@ -7,6 +7,7 @@ mod accuracy;
 mod flank;
 mod literature;
 mod load;
+mod series;
 mod simulation;
 mod verdict;
 mod wear;
@@ -14,10 +15,12 @@ mod wear;
 #[cfg(test)]
 mod tests;
 
+pub use series::series_section;
+
 use crate::checks::{Finding, Severity};
 use crate::dynamics::StartSpread;
 use crate::geometry::Relief;
-use crate::load::Cycle;
+use crate::load::{Cycle, FlankForce, PinLoad};
 use crate::machine::Machine;
 use crate::units::{ARCMIN, DEG, HOUR};
 
@@ -56,7 +59,13 @@ pub struct MeanAndMax {
 pub struct WornFlank<'a> {
     pub hours: f64,
     pub flank: &'a Relief,
+    /// Over one pin pitch.
     pub cycle: &'a Cycle,
+    /// Forces by meshing angle, of all pins alike or their mean, and the largest.
+    pub forces: &'a [FlankForce],
+    pub peaks: &'a [FlankForce],
+    /// What every pin bears, where they do not bear the same.
+    pub pins: &'a [PinLoad],
 }
 
 /// One simulated run for a time-series figure; equal lengths.
@@ -83,6 +92,8 @@ pub struct LifePage<'a> {
     pub design_text: &'a str,
     /// Whether the rows of the prediction are of the contacts with ideal joints; else of the machine with its bearings.
     pub contacts_alone: bool,
+    /// The manufacturing errors that the prediction has, in a sentence.
+    pub errors: Option<String>,
     /// The coupled prediction, in the order of hours; the first row is the new machine.
     pub prediction: &'a [LifeRow],
     /// Flank and loads at some of these hours, the first new, the last at the end of the service life.
@@ -164,7 +175,13 @@ impl LifePage<'_> {
             [only] => vec![("new".to_owned(), only.cycle)],
             [first, .., last] => vec![("new".to_owned(), first.cycle), (format!("{:.0} h", last.hours), last.cycle)],
         };
-        vec![Block::Mechanism(mechanism(self.machine, &states))]
+        let mut drawing = mechanism(self.machine, &states);
+        if let Some(errors) = &self.errors {
+            drawing.note.push_str(&format!(
+                " {errors} They are too small to be drawn; the forces are those of the first pin pitch, repeated, while each pin bears differently (see load sharing)."
+            ));
+        }
+        vec![Block::Mechanism(drawing)]
     }
 }
 

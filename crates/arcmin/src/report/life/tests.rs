@@ -38,7 +38,11 @@ fn page_with(machine: &Machine, change: impl FnOnce(&mut LifePage)) -> Page {
     let worn = Relief::uniform(5.0 * UM);
     let worn_cycle = machine.meshing(&worn).cycle(machine.rated.torque, 6).expect("a worn machine carries its rated torque");
     let new = Relief::uniform(0.0);
-    let flanks = [WornFlank { hours: 0.0, flank: &new, cycle: &cycle }, WornFlank { hours: 7500.0, flank: &worn, cycle: &worn_cycle }];
+    let (forces, worn_forces) = (cycle.flank_forces(), worn_cycle.flank_forces());
+    let flanks = [
+        WornFlank { hours: 0.0, flank: &new, cycle: &cycle, forces: &forces, peaks: &forces, pins: &[] },
+        WornFlank { hours: 7500.0, flank: &worn, cycle: &worn_cycle, forces: &worn_forces, peaks: &worn_forces, pins: &[] },
+    ];
     let (prediction, study) = ([row(0.0, 0.0), row(3750.0, 4.0), row(7500.0, 5.0)], study());
     let findings = crate::checks::check(machine);
     let mut life = LifePage {
@@ -47,6 +51,7 @@ fn page_with(machine: &Machine, change: impl FnOnce(&mut LifePage)) -> Page {
         design_name: "design.toml",
         design_text: "[ring]\npin_count = 40\n",
         contacts_alone: true,
+        errors: None,
         prediction: &prediction,
         flanks: &flanks,
         hours_to_limit: None,
