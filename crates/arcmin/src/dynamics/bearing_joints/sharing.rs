@@ -5,7 +5,7 @@ use crate::contact::PinContacts;
 use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LoadError, LoadSharing, ShareLoad, turn_position};
-use crate::machine::{CrankAngle, Friction, Kinematics, Machine, ManufacturingErrors, OutputAngle, PartWear};
+use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
 use crate::units::ARCMIN;
 use crate::wear::parts;
 
@@ -72,7 +72,7 @@ impl BearingMeshing {
         let model = BearingJoints::held(&machine, &JointSettings { damped: false, ..settings.clone() })?;
         let errors = &settings.errors;
         let (crank_turns, discs_alike) = (errors.crank_turns(&machine), errors.discs_alike());
-        let has_errors = *errors != ManufacturingErrors::default();
+        let has_errors = !errors.is_zero();
         Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), crank_turns, discs_alike, has_errors, loose: [None, None] })
     }
 
