@@ -66,6 +66,12 @@ def nearest(point, guess):
     return 0.5 * (low + high)
 
 
+def distance_from_flank(point):
+    """Of a point near the flank; its parameter lies within 0.06 of its polar angle."""
+    angle = math.atan2(point[1], point[0])
+    return min(math.dist(flank(nearest(point, angle + 0.015 * k))[0], point) for k in range(-3, 4))
+
+
 def patch(edges, nodes, tau):
     """Consistent nodal shares of the load around tau; edges as (first, last, middle) node."""
     shares = {}
@@ -96,7 +102,8 @@ def mesh(size_flank, size_inner, layers, size_load):
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     g = gmsh.model.geo
-    # The flank as interpolating splines over the analytic curve, 60 points a lobe, split at every load point and at roots.
+    # The flank as interpolating splines over the analytic curve, 320 points a lobe, split at every load point and at roots. Fewer will not do: the splines
+    # of gmsh's own kernel leave the curve between their points by 0.1 mm with 40 a lobe, 4 µm with 320.
     cuts = sorted({2 * math.pi * k / (ZP - 1) for k in range(ZP - 1)} | {tau_of(p, l) % (2 * math.pi) for _, p, l in LOADS})
     points = {}
     corner = []
@@ -109,7 +116,7 @@ def mesh(size_flank, size_inner, layers, size_load):
     for i, t in enumerate(cuts):
         end = cuts[i + 1] if i + 1 < len(cuts) else cuts[0] + 2 * math.pi
         inner = []
-        count = max(8, int(40 * (end - t) / (2 * math.pi / (ZP - 1))))
+        count = max(8, int(320 * (end - t) / (2 * math.pi / (ZP - 1))))
         for k in range(1, count):
             (x, y), _ = flank(t + (end - t) * k / count)
             inner.append(g.addPoint(x, y, 0, size_flank))
@@ -154,6 +161,9 @@ def mesh(size_flank, size_inner, layers, size_load):
     for curve in curves if dim == 2 else []:
         _, flat = gmsh.model.mesh.getElementsByType(8, curve)
         edges += [tuple(int(t) for t in flat[i:i + 3]) for i in range(0, len(flat), 3)]
+    off = max((distance_from_flank(nodes[n][:2]) for e in edges for n in e), default=0.0)
+    if off > 0.005:
+        raise SystemExit(f"the mesh leaves the analytic flank by {off:.4f} mm")
     bore = set()
     for f in faces:
         got, _, _ = gmsh.model.mesh.getNodes(dim - 1, f, includeBoundary=True)

@@ -4,8 +4,9 @@ use arcmin::fem::solve::{Cholesky, ModeRange, lowest_modes};
 use arcmin::fem::{BoreInterface, DiscElement, DiscModel, DiscShape, DofMap, FlankLoad, FlexibleSettings, MeshSizes, assembly};
 
 const REFERENCE: &str = include_str!("../../../validation/CalculiX/reference.csv");
-/// What two independent meshes may differ by.
-const TOLERANCE: f64 = 0.005;
+/// What two independent meshes may differ by: natural frequencies, and displacements close to a load.
+const FREQUENCY_TOLERANCE: f64 = 0.001;
+const DISPLACEMENT_TOLERANCE: f64 = 0.002;
 /// Loaded flank places of the reference: name, meshing angle in degrees, lobe.
 const LOADS: [(&str, f64, usize); 3] = [("lobe0", -60.0, 0), ("over_bore", -60.0, 10), ("other_flank", 100.0, 20)];
 
@@ -14,10 +15,10 @@ fn reference(quantity: &str) -> f64 {
     row.split(',').nth(1).unwrap().parse().unwrap()
 }
 
-fn agree(quantity: &str, value: f64) {
+fn agree(quantity: &str, value: f64, tolerance: f64) {
     let expected = reference(quantity);
     println!("{quantity}: {value:.6e}, CalculiX {expected:.6e}, {:+.3} %", 100.0 * (value / expected - 1.0));
-    assert!((value / expected - 1.0).abs() < TOLERANCE, "{quantity}: {value:e}, CalculiX {expected:e}");
+    assert!((value / expected - 1.0).abs() < tolerance, "{quantity}: {value:e}, CalculiX {expected:e}");
 }
 
 fn shape() -> DiscShape {
@@ -34,13 +35,13 @@ fn clamped() -> DiscModel {
 fn val_calculix_clamped_disc() {
     let model = clamped();
     for (k, frequency) in model.held_modes(ModeRange::Count(8)).unwrap().frequencies().iter().enumerate() {
-        agree(&format!("plane_clamped_{}", k + 1), *frequency);
+        agree(&format!("plane_clamped_{}", k + 1), *frequency, FREQUENCY_TOLERANCE);
     }
     let tau = |phi_deg: f64, lobe: usize| (std::f64::consts::TAU * lobe as f64 - phi_deg.to_radians()) / 39.0;
     for (name, phi, lobe) in LOADS {
         let unknowns = model.deflect(&[FlankLoad { tau: tau(phi, lobe), force: 1.0 }]);
         let own = model.read_at_depth(&unknowns, tau(phi, lobe), model.settings.reading_depth).unwrap();
-        agree(&format!("plane_own_{name}"), own);
+        agree(&format!("plane_own_{name}"), own, DISPLACEMENT_TOLERANCE);
         for (other, phi_other, lobe_other) in LOADS.into_iter().filter(|(other, ..)| *other != name) {
             let quantity = format!("plane_cross_{name}_{other}");
             let (cross, expected) = (model.read_surface(&unknowns, tau(phi_other, lobe_other)), reference(&quantity));
@@ -66,7 +67,7 @@ fn free_frequencies(model: &DiscModel, count: usize) -> Vec<f64> {
 #[test]
 fn val_calculix_free_disc() {
     for (k, frequency) in free_frequencies(&clamped(), 8).iter().enumerate() {
-        agree(&format!("plane_free_{}", k + 1), *frequency);
+        agree(&format!("plane_free_{}", k + 1), *frequency, FREQUENCY_TOLERANCE);
     }
 }
 
@@ -78,9 +79,9 @@ fn val_calculix_solid_disc() {
     let settings = FlexibleSettings { element: DiscElement::Solid { layers: 1 }, interface: BoreInterface::Common, sizes, ..plane };
     let model = DiscModel::new(shape(), settings).unwrap();
     for (k, frequency) in model.held_modes(ModeRange::Count(8)).unwrap().frequencies().iter().enumerate() {
-        agree(&format!("solid_clamped_{}", k + 1), *frequency);
+        agree(&format!("solid_clamped_{}", k + 1), *frequency, FREQUENCY_TOLERANCE);
     }
     for (k, frequency) in free_frequencies(&model, 8).iter().enumerate() {
-        agree(&format!("solid_free_{}", k + 1), *frequency);
+        agree(&format!("solid_free_{}", k + 1), *frequency, FREQUENCY_TOLERANCE);
     }
 }

@@ -54,6 +54,8 @@ pub struct LineContact {
     /// α in m/N (for R_eq F in N·m) and β in m/N.
     alpha: f64,
     beta: f64,
+    /// C and p of the laws δ = C F^p, in m and N. Kept, for a power costs as much as the rest of a contact.
+    power: (f64, f64),
     /// Face width B in m.
     pub width: f64,
     /// E* in Pa.
@@ -87,7 +89,13 @@ impl LineContact {
             }
             beta += a;
         }
-        LineContact { law, alpha, beta, width, effective_modulus, pin_radius, damping: None, seat: 0.0 }
+        let power = match law {
+            // δ[mm] = 3.84e-5 Q^0.9 l[mm]^-0.8
+            ContactLaw::Palmgren => (3.84e-8 * (width * 1e3).powf(-0.8), 0.9),
+            ContactLaw::Impact { stiffness, exponent } => (stiffness.powf(-1.0 / exponent), 1.0 / exponent),
+            _ => (0.0, 1.0),
+        };
+        LineContact { law, alpha, beta, power, width, effective_modulus, pin_radius, damping: None, seat: 0.0 }
     }
 
     pub fn law(&self) -> ContactLaw {
@@ -108,7 +116,8 @@ impl LineContact {
     }
 
     /// A power law δ = C F^p in series with the seat: Newton's method on the concave δ(F), from below.
-    fn power_with_seat(&self, approach: f64, coefficient: f64, power: f64) -> (f64, f64) {
+    fn power_with_seat(&self, approach: f64) -> (f64, f64) {
+        let (coefficient, power) = self.power;
         let mut force = (approach / coefficient).powf(1.0 / power).min(approach / self.seat.max(f64::MIN_POSITIVE));
         for _ in 0..50 {
             let contact = coefficient * force.powf(power);
@@ -135,19 +144,11 @@ impl LineContact {
                 let stiffness = stiffness / (1.0 + stiffness * self.seat);
                 (stiffness * approach, stiffness)
             }
-            ContactLaw::Palmgren if self.seat > 0.0 => self.power_with_seat(approach, 3.84e-8 * (self.width * 1e3).powf(-0.8), 0.9),
-            ContactLaw::Impact { stiffness, exponent } if self.seat > 0.0 => {
-                self.power_with_seat(approach, stiffness.powf(-1.0 / exponent), 1.0 / exponent)
-            }
-            ContactLaw::Palmgren => {
-                // δ[mm] = 3.84e-5 Q^0.9 l[mm]^-0.8
-                let coefficient = 3.84e-8 * (self.width * 1e3).powf(-0.8);
-                let force = (approach / coefficient).powf(1.0 / 0.9);
-                (force, force / (0.9 * approach))
-            }
-            ContactLaw::Impact { stiffness, exponent } => {
-                let force = stiffness * approach.powf(exponent);
-                (force, exponent * force / approach)
+            ContactLaw::Palmgren | ContactLaw::Impact { .. } if self.seat > 0.0 => self.power_with_seat(approach),
+            ContactLaw::Palmgren | ContactLaw::Impact { .. } => {
+                let (coefficient, power) = self.power;
+                let force = (approach / coefficient).powf(1.0 / power);
+                (force, force / (power * approach))
             }
         }
     }
@@ -161,8 +162,7 @@ impl LineContact {
             ContactLaw::LineHertz => force * (self.alpha - self.beta * (equivalent_radius * force).ln()),
             ContactLaw::Tao2024 => force * (self.alpha - self.beta * force.ln()),
             ContactLaw::Linear { stiffness } => force / stiffness + self.seat * force,
-            ContactLaw::Palmgren => 3.84e-8 * force.powf(0.9) * (self.width * 1e3).powf(-0.8) + self.seat * force,
-            ContactLaw::Impact { stiffness, exponent } => (force / stiffness).powf(1.0 / exponent) + self.seat * force,
+            ContactLaw::Palmgren | ContactLaw::Impact { .. } => self.power.0 * force.powf(self.power.1) + self.seat * force,
         }
     }
 

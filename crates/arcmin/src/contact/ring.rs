@@ -2,7 +2,7 @@ use super::facets::{Facets, MeshContact};
 use super::sliding::Sliding;
 use super::worn_pin::turn_on_pin;
 use super::{ContactForce, Damping, LineContact};
-use crate::geometry::{Closest, FlankError, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
+use crate::geometry::{Closest, FlankError, Foot, LANES, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
 /// Sectors of the meshing angle with a bound of their own for the relief.
 const FLOOR_SECTORS: usize = 72;
@@ -14,6 +14,32 @@ pub struct Pin {
     pub centre: Vec2,
     /// Radius in m, errors included.
     pub radius: f64,
+}
+
+/// Pins whose foot points are sought side by side.
+#[derive(Default)]
+struct Batch {
+    count: usize,
+    pin: [usize; LANES],
+    /// Pin centre from the disc centre, in the housing frame and in the disc frame.
+    arm: [Vec2; LANES],
+    place: [Vec2; LANES],
+    /// Where the search starts: τ and e(τ).
+    tau: [f64; LANES],
+    direction: [Vec2; LANES],
+}
+
+impl Batch {
+    #[inline]
+    fn push(&mut self, pin: usize, arm: Vec2, place: Vec2, tau: f64, direction: Vec2) {
+        let lane = self.count;
+        self.pin[lane] = pin;
+        self.arm[lane] = arm;
+        self.place[lane] = place;
+        self.tau[lane] = tau;
+        self.direction[lane] = direction;
+        self.count += 1;
+    }
 }
 
 /// Place of a disc in the housing frame.
@@ -327,11 +353,13 @@ impl PinContacts {
         let back = Vec2::new(rotation.x, -rotation.y);
         // z_p β_i is a whole number of turns, so all pins share e(z τ) at the start of their search.
         let ez = unit(-(self.profile.pin_count as f64) * pose.angle);
+        let pitch = std::f64::consts::TAU / self.pins.len() as f64;
+        let mut next = Batch::default();
         for (index, pin) in self.pins.iter().enumerate() {
             let arm = pin.centre - pose.centre;
             let p = turned(arm, back);
             let e = turned(self.directions[index], back);
-            let tau0 = std::f64::consts::TAU * index as f64 / self.pins.len() as f64 - pose.angle;
+            let tau0 = pitch * index as f64 - pose.angle;
             if !all && self.facets.is_none() {
                 let sector = if self.relief.is_uniform() {
                     0
@@ -344,8 +372,27 @@ impl PinContacts {
                     continue;
                 }
             }
-            visit(&self.contact_of(index, arm, p, tau0, e, ez, rotation, velocity));
+            next.push(index, arm, p, tau0, e);
+            if next.count == LANES {
+                self.visit_batch(&mut next, ez, rotation, velocity, &mut visit);
+            }
         }
+        self.visit_batch(&mut next, ez, rotation, velocity, &mut visit);
+    }
+
+    #[inline]
+    fn visit_batch(&self, batch: &mut Batch, ez: Vec2, rotation: Vec2, velocity: DiscVelocity, visit: &mut impl FnMut(&PinContact)) {
+        if batch.count == 0 {
+            return;
+        }
+        // Places that are left over search again for the first pin: no result depends on who is beside it.
+        for lane in batch.count..LANES {
+            (batch.place[lane], batch.tau[lane], batch.direction[lane]) = (batch.place[0], batch.tau[0], batch.direction[0]);
+        }
+        self.profile.feet_from((&batch.place, &batch.tau, &batch.direction), ez, batch.count, |lane, foot| {
+            visit(&self.contact_of(batch.pin[lane], batch.arm[lane], batch.place[lane], foot, rotation, velocity));
+        });
+        batch.count = 0;
     }
 
     /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the curvature can take back.
@@ -362,9 +409,8 @@ impl PinContacts {
     }
 
     #[inline]
-    fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, tau0: f64, e: Vec2, ez: Vec2, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
+    fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, foot: &Foot, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
         let radius = self.pins[pin].radius;
-        let foot = self.profile.foot_from(p, tau0, e, ez);
         let closest = if let Some(facets) = &self.facets {
             let nearest = facets.nearest(p, foot.tau, radius);
             Closest {
@@ -389,7 +435,7 @@ impl PinContacts {
                 relative_curvature: 1.0 / radius - curvature,
             }
         } else {
-            self.profile.closest_on_worn(p, &foot, &self.relief, radius)
+            self.profile.closest_on_worn(p, foot, &self.relief, radius)
         };
         let Closest { tau, meshing_angle, meshing_unit, mut gap, normal: flank_normal, flank_curvature, relative_curvature } = closest;
         if let Some(error) = &self.flank_error {

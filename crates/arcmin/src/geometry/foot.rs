@@ -20,10 +20,10 @@ pub struct Foot {
 
 /// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10 µm off
 /// its nominal place sees two flanks, and Newton's method may settle on the far one. There the search brackets.
-const ROOT_ZONE_COS: f64 = 0.94;
+pub(super) const ROOT_ZONE_COS: f64 = 0.94;
 /// The last step (rad of z τ) when the iteration stops: convergence is cubic, so the error left is of order step³ ≲ 1e-12. A laxer bound
 /// would do for the distance, which is stationary in τ, but the depth of a worn flank is read at τ and must not jump.
-const LAST_STEP: f64 = 1e-4;
+pub(super) const LAST_STEP: f64 = 1e-4;
 /// The same for a step of Newton's method, whose error is of order step² times the ratio of the flank's size to its sharpest bend.
 const LAST_NEWTON_STEP: f64 = 1e-8;
 
@@ -77,7 +77,7 @@ impl Profile {
 
     /// [`Profile::foot`] with e(guess) and e(z·guess) already at hand; the ring of pins shares the latter.
     #[inline]
-    pub fn foot_from(&self, p: Vec2, guess: f64, e: Vec2, ez: Vec2) -> Foot {
+    pub(crate) fn foot_from(&self, p: Vec2, guess: f64, e: Vec2, ez: Vec2) -> Foot {
         let z = self.pin_count as f64;
         let mut place = Place { tau: guess, e, ez };
         for _ in 0..6 {

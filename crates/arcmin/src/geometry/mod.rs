@@ -4,12 +4,14 @@
 //! path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin radius.
 
 mod closest;
+mod feet;
 mod flank_error;
 mod foot;
 mod profile;
 mod relief;
 
 pub use closest::Closest;
+pub(crate) use feet::LANES;
 pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};
 pub use foot::Foot;
 pub use profile::Profile;
