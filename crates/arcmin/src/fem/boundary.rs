@@ -86,8 +86,9 @@ impl Boundary {
 #[derive(Debug, Clone)]
 pub struct FlankArc {
     pitch: f64,
-    /// Length in m at equidistant τ of one lobe.
+    /// Length in m at equidistant τ of one lobe, and its increase per cell there: a cubic between two places, for forces that hold the slope of the length must not jump.
     length: Vec<f64>,
+    increase: Vec<f64>,
 }
 
 impl FlankArc {
@@ -106,6 +107,7 @@ impl FlankArc {
     /// `rate`: length per radian of meshing angle at cos φ.
     fn with_rate(profile: &Profile, rate: impl Fn(f64) -> f64) -> FlankArc {
         let cells = 4000;
+        let increase = (0..=cells).map(|i| TAU / cells as f64 * rate((TAU * i as f64 / cells as f64).cos())).collect();
         let mut length = Vec::with_capacity(cells + 1);
         let mut sum = 0.0;
         length.push(0.0);
@@ -114,7 +116,7 @@ impl FlankArc {
             sum += TAU / cells as f64 * rate((TAU * (i as f64 + 0.5) / cells as f64).cos());
             length.push(sum);
         }
-        FlankArc { pitch: TAU / profile.lobe_count() as f64, length }
+        FlankArc { pitch: TAU / profile.lobe_count() as f64, length, increase }
     }
 
     /// τ of `per_lobe` nodes on every lobe, the first at its root, equidistant in length.
@@ -134,15 +136,23 @@ impl FlankArc {
         let lobe = (tau / self.pitch).floor();
         let x = (tau / self.pitch - lobe) * (self.length.len() - 1) as f64;
         let i = (x as usize).min(self.length.len() - 2);
-        lobe * self.lobe_length() + self.length[i] + (x - i as f64) * (self.length[i + 1] - self.length[i])
+        lobe * self.lobe_length() + self.length[i] + self.within(i, x - i as f64).0
     }
 
-    /// Derivative of [`FlankArc::arc`], as tabulated: constant within a cell.
+    /// Derivative of [`FlankArc::arc`].
     pub fn rate(&self, tau: f64) -> f64 {
         let cells = (self.length.len() - 1) as f64;
-        let i = ((tau / self.pitch).rem_euclid(1.0) * cells) as usize;
-        let i = i.min(self.length.len() - 2);
-        (self.length[i + 1] - self.length[i]) * cells / self.pitch
+        let x = (tau / self.pitch).rem_euclid(1.0) * cells;
+        let i = (x as usize).min(self.length.len() - 2);
+        self.within(i, x - i as f64).1 * cells / self.pitch
+    }
+
+    /// Length from the beginning of a cell at share s of it, and its derivative with respect to s: Hermite's cubic.
+    fn within(&self, cell: usize, s: f64) -> (f64, f64) {
+        let whole = self.length[cell + 1] - self.length[cell];
+        let (first, last) = (self.increase[cell], self.increase[cell + 1]);
+        let (square, cube) = (3.0 * whole - 2.0 * first - last, first + last - 2.0 * whole);
+        (s * (first + s * (square + s * cube)), first + s * (2.0 * square + 3.0 * s * cube))
     }
 
     /// τ at a length from the root τ = 0, for any length.
@@ -150,7 +160,37 @@ impl FlankArc {
         let lobe = (arc / self.lobe_length()).floor();
         let rest = arc - lobe * self.lobe_length();
         let i = self.length.partition_point(|l| *l <= rest).clamp(1, self.length.len() - 1) - 1;
-        let share = (rest - self.length[i]) / (self.length[i + 1] - self.length[i]);
+        let rest = rest - self.length[i];
+        let mut share = rest / (self.length[i + 1] - self.length[i]);
+        // The cubic is nearly straight: two of Newton's steps leave rounding.
+        for _ in 0..2 {
+            let (length, slope) = self.within(i, share);
+            share += (rest - length) / slope;
+        }
         self.pitch * (lobe + (i as f64 + share) / (self.length.len() - 1) as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Length and parameter undo each other, and neither the length nor its slope jumps from cell to cell, lobes included.
+    #[test]
+    fn arc_is_smooth_and_invertible() {
+        let profile = crate::templates::rv_40e_81().profile();
+        for arc in [FlankArc::new(&profile), FlankArc::blended_with_meshing_angle(&profile)] {
+            let cell = TAU / 39.0 / 4000.0;
+            for tau in [1e-4, 0.0123, 0.0803, 1.7, 5.9] {
+                assert!((arc.parameter(arc.arc(tau)) - tau).abs() < 1e-12);
+                let h = 0.01 * cell;
+                let slope = (arc.arc(tau + h) - arc.arc(tau - h)) / (2.0 * h);
+                assert!((slope / arc.rate(tau) - 1.0).abs() < 1e-6, "{slope} {}", arc.rate(tau));
+            }
+            for node in [0.0, 1.0, 17.0, 1999.0, 3999.0, 4000.0, 4001.0].map(|node| node * cell) {
+                let (before, after) = (arc.rate(node - 1e-9 * cell), arc.rate(node + 1e-9 * cell));
+                assert!((before / after - 1.0).abs() < 1e-9, "{node}: {before} {after}");
+            }
+        }
     }
 }

@@ -11,7 +11,7 @@ use super::{BoreInterface, DiscElement, DiscShape, FlankStations, FlexibleSettin
 
 const MAGIC: &[u8; 8] = b"arcminFE";
 /// To be raised whenever the reduction or this layout changes its results.
-const FORMAT: u64 = 1;
+const FORMAT: u64 = 2;
 
 /// Why a cache is not used. None of these is a reason to stop: reduce the disc again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
