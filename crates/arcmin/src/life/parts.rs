@@ -255,4 +255,28 @@ mod tests {
         assert!((coarse.turning_arm / fine.turning_arm - 1.0).abs() < 0.01, "{coarse:?} {fine:?}");
         assert!((coarse.crank_support / fine.crank_support - 1.0).abs() < 0.01, "{coarse:?} {fine:?}");
     }
+
+    /// Pins that wear like the discs, bearings and gears that wear as well, and the flank's wear with the machine in these bearings: a balance is found at every
+    /// step to 5000 h and over a whole turn of the crankshafts there, at rated torque to 1e-6 of it, and at no load.
+    #[test]
+    fn worn_pins_and_parts_leave_every_balance_exact() {
+        let mut machine = with_laws();
+        machine.wear.pin_ratio = 1.0;
+        let options = CoupledOptions { depth_increment: 0.25 * UM, ..CoupledOptions::default() };
+        let exposure = machine.coupled_exposure(options).unwrap();
+        let mut parts = PartsFollower::new(&machine, &JointSettings::default()).unwrap();
+        let mut wear = CoupledWear::with(&machine, BearingMeshing::new(&machine, &JointSettings::default()).unwrap(), options);
+        for step in 1..=4 {
+            let time = 1250.0 * HOUR;
+            parts.see(wear.state());
+            parts.advance(time).unwrap();
+            wear.set_part_wear(parts.wear());
+            wear.advance_to(exposure.at(time * f64::from(step))).unwrap();
+        }
+        assert!(wear.state().pin().deepest().0 > 8.0 * UM && parts.wear().turning_arm > UM, "{:?}", parts.wear());
+        let cycle = wear.meshing_mut().whole_cycle(machine.rated.torque, 24).unwrap();
+        let largest = cycle.positions.iter().map(|position| position.residual.abs()).fold(0.0, f64::max);
+        assert!(largest < 1e-6 * machine.rated.torque, "{largest}");
+        assert!(cycle.mean_play().arcmin() > 0.3, "{}", cycle.mean_play().arcmin());
+    }
 }

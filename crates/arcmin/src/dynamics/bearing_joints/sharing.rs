@@ -23,6 +23,8 @@ pub struct BearingMeshing {
     /// Turns of the crankshafts after which everything repeats.
     crank_turns: usize,
     discs_alike: bool,
+    /// Whether the machine has manufacturing errors: only then may jumps leave something.
+    has_errors: bool,
     /// Deviations of the last balances at no load, lag and lead: where the next ones start.
     loose: [Option<Vec<f64>>; 2],
 }
@@ -55,7 +57,7 @@ const SPREAD: f64 = 0.754_877_666_246_692_8;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of all contacts.
 const TOLERANCE: f64 = 1e-7;
 const FORCE_TOLERANCE: f64 = 1e-6;
-/// Of the load, and of the rated torque, that a jump of the contact forces may leave unbalanced: 1e-4 of the rated torque wind the machine up by some 2e-4'.
+/// Of the load, and of the rated torque, that may be left unbalanced in a machine with errors: 1e-4 of the rated torque wind the machine up by some 2e-4'.
 const JUMP: (f64, f64) = (1e-2, 1e-4);
 
 /// The same at no load in a machine that errors have made so tight that its pins jump from flank to flank under some 100 N.
@@ -70,7 +72,8 @@ impl BearingMeshing {
         let model = BearingJoints::held(&machine, &JointSettings { damped: false, ..settings.clone() })?;
         let errors = &settings.errors;
         let (crank_turns, discs_alike) = (errors.crank_turns(&machine), errors.discs_alike());
-        Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), crank_turns, discs_alike, loose: [None, None] })
+        let has_errors = !errors.is_zero();
+        Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), crank_turns, discs_alike, has_errors, loose: [None, None] })
     }
 
     /// The balances of this model hold the loads of the bearings as well.
@@ -107,7 +110,7 @@ impl BearingMeshing {
         let control = EquilibriumControl {
             tolerance: TOLERANCE,
             force_tolerance: FORCE_TOLERANCE,
-            jump_tolerance: (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN,
+            jump_tolerance: if self.has_errors { (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN } else { 0.0 },
             ..EquilibriumControl::default()
         };
         match solve_equilibrium(&self.model, 0.0, &place, control) {
@@ -303,17 +306,19 @@ impl ShareLoad for BearingMeshing {
         Ok((sharing, self.deviation(crank, &position)))
     }
 
-    /// Read at ±1e-4 of rated torque; where forces that jump (worn pins, a machine so tight that its pins press without load) leave no balance there, at ±1e-3,
+    /// Read at ±1e-4 of rated torque. Where a machine with errors, so tight that its pins press without load, leaves no balance there, at ±1e-3,
     /// and within 2e-3 of rated torque if need be: some 0.005'.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
         let mut ends = [0.0; 2];
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let start = self.loose[side].take();
             let small = sign * ZERO_SHARE * self.rated;
-            let (position, _) = self
-                .balance_from_afar(crank, small, start.as_deref())
-                .or_else(|_| self.balance_from_afar(crank, 10.0 * small, start.as_deref()))
-                .or_else(|_| self.balance_within(TIGHT_JUMP, crank, 10.0 * small, None))?;
+            let (position, _) = match self.balance_from_afar(crank, small, start.as_deref()) {
+                Err(_) if self.has_errors => self
+                    .balance_from_afar(crank, 10.0 * small, start.as_deref())
+                    .or_else(|_| self.balance_within(TIGHT_JUMP, crank, 10.0 * small, None))?,
+                found => found?,
+            };
             ends[side] = self.model.output_error(&position);
             self.loose[side] = Some(self.deviation(crank, &position));
         }
