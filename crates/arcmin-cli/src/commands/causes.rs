@@ -48,7 +48,7 @@ pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
         .collect();
     let residual = rows.iter().map(|(_, point)| (point.lost_motion.residual() / ARCMIN).abs()).fold(0.0, f64::max);
     let note = format!(
-        "The machine with its bearings, without friction, input locked, mean over a turn of the crankshafts. The causes follow from virtual work with the forces \
+        "The machine with its bearings, without friction, input locked; mean over all places that repeat (a turn of the crankshafts, with errors of the ring one of the output). The causes follow from virtual work with the forces \
          at ±3 % of rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in the displacements."
     );
     Section::new("causes", "Lost motion of the whole machine", vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)])
@@ -63,7 +63,7 @@ pub fn shares(hours: f64, point: &PartsPoint) -> Section {
         .filter(|row| row.1.abs() > 1e-4)
         .collect();
     let note = format!(
-        "After {hours:.0} h, friction aside, mean over a turn of the crankshafts. Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second \
+        "After {hours:.0} h, friction aside, mean over all places that repeat (a turn of the crankshafts, with errors of the ring one of the output). Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second \
          order in the displacements).",
         split.whole / ARCMIN,
         split.residual() / ARCMIN
