@@ -4,6 +4,7 @@ mod facets;
 mod law;
 mod ring;
 mod rolling;
+mod search;
 mod sliding;
 mod worn_pin;
 

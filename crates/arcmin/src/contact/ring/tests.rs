@@ -1,4 +1,5 @@
 use super::*;
+use crate::geometry::turned;
 use crate::units::{ARCMIN, UM, wrap_angle};
 
 fn machine() -> crate::machine::Machine {

@@ -1,0 +1,165 @@
+//! From the place of a disc to the state of its contacts.
+
+use super::ContactForce;
+use super::ring::{DiscPose, DiscVelocity, FLOOR_SECTORS, PinContact, PinContacts};
+use super::worn_pin::turn_on_pin;
+use crate::geometry::{Closest, Foot, LANES, Vec2, cross, quarter_turn, turned, unit};
+
+/// Pins whose foot points are sought side by side.
+#[derive(Default)]
+struct Batch {
+    count: usize,
+    pin: [usize; LANES],
+    /// Pin centre from the disc centre, in the housing frame and in the disc frame.
+    arm: [Vec2; LANES],
+    place: [Vec2; LANES],
+    /// Where the search starts: τ and e(τ).
+    tau: [f64; LANES],
+    direction: [Vec2; LANES],
+}
+
+impl Batch {
+    #[inline]
+    fn push(&mut self, pin: usize, arm: Vec2, place: Vec2, tau: f64, direction: Vec2) {
+        let lane = self.count;
+        self.pin[lane] = pin;
+        self.arm[lane] = arm;
+        self.place[lane] = place;
+        self.tau[lane] = tau;
+        self.direction[lane] = direction;
+        self.count += 1;
+    }
+}
+
+impl PinContacts {
+    /// Calls `visit` for every pin (`all`) or for every pin that may touch.
+    pub fn visit(&self, pose: DiscPose, velocity: DiscVelocity, all: bool, mut visit: impl FnMut(&PinContact)) {
+        let rotation = unit(pose.angle);
+        let back = Vec2::new(rotation.x, -rotation.y);
+        // z_p β_i is a whole number of turns, so all pins share e(z τ) at the start of their search.
+        let ez = unit(-(self.profile.pin_count as f64) * pose.angle);
+        let pitch = std::f64::consts::TAU / self.pins.len() as f64;
+        let mut next = Batch::default();
+        for (index, pin) in self.pins.iter().enumerate() {
+            let arm = pin.centre - pose.centre;
+            let p = turned(arm, back);
+            let e = turned(self.directions[index], back);
+            let tau0 = pitch * index as f64 - pose.angle;
+            if !all && self.facets.is_none() {
+                let sector = if self.relief.is_uniform() {
+                    0
+                } else {
+                    let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
+                    ((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)
+                };
+                let extra = self.profile.pin_radius - pin.radius + self.relief_floors[sector] + self.shallowest_elsewhere;
+                if self.is_clear(p, e, ez, extra) {
+                    continue;
+                }
+            }
+            next.push(index, arm, p, tau0, e);
+            if next.count == LANES {
+                self.visit_batch(&mut next, ez, rotation, velocity, &mut visit);
+            }
+        }
+        self.visit_batch(&mut next, ez, rotation, velocity, &mut visit);
+    }
+
+    #[inline]
+    fn visit_batch(&self, batch: &mut Batch, ez: Vec2, rotation: Vec2, velocity: DiscVelocity, visit: &mut impl FnMut(&PinContact)) {
+        if batch.count == 0 {
+            return;
+        }
+        // Places that are left over search again for the first pin: no result depends on who is beside it.
+        for lane in batch.count..LANES {
+            (batch.place[lane], batch.tau[lane], batch.direction[lane]) = (batch.place[0], batch.tau[0], batch.direction[0]);
+        }
+        self.profile.feet_from((&batch.place, &batch.tau, &batch.direction), ez, batch.count, |lane, foot| {
+            visit(&self.contact_of(batch.pin[lane], batch.arm[lane], batch.place[lane], foot, rotation, velocity));
+        });
+        batch.count = 0;
+    }
+
+    /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the curvature can take back.
+    #[inline]
+    fn is_clear(&self, p: Vec2, e: Vec2, ez: Vec2, extra: f64) -> bool {
+        let (c, c1, c2) = self.profile.trace_derivatives(e, ez);
+        let off = p - c;
+        let per_speed = 1.0 / c1.norm();
+        let height = cross(off, c1) * per_speed;
+        let along = off.dot(&c1) * per_speed;
+        let curvature = cross(c1, c2).abs() * per_speed * per_speed * per_speed;
+        // Only where the curvature cannot change its size on the way to the foot.
+        curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + self.reach
+    }
+
+    #[inline]
+    fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, foot: &Foot, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
+        let radius = self.pins[pin].radius;
+        let closest = if let Some(facets) = &self.facets {
+            let nearest = facets.nearest(p, foot.tau, radius);
+            Closest {
+                tau: foot.tau,
+                meshing_angle: self.profile.meshing_angle(foot.tau),
+                meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
+                gap: nearest.gap,
+                normal: nearest.normal,
+                flank_curvature: nearest.curvature,
+                relative_curvature: 1.0 / radius,
+            }
+        } else if self.relief.is_uniform() {
+            let depth = self.relief.samples()[0];
+            let curvature = foot.trace_curvature / (1.0 + (self.profile.pin_radius + depth) * foot.trace_curvature);
+            Closest {
+                tau: foot.tau,
+                meshing_angle: self.profile.meshing_angle(foot.tau),
+                meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
+                gap: foot.distance + (self.profile.pin_radius - radius) + depth,
+                normal: foot.normal,
+                flank_curvature: curvature,
+                relative_curvature: 1.0 / radius - curvature,
+            }
+        } else {
+            self.profile.closest_on_worn(p, foot, &self.relief, radius)
+        };
+        let Closest { tau, meshing_angle, meshing_unit, mut gap, normal: flank_normal, flank_curvature, relative_curvature } = closest;
+        if let Some(error) = &self.flank_error {
+            gap += error.depth(tau, flank_normal);
+        }
+        let normal = turned(flank_normal, rotation);
+        let t = quarter_turn(normal);
+        let mut gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
+        if let Some(worn) = self.worn_pin(pin, normal) {
+            let turn = turn_on_pin(t, arm, flank_curvature, closest.gap + radius);
+            gap += worn.depth;
+            gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
+        }
+        let along = [t.x, t.y, cross(arm, t) - radius];
+        let v = velocity.as_array();
+        let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
+        let sliding_speed = along[0] * v[0] + along[1] * v[1] + along[2] * v[2];
+        let ContactForce { force, stiffness, damping, elastic, stored } = self.contact.damped_force(-gap, approach_rate, 1.0 / relative_curvature);
+        let friction = self.sliding.as_ref().map_or(0.0, |sliding| -force * sliding.share(sliding_speed).0);
+        PinContact {
+            pin,
+            tau,
+            meshing_angle,
+            gap,
+            approach_rate,
+            force,
+            stiffness,
+            damping,
+            elastic,
+            stored,
+            sliding_speed,
+            friction,
+            normal,
+            arm,
+            flank_curvature,
+            relative_curvature,
+            gradient,
+            along,
+            meshing_unit,
+        }
+    }
+}
