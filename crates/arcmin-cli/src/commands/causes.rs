@@ -1,6 +1,6 @@
 //! Lost motion by cause, as `life` and `rig` write it.
 
-use arcmin::dynamics::Cause;
+use arcmin::dynamics::{Cause, LostMotionSplit};
 use arcmin::life::PartsPoint;
 use arcmin::report::{Block, Section, Shares, Tone, lost_motion_causes};
 use arcmin::units::{ARCMIN, UM};
@@ -39,13 +39,34 @@ pub fn summary(point: &PartsPoint) -> Value {
     Value::Object(map)
 }
 
+/// Causes as a reader wants them, in arcmin, one value per state; none below `negligible`. Errors that press parts together without load take as much as
+/// the elastic work gives, many times the whole: the two are shown as one then. Tables and summary keep them apart.
+fn shown(states: &[&LostMotionSplit], negligible: f64) -> Vec<(String, Vec<f64>)> {
+    let pressed = states.iter().any(|split| split.of(Cause::ManufacturingErrors) < -PRESSED);
+    let of = |cause: Cause| -> Vec<f64> { states.iter().map(|split| split.of(cause) / ARCMIN).collect() };
+    Cause::ALL
+        .into_iter()
+        .filter(|cause| !(pressed && *cause == Cause::ManufacturingErrors))
+        .map(|cause| {
+            if pressed && cause == Cause::Elastic {
+                let both = of(cause).into_iter().zip(of(Cause::ManufacturingErrors)).map(|(elastic, errors)| elastic + errors);
+                (format!("{}, and manufacturing errors", cause.name()), both.collect())
+            } else {
+                (cause.name().to_owned(), of(cause))
+            }
+        })
+        .filter(|(_, values)| values.iter().any(|value| value.abs() > negligible))
+        .collect()
+}
+
+/// What manufacturing errors take of the lost motion, in rad, from where on they are taken to press parts together.
+const PRESSED: f64 = 0.02 * ARCMIN;
+
 /// For the report: the causes stacked over the hours.
 pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
-    let series: Vec<(String, Vec<(f64, f64)>)> = Cause::ALL
-        .into_iter()
-        .filter(|cause| rows.iter().any(|(_, point)| (point.lost_motion.of(*cause) / ARCMIN).abs() > 1e-4))
-        .map(|cause| (cause.name().to_owned(), rows.iter().map(|(hours, point)| (*hours, point.lost_motion.of(cause) / ARCMIN)).collect()))
-        .collect();
+    let states: Vec<&LostMotionSplit> = rows.iter().map(|(_, point)| &point.lost_motion).collect();
+    let series: Vec<(String, Vec<(f64, f64)>)> =
+        shown(&states, 1e-4).into_iter().map(|(cause, values)| (cause, rows.iter().map(|(hours, _)| *hours).zip(values).collect())).collect();
     let residual = rows.iter().map(|(_, point)| (point.lost_motion.residual() / ARCMIN).abs()).fold(0.0, f64::max);
     let note = format!(
         "The machine with its bearings, without friction, input locked; mean over all places that repeat (a turn of the crankshafts, with errors of the ring one of the output). The causes follow from virtual work with the forces \
@@ -57,11 +78,7 @@ pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
 /// For the report of one state: which cause gives how much.
 pub fn shares(hours: f64, point: &PartsPoint) -> Section {
     let split = &point.lost_motion;
-    let rows = Cause::ALL
-        .into_iter()
-        .map(|cause| (cause.name().to_owned(), split.of(cause) / ARCMIN, String::new()))
-        .filter(|row| row.1.abs() > 1e-4)
-        .collect();
+    let rows = shown(&[split], 1e-4).into_iter().map(|(cause, values)| (cause, values[0], String::new())).collect();
     let note = format!(
         "After {hours:.0} h, friction aside, mean over all places that repeat (a turn of the crankshafts, with errors of the ring one of the output). Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second \
          order in the displacements).",
@@ -79,9 +96,9 @@ pub fn shares(hours: f64, point: &PartsPoint) -> Section {
 pub fn say(point: &PartsPoint) -> String {
     let split = &point.lost_motion;
     let mut text = format!("lost motion of the whole machine {:.3}':", split.whole / ARCMIN);
-    for cause in Cause::ALL.into_iter().filter(|cause| (split.of(*cause) / ARCMIN).abs() > 5e-4) {
-        text.push_str(&format!("\n  {:44} {:.3}'", cause.name(), split.of(cause) / ARCMIN));
+    for (cause, values) in shown(&[split], 5e-4) {
+        text.push_str(&format!("\n  {cause:62} {:.3}'", values[0]));
     }
-    text.push_str(&format!("\n  {:44} {:+.4}'", "not explained", split.residual() / ARCMIN));
+    text.push_str(&format!("\n  {:62} {:+.4}'", "not explained", split.residual() / ARCMIN));
     text
 }

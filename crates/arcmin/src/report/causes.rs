@@ -16,7 +16,7 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
         let hours = causes.first().map_or(&[][..], |(_, points)| points).iter().map(|(hours, _)| *hours);
         let sum = |at: usize| causes.iter().filter_map(|(_, points)| points.get(at)).map(|(_, value)| value).sum();
         plot.series.push(Series::line("sum", hours.enumerate().map(|(at, hours)| (hours, sum(at)))).coloured(Colour::Reference).strong());
-        plot.note = "Negative causes close gaps; where they press parts together without load, elastic work and theirs nearly cancel.".into();
+        plot.note = "Negative causes close gaps. Where manufacturing errors press parts together without load, their work and the elastic one are many times the whole and nearly cancel; they are shown as one.".into();
         return Block::Plot(plot);
     }
     // Stacked: every band stands on the one before.
