@@ -25,11 +25,13 @@ pub struct EquilibriumControl {
     /// lies, closer together than `tolerance`, is accepted when the work of its forces along one unit of scale is below this, in J; so is a place from which
     /// steps no longer lead on. The residual says what is left.
     pub jump_tolerance: f64,
+    /// A coordinate that does not move, whatever pulls at it.
+    pub held: Option<usize>,
 }
 
 impl Default for EquilibriumControl {
     fn default() -> Self {
-        EquilibriumControl { tolerance: 1e-10, force_tolerance: 1e-9, largest_iteration_count: 400, trust: 1.0, jump_tolerance: 0.0 }
+        EquilibriumControl { tolerance: 1e-10, force_tolerance: 1e-9, largest_iteration_count: 400, trust: 1.0, jump_tolerance: 0.0, held: None }
     }
 }
 
@@ -62,7 +64,15 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
     // Forces of different kinds are compared through the work they do along one unit of error.
     let work = |f: &[f64]| f.iter().zip(scale).map(|(f, s)| (f * s).powi(2)).sum::<f64>().sqrt();
     let largest = |f: &[f64]| f.iter().fold(0.0, |m: f64, x| if x.abs() <= m { m } else { x.abs() });
-    let mut balance = system.evaluate(time, &position, &rest, &mut force, &mut lin);
+    let evaluate = |position: &[f64], force: &mut [f64], lin: &mut S::Linearisation| {
+        let balance = system.evaluate(time, position, &rest, force, lin);
+        if let Some(held) = control.held {
+            force[held] = 0.0;
+            lin.hold(held);
+        }
+        balance
+    };
+    let mut balance = evaluate(&position, &mut force, &mut lin);
     let mut mu = 0.0;
     let mut trust = control.trust;
     // Size of the forces that was halved last, and when.
@@ -96,7 +106,7 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
         for i in 0..n {
             trial[i] = position[i] + shortening * step[i];
         }
-        let trial_balance = system.evaluate(time, &trial, &rest, &mut trial_force, &mut trial_lin);
+        let trial_balance = evaluate(&trial, &mut trial_force, &mut trial_lin);
         let trial_size = work(&trial_force);
         // In a clearance the force stays as it is; deep in a contact that was jumped into it grows. Work done against the new
         // force says whether the step went past the balance.

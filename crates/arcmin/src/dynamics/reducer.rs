@@ -1,9 +1,9 @@
 use serde::{Deserialize, Serialize};
 
-use super::{Balance, DenseLinearisation, DynamicsError, EquilibriumControl, System, solve_equilibrium};
+use super::{DynamicsError, EquilibriumControl, System, solve_equilibrium};
 
 /// A [`System`] that is a reducer: what a run needs to know beyond the equations of motion.
-pub trait Reducer: System<Linearisation = DenseLinearisation> {
+pub trait Reducer: System {
     /// Angle (rad) and speed (rad/s) of the input: the sun, or the motor behind an elastic shaft.
     fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64);
 
@@ -32,8 +32,8 @@ pub trait Reducer: System<Linearisation = DenseLinearisation> {
     where
         Self: Sized,
     {
-        let held = InputHeld { model: self, input: self.free_input() };
-        Ok(solve_equilibrium(&held, 0.0, &self.nominal_position(), EquilibriumControl::default())?.position)
+        let control = EquilibriumControl { held: self.free_input(), ..EquilibriumControl::default() };
+        Ok(solve_equilibrium(self, 0.0, &self.nominal_position(), control)?.position)
     }
 
     /// Largest forces at one state.
@@ -42,41 +42,6 @@ pub trait Reducer: System<Linearisation = DenseLinearisation> {
     /// Transmission error θ_out − θ_s/i in rad; negative where the output lags.
     fn transmission_error(&self, time: f64, position: &[f64], velocity: &[f64]) -> f64 {
         self.output(position, velocity).0 - self.input(time, position, velocity).0 / self.ratio()
-    }
-}
-
-/// A model whose input does not move.
-struct InputHeld<'a, M> {
-    model: &'a M,
-    input: Option<usize>,
-}
-
-impl<M: Reducer> System for InputHeld<'_, M> {
-    type Linearisation = DenseLinearisation;
-
-    fn linearisation(&self) -> DenseLinearisation {
-        self.model.linearisation()
-    }
-
-    fn mass(&self) -> &[f64] {
-        self.model.mass()
-    }
-
-    fn scale(&self) -> &[f64] {
-        self.model.scale()
-    }
-
-    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], linearisation: &mut DenseLinearisation) -> Balance {
-        let balance = self.model.evaluate(time, position, velocity, force, linearisation);
-        if let Some(input) = self.input {
-            force[input] = 0.0;
-            linearisation.hold(input);
-        }
-        balance
-    }
-
-    fn crank_angle(&self, position: &[f64]) -> f64 {
-        self.model.crank_angle(position)
     }
 }
 

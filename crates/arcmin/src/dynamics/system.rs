@@ -40,6 +40,9 @@ pub trait Linearisation {
     /// # Errors
     /// [`Singular`] if the matrix has no inverse or holds a value that is not finite.
     fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular>;
+
+    /// Holds a coordinate: no force moves it, and it moves nothing.
+    fn hold(&mut self, coordinate: usize);
 }
 
 /// Factors of mass, damping and stiffness in the matrix of an implicit step.
@@ -107,18 +110,6 @@ impl DenseLinearisation {
         }
     }
 
-    /// Holds a coordinate: no force moves it, and it moves nothing.
-    pub fn hold(&mut self, coordinate: usize) {
-        let n = self.size;
-        for i in 0..n {
-            for entry in [coordinate * n + i, i * n + coordinate] {
-                self.stiffness[entry] = 0.0;
-                self.damping[entry] = 0.0;
-            }
-        }
-        self.stiffness[coordinate * n + coordinate] = 1.0;
-    }
-
     /// −∂Q_row/∂q_column.
     pub fn stiffness(&self, row: usize, column: usize) -> f64 {
         self.stiffness[row * self.size + column]
@@ -131,6 +122,17 @@ impl DenseLinearisation {
 }
 
 impl Linearisation for DenseLinearisation {
+    fn hold(&mut self, coordinate: usize) {
+        let n = self.size;
+        for i in 0..n {
+            for entry in [coordinate * n + i, i * n + coordinate] {
+                self.stiffness[entry] = 0.0;
+                self.damping[entry] = 0.0;
+            }
+        }
+        self.stiffness[coordinate * n + coordinate] = 1.0;
+    }
+
     fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular> {
         let n = self.size;
         let a = &mut self.work;
