@@ -41,7 +41,11 @@ impl Failure {
 
     /// Prints to standard error: in colour on a terminal, plain elsewhere.
     pub fn print(&self) {
-        let theme = if std::io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let theme = if std::io::stderr().is_terminal() {
+            GraphicalTheme::unicode()
+        } else {
+            GraphicalTheme::unicode_nocolor()
+        };
         let handler = GraphicalReportHandler::new_themed(theme).with_width(100).with_links(false);
         let mut text = String::new();
         if handler.render_report(&mut text, self).is_err() {

@@ -1,4 +1,5 @@
-//! The `arcmin` command. Computation lives in the `arcmin` crate; this crate reads designs, writes tables and talks to the terminal.
+//! The `arcmin` command. Computation lives in the `arcmin` crate; this crate reads designs, writes tables and
+//! talks to the terminal.
 
 mod commands;
 mod failure;

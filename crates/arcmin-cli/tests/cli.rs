@@ -32,7 +32,8 @@ fn edit(directory: &Path, from: &str, to: &str) {
 }
 
 fn leftovers(directory: &Path) -> Vec<String> {
-    let names = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let names =
+        std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     names.filter(|name| name.starts_with('.')).collect()
 }
 
@@ -66,7 +67,10 @@ fn new_does_not_overwrite_unless_told_so() {
     assert!(std::fs::read_to_string(directory.path().join("d.toml")).unwrap().contains("RV-80E"));
     let unknown = arcmin(directory.path(), &["new", "rv-9", "e.toml"]);
     assert_eq!(unknown.status.code(), Some(2));
-    assert_eq!(texts(&unknown).1, "  × no template is called \"rv-9\"\n  help: templates are rv-40e-81, rv-80e\n");
+    assert_eq!(
+        texts(&unknown).1,
+        "  × no template is called \"rv-9\"\n  help: templates are rv-40e-81, rv-80e\n"
+    );
 }
 
 #[test]
@@ -118,14 +122,22 @@ fn profile_writes_the_flank_with_its_closed_forms() {
             fields[2].hypot(fields[3])
         })
         .collect();
-    let (low, high) = radii.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), r| (low.min(*r), high.max(*r)));
+    let (low, high) =
+        radii.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), r| (low.min(*r), high.max(*r)));
     assert!((low - 59.7).abs() < 1e-9 && (high - 62.3).abs() < 1e-9, "{low} {high}");
 }
 
 #[test]
 fn uniform_wear_moves_the_flank_along_its_normal() {
     let directory = with_design();
-    assert!(arcmin(directory.path(), &["profile", "d.toml", "--points", "20", "--wear-um", "60", "--out", "worn"]).status.success());
+    assert!(
+        arcmin(
+            directory.path(),
+            &["profile", "d.toml", "--points", "20", "--wear-um", "60", "--out", "worn"]
+        )
+        .status
+        .success()
+    );
     let table = std::fs::read_to_string(directory.path().join("worn/profile.csv")).unwrap();
     for line in table.lines().skip(1) {
         let f: Vec<Option<f64>> = line.split(',').map(|field| field.parse().ok()).collect();
@@ -138,7 +150,11 @@ fn uniform_wear_moves_the_flank_along_its_normal() {
 fn same_input_same_bytes() {
     let directory = with_design();
     for (out, threads) in [("a", "1"), ("b", "2")] {
-        assert!(arcmin(directory.path(), &["profile", "d.toml", "--out", out, "--threads", threads, "--quiet"]).status.success());
+        assert!(
+            arcmin(directory.path(), &["profile", "d.toml", "--out", out, "--threads", threads, "--quiet"])
+                .status
+                .success()
+        );
     }
     let read = |out: &str| std::fs::read(directory.path().join(out).join("profile.csv")).unwrap();
     assert!(read("a") == read("b"));
@@ -194,8 +210,7 @@ fn a_missing_design_and_a_binary_one_are_clear_errors() {
     let directory = tempfile::tempdir().unwrap();
     let missing = arcmin(directory.path(), &["check", "nowhere.toml"]);
     assert_eq!(missing.status.code(), Some(2));
-    let expected =
-        "  × cannot read nowhere.toml: No such file or directory (os error 2)\n  help: `arcmin new FILE` writes a design file to start from\n";
+    let expected = "  × cannot read nowhere.toml: No such file or directory (os error 2)\n  help: `arcmin new FILE` writes a design file to start from\n";
     assert_eq!(texts(&missing).1, expected);
     std::fs::write(directory.path().join("b.toml"), [0xff, 0xfe, 0x00]).unwrap();
     let binary = arcmin(directory.path(), &["check", "b.toml"]);
@@ -211,26 +226,48 @@ fn a_file_in_place_of_the_output_directory_is_a_clear_error() {
         let output = arcmin(directory.path(), &["profile", "d.toml", "--out", out]);
         assert_eq!(output.status.code(), Some(2));
         let (_, error) = texts(&output);
-        assert!(error.contains(&format!("cannot write {out}: ")) && error.contains("choose another place with --out"), "{error}");
+        assert!(
+            error.contains(&format!("cannot write {out}: "))
+                && error.contains("choose another place with --out"),
+            "{error}"
+        );
     }
     assert_eq!(std::fs::read_to_string(directory.path().join("blocked")).unwrap(), "precious");
 }
 
-/// A disk that is full after some kilobytes: the limit of the file size with its signal ignored gives the same kind of write error.
+/// A disk that is full after some kilobytes: the limit of the file size with its signal ignored gives the
+/// same kind of write error.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_a_clear_error_and_keeps_earlier_results() {
     let directory = with_design();
     let out = directory.path().join("full");
-    assert!(arcmin(directory.path(), &["profile", "d.toml", "--points", "4", "--out", "full"]).status.success());
-    let before = (std::fs::read(out.join("profile.csv")).unwrap(), std::fs::read(out.join("summary.json")).unwrap());
+    assert!(
+        arcmin(directory.path(), &["profile", "d.toml", "--points", "4", "--out", "full"]).status.success()
+    );
+    let before =
+        (std::fs::read(out.join("profile.csv")).unwrap(), std::fs::read(out.join("summary.json")).unwrap());
     let script = "trap '' XFSZ; ulimit -f 16; exec \"$0\" profile d.toml --points 2000 --out full";
     let binary = assert_cmd::cargo::cargo_bin("arcmin");
-    let output = std::process::Command::new("bash").args(["-c", script]).arg(binary).current_dir(directory.path()).output().unwrap();
+    let output = std::process::Command::new("bash")
+        .args(["-c", script])
+        .arg(binary)
+        .current_dir(directory.path())
+        .output()
+        .unwrap();
     let (_, error) = texts(&output);
     assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(error.contains("cannot write full/profile.csv: File too large") && error.contains("make room"), "{error}");
-    assert!(before == (std::fs::read(out.join("profile.csv")).unwrap(), std::fs::read(out.join("summary.json")).unwrap()));
+    assert!(
+        error.contains("cannot write full/profile.csv: File too large") && error.contains("make room"),
+        "{error}"
+    );
+    assert!(
+        before
+            == (
+                std::fs::read(out.join("profile.csv")).unwrap(),
+                std::fs::read(out.join("summary.json")).unwrap()
+            )
+    );
     assert!(leftovers(&out).is_empty(), "{:?}", leftovers(&out));
 }
 
@@ -245,7 +282,11 @@ fn a_killed_run_leaves_no_damaged_file() {
     let complete = std::fs::read(out.join("profile.csv")).unwrap();
     let mut interrupted = 0;
     for attempt in 0..30 {
-        let mut child = std::process::Command::new(&binary).args(arguments).current_dir(directory.path()).spawn().unwrap();
+        let mut child = std::process::Command::new(&binary)
+            .args(arguments)
+            .current_dir(directory.path())
+            .spawn()
+            .unwrap();
         std::thread::sleep(std::time::Duration::from_millis(4 * attempt));
         if child.try_wait().unwrap().is_none() {
             interrupted += 1;
@@ -261,13 +302,19 @@ fn a_killed_run_leaves_no_damaged_file() {
     assert!(interrupted > 0, "no run was interrupted: nothing was tested");
 }
 
-/// Runs with `arguments` and sends SIGINT after each of the delays (ms) until a run was interrupted while it computed; returns what it said.
+/// Runs with `arguments` and sends SIGINT after each of the delays (ms) until a run was interrupted while it
+/// computed; returns what it said.
 #[cfg(unix)]
 fn interrupted(directory: &Path, arguments: &[&str], delays: impl Iterator<Item = u64>) -> Option<String> {
     let binary = assert_cmd::cargo::cargo_bin("arcmin");
     for delay in delays {
         let mut command = std::process::Command::new(&binary);
-        let child = command.args(arguments).current_dir(directory).stderr(std::process::Stdio::piped()).spawn().unwrap();
+        let child = command
+            .args(arguments)
+            .current_dir(directory)
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
         std::thread::sleep(std::time::Duration::from_millis(delay));
         std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
         let output = child.wait_with_output().unwrap();
@@ -279,7 +326,8 @@ fn interrupted(directory: &Path, arguments: &[&str], delays: impl Iterator<Item 
     None
 }
 
-/// Ctrl-C ends the main job cleanly: it says so, leaves no temporary file, and the results of the run before untouched.
+/// Ctrl-C ends the main job cleanly: it says so, leaves no temporary file, and the results of the run before
+/// untouched.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_life_keeps_earlier_results() {
@@ -289,7 +337,8 @@ fn an_interrupted_life_keeps_earlier_results() {
     let out = directory.path().join("life");
     let read = |name: &str| std::fs::read(out.join(name)).unwrap();
     let before: Vec<_> = ["life.csv", "wear.csv", "report.html", "summary.json"].map(read).into();
-    let said = interrupted(directory.path(), &arguments, (0..20).map(|i| 60 + 10 * i)).expect("no run was interrupted: nothing was tested");
+    let said = interrupted(directory.path(), &arguments, (0..20).map(|i| 60 + 10 * i))
+        .expect("no run was interrupted: nothing was tested");
     assert!(said.contains("stopped before the end"), "{said}");
     let after: Vec<_> = ["life.csv", "wear.csv", "report.html", "summary.json"].map(read).into();
     assert!(before == after);
@@ -305,7 +354,8 @@ fn an_interrupted_simulation_resumes_to_the_same_result() {
     let whole = [&arguments[..], &["whole"]].concat();
     assert!(arcmin(directory.path(), &whole).status.success());
     let parts = [&arguments[..], &["parts"]].concat();
-    let said = interrupted(directory.path(), &parts, (0..20).map(|i| 150 + 10 * i)).expect("no run was interrupted: nothing was tested");
+    let said = interrupted(directory.path(), &parts, (0..20).map(|i| 150 + 10 * i))
+        .expect("no run was interrupted: nothing was tested");
     assert!(said.contains("checkpoint.json"), "{said}");
     assert!(directory.path().join("parts/checkpoint.json").exists());
     let resumed = arcmin(directory.path(), &[&parts[..], &["--resume"]].concat());
@@ -319,14 +369,24 @@ fn a_reader_who_leaves_early_does_no_harm() {
     let directory = with_design();
     let script = "\"$0\" check d.toml | head -c 1 > /dev/null; exit ${PIPESTATUS[0]}";
     let binary = assert_cmd::cargo::cargo_bin("arcmin");
-    let output = std::process::Command::new("bash").args(["-c", script]).arg(binary).current_dir(directory.path()).output().unwrap();
+    let output = std::process::Command::new("bash")
+        .args(["-c", script])
+        .arg(binary)
+        .current_dir(directory.path())
+        .output()
+        .unwrap();
     assert_eq!((output.status.code(), texts(&output).1.as_str()), (Some(0), ""));
 }
 
 #[test]
 fn wrong_usage_exits_with_two() {
     let directory = with_design();
-    for arguments in [&["profile"][..], &["profil", "d.toml"], &["profile", "d.toml", "--wear-um", "nan"], &["profile", "d.toml", "--points", "0"]] {
+    for arguments in [
+        &["profile"][..],
+        &["profil", "d.toml"],
+        &["profile", "d.toml", "--wear-um", "nan"],
+        &["profile", "d.toml", "--points", "0"],
+    ] {
         assert_eq!(arcmin(directory.path(), arguments).status.code(), Some(2), "{arguments:?}");
     }
 }
@@ -348,18 +408,31 @@ fn bearings_serve_load_sharing_wear_and_life() {
     run(&["life", "d.toml", "--quasi-static", "--points", "2", "--out", "l"]);
     let causes = summary(&directory.path().join("l"))["lost_motion_causes"].clone();
     let value = |key: &str| causes[key].as_f64().unwrap();
-    let sum: f64 = causes.as_object().unwrap().iter().filter(|(key, _)| *key != "whole_arcmin").map(|(_, value)| value.as_f64().unwrap()).sum();
-    assert!((sum - value("whole_arcmin")).abs() < 1e-9 && value("residual_arcmin").abs() < 0.01 * value("whole_arcmin"), "{causes}");
+    let sum: f64 = causes
+        .as_object()
+        .unwrap()
+        .iter()
+        .filter(|(key, _)| *key != "whole_arcmin")
+        .map(|(_, value)| value.as_f64().unwrap())
+        .sum();
+    assert!(
+        (sum - value("whole_arcmin")).abs() < 1e-9
+            && value("residual_arcmin").abs() < 0.01 * value("whole_arcmin"),
+        "{causes}"
+    );
     assert!(value("flank_wear_arcmin") > 0.05 && value("turning_arm_clearance_arcmin") > 0.05);
-    let wrong = arcmin(directory.path(), &["contact", "d.toml", "--joints", "bearings", "--method", "closed-form"]);
+    let wrong =
+        arcmin(directory.path(), &["contact", "d.toml", "--joints", "bearings", "--method", "closed-form"]);
     assert_eq!(wrong.status.code(), Some(2));
 }
 
-/// A bench run whose own tables are given back as measured finds its own figures, and draws them into the report.
+/// A bench run whose own tables are given back as measured finds its own figures, and draws them into the
+/// report.
 #[test]
 fn rig_evaluates_measured_curves_as_its_own() {
     let directory = with_design();
-    let quick = ["rig", "d.toml", "--positions", "2", "--te-positions", "256", "--errors", "drawn", "--seed", "7"];
+    let quick =
+        ["rig", "d.toml", "--positions", "2", "--te-positions", "256", "--errors", "drawn", "--seed", "7"];
     assert!(arcmin(directory.path(), &[&quick[..], &["--out", "a"]].concat()).status.success());
     let measured = ["--measured", "a/hysteresis.csv", "--measured", "a/te.csv", "--out", "b"];
     let (stdout, stderr) = texts(&arcmin(directory.path(), &[&quick[..], &measured].concat()));
@@ -378,7 +451,20 @@ fn rig_evaluates_measured_curves_as_its_own() {
     let errors = std::fs::read_to_string(directory.path().join("a/errors.csv")).unwrap();
     assert!(errors.lines().count() > 120 && errors.contains("pin 40,tangential,"), "{errors}");
     // Another seed is another machine.
-    let other = ["rig", "d.toml", "--positions", "1", "--te-positions", "64", "--errors", "drawn", "--seed", "8", "--out", "c"];
+    let other = [
+        "rig",
+        "d.toml",
+        "--positions",
+        "1",
+        "--te-positions",
+        "64",
+        "--errors",
+        "drawn",
+        "--seed",
+        "8",
+        "--out",
+        "c",
+    ];
     assert!(arcmin(directory.path(), &other).status.success());
     assert_ne!(std::fs::read_to_string(directory.path().join("c/errors.csv")).unwrap(), errors);
 }
@@ -394,18 +480,38 @@ fn measured_files_and_manufacturing_errors_that_do_not_fit_are_answered_with_the
     };
     let write = |name: &str, text: &str| std::fs::write(directory.path().join(name), text).unwrap();
     write("loop.csv", "torque_n_m,angle_arcmin,branch\n1,0.1,falling\n\n2,0.2,up\n");
-    refused(&["rig", "d.toml", "--measured", "loop.csv"], &["loop.csv, line 4", "\"up\"", "neither falling nor rising"]);
+    refused(
+        &["rig", "d.toml", "--measured", "loop.csv"],
+        &["loop.csv, line 4", "\"up\"", "neither falling nor rising"],
+    );
     write("te.csv", "output_angle_deg,te_arcmin\n0,0.1\n1,x\n");
-    refused(&["rig", "d.toml", "--measured", "te.csv"], &["te.csv, line 3", "\"x\" in the column te_arcmin is not a number"]);
+    refused(
+        &["rig", "d.toml", "--measured", "te.csv"],
+        &["te.csv, line 3", "\"x\" in the column te_arcmin is not a number"],
+    );
     write("other.csv", "# a comment\na,b\n1,2\n");
-    refused(&["rig", "d.toml", "--measured", "other.csv"], &["other.csv, line 2", "neither a hysteresis loop nor a transmission error"]);
-    refused(&["rig", "d.toml", "--errors", "given"], &["the design gives no manufacturing errors", "[errors]"]);
+    refused(
+        &["rig", "d.toml", "--measured", "other.csv"],
+        &["other.csv, line 2", "neither a hysteresis loop nor a transmission error"],
+    );
+    refused(
+        &["rig", "d.toml", "--errors", "given"],
+        &["the design gives no manufacturing errors", "[errors]"],
+    );
     refused(&["rig", "d.toml", "--seed", "3"], &["--errors drawn"]);
-    refused(&["simulate", "d.toml", "--errors", "drawn"], &["ideal joints have no place for manufacturing errors", "--joints bearings"]);
-    edit(directory.path(), "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]");
+    refused(
+        &["simulate", "d.toml", "--errors", "drawn"],
+        &["ideal joints have no place for manufacturing errors", "--joints bearings"],
+    );
+    edit(
+        directory.path(),
+        "[tolerances]",
+        "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]",
+    );
     refused(&["rig", "d.toml"], &["flank.csv"]);
     let flank = |change: &dyn Fn(usize) -> f64| {
-        let rows: Vec<String> = (0..720).map(|i| format!("{},{}", change(i), 2.0 * (i as f64 / 40.0).sin())).collect();
+        let rows: Vec<String> =
+            (0..720).map(|i| format!("{},{}", change(i), 2.0 * (i as f64 / 40.0).sin())).collect();
         write("flank.csv", &format!("angle_deg,depth_um\n{}\n", rows.join("\n")));
     };
     flank(&|i| if i == 100 { 3.0 } else { 0.5 * i as f64 });
@@ -413,16 +519,23 @@ fn measured_files_and_manufacturing_errors_that_do_not_fit_are_answered_with_the
     flank(&|i| 0.3 * i as f64);
     refused(&["rig", "d.toml"], &["flank.csv, line 721", "39 lobes need a point every 2.308° at least"]);
     flank(&|i| 0.5 * i as f64);
-    let output = arcmin(directory.path(), &["rig", "d.toml", "--positions", "1", "--te-positions", "64", "--out", "r"]);
+    let output = arcmin(
+        directory.path(),
+        &["rig", "d.toml", "--positions", "1", "--te-positions", "64", "--out", "r"],
+    );
     assert!(output.status.success(), "{}", texts(&output).1);
     assert_eq!(summary(&directory.path().join("r"))["errors"]["source"], "given");
 }
 
-/// The elastic disc goes to ParaView complete: a file that ends as it should, with displacement, stress and modes.
+/// The elastic disc goes to ParaView complete: a file that ends as it should, with displacement, stress and
+/// modes.
 #[test]
 fn the_elastic_disc_is_written_for_paraview() {
     let directory = with_design();
-    let output = arcmin(directory.path(), &["contact", "d.toml", "--flexible", "--positions", "8", "--vtu", "--out", "out", "--quiet"]);
+    let output = arcmin(
+        directory.path(),
+        &["contact", "d.toml", "--flexible", "--positions", "8", "--vtu", "--out", "out", "--quiet"],
+    );
     assert!(output.status.success(), "{}", texts(&output).1);
     let text = std::fs::read_to_string(directory.path().join("out/disc.vtu")).unwrap();
     assert!(text.trim_end().ends_with("</VTKFile>"));
@@ -431,7 +544,8 @@ fn the_elastic_disc_is_written_for_paraview() {
     }
 }
 
-/// Elastic discs in bearings through all commands that take them; one reduction serves all. Bores tied to one spider are refused before anything is meshed.
+/// Elastic discs in bearings through all commands that take them; one reduction serves all. Bores tied to one
+/// spider are refused before anything is meshed.
 #[test]
 fn elastic_discs_run_in_bearings() {
     let directory = with_design();
@@ -440,25 +554,38 @@ fn elastic_discs_run_in_bearings() {
         all.extend(["--out", out, "--cache", "cache", "--quiet"]);
         arcmin(directory.path(), &all)
     };
-    let output = run(&["simulate", "d.toml", "--model", "flexible", "--joints", "bearings", "--bores", "common"], "no");
+    let output = run(
+        &["simulate", "d.toml", "--model", "flexible", "--joints", "bearings", "--bores", "common"],
+        "no",
+    );
     assert!(!output.status.success());
     assert!(texts(&output).1.contains("one spider for all bores"), "{}", texts(&output).1);
     assert!(!directory.path().join("cache").exists());
     let loaded = ["--load", "constant", "--rise-s", "0.02", "--end-s", "0.1"];
-    let output = run(&[&["simulate", "d.toml", "--model", "flexible", "--joints", "bearings"], &loaded[..]].concat(), "s");
+    let output = run(
+        &[&["simulate", "d.toml", "--model", "flexible", "--joints", "bearings"], &loaded[..]].concat(),
+        "s",
+    );
     assert!(output.status.success(), "{}", texts(&output).1);
     let result = summary(&directory.path().join("s"));
     assert!(result["solver"]["energy_residual"].as_f64().unwrap() < 1e-6, "{result}");
     assert!((-2.6..-2.0).contains(&result["te"]["mean_arcmin"].as_f64().unwrap()), "{result}");
     for (command, more) in [("contact", ["--positions", "8"]), ("wear", ["--hours", "100"])] {
-        let output = run(&[command, "d.toml", "--flexible", "--joints", "bearings", more[0], more[1]], command);
+        let output =
+            run(&[command, "d.toml", "--flexible", "--joints", "bearings", more[0], more[1]], command);
         assert!(output.status.success(), "{}", texts(&output).1);
         let result = summary(&directory.path().join(command));
-        assert_eq!((result["joints"].as_str(), result["elastic_discs"].as_bool()), (Some("bearings"), Some(true)), "{result}");
+        assert_eq!(
+            (result["joints"].as_str(), result["elastic_discs"].as_bool()),
+            (Some("bearings"), Some(true)),
+            "{result}"
+        );
     }
     let output = run(&["rig", "d.toml", "--flexible", "--positions", "1", "--te-positions", "64"], "rig");
     assert!(output.status.success(), "{}", texts(&output).1);
     let split = std::fs::read_to_string(directory.path().join("rig/stiffness.csv")).unwrap();
     assert!(split.contains("cycloid discs"), "{split}");
-    assert!(std::fs::read_to_string(directory.path().join("rig/report.html")).unwrap().contains("Elastic disc"));
+    assert!(
+        std::fs::read_to_string(directory.path().join("rig/report.html")).unwrap().contains("Elastic disc")
+    );
 }

@@ -14,7 +14,8 @@ fn with_design(added: &str) -> TempDir {
     let directory = tempfile::tempdir().unwrap();
     assert!(arcmin(directory.path(), &["new", "d.toml"]).status.success());
     let file = directory.path().join("d.toml");
-    let text = std::fs::read_to_string(&file).unwrap().replace("service_life_h = 7500", "service_life_h = 100");
+    let text =
+        std::fs::read_to_string(&file).unwrap().replace("service_life_h = 7500", "service_life_h = 100");
     std::fs::write(file, text + added).unwrap();
     directory
 }
@@ -45,30 +46,63 @@ fn ideal_joints_refuse_errors_and_say_so_where_a_design_has_some() {
     let directory = with_design("\n[errors]\npin_circle_radius_um = 2\n");
     let d = directory.path();
     std::fs::write(d.join("m.csv"), "hours,depth_um\n600,2\n").unwrap();
-    for command in [vec!["contact", "d.toml"], vec!["wear", "d.toml"], vec!["calibrate", "d.toml", "m.csv"], vec!["life", "d.toml"]] {
-        let with = |more: &[&'static str]| command.iter().copied().chain(more.iter().copied()).collect::<Vec<&str>>();
-        refused(d, &with(&["--errors", "drawn"]), &["ideal joints have no place for manufacturing errors", "add --joints bearings"]);
-        refused(d, &with(&["--joints", "bearings", "--seed", "4"]), &["--seed draws nothing here", "--errors drawn"]);
+    for command in [
+        vec!["contact", "d.toml"],
+        vec!["wear", "d.toml"],
+        vec!["calibrate", "d.toml", "m.csv"],
+        vec!["life", "d.toml"],
+    ] {
+        let with = |more: &[&'static str]| {
+            command.iter().copied().chain(more.iter().copied()).collect::<Vec<&str>>()
+        };
+        refused(
+            d,
+            &with(&["--errors", "drawn"]),
+            &["ideal joints have no place for manufacturing errors", "add --joints bearings"],
+        );
+        refused(
+            d,
+            &with(&["--joints", "bearings", "--seed", "4"]),
+            &["--seed draws nothing here", "--errors drawn"],
+        );
     }
-    refused(d, &["life", "d.toml", "--joints", "bearings", "--machines", "3"], &["--machines draws", "--joints bearings --errors drawn"]);
+    refused(
+        d,
+        &["life", "d.toml", "--joints", "bearings", "--machines", "3"],
+        &["--machines draws", "--joints bearings --errors drawn"],
+    );
     refused(d, &["life", "d.toml", "--machines", "1"], &["2..=1000"]);
-    for (command, chosen, method) in [("contact", ["--method", "closed-form"], "the closed form"), ("wear", ["--mode", "paper"], "the paper's study")]
-    {
+    for (command, chosen, method) in [
+        ("contact", ["--method", "closed-form"], "the closed form"),
+        ("wear", ["--mode", "paper"], "the paper's study"),
+    ] {
         let with = |more: &[&'static str]| [&[command, "d.toml"][..], &chosen, more].concat();
-        refused(d, &with(&["--joints", "bearings"]), &[method, "knows no bearings", "leave --joints or", chosen[0]]);
-        refused(d, &with(&["--flexible"]), &[method, "knows no elastic discs", "leave --flexible or", chosen[0]]);
+        refused(
+            d,
+            &with(&["--joints", "bearings"]),
+            &[method, "knows no bearings", "leave --joints or", chosen[0]],
+        );
+        refused(
+            d,
+            &with(&["--flexible"]),
+            &[method, "knows no elastic discs", "leave --flexible or", chosen[0]],
+        );
     }
     let said = good(d, &["contact", "d.toml", "--positions", "8", "--out", "ideal"]);
     assert!(said.contains("the design's [errors] enter with --joints bearings only"), "{said}");
     let errors = summary(d, "ideal")["errors"].clone();
     assert!(errors["source"] == "none" && errors["left_out"].is_string(), "{errors}");
-    let said = good(d, &["contact", "d.toml", "--joints", "bearings", "--positions", "8", "--out", "bearings"]);
+    let said =
+        good(d, &["contact", "d.toml", "--joints", "bearings", "--positions", "8", "--out", "bearings"]);
     assert!(said.contains("as given in the design, listed in errors.csv"), "{said}");
     assert_eq!(read(d, "bearings/errors.csv"), "part,quantity,value,unit\npin circle,radius,2,um\n");
     let made = summary(d, "bearings");
     assert_eq!(made["errors"]["source"], "given");
     // A larger ring leaves the pins on the loaded side more play: fewer of them carry.
-    assert!(made["play_arcmin"].as_f64().unwrap() > made["nominal"]["play_arcmin"].as_f64().unwrap() + 0.05, "{made}");
+    assert!(
+        made["play_arcmin"].as_f64().unwrap() > made["nominal"]["play_arcmin"].as_f64().unwrap() + 0.05,
+        "{made}"
+    );
 }
 
 #[test]
@@ -77,7 +111,8 @@ fn errors_of_zero_change_no_byte() {
     let d = directory.path();
     good(d, &["contact", "d.toml", "--joints", "bearings", "--positions", "12", "--out", "a"]);
     good(d, &["wear", "d.toml", "--joints", "bearings", "--hours", "30", "--points", "2", "--out", "aw"]);
-    let text = read(d, "d.toml") + "\n[errors]\npin_circle_radius_um = 0\n[[errors.pins]]\npin = 3\nradial_um = 0\n";
+    let text =
+        read(d, "d.toml") + "\n[errors]\npin_circle_radius_um = 0\n[[errors.pins]]\npin = 3\nradial_um = 0\n";
     std::fs::write(d.join("d.toml"), text).unwrap();
     good(d, &["contact", "d.toml", "--joints", "bearings", "--positions", "12", "--out", "b"]);
     good(d, &["wear", "d.toml", "--joints", "bearings", "--hours", "30", "--points", "2", "--out", "bw"]);
@@ -119,7 +154,13 @@ fn a_displaced_pin_stands_out_among_the_others() {
 fn wear_has_a_flank_per_disc_with_errors() {
     let directory = with_design("");
     let d = directory.path();
-    good(d, &["wear", "d.toml", "--joints", "bearings", "--errors", "drawn", "--seed", "2", "--hours", "20", "--points", "1", "--out", "w"]);
+    good(
+        d,
+        &[
+            "wear", "d.toml", "--joints", "bearings", "--errors", "drawn", "--seed", "2", "--hours", "20",
+            "--points", "1", "--out", "w",
+        ],
+    );
     let table = read(d, "w/wear.csv");
     assert!(table.starts_with("hours,meshing_angle_deg,depth_um,force_n,specific_sliding,disc\n"));
     assert_eq!(table.lines().count(), 1 + 2 * 2 * 720);
@@ -132,7 +173,21 @@ fn wear_has_a_flank_per_disc_with_errors() {
 fn a_series_of_machines_is_the_same_on_any_number_of_threads() {
     let directory = with_design("");
     let d = directory.path();
-    let life = ["life", "d.toml", "--joints", "bearings", "--errors", "drawn", "--seed", "3", "--machines", "2", "--quasi-static", "--points", "2"];
+    let life = [
+        "life",
+        "d.toml",
+        "--joints",
+        "bearings",
+        "--errors",
+        "drawn",
+        "--seed",
+        "3",
+        "--machines",
+        "2",
+        "--quasi-static",
+        "--points",
+        "2",
+    ];
     for (out, threads) in [("a", "1"), ("b", "2")] {
         let said = good(d, &[&life[..], &["--out", out, "--threads", threads]].concat());
         assert!(said.contains("series of 2 machines") && said.contains("without errors"), "{said}");
@@ -145,7 +200,13 @@ fn a_series_of_machines_is_the_same_on_any_number_of_threads() {
         line.split(',').nth(column).unwrap().parse().unwrap()
     };
     assert_eq!(last("a/machines.csv", 1, 0), 3.0);
-    let column = read(d, "a/life_coupled.csv").lines().next().unwrap().split(',').position(|name| name == "max_depth_um").unwrap();
+    let column = read(d, "a/life_coupled.csv")
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|name| name == "max_depth_um")
+        .unwrap();
     assert_eq!(last("a/machines.csv", 1, 5), last("a/life_coupled.csv", 3, column));
     let series = summary(d, "a")["series"].clone();
     assert_eq!(series["seeds"], serde_json::json!([3, 4]));

@@ -1,7 +1,11 @@
-//! Wall time of the paper's 0.8 s run, of one evaluation of the equations of motion, and of the contacts of one disc.
+//! Wall time of the paper's 0.8 s run, of one evaluation of the equations of motion, and of the contacts of
+//! one disc.
 
 use arcmin::contact::{ContactLaw, DiscVelocity};
-use arcmin::dynamics::{BearingJoints, Drive, ElasticDiscs, FlexibleOptions, IdealJoints, JointSettings, OutputLoad, Run, RunPlan, System};
+use arcmin::dynamics::{
+    BearingJoints, Drive, ElasticDiscs, FlexibleOptions, IdealJoints, JointSettings, OutputLoad, Run,
+    RunPlan, System,
+};
 use arcmin::fem::{FlexibleDiscs, FlexibleSettings};
 use arcmin::geometry::Relief;
 use arcmin::units::{ARCMIN, RPM, UM};
@@ -11,7 +15,8 @@ use std::hint::black_box;
 fn model(law: ContactLaw, load: OutputLoad) -> IdealJoints {
     let machine = arcmin::machine::Machine { contact_law: law, ..arcmin::templates::rv_40e_81() };
     let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
-    IdealJoints::new(&machine, &Relief::uniform(10.0 * UM), drive, load, 0.0).unwrap_or_else(|error| panic!("{error}"))
+    IdealJoints::new(&machine, &Relief::uniform(10.0 * UM), drive, load, 0.0)
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn runs(criterion: &mut Criterion) {
@@ -53,18 +58,23 @@ fn evaluation(criterion: &mut Criterion) {
     let machine = arcmin::templates::rv_40e_81();
     let contacts = machine.pin_contacts(&Relief::uniform(10.0 * UM));
     let pose = machine.kinematics().disc_pose(0, 1.2, -1.2 / 39.0 - 0.79 * ARCMIN);
-    criterion.bench_function("contacts_40_pins_loaded", |bencher| bencher.iter(|| contacts.react(black_box(pose), DiscVelocity::REST)));
+    criterion.bench_function("contacts_40_pins_loaded", |bencher| {
+        bencher.iter(|| contacts.react(black_box(pose), DiscVelocity::REST))
+    });
 }
 
 /// Elastic discs in bearings.
 fn elastic(criterion: &mut Criterion) {
     let machine = arcmin::templates::rv_40e_81();
-    let discs = FlexibleDiscs::reduce(&machine, FlexibleSettings::plane_stress).unwrap_or_else(|error| panic!("{error}"));
-    let discs = ElasticDiscs::free(&machine, discs, FlexibleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let discs = FlexibleDiscs::reduce(&machine, FlexibleSettings::plane_stress)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let discs = ElasticDiscs::free(&machine, discs, FlexibleOptions::default())
+        .unwrap_or_else(|error| panic!("{error}"));
     let settings = JointSettings { discs: Some(discs), ..JointSettings::default() };
     let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
     let load = OutputLoad::Constant { torque: 412.0 };
-    let model = BearingJoints::new(&machine, &settings, drive, load, 5.0).unwrap_or_else(|error| panic!("{error}"));
+    let model =
+        BearingJoints::new(&machine, &settings, drive, load, 5.0).unwrap_or_else(|error| panic!("{error}"));
     let mut group = criterion.benchmark_group("elastic_discs_in_bearings");
     group.sample_size(10);
     group.bench_function("run_0.8_s", |bencher| {
@@ -74,11 +84,15 @@ fn elastic(criterion: &mut Criterion) {
             run.result().counts
         });
     });
-    if let Ok(rest) = arcmin::dynamics::solve_equilibrium(&model, 0.0, &model.nominal_position_at(0.0), Default::default()) {
+    if let Ok(rest) =
+        arcmin::dynamics::solve_equilibrium(&model, 0.0, &model.nominal_position_at(0.0), Default::default())
+    {
         let speed = vec![0.0; rest.position.len()];
         let (mut force, mut lin) = (speed.clone(), model.linearisation());
         group.bench_function("evaluation_loaded", |bencher| {
-            bencher.iter(|| black_box(model.evaluate(0.0, black_box(&rest.position), &speed, &mut force, &mut lin)))
+            bencher.iter(|| {
+                black_box(model.evaluate(0.0, black_box(&rest.position), &speed, &mut force, &mut lin))
+            })
         });
     }
     group.finish();

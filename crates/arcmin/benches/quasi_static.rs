@@ -16,8 +16,13 @@ fn gaps(c: &mut Criterion) {
     let machine = rv_40e_81();
     let kinematics = machine.kinematics();
     let pose = kinematics.disc_pose(0, 0.321, kinematics.nominal_output_angle(0.321) - 2e-5);
-    let uneven = Relief::from_samples(Relief::grid(720).map(|phi| 5.0 * UM * (1.0 - (2.0 * phi).cos())).collect());
-    for (name, relief) in [("unworn", Relief::uniform(0.0)), ("uniform 60 µm", Relief::uniform(60.0 * UM)), ("unevenly worn", uneven)] {
+    let uneven =
+        Relief::from_samples(Relief::grid(720).map(|phi| 5.0 * UM * (1.0 - (2.0 * phi).cos())).collect());
+    for (name, relief) in [
+        ("unworn", Relief::uniform(0.0)),
+        ("uniform 60 µm", Relief::uniform(60.0 * UM)),
+        ("unevenly worn", uneven),
+    ] {
         let contacts = machine.pin_contacts(&relief);
         // All 40 pins of one disc, touching or not; a fortieth of it is one gap.
         c.bench_function(&format!("40 gaps, {name}"), |b| {
@@ -37,8 +42,13 @@ fn load_sharing(c: &mut Criterion) {
     let machine = rv_40e_81();
     let meshing = machine.meshing(&Relief::uniform(10.0 * UM));
     let crank = CrankAngle::from_degrees(30.0);
-    c.bench_function("load sharing, 2 discs x 40 pins", |b| b.iter(|| meshing.load_sharing(black_box(crank), black_box(412.0))));
-    let neighbour = meshing.load_sharing(CrankAngle::from_degrees(29.4), 412.0).map(|sharing| sharing.output_error).unwrap_or_default();
+    c.bench_function("load sharing, 2 discs x 40 pins", |b| {
+        b.iter(|| meshing.load_sharing(black_box(crank), black_box(412.0)))
+    });
+    let neighbour = meshing
+        .load_sharing(CrankAngle::from_degrees(29.4), 412.0)
+        .map(|sharing| sharing.output_error)
+        .unwrap_or_default();
     c.bench_function("load sharing from the neighbouring crank angle", |b| {
         b.iter(|| meshing.load_sharing_near(black_box(crank), black_box(412.0), neighbour));
     });
@@ -57,7 +67,9 @@ fn life(c: &mut Criterion) {
             Ok::<usize, arcmin::wear::WearError>(wear.updates())
         });
     });
-    group.bench_function("prediction with accuracy at 31 times", |b| b.iter(|| predict(&machine, LifeOptions::default(), &Silent)));
+    group.bench_function("prediction with accuracy at 31 times", |b| {
+        b.iter(|| predict(&machine, LifeOptions::default(), &Silent))
+    });
     group.finish();
 }
 

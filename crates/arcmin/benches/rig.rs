@@ -11,7 +11,8 @@ fn bearings(criterion: &mut Criterion) {
     let settings = JointSettings::default();
     let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
     let load = OutputLoad::Constant { torque: 412.0 };
-    let model = BearingJoints::new(&machine, &settings, drive, load, 5.0).unwrap_or_else(|error| panic!("{error}"));
+    let model =
+        BearingJoints::new(&machine, &settings, drive, load, 5.0).unwrap_or_else(|error| panic!("{error}"));
     let mut group = criterion.benchmark_group("bearings");
     group.sample_size(10);
     let position = model.nominal_position_at(0.0);
@@ -19,7 +20,9 @@ fn bearings(criterion: &mut Criterion) {
     let mut force = rest.clone();
     let mut linearisation = model.linearisation();
     group.bench_function("evaluate", |bencher| {
-        bencher.iter(|| black_box(model.evaluate(0.0, black_box(&position), &rest, &mut force, &mut linearisation)))
+        bencher.iter(|| {
+            black_box(model.evaluate(0.0, black_box(&position), &rest, &mut force, &mut linearisation))
+        })
     });
     group.bench_function("run_0.8_s", |bencher| {
         bencher.iter(|| {
@@ -28,9 +31,13 @@ fn bearings(criterion: &mut Criterion) {
             black_box(run.result().counts)
         })
     });
-    group.bench_function("hysteresis_loop", |bencher| bencher.iter(|| black_box(hysteresis_loop(&machine, &settings, 1.0).is_ok())));
+    group.bench_function("hysteresis_loop", |bencher| {
+        bencher.iter(|| black_box(hysteresis_loop(&machine, &settings, 1.0).is_ok()))
+    });
     let test = TransmissionSettings::new(&machine);
-    group.bench_function("output_turn_4_curves", |bencher| bencher.iter(|| black_box(transmission_error_curves(&machine, &settings, test).is_ok())));
+    group.bench_function("output_turn_4_curves", |bencher| {
+        bencher.iter(|| black_box(transmission_error_curves(&machine, &settings, test).is_ok()))
+    });
     group.finish();
 }
 

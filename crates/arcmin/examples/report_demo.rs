@@ -8,8 +8,9 @@
 use std::f64::consts::PI;
 
 use arcmin::report::{
-    Annotation, Axis, Block, Colour, Column, CrankshaftDrawing, ForceState, GearStageDrawing, HeatMap, Hole, KeyFigure, Mechanism, MeshField,
-    MeshPicture, Page, Plot, Provenance, Reference, Section, Series, Shares, Style, Table, Tone, Verdict, significant,
+    Annotation, Axis, Block, Colour, Column, CrankshaftDrawing, ForceState, GearStageDrawing, HeatMap, Hole,
+    KeyFigure, Mechanism, MeshField, MeshPicture, Page, Plot, Provenance, Reference, Section, Series, Shares,
+    Style, Table, Tone, Verdict, significant,
 };
 
 const PIN_COUNT: usize = 40;
@@ -38,7 +39,9 @@ fn lever(phi: f64) -> f64 {
 
 fn flank_curvature_radius_mm(phi: f64) -> f64 {
     let z = PIN_COUNT as f64;
-    PIN_CIRCLE_RADIUS_MM * slope_factor(phi).powi(3) / (SHORT_WIDTH * (1.0 + z) * phi.cos() - (1.0 + z * SHORT_WIDTH * SHORT_WIDTH)) + PIN_RADIUS_MM
+    PIN_CIRCLE_RADIUS_MM * slope_factor(phi).powi(3)
+        / (SHORT_WIDTH * (1.0 + z) * phi.cos() - (1.0 + z * SHORT_WIDTH * SHORT_WIDTH))
+        + PIN_RADIUS_MM
 }
 
 /// Closed-form forces with an equidistant gap: proportional to lever − gap/δ_max, positive ones only.
@@ -48,7 +51,10 @@ fn forces_n(angles: &[f64], wear_um: f64) -> Vec<f64> {
     let mut forces = Vec::new();
     for _ in 0..200 {
         let approach_um = 1.5 * largest / 447.0;
-        let relative: Vec<f64> = angles.iter().map(|&phi| (lever(phi) - wear_um * (1.0 - lever(phi)) / approach_um).max(0.0)).collect();
+        let relative: Vec<f64> = angles
+            .iter()
+            .map(|&phi| (lever(phi) - wear_um * (1.0 - lever(phi)) / approach_um).max(0.0))
+            .collect();
         let sum: f64 = relative.iter().zip(angles).map(|(f, &phi)| f * lever(phi)).sum();
         largest = 0.5 * largest + 0.5 * 0.55 * TORQUE_N_M / lever_max_m / sum;
         forces = relative.iter().map(|f| f * largest).collect();
@@ -119,10 +125,13 @@ fn verdict() -> Verdict {
 
 fn geometry() -> Vec<Block> {
     let angle = || Axis::new("Meshing angle |φ|", "°").between(0.0, 180.0);
-    let mut curvature =
-        Plot::new("Curvature radius of the flank", angle(), Axis::new("Curvature radius, concave positive", "mm").between(-40.0, 40.0))
-            .half()
-            .noted("The flank turns from concave to convex at 34.6° (Figure 7 of [Tao2024]).");
+    let mut curvature = Plot::new(
+        "Curvature radius of the flank",
+        angle(),
+        Axis::new("Curvature radius, concave positive", "mm").between(-40.0, 40.0),
+    )
+    .half()
+    .noted("The flank turns from concave to convex at 34.6° (Figure 7 of [Tao2024]).");
     curvature.series.push(Series::line(
         "flank",
         degrees(0..=720).map(|quarter| {
@@ -131,35 +140,56 @@ fn geometry() -> Vec<Block> {
             (phi, if radius.abs() > 200.0 { f64::NAN } else { radius })
         }),
     ));
-    curvature.annotations.push(Annotation::Vertical { at: 34.644, label: "inflection".into(), tone: Tone::Neutral });
+    curvature.annotations.push(Annotation::Vertical {
+        at: 34.644,
+        label: "inflection".into(),
+        tone: Tone::Neutral,
+    });
 
-    let mut force = Plot::new("Contact force over the meshing angle", angle(), Axis::new("Force", "N").from_zero())
-        .half()
-        .noted("With wear fewer pins carry and the largest force rises (Figure 8 of [Tao2024]).");
+    let mut force =
+        Plot::new("Contact force over the meshing angle", angle(), Axis::new("Force", "N").from_zero())
+            .half()
+            .noted("With wear fewer pins carry and the largest force rises (Figure 8 of [Tao2024]).");
     let grid: Vec<f64> = degrees(1..=180).collect();
     for step in 0..=6 {
         let wear = f64::from(step) * 10.0;
         let points = grid.iter().map(|&phi| {
             // The curve through all pins: one pin at phi, the others a pitch apart.
             let pitch = 360.0 / PIN_COUNT as f64;
-            let angles: Vec<f64> = (0..PIN_COUNT / 2).map(|pin| ((phi % pitch) + pin as f64 * pitch).to_radians()).collect();
+            let angles: Vec<f64> =
+                (0..PIN_COUNT / 2).map(|pin| ((phi % pitch) + pin as f64 * pitch).to_radians()).collect();
             (phi, forces_n(&angles, wear / 10.0)[(phi / pitch) as usize % (PIN_COUNT / 2)])
         });
-        force.series.push(Series::line(format!("{} h", step * 1250), points).coloured(Colour::Ordered(f64::from(step) / 6.0)));
+        force.series.push(
+            Series::line(format!("{} h", step * 1250), points)
+                .coloured(Colour::Ordered(f64::from(step) / 6.0)),
+        );
     }
-    force.series.push(Series::markers("Tao2024", [(36.0, 447.0), (60.0, 402.0), (90.0, 325.0)]).coloured(Colour::Reference));
+    force.series.push(
+        Series::markers("Tao2024", [(36.0, 447.0), (60.0, 402.0), (90.0, 325.0)]).coloured(Colour::Reference),
+    );
     vec![
-        Block::Text("Closed forms of the flank as cut. The lever arm of the normal force is `a z_c sin φ / S`.".into()),
+        Block::Text(
+            "Closed forms of the flank as cut. The lever arm of the normal force is `a z_c sin φ / S`."
+                .into(),
+        ),
         Block::Plot(curvature),
         Block::Plot(force),
         Block::Plot(outline()),
-        Block::Note(Tone::Caution, "Pressure is shown for the nominal width of 8.75 mm; edge loading is not modelled.".into()),
+        Block::Note(
+            Tone::Caution,
+            "Pressure is shown for the nominal width of 8.75 mm; edge loading is not modelled.".into(),
+        ),
         Block::Table(Table {
             title: "Largest values".into(),
             columns: vec![Column::text("Quantity"), Column::number("Value", "–"), Column::number("At", "°")],
             rows: vec![
                 vec!["Lever arm".into(), "50.7 mm".into(), "35.66".into()],
-                vec!["Force per width".into(), format!("{} N/mm", significant(447.0 / WIDTH_MM, 3)), "35.7".into()],
+                vec![
+                    "Force per width".into(),
+                    format!("{} N/mm", significant(447.0 / WIDTH_MM, 3)),
+                    "35.7".into(),
+                ],
             ],
             note: "Values of one disc under 0.55 of the rated torque.".into(),
         }),
@@ -167,8 +197,8 @@ fn geometry() -> Vec<Block> {
 }
 
 fn outline() -> Plot {
-    let mut plot =
-        Plot::new("Flank with and without wear", Axis::new("x", "mm"), Axis::new("y", "mm")).noted("Wear drawn ten times larger than computed.");
+    let mut plot = Plot::new("Flank with and without wear", Axis::new("x", "mm"), Axis::new("y", "mm"))
+        .noted("Wear drawn ten times larger than computed.");
     plot.equal_scales = true;
     for (name, wear, style) in [("as cut", 0.0, Style::Line), ("worn 60 µm (×10)", 0.6, Style::Dashed)] {
         let points = (-60..=60).map(|step| {
@@ -183,8 +213,10 @@ fn outline() -> Plot {
 /// c(τ) + (r_p + wear) n(τ).
 fn flank_point(tau: f64, wear_mm: f64) -> [f64; 2] {
     let z = PIN_COUNT as f64;
-    let centre =
-        [PIN_CIRCLE_RADIUS_MM * tau.cos() - ECCENTRICITY_MM * (z * tau).cos(), PIN_CIRCLE_RADIUS_MM * tau.sin() - ECCENTRICITY_MM * (z * tau).sin()];
+    let centre = [
+        PIN_CIRCLE_RADIUS_MM * tau.cos() - ECCENTRICITY_MM * (z * tau).cos(),
+        PIN_CIRCLE_RADIUS_MM * tau.sin() - ECCENTRICITY_MM * (z * tau).sin(),
+    ];
     let tangent = [
         -PIN_CIRCLE_RADIUS_MM * tau.sin() + ECCENTRICITY_MM * z * (z * tau).sin(),
         PIN_CIRCLE_RADIUS_MM * tau.cos() - ECCENTRICITY_MM * z * (z * tau).cos(),
@@ -196,7 +228,11 @@ fn flank_point(tau: f64, wear_mm: f64) -> [f64; 2] {
 
 fn life() -> Vec<Block> {
     let hours = |step: i32| f64::from(step) * 75.0;
-    let mut play = Plot::new("Accuracy over running time", Axis::new("Running time", "h"), Axis::new("Angle at the output", "arcmin").from_zero());
+    let mut play = Plot::new(
+        "Accuracy over running time",
+        Axis::new("Running time", "h"),
+        Axis::new("Angle at the output", "arcmin").from_zero(),
+    );
     play.series.push(
         Series::band(
             "transmission error band",
@@ -208,22 +244,39 @@ fn life() -> Vec<Block> {
         .coloured(Colour::Palette(0)),
     );
     play.series.push(
-        Series::line("transmission error", (0..=100).map(|s| (hours(s), 0.5 + 0.2 * (hours(s) / 7500.0).sqrt())))
-            .coloured(Colour::Palette(0))
-            .strong(),
+        Series::line(
+            "transmission error",
+            (0..=100).map(|s| (hours(s), 0.5 + 0.2 * (hours(s) / 7500.0).sqrt())),
+        )
+        .coloured(Colour::Palette(0))
+        .strong(),
     );
-    play.series.push(Series::new("lost motion", Style::Step, (0..=25).map(|s| (hours(4 * s), 0.72 * (hours(4 * s) / 7500.0).powf(0.4)))));
-    play.series.push(Series::markers("measured", [(600.0, 0.177), (1550.0, 0.215)]).coloured(Colour::Reference));
+    play.series.push(Series::new(
+        "lost motion",
+        Style::Step,
+        (0..=25).map(|s| (hours(4 * s), 0.72 * (hours(4 * s) / 7500.0).powf(0.4))),
+    ));
+    play.series
+        .push(Series::markers("measured", [(600.0, 0.177), (1550.0, 0.215)]).coloured(Colour::Reference));
     play.limit_at(1.0, "limit 1.0 arcmin");
-    let mut spectrum =
-        Plot::new("Orders of the transmission error", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero()).half();
+    let mut spectrum = Plot::new(
+        "Orders of the transmission error",
+        Axis::new("Order of the output turn", ""),
+        Axis::new("Amplitude", "arcmin").from_zero(),
+    )
+    .half();
     spectrum.series.push(Series::new(
         "rated load",
         Style::Bars,
         [(1.0, 0.12), (3.0, 0.05), (39.0, 0.31), (40.0, 0.22), (78.0, 0.08), (80.0, 0.04), (81.0, 0.06)],
     ));
     spectrum.annotations.push(Annotation::Point { x: 39.0, y: 0.31, label: "z_c: disc profile".into() });
-    let mut noisy = Plot::new("Transmission error, 40 000 samples", Axis::new("Time", "s"), Axis::new("Transmission error", "arcmin")).half();
+    let mut noisy = Plot::new(
+        "Transmission error, 40 000 samples",
+        Axis::new("Time", "s"),
+        Axis::new("Transmission error", "arcmin"),
+    )
+    .half();
     noisy.series.push(Series::line(
         "no load",
         (0..40_000).map(|i| {
@@ -237,11 +290,26 @@ fn life() -> Vec<Block> {
 fn machine() -> Vec<Block> {
     let torques: Vec<f64> = degrees(1..=20).map(|i| i * 25.0).collect();
     let speeds: Vec<f64> = degrees(1..=16).map(|i| i * 125.0).collect();
-    let cells = speeds.iter().flat_map(|n| torques.iter().map(move |t| Some(0.93 * t / (t + 18.0 + 0.012 * n)))).collect();
-    let angle = |t: f64, up: f64| t / 108.0 + 0.25 * (t / 30.0).tanh() - up * 0.2 * (1.0 - (t / 412.0).powi(2));
-    let mut loop_plot = Plot::new("Hysteresis loop", Axis::new("Output torque", "N·m"), Axis::new("Output angle, input locked", "arcmin")).half();
-    loop_plot.series.push(Series::line("rising", (-100..=100).map(|i| (f64::from(i) * 4.12, angle(f64::from(i) * 4.12, 1.0)))));
-    loop_plot.series.push(Series::line("falling", (-100..=100).rev().map(|i| (f64::from(i) * 4.12, angle(f64::from(i) * 4.12, -1.0)))));
+    let cells = speeds
+        .iter()
+        .flat_map(|n| torques.iter().map(move |t| Some(0.93 * t / (t + 18.0 + 0.012 * n))))
+        .collect();
+    let angle =
+        |t: f64, up: f64| t / 108.0 + 0.25 * (t / 30.0).tanh() - up * 0.2 * (1.0 - (t / 412.0).powi(2));
+    let mut loop_plot = Plot::new(
+        "Hysteresis loop",
+        Axis::new("Output torque", "N·m"),
+        Axis::new("Output angle, input locked", "arcmin"),
+    )
+    .half();
+    loop_plot.series.push(Series::line(
+        "rising",
+        (-100..=100).map(|i| (f64::from(i) * 4.12, angle(f64::from(i) * 4.12, 1.0))),
+    ));
+    loop_plot.series.push(Series::line(
+        "falling",
+        (-100..=100).rev().map(|i| (f64::from(i) * 4.12, angle(f64::from(i) * 4.12, -1.0))),
+    ));
     vec![
         Block::HeatMap(HeatMap {
             title: "Efficiency".into(),
@@ -275,14 +343,18 @@ fn mechanism() -> Mechanism {
         (0..steps)
             .map(|step| {
                 let crank = phase + 2.0 * PI / PIN_COUNT as f64 * step as f64 / steps as f64;
-                let angles: Vec<f64> = (0..PIN_COUNT).map(|pin| 2.0 * PI * pin as f64 / PIN_COUNT as f64 - crank).collect();
+                let angles: Vec<f64> =
+                    (0..PIN_COUNT).map(|pin| 2.0 * PI * pin as f64 / PIN_COUNT as f64 - crank).collect();
                 // Positive torque loads the flanks at negative meshing angles.
                 let mirrored: Vec<f64> = angles.iter().map(|phi| -phi).collect();
                 forces_n(&mirrored, wear)
             })
             .collect::<Vec<_>>()
     };
-    let state = |label: &str, wear| ForceState { label: label.into(), force_n: vec![table(wear, 0.0), table(wear, PI)] };
+    let state = |label: &str, wear| ForceState {
+        label: label.into(),
+        force_n: vec![table(wear, 0.0), table(wear, PI)],
+    };
     let hole = |x_mm, y_mm, radius_mm| Hole { x_mm, y_mm, radius_mm };
     Mechanism {
         title: "RV-40E-81, seen from the output side".into(),
@@ -316,15 +388,24 @@ fn mesh() -> MeshPicture {
     let mut values = Vec::new();
     for ring in 0..=rings {
         for sector in 0..sectors {
-            let (radius, angle) = (20.0 + 5.0 * f64::from(ring), 2.0 * PI * f64::from(sector) / f64::from(sectors));
+            let (radius, angle) =
+                (20.0 + 5.0 * f64::from(ring), 2.0 * PI * f64::from(sector) / f64::from(sectors));
             let bulge = 0.3 * (2.0 * angle).cos() * radius / 60.0;
             picture.nodes_mm.push([radius * angle.cos(), radius * angle.sin()]);
             picture.displacement_um.push([bulge * angle.cos(), bulge * angle.sin()]);
             values.push(bulge.abs());
             if ring < rings {
                 let node = |r: u32, s: u32| r * sectors + s % sectors;
-                picture.triangles.push([node(ring, sector), node(ring + 1, sector), node(ring + 1, sector + 1)]);
-                picture.triangles.push([node(ring, sector), node(ring + 1, sector + 1), node(ring, sector + 1)]);
+                picture.triangles.push([
+                    node(ring, sector),
+                    node(ring + 1, sector),
+                    node(ring + 1, sector + 1),
+                ]);
+                picture.triangles.push([
+                    node(ring, sector),
+                    node(ring + 1, sector + 1),
+                    node(ring, sector + 1),
+                ]);
             }
         }
     }

@@ -45,7 +45,8 @@ mod tests {
     #[test]
     fn every_shipped_design_is_read() {
         for template in TEMPLATES {
-            Design::parse(template.text, template.name).unwrap_or_else(|error| panic!("{error}: {:?}", error.hint));
+            Design::parse(template.text, template.name)
+                .unwrap_or_else(|error| panic!("{error}: {:?}", error.hint));
         }
     }
 
@@ -58,7 +59,9 @@ mod tests {
         assert_eq!(machine.gear_stage.mesh_stiffness, 2e8);
         assert!((machine.rated.input_speed - 1500.0 * RPM).abs() < 1e-12);
         assert_eq!(machine.bearings.turning_arm.clearance, 5.0 * UM);
-        assert!(matches!(machine.wear.coupled, crate::machine::WearCoefficient::Given(k) if (k / 8.4e-19 - 1.0).abs() < 1e-12));
+        assert!(
+            matches!(machine.wear.coupled, crate::machine::WearCoefficient::Given(k) if (k / 8.4e-19 - 1.0).abs() < 1e-12)
+        );
         assert_eq!(machine.disc_count, 2);
     }
 }

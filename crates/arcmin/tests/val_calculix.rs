@@ -1,17 +1,25 @@
-//! The finite element disc against gmsh and CalculiX: `validation/CalculiX/make_reference.py` made the reference.
+//! The finite element disc against gmsh and CalculiX: `validation/CalculiX/make_reference.py` made the
+//! reference.
 
 use arcmin::fem::solve::{Cholesky, ModeRange, lowest_modes};
-use arcmin::fem::{BoreInterface, DiscElement, DiscModel, DiscShape, DofMap, FlankLoad, FlexibleSettings, MeshSizes, assembly};
+use arcmin::fem::{
+    BoreInterface, DiscElement, DiscModel, DiscShape, DofMap, FlankLoad, FlexibleSettings, MeshSizes,
+    assembly,
+};
 
 const REFERENCE: &str = include_str!("../../../validation/CalculiX/reference.csv");
 /// What two independent meshes may differ by: natural frequencies, and displacements close to a load.
 const FREQUENCY_TOLERANCE: f64 = 0.001;
 const DISPLACEMENT_TOLERANCE: f64 = 0.002;
 /// Loaded flank places of the reference: name, meshing angle in degrees, lobe.
-const LOADS: [(&str, f64, usize); 3] = [("lobe0", -60.0, 0), ("over_bore", -60.0, 10), ("other_flank", 100.0, 20)];
+const LOADS: [(&str, f64, usize); 3] =
+    [("lobe0", -60.0, 0), ("over_bore", -60.0, 10), ("other_flank", 100.0, 20)];
 
 fn reference(quantity: &str) -> f64 {
-    let row = REFERENCE.lines().find(|line| line.split(',').next() == Some(quantity)).unwrap_or_else(|| panic!("{quantity} is missing"));
+    let row = REFERENCE
+        .lines()
+        .find(|line| line.split(',').next() == Some(quantity))
+        .unwrap_or_else(|| panic!("{quantity} is missing"));
     row.split(',').nth(1).unwrap().parse().unwrap()
 }
 
@@ -26,7 +34,8 @@ fn shape() -> DiscShape {
 }
 
 fn clamped() -> DiscModel {
-    let settings = FlexibleSettings { interface: BoreInterface::Common, ..FlexibleSettings::plane_stress(&shape()) };
+    let settings =
+        FlexibleSettings { interface: BoreInterface::Common, ..FlexibleSettings::plane_stress(&shape()) };
     DiscModel::new(shape(), settings).unwrap()
 }
 
@@ -44,7 +53,8 @@ fn val_calculix_clamped_disc() {
         agree(&format!("plane_own_{name}"), own, DISPLACEMENT_TOLERANCE);
         for (other, phi_other, lobe_other) in LOADS.into_iter().filter(|(other, ..)| *other != name) {
             let quantity = format!("plane_cross_{name}_{other}");
-            let (cross, expected) = (model.read_surface(&unknowns, tau(phi_other, lobe_other)), reference(&quantity));
+            let (cross, expected) =
+                (model.read_surface(&unknowns, tau(phi_other, lobe_other)), reference(&quantity));
             println!("{quantity}: {cross:.4e}, CalculiX {expected:.4e}");
             // Hundreds of times smaller than the own displacement: what matters is the sum of all.
             assert!((cross - expected).abs() < 1e-3 * own, "{quantity}: {cross:e} {expected:e}");
@@ -76,7 +86,12 @@ fn val_calculix_free_disc() {
 fn val_calculix_solid_disc() {
     let sizes = MeshSizes { flank: 1.2e-3, flank_rows: 1, bore: 2.5e-3, hole: 3.5e-3, interior: 6e-3 };
     let plane = FlexibleSettings::plane_stress(&shape());
-    let settings = FlexibleSettings { element: DiscElement::Solid { layers: 1 }, interface: BoreInterface::Common, sizes, ..plane };
+    let settings = FlexibleSettings {
+        element: DiscElement::Solid { layers: 1 },
+        interface: BoreInterface::Common,
+        sizes,
+        ..plane
+    };
     let model = DiscModel::new(shape(), settings).unwrap();
     for (k, frequency) in model.held_modes(ModeRange::Count(8)).unwrap().frequencies().iter().enumerate() {
         agree(&format!("solid_clamped_{}", k + 1), *frequency, FREQUENCY_TOLERANCE);

@@ -27,7 +27,8 @@ fn statistics(result: &RunResult) -> ErrorStatistics {
 const RATED: OutputLoad = OutputLoad::Constant { torque: 412.0 };
 const SINE: OutputLoad = OutputLoad::Sine { amplitude: 412.0, period: 0.3 };
 
-/// The play is ±0.6536' at 10 µm and ±3.9218' at 60 µm (means over the cycle, computed by two programs); impacts add a penetration below 0.03'.
+/// The play is ±0.6536' at 10 µm and ±3.9218' at 60 µm (means over the cycle, computed by two programs);
+/// impacts add a penetration below 0.03'.
 #[test]
 fn val_unloaded_error_floats_within_the_play() {
     for (wear, play) in [(10.0, 0.6536), (60.0, 3.9218)] {
@@ -39,7 +40,8 @@ fn val_unloaded_error_floats_within_the_play() {
     }
 }
 
-/// −0.825' and −4.205': play and Hertzian wind-up under the rated torque (±0.5 %), energy kept to 1e-6 of what is turned over, ratio 81 to 1e-6.
+/// −0.825' and −4.205': play and Hertzian wind-up under the rated torque (±0.5 %), energy kept to 1e-6 of
+/// what is turned over, ratio 81 to 1e-6.
 #[test]
 fn val_constant_load() {
     for (wear, mean) in [(10.0, -0.825), (60.0, -4.205)] {
@@ -48,7 +50,8 @@ fn val_constant_load() {
         assert!((te.mean / ARCMIN / mean - 1.0).abs() < 5e-3, "{wear}: {}", te.mean / ARCMIN);
         assert!(result.energy.residual() < 1e-6, "{wear}: {:e}", result.energy.residual());
     }
-    // Whole periods of the pattern: the output turns one pin pitch of the disc, 2π/40 of the crank relative to it, every 2.025 ms; 300 of them.
+    // Whole periods of the pattern: the output turns one pin pitch of the disc, 2π/40 of the crank relative
+    // to it, every 2.025 ms; 300 of them.
     let period = 60.0 / (1500.0 * 40.0 / 81.0 * 40.0);
     let plan = RunPlan { end: 0.15 + 300.0 * period, window_start: 0.15, ..RunPlan::default() };
     let result = simulate(&linear(), 10.0, RATED, 0.0, plan);
@@ -70,11 +73,18 @@ fn val_sinusoidal_load() {
 
 #[test]
 fn val_unworn_and_unloaded_there_is_no_error() {
-    let te = statistics(&simulate(&arcmin::templates::rv_40e_81(), 0.0, OutputLoad::None, 0.0, RunPlan::default()));
+    let te = statistics(&simulate(
+        &arcmin::templates::rv_40e_81(),
+        0.0,
+        OutputLoad::None,
+        0.0,
+        RunPlan::default(),
+    ));
     assert!(te.max_abs / ARCMIN < 1e-3, "{}", te.max_abs / ARCMIN);
 }
 
-/// With a steady drag the mean is well defined: tolerances a tenth apart agree to 0.1 %. Under load halving the tolerance moves no statistic by more.
+/// With a steady drag the mean is well defined: tolerances a tenth apart agree to 0.1 %. Under load halving
+/// the tolerance moves no statistic by more.
 #[test]
 fn statistics_are_converged() {
     let with = |load: &OutputLoad, drag: f64, tolerance: f64| {
@@ -82,7 +92,8 @@ fn statistics_are_converged() {
         statistics(&simulate(&linear(), 10.0, load.clone(), drag, RunPlan { control, ..RunPlan::default() }))
     };
     let tolerance = StepControl::default().tolerance;
-    let (coarse, fine) = (with(&OutputLoad::None, 5.0, tolerance), with(&OutputLoad::None, 5.0, 0.1 * tolerance));
+    let (coarse, fine) =
+        (with(&OutputLoad::None, 5.0, tolerance), with(&OutputLoad::None, 5.0, 0.1 * tolerance));
     assert!((coarse.mean / fine.mean - 1.0).abs() < 1e-3, "{} {}", coarse.mean / ARCMIN, fine.mean / ARCMIN);
     for load in [RATED, SINE] {
         let (coarse, fine) = (with(&load, 0.0, tolerance), with(&load, 0.0, 0.5 * tolerance));
@@ -94,13 +105,16 @@ fn statistics_are_converged() {
     }
 }
 
-/// The same equations by the variable-order BDF of the diffsol crate over the first 0.15 s of a loaded run: to 1e-4' at a fifth of the default
-/// tolerance (measured 2.8e-5'), and ten times closer at a tenth of that (measured 6.7e-6').
+/// The same equations by the variable-order BDF of the diffsol crate over the first 0.15 s of a loaded run:
+/// to 1e-4' at a fifth of the default tolerance (measured 2.8e-5'), and ten times closer at a tenth of that
+/// (measured 6.7e-6').
 #[test]
 fn val_independent_bdf_solver_agrees() {
     use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, Vector};
     let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), RATED, 0.0).unwrap();
-    let rest = solve_equilibrium(&model, 0.0, &model.nominal_position(), EquilibriumControl::default()).unwrap().position;
+    let rest = solve_equilibrium(&model, 0.0, &model.nominal_position(), EquilibriumControl::default())
+        .unwrap()
+        .position;
     let evaluate = |t: f64, y: &[f64]| {
         let mut lin = model.linearisation();
         let mut force = [0.0; 2];
@@ -119,20 +133,26 @@ fn val_independent_bdf_solver_agrees() {
             },
             |x, _p, t, v, y| {
                 let lin = evaluate(t, x).1;
-                let slope = |i: usize| -(0..2).map(|j| lin.stiffness(i, j) * v[j] + lin.damping(i, j) * v[2 + j]).sum::<f64>() / mass[i];
+                let slope = |i: usize| {
+                    -(0..2).map(|j| lin.stiffness(i, j) * v[j] + lin.damping(i, j) * v[2 + j]).sum::<f64>()
+                        / mass[i]
+                };
                 y.copy_from_slice(&[v[2], v[3], slope(0), slope(1)]);
             },
         )
         .init(|_p, _t, y| y.copy_from_slice(&[rest[0], rest[1], 0.0, 0.0]), 4)
         .build()
         .unwrap();
-    // Every pin that enters or leaves costs its Newton iteration a failure or two, and the default allows fifty in all.
+    // Every pin that enters or leaves costs its Newton iteration a failure or two, and the default allows
+    // fifty in all.
     problem.ode_options.max_nonlinear_solver_failures = 100_000;
     problem.ode_options.max_error_test_failures = 100_000;
     let mut solver = problem.bdf::<NalgebraLU<f64>>().unwrap();
     let series = [1e-5, 1e-6].map(|tolerance| {
         let control = StepControl { tolerance, ..StepControl::default() };
-        let mut run = Run::from_state(&model, RunPlan { end: 0.15, control, ..RunPlan::default() }, &rest, &[0.0, 0.0]).unwrap();
+        let mut run =
+            Run::from_state(&model, RunPlan { end: 0.15, control, ..RunPlan::default() }, &rest, &[0.0, 0.0])
+                .unwrap();
         run.finish().unwrap();
         run.result().series
     });
@@ -150,7 +170,8 @@ fn val_independent_bdf_solver_agrees() {
     assert!(worst[0] < 1e-4 && worst[1] < 2e-5, "{worst:?}'");
 }
 
-/// The same relative motion, seen from the carrier: the error of the housing is that of the carrier with the other sign, over −80 instead of 81.
+/// The same relative motion, seen from the carrier: the error of the housing is that of the carrier with the
+/// other sign, over −80 instead of 81.
 #[test]
 fn val_fixed_carrier() {
     let mut machine = linear();
@@ -158,10 +179,12 @@ fn val_fixed_carrier() {
     let result = simulate(&machine, 10.0, RATED, 0.0, RunPlan::default());
     assert!((result.mean_ratio.unwrap() / -80.0 - 1.0).abs() < 1e-4);
     let te = statistics(&result).mean / ARCMIN;
-    // With locked input the disc's play shows at the housing by z_c/z_p instead of 1/(1 + (z_1+z_2)/(z_2 z_c)) = 0.96296: 1.0125 times as much,
-    // and the wind-up by the square of that: 0.6536' and 0.1720' become 0.838' (the mesh's 0.003' of it aside).
+    // With locked input the disc's play shows at the housing by z_c/z_p instead of 1/(1 + (z_1+z_2)/(z_2
+    // z_c)) = 0.96296: 1.0125 times as much, and the wind-up by the square of that: 0.6536' and 0.1720'
+    // become 0.838' (the mesh's 0.003' of it aside).
     assert!((te / -0.838 - 1.0).abs() < 5e-3, "{te}");
-    // Load sharing without inertia, another solver: the gear mesh's 0.003' aside the same error, play and share of each disc.
+    // Load sharing without inertia, another solver: the gear mesh's 0.003' aside the same error, play and
+    // share of each disc.
     let mut meshing = machine.meshing(&Relief::uniform(10.0 * UM));
     let cycle = meshing.whole_cycle(412.0, 12).unwrap();
     assert!((cycle.mean_error().arcmin() / te - 1.0).abs() < 5e-3, "{} {te}", cycle.mean_error().arcmin());
@@ -169,22 +192,33 @@ fn val_fixed_carrier() {
     let usual = linear().meshing(&Relief::uniform(10.0 * UM)).whole_cycle(412.0, 12).unwrap();
     assert!((cycle.disc_share(0) - 39.0 / 80.0).abs() < 1e-4, "{}", cycle.disc_share(0));
     let play = |cycle: &arcmin::load::Cycle| cycle.play.iter().map(|play| play.radians()).sum::<f64>();
-    assert!((play(&cycle) / play(&usual) / factor - 1.0).abs() < 1e-3, "{} {factor}", play(&cycle) / play(&usual));
+    assert!(
+        (play(&cycle) / play(&usual) / factor - 1.0).abs() < 1e-3,
+        "{} {factor}",
+        play(&cycle) / play(&usual)
+    );
     // Positive torque loads the other flank: the discs lead the ring.
     let loaded = |sharing: &arcmin::load::LoadSharing| -> Vec<f64> {
-        sharing.contacts().filter(|contact| contact.force > 1.0).map(|contact| contact.meshing_angle).collect()
+        sharing
+            .contacts()
+            .filter(|contact| contact.force > 1.0)
+            .map(|contact| contact.meshing_angle)
+            .collect()
     };
     let angles: Vec<f64> = cycle.positions.iter().flat_map(loaded).collect();
     assert!(angles.len() > 100 && angles.iter().all(|angle| *angle > 0.0), "{angles:?}");
     assert!(result.energy.residual() < 1e-6, "{:e}", result.energy.residual());
 }
 
-/// A motor with inertia under a governor reaches its speed and carries the rated load; the balance includes what the motor puts in.
+/// A motor with inertia under a governor reaches its speed and carries the rated load; the balance includes
+/// what the motor puts in.
 #[test]
 fn governed_motor_reaches_its_speed() {
     let machine = linear();
     let drive = Drive::Governed { speed: 1500.0 * RPM, rise_time: 0.1, gain: 0.5 };
-    let result = simulate_rigid(&machine, &Relief::uniform(10.0 * UM), &drive, &RATED, 0.0, RunPlan::default()).unwrap();
+    let result =
+        simulate_rigid(&machine, &Relief::uniform(10.0 * UM), &drive, &RATED, 0.0, RunPlan::default())
+            .unwrap();
     let last = result.series.last().unwrap();
     // Droop: torque at the sun 412/81 N·m over the gain.
     let expected = 1500.0 * RPM - 412.0 / 81.0 / 0.5;
@@ -227,7 +261,9 @@ fn interrupted_run_continues_bit_by_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let settings = StudySettings { plan, perturbed_starts: 2, ..StudySettings::tao2024(&linear()) };
         let wear = [Relief::uniform(10.0 * UM), Relief::uniform(20.0 * UM)];
-        pool.install(|| transmission_error_study(&linear(), &wear, &settings, &arcmin::progress::Silent).unwrap())
+        pool.install(|| {
+            transmission_error_study(&linear(), &wear, &settings, &arcmin::progress::Silent).unwrap()
+        })
     };
     assert_eq!(study(1), study(3));
 }
@@ -235,7 +271,14 @@ fn interrupted_run_continues_bit_by_bit() {
 /// A load beyond all numbers stops the run with time, angle and residual; what came before stays.
 #[test]
 fn a_run_that_fails_keeps_what_was_computed() {
-    let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), OutputLoad::Stepped(vec![(0.05, 1e308)]), 0.0).unwrap();
+    let model = IdealJoints::new(
+        &linear(),
+        &Relief::uniform(10.0 * UM),
+        speed_law(),
+        OutputLoad::Stepped(vec![(0.05, 1e308)]),
+        0.0,
+    )
+    .unwrap();
     let mut run = Run::new(&model, RunPlan { end: 0.1, ..RunPlan::default() }).unwrap();
     let error = run.finish().unwrap_err();
     assert!(error.to_string().starts_with("the step at t = 0.05"), "{error}");

@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
+use arcmin::geometry::Relief;
 use arcmin::units::{ARCMIN, ARCSEC, HOUR, UM};
 use arcmin::wear::CoupledOptions;
-use arcmin::geometry::Relief;
 use arcmin::wear::calibrate::{Observation, Observed, fit_and_predict};
 use serde_json::json;
 
@@ -30,7 +30,8 @@ pub struct Options {
     /// Fit the observations up to this time only, and set the prediction beside the later ones.
     #[arg(long, value_name = "H", value_parser = crate::run::hours)]
     fit_until_h: Option<f64>,
-    /// Fit a second coefficient, the factor of a running-in with this time constant, in place of the design's running-in.
+    /// Fit a second coefficient, the factor of a running-in with this time constant, in place of the design's
+    /// running-in.
     #[arg(long, value_name = "T", value_parser = crate::run::hours)]
     running_in_h: Option<f64>,
     /// Joints between the bodies: those of the load sharing, and what the lost motion is that of.
@@ -43,10 +44,17 @@ pub struct Options {
 pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("calibrate", &options.common)?;
     let machine = run.design.machine();
-    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
+    let deviations = Deviations::with_joints(
+        &mut run,
+        &options.common.design,
+        &machine,
+        &options.deviations,
+        options.joints,
+    )?;
     let observations = read(&options.data)?;
     let until = options.fit_until_h.unwrap_or(f64::INFINITY) * HOUR;
-    let (fitted, others): (Vec<Observation>, Vec<Observation>) = observations.into_iter().partition(|o| o.time <= until * (1.0 + 1e-9));
+    let (fitted, others): (Vec<Observation>, Vec<Observation>) =
+        observations.into_iter().partition(|o| o.time <= until * (1.0 + 1e-9));
     if fitted.is_empty() {
         return Err(Failure::Usage {
             message: format!("{}: no observation up to {} h", options.data.display(), until / HOUR),
@@ -56,15 +64,31 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let duration = options.running_in_h.map(|hours| hours * HOUR);
     let settings = CoupledOptions::default();
     let calibration = match options.joints {
-        Joints::Ideal => fit_and_predict(&machine, machine.meshing(&Relief::uniform(0.0)), settings, &fitted, &others, duration),
-        Joints::Bearings => fit_and_predict(&machine, bearing_meshing(&machine, &deviations.errors, None)?, settings, &fitted, &others, duration),
+        Joints::Ideal => fit_and_predict(
+            &machine,
+            machine.meshing(&Relief::uniform(0.0)),
+            settings,
+            &fitted,
+            &others,
+            duration,
+        ),
+        Joints::Bearings => fit_and_predict(
+            &machine,
+            bearing_meshing(&machine, &deviations.errors, None)?,
+            settings,
+            &fitted,
+            &others,
+            duration,
+        ),
     }
     .map_err(Failure::compute("fit the wear coefficient"))?;
     let k = calibration.exposure.coefficient;
     let mut table = Table::new(&["hours", "quantity", "observed", "predicted", "residual_percent", "use"]);
     let mut rows = Vec::new();
     run.say("     hours   quantity                 observed  predicted  residual");
-    for (index, (observation, predicted)) in fitted.iter().chain(&others).zip(&calibration.predicted).enumerate() {
+    for (index, (observation, predicted)) in
+        fitted.iter().chain(&others).zip(&calibration.predicted).enumerate()
+    {
         let (quantity, observed, unit) = match observation.value {
             Observed::Depth(depth) => ("depth_um", depth, UM),
             Observed::LostMotionIncrease(increase) => ("lost_motion_arcmin", increase, ARCMIN),
@@ -72,12 +96,25 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         let residual = 100.0 * (predicted / observed - 1.0);
         let hours = observation.time / HOUR;
         let used = if index < fitted.len() { "fitted" } else { "predicted" };
-        table.row(&[hours.into(), Cell::Word(quantity), (observed / unit).into(), (predicted / unit).into(), residual.into(), Cell::Word(used)]);
+        table.row(&[
+            hours.into(),
+            Cell::Word(quantity),
+            (observed / unit).into(),
+            (predicted / unit).into(),
+            residual.into(),
+            Cell::Word(used),
+        ]);
         rows.push(json!({ "hours": hours, "quantity": quantity, "observed": observed / unit, "predicted": predicted / unit, "use": used }));
-        run.say(&format!("{hours:10.1}   {quantity:22} {:10.4} {:10.4} {residual:+8.2} %   {used}", observed / unit, predicted / unit));
+        run.say(&format!(
+            "{hours:10.1}   {quantity:22} {:10.4} {:10.4} {residual:+8.2} %   {used}",
+            observed / unit,
+            predicted / unit
+        ));
     }
     run.table("calibration.csv", table)?;
-    run.say(&format!("k = {k:.4e} 1/Pa; in the design file, under [wear.coupled]:\n  coefficient_per_pa = {k:.4e}"));
+    run.say(&format!(
+        "k = {k:.4e} 1/Pa; in the design file, under [wear.coupled]:\n  coefficient_per_pa = {k:.4e}"
+    ));
     let running_in = calibration.exposure.running_in.filter(|_| duration.is_some());
     if let Some(running_in) = running_in {
         let (factor, hours) = (running_in.factor, running_in.duration / HOUR);
@@ -87,7 +124,11 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if fitted.len() <= coefficients {
         run.say(&format!(
             "{} fix{} {coefficients} coefficient{} and test{} nothing{}",
-            if fitted.len() == 1 { "One observation".to_owned() } else { format!("{} observations", fitted.len()) },
+            if fitted.len() == 1 {
+                "One observation".to_owned()
+            } else {
+                format!("{} observations", fitted.len())
+            },
             if fitted.len() == 1 { "es" } else { "" },
             if coefficients == 1 { "" } else { "s" },
             if fitted.len() == 1 { "s" } else { "" },
@@ -112,11 +153,15 @@ fn read(path: &PathBuf) -> Result<Vec<Observation>, Failure> {
     let text = std::fs::read_to_string(path).map_err(|cause| Failure::Read { path: path.clone(), cause })?;
     let usage = |message: String| Failure::Usage {
         message: format!("{}: {message}", path.display()),
-        help: "a header `hours,depth_um` or `hours,lost_motion_arcsec`, then lines such as 600,10.64".to_owned(),
+        help: "a header `hours,depth_um` or `hours,lost_motion_arcsec`, then lines such as 600,10.64"
+            .to_owned(),
     };
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let header: Vec<&str> = lines.next().map(|(_, line)| line.split(',').map(str::trim).collect()).unwrap_or_default();
-    let Some(hours_column) = header.iter().position(|name| *name == "hours") else { return Err(usage("no column `hours`".to_owned())) };
+    let header: Vec<&str> =
+        lines.next().map(|(_, line)| line.split(',').map(str::trim).collect()).unwrap_or_default();
+    let Some(hours_column) = header.iter().position(|name| *name == "hours") else {
+        return Err(usage("no column `hours`".to_owned()));
+    };
     let mut observations = Vec::new();
     for (column, name) in header.iter().enumerate() {
         if !["hours", "depth_um", "lost_motion_arcmin", "lost_motion_arcsec"].contains(name) {
@@ -126,14 +171,21 @@ fn read(path: &PathBuf) -> Result<Vec<Observation>, Failure> {
     for (index, line) in lines {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         if fields.len() != header.len() {
-            return Err(usage(format!("line {} has {} fields, the header has {}", index + 1, fields.len(), header.len())));
+            return Err(usage(format!(
+                "line {} has {} fields, the header has {}",
+                index + 1,
+                fields.len(),
+                header.len()
+            )));
         }
         let number = |field: &str| match field.parse::<f64>() {
             Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
             _ => Err(usage(format!("line {}: \"{field}\" is not a positive number", index + 1))),
         };
         let time = number(fields[hours_column])? * HOUR;
-        for (name, field) in header.iter().zip(&fields).filter(|(name, field)| **name != "hours" && !field.is_empty()) {
+        for (name, field) in
+            header.iter().zip(&fields).filter(|(name, field)| **name != "hours" && !field.is_empty())
+        {
             let value = number(field)?;
             let value = match *name {
                 "depth_um" => Observed::Depth(value * UM),

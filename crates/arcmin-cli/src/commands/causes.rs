@@ -13,7 +13,12 @@ pub fn table<'a>(rows: impl Iterator<Item = (f64, &'a PartsPoint)>) -> Table {
     let causes: Vec<String> = Cause::ALL.iter().map(|cause| format!("{}_arcmin", cause.key())).collect();
     let mut header = vec!["hours", "lost_motion_arcmin"];
     header.extend(causes.iter().map(String::as_str));
-    header.extend(["residual_arcmin", "turning_arm_clearance_growth_um", "crank_support_clearance_growth_um", "gear_gap_growth_um"]);
+    header.extend([
+        "residual_arcmin",
+        "turning_arm_clearance_growth_um",
+        "crank_support_clearance_growth_um",
+        "gear_gap_growth_um",
+    ]);
     let mut table = Table::new(&header);
     for (hours, point) in rows {
         let split = &point.lost_motion;
@@ -21,7 +26,10 @@ pub fn table<'a>(rows: impl Iterator<Item = (f64, &'a PartsPoint)>) -> Table {
         cells.extend(split.causes.iter().map(|cause| Cell::Number(cause / ARCMIN)));
         cells.push((split.residual() / ARCMIN).into());
         let wear = &point.wear;
-        cells.extend([wear.turning_arm, wear.crank_support, wear.gears[0] + wear.gears[1]].map(|growth| Cell::Number(growth / UM)));
+        cells.extend(
+            [wear.turning_arm, wear.crank_support, wear.gears[0] + wear.gears[1]]
+                .map(|growth| Cell::Number(growth / UM)),
+        );
         table.row(&cells);
     }
     table
@@ -39,8 +47,9 @@ pub fn summary(point: &PartsPoint) -> Value {
     Value::Object(map)
 }
 
-/// Causes as a reader wants them, in arcmin, one value per state; none below `negligible`. Errors that press parts together without load take as much as
-/// the elastic work gives, many times the whole: the two are shown as one then. Tables and summary keep them apart.
+/// Causes as a reader wants them, in arcmin, one value per state; none below `negligible`. Errors that press
+/// parts together without load take as much as the elastic work gives, many times the whole: the two are
+/// shown as one then. Tables and summary keep them apart.
 fn shown(states: &[&LostMotionSplit], negligible: f64) -> Vec<(String, Vec<f64>)> {
     let pressed = states.iter().any(|split| split.of(Cause::ManufacturingErrors) < -PRESSED);
     let of = |cause: Cause| -> Vec<f64> { states.iter().map(|split| split.of(cause) / ARCMIN).collect() };
@@ -49,7 +58,10 @@ fn shown(states: &[&LostMotionSplit], negligible: f64) -> Vec<(String, Vec<f64>)
         .filter(|cause| !(pressed && *cause == Cause::ManufacturingErrors))
         .map(|cause| {
             if pressed && cause == Cause::Elastic {
-                let both = of(cause).into_iter().zip(of(Cause::ManufacturingErrors)).map(|(elastic, errors)| elastic + errors);
+                let both = of(cause)
+                    .into_iter()
+                    .zip(of(Cause::ManufacturingErrors))
+                    .map(|(elastic, errors)| elastic + errors);
                 (format!("{}, and manufacturing errors", cause.name()), both.collect())
             } else {
                 (cause.name().to_owned(), of(cause))
@@ -59,26 +71,35 @@ fn shown(states: &[&LostMotionSplit], negligible: f64) -> Vec<(String, Vec<f64>)
         .collect()
 }
 
-/// What manufacturing errors take of the lost motion, in rad, from where on they are taken to press parts together.
+/// What manufacturing errors take of the lost motion, in rad, from where on they are taken to press parts
+/// together.
 const PRESSED: f64 = 0.02 * ARCMIN;
 
 /// For the report: the causes stacked over the hours.
 pub fn section(rows: &[(f64, &PartsPoint)]) -> Section {
     let states: Vec<&LostMotionSplit> = rows.iter().map(|(_, point)| &point.lost_motion).collect();
-    let series: Vec<(String, Vec<(f64, f64)>)> =
-        shown(&states, 1e-4).into_iter().map(|(cause, values)| (cause, rows.iter().map(|(hours, _)| *hours).zip(values).collect())).collect();
-    let residual = rows.iter().map(|(_, point)| (point.lost_motion.residual() / ARCMIN).abs()).fold(0.0, f64::max);
+    let series: Vec<(String, Vec<(f64, f64)>)> = shown(&states, 1e-4)
+        .into_iter()
+        .map(|(cause, values)| (cause, rows.iter().map(|(hours, _)| *hours).zip(values).collect()))
+        .collect();
+    let residual =
+        rows.iter().map(|(_, point)| (point.lost_motion.residual() / ARCMIN).abs()).fold(0.0, f64::max);
     let note = format!(
         "The machine with its bearings, without friction, input locked; mean over all places that repeat (a turn of the crankshafts, with errors of the ring one of the output). The causes follow from virtual work with the forces \
          at ±3 % of rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in the displacements."
     );
-    Section::new("causes", "Lost motion of the whole machine", vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)])
+    Section::new(
+        "causes",
+        "Lost motion of the whole machine",
+        vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)],
+    )
 }
 
 /// For the report of one state: which cause gives how much.
 pub fn shares(hours: f64, point: &PartsPoint) -> Section {
     let split = &point.lost_motion;
-    let rows = shown(&[split], 1e-4).into_iter().map(|(cause, values)| (cause, values[0], String::new())).collect();
+    let rows =
+        shown(&[split], 1e-4).into_iter().map(|(cause, values)| (cause, values[0], String::new())).collect();
     let note = format!(
         "After {hours:.0} h, friction aside, mean over all places that repeat (a turn of the crankshafts, with errors of the ring one of the output). Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second \
          order in the displacements).",
@@ -88,7 +109,12 @@ pub fn shares(hours: f64, point: &PartsPoint) -> Section {
     Section::new(
         "causes",
         "Lost motion by cause",
-        vec![Block::Shares(Shares { title: "Which cause gives how much".into(), unit: "arcmin".into(), rows, note })],
+        vec![Block::Shares(Shares {
+            title: "Which cause gives how much".into(),
+            unit: "arcmin".into(),
+            rows,
+            note,
+        })],
     )
 }
 

@@ -30,7 +30,8 @@ pub struct Options {
     /// How to share the load.
     #[arg(long, value_enum, default_value = "equilibrium")]
     method: Method,
-    /// Joints between the bodies; with bearings the error is that of the whole machine, input locked, and the discs need not carry alike.
+    /// Joints between the bodies; with bearings the error is that of the whole machine, input locked, and the
+    /// discs need not carry alike.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
     /// Share the load on elastic discs (finite elements; equilibrium).
@@ -63,20 +64,45 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("contact", &options.common)?;
     let machine = run.design.machine();
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
-    let mut table = Table::new(&["crank_angle_deg", "disc", "pin", "meshing_angle_deg", "force_n", "pressure_mpa", "half_width_um", "gap_um"]);
+    let mut table = Table::new(&[
+        "crank_angle_deg",
+        "disc",
+        "pin",
+        "meshing_angle_deg",
+        "force_n",
+        "pressure_mpa",
+        "half_width_um",
+        "gap_um",
+    ]);
     if options.method == Method::ClosedForm {
         refuse_beyond("the closed form", "--method", options.joints, options.flexible)?;
     }
-    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
+    let deviations = Deviations::with_joints(
+        &mut run,
+        &options.common.design,
+        &machine,
+        &options.deviations,
+        options.joints,
+    )?;
     let summary = match options.method {
         Method::Equilibrium => match options.joints {
             Joints::Ideal if options.flexible => {
                 let meshing = super::elastic::meshing(&run, &machine, &options.elastic)?;
                 equilibrium(&mut run, &options, meshing, &machine, torque, &mut table)?
             }
-            Joints::Ideal => equilibrium(&mut run, &options, machine.meshing(&Relief::uniform(0.0)), &machine, torque, &mut table)?,
+            Joints::Ideal => equilibrium(
+                &mut run,
+                &options,
+                machine.meshing(&Relief::uniform(0.0)),
+                &machine,
+                torque,
+                &mut table,
+            )?,
             Joints::Bearings => {
-                let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+                let discs = options
+                    .flexible
+                    .then(|| super::elastic::in_bearings(&run, &machine, &options.elastic))
+                    .transpose()?;
                 let made = bearing_meshing(&machine, &deviations.errors, discs.clone())?;
                 let mut summary = equilibrium(&mut run, &options, made, &machine, torque, &mut table)?;
                 if deviations.choice != Choice::None {
@@ -95,13 +121,20 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     Ok(Verdict::Fine)
 }
 
-/// Crank positions of the figures of a cycle; where it takes a turn of the output, enough for every pin to meet every disc at many angles.
+/// Crank positions of the figures of a cycle; where it takes a turn of the output, enough for every pin to
+/// meet every disc at many angles.
 fn cycle_positions<S: ShareLoad>(meshing: &S) -> usize {
     if meshing.discs_alike() { 72 } else { 720 }
 }
 
 /// What the machine without errors would bear.
-fn nominal(run: &Run, options: &Options, mut meshing: BearingMeshing, machine: &Machine, torque: f64) -> Result<Value, Failure> {
+fn nominal(
+    run: &Run,
+    options: &Options,
+    mut meshing: BearingMeshing,
+    machine: &Machine,
+    torque: f64,
+) -> Result<Value, Failure> {
     meshing.set_relief(machine.designed_relief().plus(&Relief::uniform(options.wear_um * UM)));
     let cycle = meshing.whole_cycle(torque, 72).map_err(Failure::compute("share the load"))?;
     let (force, error) = (cycle.max_force(), cycle.mean_error().arcmin());
@@ -118,7 +151,8 @@ fn nominal(run: &Run, options: &Options, mut meshing: BearingMeshing, machine: &
 /// pins.csv, and a line about the pins that bear most and least.
 fn pins(run: &mut Run, cycle: &Cycle) -> Result<String, Failure> {
     let loads = cycle.pin_loads();
-    let mut table = Table::new(&["disc", "pin", "max_force_n", "at_meshing_angle_deg", "mean_force_n", "loaded_share"]);
+    let mut table =
+        Table::new(&["disc", "pin", "max_force_n", "at_meshing_angle_deg", "mean_force_n", "loaded_share"]);
     for load in &loads {
         table.row(&[
             load.disc.into(),
@@ -131,9 +165,23 @@ fn pins(run: &mut Run, cycle: &Cycle) -> Result<String, Failure> {
     }
     run.table("pins.csv", table)?;
     let by_mean = |a: &&PinLoad, b: &&PinLoad| a.mean_force.total_cmp(&b.mean_force);
-    let (Some(most), Some(least)) = (loads.iter().max_by(by_mean), loads.iter().min_by(by_mean)) else { unreachable!("a ring has pins") };
-    let one = |load: &PinLoad| format!("pin {} on disc {}: {:.1} N in the mean, {:.1} N at most", load.pin + 1, load.disc + 1, load.mean_force, load.max_force);
-    Ok(format!("bears most: {}\nbears least: {} (pins and discs counted from 1 as in the design)", one(most), one(least)))
+    let (Some(most), Some(least)) = (loads.iter().max_by(by_mean), loads.iter().min_by(by_mean)) else {
+        unreachable!("a ring has pins")
+    };
+    let one = |load: &PinLoad| {
+        format!(
+            "pin {} on disc {}: {:.1} N in the mean, {:.1} N at most",
+            load.pin + 1,
+            load.disc + 1,
+            load.mean_force,
+            load.max_force
+        )
+    };
+    Ok(format!(
+        "bears most: {}\nbears least: {} (pins and discs counted from 1 as in the design)",
+        one(most),
+        one(least)
+    ))
 }
 
 fn equilibrium<S: ShareLoad>(
@@ -146,11 +194,13 @@ fn equilibrium<S: ShareLoad>(
 ) -> Result<Value, Failure> {
     meshing.set_relief(machine.designed_relief().plus(&Relief::uniform(options.wear_um * UM)));
     let contact = meshing.contacts().contact().clone();
-    let mut errors = Table::new(&["crank_angle_deg", "te_loaded_arcmin", "torsional_stiffness_nm_per_arcmin"]);
+    let mut errors =
+        Table::new(&["crank_angle_deg", "te_loaded_arcmin", "torsional_stiffness_nm_per_arcmin"]);
     let mut start = None;
     for index in 0..options.positions {
         let crank = CrankAngle::from_degrees(360.0 * f64::from(index) / f64::from(options.positions));
-        let (sharing, found) = meshing.share(crank, torque, start.as_ref()).map_err(Failure::compute("share the load"))?;
+        let (sharing, found) =
+            meshing.share(crank, torque, start.as_ref()).map_err(Failure::compute("share the load"))?;
         for (disc, pins) in sharing.discs.iter().enumerate() {
             for c in pins {
                 let radius = 1.0 / c.relative_curvature;
@@ -166,12 +216,16 @@ fn equilibrium<S: ShareLoad>(
                 ]);
             }
         }
-        errors.row(&[crank.degrees().into(), sharing.output_error.arcmin().into(), (sharing.stiffness * arcmin::units::ARCMIN).into()]);
+        errors.row(&[
+            crank.degrees().into(),
+            sharing.output_error.arcmin().into(),
+            (sharing.stiffness * arcmin::units::ARCMIN).into(),
+        ]);
         start = Some(found);
     }
     run.table("error.csv", errors)?;
-    // With ideal joints the pattern repeats every pin pitch: one pitch, finely, gives the figures of the cycle; with bearings a turn of the crankshafts, with
-    // errors of the ring a turn of the output.
+    // With ideal joints the pattern repeats every pin pitch: one pitch, finely, gives the figures of the
+    // cycle; with bearings a turn of the crankshafts, with errors of the ring a turn of the output.
     let positions = cycle_positions(&meshing);
     let cycle = meshing.whole_cycle(torque, positions).map_err(Failure::compute("share the load"))?;
     let of_pins = if meshing.discs_alike() { None } else { Some(pins(run, &cycle)?) };
@@ -184,7 +238,8 @@ fn equilibrium<S: ShareLoad>(
         run.table("harmonics.csv", harmonics)?;
     }
     let shares: Vec<f64> = (0..machine.disc_count).map(|disc| cycle.disc_share(disc)).collect();
-    let stiffness = cycle.positions.iter().map(|p| p.stiffness).sum::<f64>() / cycle.positions.len() as f64 * arcmin::units::ARCMIN;
+    let stiffness = cycle.positions.iter().map(|p| p.stiffness).sum::<f64>() / cycle.positions.len() as f64
+        * arcmin::units::ARCMIN;
     run.say(&format!(
         "largest force {:.1} N   {:.1} loaded pairs per disc   largest pressure {:.0} MPa\n\
          loaded transmission error {:.4}' (peak to peak {:.4}')   one-sided play {:.4}'   stiffness{} {:.0} N·m/arcmin\n\
@@ -224,8 +279,15 @@ fn equilibrium<S: ShareLoad>(
 }
 
 /// Both discs carry the same; the loaded flank has the sign of the torque's meshing angles.
-fn closed_form(run: &Run, options: &Options, machine: &Machine, torque: f64, table: &mut Table) -> Result<Value, Failure> {
-    let solution = closed_form::solve(machine, torque.abs(), options.wear_um * UM).map_err(Failure::compute("share the load"))?;
+fn closed_form(
+    run: &Run,
+    options: &Options,
+    machine: &Machine,
+    torque: f64,
+    table: &mut Table,
+) -> Result<Value, Failure> {
+    let solution = closed_form::solve(machine, torque.abs(), options.wear_um * UM)
+        .map_err(Failure::compute("share the load"))?;
     let profile = machine.profile();
     let contact = machine.line_contact();
     let side = if torque < 0.0 { 1.0 } else { -1.0 };
@@ -257,7 +319,10 @@ fn closed_form(run: &Run, options: &Options, machine: &Machine, torque: f64, tab
         max_pressure / MPA
     ));
     // Play by the equilibrium's geometry: the closed form has none.
-    let cycle = machine.meshing(&Relief::uniform(options.wear_um * UM)).cycle(torque, 36).map_err(Failure::compute("share the load"))?;
+    let cycle = machine
+        .meshing(&Relief::uniform(options.wear_um * UM))
+        .cycle(torque, 36)
+        .map_err(Failure::compute("share the load"))?;
     Ok(json!({
         "method": "closed-form",
         "torque_n_m": torque,

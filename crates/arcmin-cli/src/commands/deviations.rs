@@ -41,7 +41,8 @@ pub struct Deviations {
 }
 
 impl Deviations {
-    /// Reads or draws what the options ask for. `design` is the path of the design file, beside which measured flanks lie.
+    /// Reads or draws what the options ask for. `design` is the path of the design file, beside which
+    /// measured flanks lie.
     fn new(run: &Run, design: &Path, machine: &Machine, options: &Options) -> Result<Deviations, Failure> {
         let given = run.design.given_errors();
         let choice = options.errors.unwrap_or(if given.is_some() { Choice::Given } else { Choice::None });
@@ -51,10 +52,15 @@ impl Deviations {
         let errors = match choice {
             Choice::None => ManufacturingErrors::default(),
             Choice::Given => {
-                let mut errors =
-                    given.ok_or_else(|| usage("the design gives no manufacturing errors", "add a section [errors]; `arcmin keys` lists its keys"))?;
+                let mut errors = given.ok_or_else(|| {
+                    usage(
+                        "the design gives no manufacturing errors",
+                        "add a section [errors]; `arcmin keys` lists its keys",
+                    )
+                })?;
                 for flank in run.design.measured_flanks() {
-                    let measured = read_flank(&design.with_file_name(&flank.file), machine.ring.pin_count - 1)?;
+                    let measured =
+                        read_flank(&design.with_file_name(&flank.file), machine.ring.pin_count - 1)?;
                     if errors.discs.len() <= flank.disc {
                         errors.discs.resize_with(flank.disc + 1, Default::default);
                     }
@@ -64,7 +70,10 @@ impl Deviations {
             }
             Choice::Drawn => {
                 let tolerances = run.design.drawing_tolerances().ok_or_else(|| {
-                    usage("the design gives no tolerances to draw from", "add a section [tolerances]; `arcmin keys` lists its keys")
+                    usage(
+                        "the design gives no tolerances to draw from",
+                        "add a section [tolerances]; `arcmin keys` lists its keys",
+                    )
                 })?;
                 ManufacturingErrors::draw(machine, &tolerances, options.seed.unwrap_or(1))
             }
@@ -73,15 +82,24 @@ impl Deviations {
         Ok(Deviations { errors, choice, seed, left_out: false })
     }
 
-    /// As [`Deviations::new`], said on the terminal, errors.csv staged. Ideal joints have no place for errors: asking for them is wrong usage, and a design that
-    /// gives some is told so.
-    pub fn with_joints(run: &mut Run, design: &Path, machine: &Machine, options: &Options, joints: Joints) -> Result<Deviations, Failure> {
+    /// As [`Deviations::new`], said on the terminal, errors.csv staged. Ideal joints have no place for
+    /// errors: asking for them is wrong usage, and a design that gives some is told so.
+    pub fn with_joints(
+        run: &mut Run,
+        design: &Path,
+        machine: &Machine,
+        options: &Options,
+        joints: Joints,
+    ) -> Result<Deviations, Failure> {
         let mut wanted = options.clone();
         let mut left_out = false;
         if joints == Joints::Ideal {
             match wanted.errors {
                 Some(Choice::Given | Choice::Drawn) => {
-                    return Err(usage("ideal joints have no place for manufacturing errors", "add --joints bearings"));
+                    return Err(usage(
+                        "ideal joints have no place for manufacturing errors",
+                        "add --joints bearings",
+                    ));
                 }
                 None if run.design.given_errors().is_some() => {
                     run.say("the design's [errors] enter with --joints bearings only");
@@ -100,9 +118,17 @@ impl Deviations {
     }
 
     /// Machines drawn with this one's seed and those that follow it.
-    pub fn series(&self, run: &Run, machine: &Machine, count: u32) -> Result<Vec<(u64, ManufacturingErrors)>, Failure> {
+    pub fn series(
+        &self,
+        run: &Run,
+        machine: &Machine,
+        count: u32,
+    ) -> Result<Vec<(u64, ManufacturingErrors)>, Failure> {
         let (Some(seed), Some(tolerances)) = (self.seed, run.design.drawing_tolerances()) else {
-            return Err(usage("--machines draws the machines of a series", "it goes with --joints bearings --errors drawn"));
+            return Err(usage(
+                "--machines draws the machines of a series",
+                "it goes with --joints bearings --errors drawn",
+            ));
         };
         let seeds = (0..u64::from(count)).map(|index| seed.wrapping_add(index));
         Ok(seeds.map(|seed| (seed, ManufacturingErrors::draw(machine, &tolerances, seed))).collect())
@@ -129,7 +155,9 @@ impl Deviations {
     pub fn sentence(&self) -> Option<String> {
         match (self.choice, self.seed) {
             (Choice::None, _) => None,
-            (_, Some(seed)) => Some(format!("Manufacturing errors drawn from the tolerances with seed {seed}, listed in errors.csv.")),
+            (_, Some(seed)) => Some(format!(
+                "Manufacturing errors drawn from the tolerances with seed {seed}, listed in errors.csv."
+            )),
             _ => Some("Manufacturing errors as given in the design, listed in errors.csv.".to_owned()),
         }
     }
@@ -147,7 +175,9 @@ impl Deviations {
         add("all pins", "radius", e.pin_radius / UM, "um");
         for (i, pin) in e.pins.iter().enumerate() {
             let part = format!("pin {}", i + 1);
-            for (quantity, value) in [("radial", pin.radial), ("tangential", pin.tangential), ("radius", pin.radius)] {
+            for (quantity, value) in
+                [("radial", pin.radial), ("tangential", pin.tangential), ("radius", pin.radius)]
+            {
                 add(&part, quantity, value / UM, "um");
             }
         }
@@ -169,19 +199,33 @@ impl Deviations {
             }
         }
         let disc_bores = e.discs.iter().enumerate().flat_map(|(j, disc)| {
-            disc.bores.iter().enumerate().map(move |(k, bore)| (format!("bore of disc {} for crankshaft {}", j + 1, k + 1), bore))
+            disc.bores
+                .iter()
+                .enumerate()
+                .map(move |(k, bore)| (format!("bore of disc {} for crankshaft {}", j + 1, k + 1), bore))
         });
-        let carrier_bores = e.carrier_bores.iter().enumerate().map(|(k, bore)| (format!("bore of the carrier for crankshaft {}", k + 1), bore));
+        let carrier_bores = e
+            .carrier_bores
+            .iter()
+            .enumerate()
+            .map(|(k, bore)| (format!("bore of the carrier for crankshaft {}", k + 1), bore));
         for (part, BoreError { radial, tangential, diameter }) in disc_bores.chain(carrier_bores) {
-            for (quantity, value) in [("radial", radial), ("tangential", tangential), ("diameter", diameter)] {
+            for (quantity, value) in [("radial", radial), ("tangential", tangential), ("diameter", diameter)]
+            {
                 add(&part, quantity, value / UM, "um");
             }
         }
         let numbered = |list: &[RunOut], what: &str| -> Vec<(String, RunOut)> {
-            list.iter().enumerate().map(|(k, run_out)| (format!("{what} of crankshaft {}", k + 1), *run_out)).collect()
+            list.iter()
+                .enumerate()
+                .map(|(k, run_out)| (format!("{what} of crankshaft {}", k + 1), *run_out))
+                .collect()
         };
-        let single = [("pin circle", e.pin_circle_offset), ("carrier", e.carrier), ("sun", e.sun)].map(|(name, r)| (name.to_owned(), r));
-        for (part, RunOut { amplitude, phase }) in numbered(&e.journals, "journals").into_iter().chain(numbered(&e.planets, "planet")).chain(single) {
+        let single = [("pin circle", e.pin_circle_offset), ("carrier", e.carrier), ("sun", e.sun)]
+            .map(|(name, r)| (name.to_owned(), r));
+        for (part, RunOut { amplitude, phase }) in
+            numbered(&e.journals, "journals").into_iter().chain(numbered(&e.planets, "planet")).chain(single)
+        {
             if amplitude != 0.0 {
                 add(&part, "run-out", amplitude / UM, "um");
                 add(&part, "phase", phase / DEG, "deg");
@@ -207,22 +251,35 @@ fn usage(message: &str, help: &str) -> Failure {
 /// A flank measured around the disc.
 fn read_flank(path: &Path, lobe_count: usize) -> Result<FlankError, Failure> {
     use arcmin::geometry::FlankDataError;
-    let columns = Columns::read(path, "a header angle_deg,depth_um, then lines such as 0.25,-1.3 around the whole disc")?;
+    let columns = Columns::read(
+        path,
+        "a header angle_deg,depth_um, then lines such as 0.25,-1.3 around the whole disc",
+    )?;
     let (angles, depths) = (columns.numbers("angle_deg")?, columns.numbers("depth_um")?);
     if let Some(row) = depths.iter().position(|depth| depth.abs() > 500.0) {
-        return Err(columns.wrong(columns.line(row), &format!("a depth of {} µm is more than this program believes (500 µm)", depths[row])));
+        return Err(columns.wrong(
+            columns.line(row),
+            &format!("a depth of {} µm is more than this program believes (500 µm)", depths[row]),
+        ));
     }
-    let points: Vec<(f64, f64)> = angles.iter().zip(&depths).map(|(angle, depth)| (angle * DEG, depth * UM)).collect();
+    let points: Vec<(f64, f64)> =
+        angles.iter().zip(&depths).map(|(angle, depth)| (angle * DEG, depth * UM)).collect();
     FlankError::from_measured(&points, lobe_count).map_err(|error| match error {
-        FlankDataError::NotRising(row) => {
-            columns.wrong(columns.line(row), &format!("the angles must rise, but {}° follows {}°", angles[row], angles[row - 1]))
-        }
-        FlankDataError::MoreThanATurn(row) => {
-            columns.wrong(columns.line(row), &format!("{}° lies more than a turn after the first angle, {}°", angles[row], angles[0]))
-        }
+        FlankDataError::NotRising(row) => columns.wrong(
+            columns.line(row),
+            &format!("the angles must rise, but {}° follows {}°", angles[row], angles[row - 1]),
+        ),
+        FlankDataError::MoreThanATurn(row) => columns.wrong(
+            columns.line(row),
+            &format!("{}° lies more than a turn after the first angle, {}°", angles[row], angles[0]),
+        ),
         FlankDataError::TooCoarse(row, gap, _) => columns.wrong(
             columns.line(row),
-            &format!("a gap of {:.3}° follows; {lobe_count} lobes need a point every {:.3}° at least", gap / DEG, 90.0 / lobe_count as f64),
+            &format!(
+                "a gap of {:.3}° follows; {lobe_count} lobes need a point every {:.3}° at least",
+                gap / DEG,
+                90.0 / lobe_count as f64
+            ),
         ),
     })
 }

@@ -2,14 +2,18 @@ use std::time::Instant;
 
 use arcmin::checks::{self, Severity};
 use arcmin::dynamics::{
-    DynamicsError, JointSettings, RunResult, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, transmission_error_study,
+    DynamicsError, JointSettings, RunResult, StudySettings, TransmissionErrorStudy,
+    flexible_transmission_error_study, transmission_error_study,
 };
 use arcmin::fem::FlexibleDiscs;
 use arcmin::geometry::Relief;
-use arcmin::life::{LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict, predict_made, predict_with};
+use arcmin::life::{
+    LifeOptions, LifePoint, PaperStudy, PartsPoint, Prediction, paper_depths, paper_study, predict,
+    predict_made, predict_with,
+};
 use arcmin::machine::{Machine, ManufacturingErrors};
-use arcmin::report::{Provenance, Section};
 use arcmin::report::life::{LifePage, LifeRow, MeanAndMax, RunTrace, WornFlank};
+use arcmin::report::{Provenance, Section};
 use arcmin::units::{ARCMIN, DEG, HOUR, MPA, UM};
 use arcmin::wear::WearError;
 use serde_json::{Map, Value, json};
@@ -46,8 +50,8 @@ pub struct Options {
     /// Leave out the multibody runs (STE and DTE).
     #[arg(long)]
     quasi_static: bool,
-    /// Elastic discs (finite elements): the prediction shares the load on them, and the study shows their static and dynamic
-    /// transmission error at every wear level as well: some ten seconds.
+    /// Elastic discs (finite elements): the prediction shares the load on them, and the study shows their
+    /// static and dynamic transmission error at every wear level as well: some ten seconds.
     #[arg(long, conflicts_with = "quasi_static")]
     flexible: bool,
     /// Joints of the prediction; the study of Tao2024 keeps ideal joints.
@@ -57,8 +61,8 @@ pub struct Options {
     deviations: super::deviations::Options,
     #[command(flatten)]
     elastic: super::elastic::Options,
-    /// With --joints bearings --errors drawn: follow N machines as well, drawn with the seed and those after it, and show how far they spread. Some ten
-    /// seconds of a core for each.
+    /// With --joints bearings --errors drawn: follow N machines as well, drawn with the seed and those after
+    /// it, and show how far they spread. Some ten seconds of a core for each.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
     machines: Option<u32>,
     /// Times between new and the end of the service life.
@@ -66,7 +70,8 @@ pub struct Options {
     points: u32,
 }
 
-/// Wall seconds of the stages; prediction and study run side by side, so that they do not add up to the whole.
+/// Wall seconds of the stages; prediction and study run side by side, so that they do not add up to the
+/// whole.
 #[derive(Default)]
 struct Clock(Map<String, Value>);
 
@@ -82,7 +87,13 @@ impl Clock {
 pub fn run(options: Options) -> Result<Verdict, Failure> {
     let mut run = Run::start("life", &options.common)?;
     let machine = run.design.machine();
-    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
+    let deviations = Deviations::with_joints(
+        &mut run,
+        &options.common.design,
+        &machine,
+        &options.deviations,
+        options.joints,
+    )?;
     let drawn = options.machines.map(|count| deviations.series(&run, &machine, count)).transpose()?;
     let mut clock = Clock::default();
     let findings = clock.time("check", || checks::check(&machine));
@@ -95,19 +106,29 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     } else {
         None
     };
-    // The machine as a whole stands in its bearings whatever the joints of the prediction; bores tied to one spider leave its discs rigid.
+    // The machine as a whole stands in its bearings whatever the joints of the prediction; bores tied to one
+    // spider leave its discs rigid.
     let moves = options.elastic.bores == super::elastic::Bores::PerBore || options.joints == Joints::Bearings;
-    let free = discs.as_ref().filter(|_| moves).map(|discs| super::elastic::free(&machine, discs.clone(), &options.elastic)).transpose()?;
+    let free = discs
+        .as_ref()
+        .filter(|_| moves)
+        .map(|discs| super::elastic::free(&machine, discs.clone(), &options.elastic))
+        .transpose()?;
     let whole = JointSettings { discs: free, ..JointSettings::default() };
-    let made =
-        |errors: &ManufacturingErrors| (options.joints == Joints::Bearings).then(|| bearing_meshing(&machine, errors, whole.discs.clone())).transpose();
+    let made = |errors: &ManufacturingErrors| {
+        (options.joints == Joints::Bearings)
+            .then(|| bearing_meshing(&machine, errors, whole.discs.clone()))
+            .transpose()
+    };
     let bearings = made(&ManufacturingErrors::default())?.zip(made(&deviations.errors)?);
     let nominal = bearings.as_ref().map(|(nominal, _)| nominal.clone());
     let (prediction, study) = rayon::join(
         || {
             wear_clock.time("wear", || {
                 match (bearings, &discs) {
-                    (Some((nominal, made)), _) => predict_made(&machine, nominal, made, settings, run.progress()),
+                    (Some((nominal, made)), _) => {
+                        predict_made(&machine, nominal, made, settings, run.progress())
+                    }
                     (None, Some(discs)) => {
                         let meshing = machine.flexible_meshing(&Relief::uniform(0.0), discs.clone());
                         predict_with(&machine, meshing, &whole, settings, run.progress())
@@ -124,20 +145,27 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     clock.0.append(&mut study_clock.0);
 
     let spread = match drawn.zip(nominal) {
-        Some((drawn, nominal)) => Some(clock.time("series", || Spread::compute(&run, &machine, nominal, whole.discs.as_ref(), &drawn, settings))?),
+        Some((drawn, nominal)) => Some(clock.time("series", || {
+            Spread::compute(&run, &machine, nominal, whole.discs.as_ref(), &drawn, settings)
+        })?),
         None => None,
     };
 
     let prediction_rows: Vec<LifeRow> = prediction.points.iter().map(|point| row(point, None)).collect();
-    let mut study_rows: Vec<LifeRow> =
-        study.points.iter().enumerate().map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level]))).collect();
+    let mut study_rows: Vec<LifeRow> = study
+        .points
+        .iter()
+        .enumerate()
+        .map(|(level, point)| row(point, simulated.as_ref().map(|s| &s.points[level])))
+        .collect();
     for (row, point) in study_rows.iter_mut().zip(elastic.iter().flat_map(|(study, _)| &study.points)) {
         (row.ste_flexible, row.dte_flexible) = (mean_and_max(&point.no_load), mean_and_max(&point.loaded));
     }
     run.table("life.csv", table(&study_rows, &study.points))?;
     run.table("life_coupled.csv", table(&prediction_rows, &prediction.points))?;
     run.table("wear.csv", profiles(&prediction))?;
-    let parts: Vec<(f64, &PartsPoint)> = prediction.points.iter().filter_map(|point| Some((point.hours, point.parts.as_ref()?))).collect();
+    let parts: Vec<(f64, &PartsPoint)> =
+        prediction.points.iter().filter_map(|point| Some((point.hours, point.parts.as_ref()?))).collect();
     if !parts.is_empty() {
         run.table("lost_motion_causes.csv", super::causes::table(parts.iter().copied()))?;
     }
@@ -148,7 +176,22 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     }
     let design_name = options.common.design.display().to_string();
     let report = clock.time("report", || {
-        render(&run, &design_name, &machine, options.joints, &deviations, &prediction, &study, simulated.as_ref(), elastic.as_ref(), &prediction_rows, &study_rows, &findings, &parts, section)
+        render(
+            &run,
+            &design_name,
+            &machine,
+            options.joints,
+            &deviations,
+            &prediction,
+            &study,
+            simulated.as_ref(),
+            elastic.as_ref(),
+            &prediction_rows,
+            &study_rows,
+            &findings,
+            &parts,
+            section,
+        )
     });
     run.file("report.html", report.as_bytes())?;
 
@@ -208,24 +251,50 @@ fn paper_study_with_runs(
     settings: LifeOptions,
     clock: &mut Clock,
 ) -> Result<(PaperStudy, Option<TransmissionErrorStudy>, Option<Elastic>), Failure> {
-    let study = clock.time("study", || paper_study(machine, &paper_depths(), settings)).map_err(wear_failure)?;
-    let rigid = if options.quasi_static { None } else { Some(clock.time("rigid", || simulate(run, machine, &study))?) };
-    let elastic = discs.map(|discs| clock.time("flexible", || simulate_elastic(run, options, discs, machine, &study))).transpose()?;
+    let study =
+        clock.time("study", || paper_study(machine, &paper_depths(), settings)).map_err(wear_failure)?;
+    let rigid = if options.quasi_static {
+        None
+    } else {
+        Some(clock.time("rigid", || simulate(run, machine, &study))?)
+    };
+    let elastic = discs
+        .map(|discs| clock.time("flexible", || simulate_elastic(run, options, discs, machine, &study)))
+        .transpose()?;
     Ok((study, rigid, elastic))
 }
 
 fn simulate(run: &Run, machine: &Machine, study: &PaperStudy) -> Result<TransmissionErrorStudy, Failure> {
     let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();
-    transmission_error_study(machine, &wear, &StudySettings::tao2024(machine), run.progress()).map_err(|error| {
-        if run.progress().is_cancelled() { Failure::Cancelled } else { Failure::compute("simulate the transmission error")(error) }
-    })
+    transmission_error_study(machine, &wear, &StudySettings::tao2024(machine), run.progress()).map_err(
+        |error| {
+            if run.progress().is_cancelled() {
+                Failure::Cancelled
+            } else {
+                Failure::compute("simulate the transmission error")(error)
+            }
+        },
+    )
 }
 
 /// The same runs with elastic discs, and the section of the report about the disc.
-fn simulate_elastic(run: &Run, options: &Options, discs: &FlexibleDiscs, machine: &Machine, study: &PaperStudy) -> Result<Elastic, Failure> {
+fn simulate_elastic(
+    run: &Run,
+    options: &Options,
+    discs: &FlexibleDiscs,
+    machine: &Machine,
+    study: &PaperStudy,
+) -> Result<Elastic, Failure> {
     let wear: Vec<_> = study.points.iter().map(|point| point.flank.clone()).collect();
     let settings = StudySettings { perturbed_starts: 0, ..StudySettings::tao2024(machine) };
-    let result = flexible_transmission_error_study(machine, discs, options.elastic.dynamics(), &wear, &settings, run.progress());
+    let result = flexible_transmission_error_study(
+        machine,
+        discs,
+        options.elastic.dynamics(),
+        &wear,
+        &settings,
+        run.progress(),
+    );
     let study = result.map_err(|error| match error {
         DynamicsError::Cancelled { .. } => Failure::Cancelled,
         error => Failure::compute("simulate the elastic discs")(error),
@@ -234,7 +303,9 @@ fn simulate_elastic(run: &Run, options: &Options, discs: &FlexibleDiscs, machine
 }
 
 fn mean_and_max(result: &RunResult) -> Option<MeanAndMax> {
-    result.statistics.map(|te| MeanAndMax { mean_arcmin: te.mean_abs / ARCMIN, max_arcmin: te.max_abs / ARCMIN })
+    result
+        .statistics
+        .map(|te| MeanAndMax { mean_arcmin: te.mean_abs / ARCMIN, max_arcmin: te.max_abs / ARCMIN })
 }
 
 fn row(point: &LifePoint, simulated: Option<&arcmin::dynamics::StudyPoint>) -> LifeRow {
@@ -406,7 +477,10 @@ fn render(
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             design_hash: run.design.short_hash(),
-            command: std::iter::once("arcmin".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" "),
+            command: std::iter::once("arcmin".to_owned())
+                .chain(std::env::args().skip(1))
+                .collect::<Vec<_>>()
+                .join(" "),
             seeds: deviations.seeds(),
         },
         design_name,
@@ -424,18 +498,35 @@ fn render(
         dte_rigid_run: dte.as_ref().map(Trace::lend),
         ste_flexible_run: flexible_ste.as_ref().map(Trace::lend),
         dte_flexible_run: flexible_dte.as_ref().map(Trace::lend),
-        ste_starts: simulated.map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
+        ste_starts: simulated
+            .map_or_else(Vec::new, |s| s.points.iter().map(|point| point.spread.as_ref()).collect()),
         findings,
         advice: Vec::new(),
-        more: series.into_iter().chain((!parts.is_empty()).then(|| super::causes::section(parts))).chain(elastic.iter().map(|(_, section)| section.clone())).collect(),
+        more: series
+            .into_iter()
+            .chain((!parts.is_empty()).then(|| super::causes::section(parts)))
+            .chain(elastic.iter().map(|(_, section)| section.clone()))
+            .collect(),
     }
     .page()
     .render()
 }
 
 /// The terminal's table: a handful of rows of the prediction, the study, the verdict.
-fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], study: &[LifeRow], findings: &[checks::Finding], joints: Joints) {
-    run.say(&format!("{}: accuracy over {:.0} h, wear coupled to the load", machine.name, machine.limits.service_life / HOUR));
+fn say(
+    run: &Run,
+    machine: &Machine,
+    prediction: &Prediction,
+    rows: &[LifeRow],
+    study: &[LifeRow],
+    findings: &[checks::Finding],
+    joints: Joints,
+) {
+    run.say(&format!(
+        "{}: accuracy over {:.0} h, wear coupled to the load",
+        machine.name,
+        machine.limits.service_life / HOUR
+    ));
     run.say("                                  lost motion '                         largest");
     run.say("   hours   depth µm   play '   contacts   machine   loaded TE '   force N   pairs");
     let angle = |arcmin: Option<f64>| arcmin.map_or("–".to_owned(), |arcmin| format!("{arcmin:.3}"));
@@ -448,7 +539,9 @@ fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], 
             row.max_depth_um,
             row.play_arcmin,
             if joints == Joints::Ideal { angle(row.lost_motion_arcmin) } else { angle(None) },
-            angle(row.machine_lost_motion_arcmin.or(row.lost_motion_arcmin.filter(|_| joints != Joints::Ideal))),
+            angle(
+                row.machine_lost_motion_arcmin.or(row.lost_motion_arcmin.filter(|_| joints != Joints::Ideal))
+            ),
             row.te_loaded_arcmin,
             row.max_force_n,
             row.loaded_pairs
@@ -459,18 +552,47 @@ fn say(run: &Run, machine: &Machine, prediction: &Prediction, rows: &[LifeRow], 
     let heading = "   hours   depth µm   play '   STE mean/max '   DTE mean/max '";
     run.say(&format!("{heading}{}", if elastic { "  elastic: STE           DTE" } else { "" }));
     for row in study {
-        let pair = |te: Option<MeanAndMax>| te.map_or("        –       ".to_owned(), |te| format!("{:7.3}/{:<8.3}", te.mean_arcmin, te.max_arcmin));
-        let rigid = format!("{:8.0} {:10.1} {:8.3} {} {}", row.hours, row.max_depth_um, row.play_arcmin, pair(row.ste_rigid), pair(row.dte_rigid));
-        run.say(&if elastic { format!("{rigid} {} {}", pair(row.ste_flexible), pair(row.dte_flexible)) } else { rigid });
+        let pair = |te: Option<MeanAndMax>| {
+            te.map_or("        –       ".to_owned(), |te| {
+                format!("{:7.3}/{:<8.3}", te.mean_arcmin, te.max_arcmin)
+            })
+        };
+        let rigid = format!(
+            "{:8.0} {:10.1} {:8.3} {} {}",
+            row.hours,
+            row.max_depth_um,
+            row.play_arcmin,
+            pair(row.ste_rigid),
+            pair(row.dte_rigid)
+        );
+        run.say(&if elastic {
+            format!("{rigid} {} {}", pair(row.ste_flexible), pair(row.dte_flexible))
+        } else {
+            rigid
+        });
     }
     let limit = machine.limits.lost_motion / ARCMIN;
-    let whose = if joints == Joints::Ideal && rows.iter().all(|row| row.machine_lost_motion_arcmin.is_none()) { "contacts" } else { "machine" };
+    let whose = if joints == Joints::Ideal && rows.iter().all(|row| row.machine_lost_motion_arcmin.is_none())
+    {
+        "contacts"
+    } else {
+        "machine"
+    };
     run.say(&match prediction.hours_to_limit {
-        Some(hours) => format!("\nlost motion of the {whose} reaches its limit of {limit:.2}' after {hours:.0} h"),
-        None => format!("\nlost motion of the {whose} stays below its limit of {limit:.2}' for {:.0} h at least", prediction.searched_hours),
+        Some(hours) => {
+            format!("\nlost motion of the {whose} reaches its limit of {limit:.2}' after {hours:.0} h")
+        }
+        None => format!(
+            "\nlost motion of the {whose} stays below its limit of {limit:.2}' for {:.0} h at least",
+            prediction.searched_hours
+        ),
     });
     let count = |severity: Severity| findings.iter().filter(|finding| finding.severity == severity).count();
     if count(Severity::Error) + count(Severity::Warning) > 0 {
-        run.say(&format!("{} error and {} warning findings: see `arcmin check`", count(Severity::Error), count(Severity::Warning)));
+        run.say(&format!(
+            "{} error and {} warning findings: see `arcmin check`",
+            count(Severity::Error),
+            count(Severity::Warning)
+        ));
     }
 }

@@ -1,17 +1,26 @@
-//! One file per command: its options (whose comments are its help) and a function `run`. A new command is a file and a line below.
+//! One file per command: its options (whose comments are its help) and a function `run`. A new command is a
+//! file and a line below.
 
 use crate::failure::Failure;
 use crate::run::Verdict;
 
+mod calibrate;
 mod causes;
+mod check;
+mod contact;
 mod deviations;
 mod elastic;
 mod joints;
+mod keys;
+mod life;
+mod new;
+mod profile;
+mod rig;
+mod simulate;
+mod wear;
 
 macro_rules! commands {
     ($($(#[doc = $doc:literal])* $Name:ident => $module:ident,)*) => {
-        $(mod $module;)*
-
         #[derive(Debug, clap::Subcommand)]
         pub enum Command {
             $($(#[doc = $doc])* $Name(Box<$module::Options>),)*

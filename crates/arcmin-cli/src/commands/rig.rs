@@ -2,14 +2,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use arcmin::dynamics::{JointSettings, order_spectrum};
-use arcmin::machine::{Friction, Machine};
-use arcmin::report::rig::{RigPage, RigState};
-use arcmin::report::Provenance;
-use arcmin::rig::{
-    ASSUMED_FRICTION, ErrorCurve, NamedOrder, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop, hysteresis_loop, name_orders, running_torques,
-    stiffness_split, transmission_error_curves,
-};
 use arcmin::life::{PartsPoint, lost_motion_causes, worn_settings};
+use arcmin::machine::{Friction, Machine};
+use arcmin::report::Provenance;
+use arcmin::report::rig::{RigPage, RigState};
+use arcmin::rig::{
+    ASSUMED_FRICTION, ErrorCurve, NamedOrder, TransmissionSettings, bearing_loads, efficiency_map,
+    evaluate_loop, hysteresis_loop, name_orders, running_torques, stiffness_split, transmission_error_curves,
+};
 use arcmin::units::ARCMIN;
 use serde_json::{Value, json};
 
@@ -35,11 +35,13 @@ mod results;
 pub struct Options {
     #[command(flatten)]
     common: Common,
-    /// Flanks and pins as the coupled wear prediction leaves them after H hours at the design's duty; the new machine is tested as well.
+    /// Flanks and pins as the coupled wear prediction leaves them after H hours at the design's duty; the new
+    /// machine is tested as well.
     #[arg(long, value_name = "H", value_parser = crate::run::hours)]
     hours: Option<f64>,
-    /// A measured curve, evaluated by the same code and drawn over ours; may be given several times. A loop has the columns torque_n_m, angle_arcmin,
-    /// branch (falling or rising); a transmission error has output_angle_deg, te_arcmin and, if several, direction, torque_n_m.
+    /// A measured curve, evaluated by the same code and drawn over ours; may be given several times. A loop
+    /// has the columns torque_n_m, angle_arcmin, branch (falling or rising); a transmission error has
+    /// output_angle_deg, te_arcmin and, if several, direction, torque_n_m.
     #[arg(long, value_name = "CSV")]
     measured: Vec<PathBuf>,
     /// Crank positions at which the loop is run.
@@ -68,26 +70,41 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if assumed {
         run.say("friction: assumed (flank 0.06, bearings 0.002, gear mesh 0.06, seals 4 N·m): the design gives none");
     }
-    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, Joints::Bearings)?;
-    let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
-    let as_made = JointSettings { errors: deviations.errors.clone(), discs: discs.clone(), ..JointSettings::default() };
+    let deviations = Deviations::with_joints(
+        &mut run,
+        &options.common.design,
+        &machine,
+        &options.deviations,
+        Joints::Bearings,
+    )?;
+    let discs = options
+        .flexible
+        .then(|| super::elastic::in_bearings(&run, &machine, &options.elastic))
+        .transpose()?;
+    let as_made =
+        JointSettings { errors: deviations.errors.clone(), discs: discs.clone(), ..JointSettings::default() };
     let measured = measured::read(&options.measured, &machine)?;
     let new = test(&run, &machine, &as_made, 0.0, &options)?;
     let worn = match options.hours {
         Some(hours) if hours > 0.0 => {
             let worn = worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?;
             let worn = JointSettings { errors: deviations.errors.clone(), discs: discs.clone(), ..worn };
-            let causes = lost_motion_causes(&machine, &worn).map_err(Failure::compute("split the lost motion"))?;
+            let causes =
+                lost_motion_causes(&machine, &worn).map_err(Failure::compute("split the lost motion"))?;
             Some((test(&run, &machine, &worn, hours, &options)?, causes))
         }
         _ => None,
     };
-    let new_causes = lost_motion_causes(&machine, &as_made).map_err(Failure::compute("split the lost motion"))?;
+    let new_causes =
+        lost_motion_causes(&machine, &as_made).map_err(Failure::compute("split the lost motion"))?;
     let (worn, worn_causes) = worn.unzip();
-    let causes: Vec<(f64, &PartsPoint)> = [(0.0, new_causes.as_ref()), (options.hours.unwrap_or(0.0), worn_causes.as_ref().and_then(Option::as_ref))]
-        .into_iter()
-        .filter_map(|(hours, point)| Some((hours, point?)))
-        .collect();
+    let causes: Vec<(f64, &PartsPoint)> = [
+        (0.0, new_causes.as_ref()),
+        (options.hours.unwrap_or(0.0), worn_causes.as_ref().and_then(Option::as_ref)),
+    ]
+    .into_iter()
+    .filter_map(|(hours, point)| Some((hours, point?)))
+    .collect();
     if !causes.is_empty() {
         run.table("lost_motion_causes.csv", super::causes::table(causes.iter().copied()))?;
     }
@@ -114,7 +131,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if let Some(discs) = discs {
         // Literature stays last.
         let last = page.sections.len().saturating_sub(1);
-        page.sections.insert(last, super::elastic::section(&machine, &options.elastic, discs.discs().clone())?);
+        page.sections
+            .insert(last, super::elastic::section(&machine, &options.elastic, discs.discs().clone())?);
     }
     run.file("report.html", page.render().as_bytes())?;
     let figure = |state: &RigState| {
@@ -140,7 +158,10 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if let Some(measured) = &measured {
         summary.insert("measured".to_owned(), measured::summary(measured));
     }
-    summary.insert("lost_motion_causes".to_owned(), causes.last().map_or(Value::Null, |(_, point)| super::causes::summary(point)));
+    summary.insert(
+        "lost_motion_causes".to_owned(),
+        causes.last().map_or(Value::Null, |(_, point)| super::causes::summary(point)),
+    );
     summary.insert("wall_s".to_owned(), json!(started.elapsed().as_secs_f64()));
     run.say(&results::terminal(&new, worn.as_ref(), measured.as_ref()));
     if let Some((_, point)) = causes.last() {
@@ -151,49 +172,83 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
 }
 
 fn curves_summary(curves: &[ErrorCurve]) -> Value {
-    let one = |c: &ErrorCurve| {
-        json!({ "direction": c.direction, "torque_n_m": c.torque, "mean_arcmin": c.mean() / ARCMIN, "peak_to_peak_arcmin": c.peak_to_peak() / ARCMIN })
-    };
+    let one = |c: &ErrorCurve| json!({ "direction": c.direction, "torque_n_m": c.torque, "mean_arcmin": c.mean() / ARCMIN, "peak_to_peak_arcmin": c.peak_to_peak() / ARCMIN });
     curves.iter().map(one).collect()
 }
 
 pub(super) fn orders_summary(orders: &[NamedOrder]) -> Value {
-    orders.iter().map(|o| json!({ "order": o.order, "amplitude_arcmin": o.amplitude / ARCMIN, "cause": o.cause })).collect()
+    orders
+        .iter()
+        .map(|o| json!({ "order": o.order, "amplitude_arcmin": o.amplitude / ARCMIN, "cause": o.cause }))
+        .collect()
 }
 
 /// Puts in the assumed friction where the design has none at all; tells whether it did.
 fn assume_friction(machine: &mut Machine, frictionless: bool) -> bool {
     let f = &machine.friction;
-    let none = [f.flank, f.pin_seat, f.bearing, f.gear_mesh, f.seal_drag, f.oil_drag].iter().all(|value| *value == 0.0);
+    let none = [f.flank, f.pin_seat, f.bearing, f.gear_mesh, f.seal_drag, f.oil_drag]
+        .iter()
+        .all(|value| *value == 0.0);
     if frictionless {
-        machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
+        machine.friction =
+            Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
         return false;
     }
     if none {
-        machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..ASSUMED_FRICTION };
+        machine.friction =
+            Friction { regularisation_speed: machine.friction.regularisation_speed, ..ASSUMED_FRICTION };
     }
     none
 }
 
 /// All tests of one state of the machine.
-fn test(run: &Run, machine: &Machine, settings: &JointSettings, hours: f64, options: &Options) -> Result<RigState, Failure> {
+fn test(
+    run: &Run,
+    machine: &Machine,
+    settings: &JointSettings,
+    hours: f64,
+    options: &Options,
+) -> Result<RigState, Failure> {
     use rayon::prelude::*;
     let failure = || Failure::compute("run the test bench");
     let ratio = machine.kinematics().housing_fixed_ratio();
     let turn = std::f64::consts::TAU * ratio / (machine.ring.pin_count as f64 - 1.0);
-    let suns: Vec<f64> = (0..options.positions).map(|i| turn * f64::from(i) / f64::from(options.positions)).collect();
+    let suns: Vec<f64> =
+        (0..options.positions).map(|i| turn * f64::from(i) / f64::from(options.positions)).collect();
     run.progress().report("hysteresis loops", 0.0);
-    let loops = suns.par_iter().map(|sun| hysteresis_loop(machine, settings, *sun)).collect::<Result<Vec<_>, _>>().map_err(failure())?;
+    let loops = suns
+        .par_iter()
+        .map(|sun| hysteresis_loop(machine, settings, *sun))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(failure())?;
     let rated = machine.rated.torque.abs();
-    let figures = loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>().map_err(failure())?;
+    let figures = loops
+        .iter()
+        .map(|points| evaluate_loop(points, rated))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(failure())?;
     let split = stiffness_split(machine, settings, suns[0]).map_err(failure())?;
     run.progress().report("transmission error", 0.4);
-    let test = TransmissionSettings { positions: options.te_positions as usize, ..TransmissionSettings::new(machine) };
+    let test = TransmissionSettings {
+        positions: options.te_positions as usize,
+        ..TransmissionSettings::new(machine)
+    };
     let curves = transmission_error_curves(machine, settings, test).map_err(failure())?;
     let spectrum = curves.get(2).and_then(|curve| order_spectrum(&curve.points)).unwrap_or_default();
     run.progress().report("efficiency", 0.8);
     let efficiency = efficiency_map(machine, settings).map_err(failure())?;
     let torques = running_torques(machine, settings).map_err(failure())?;
     let bearings = bearing_loads(machine, settings, 72).map_err(failure())?;
-    Ok(RigState { hours, loops, figures, split, curves, orders: name_orders(&spectrum, machine, test.positions, 8), spectrum, efficiency, torques, bearings })
+    Ok(RigState {
+        hours,
+        loops,
+        figures,
+        split,
+        curves,
+        orders: name_orders(&spectrum, machine, test.positions, 8),
+        spectrum,
+        efficiency,
+        torques,
+        bearings,
+    })
 }

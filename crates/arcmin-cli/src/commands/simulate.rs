@@ -3,13 +3,13 @@ use std::time::{Duration, Instant};
 
 use arcmin::contact::MeshContact;
 use arcmin::dynamics::{
-    BearingJoints, Checkpoint, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, Reducer, Run as Motion, RunPlan, StepControl,
-    spread_over_starts,
+    BearingJoints, Checkpoint, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, Reducer,
+    Run as Motion, RunPlan, StepControl, spread_over_starts,
 };
 use arcmin::fem::boundary::FlankArc;
-use arcmin::units::{HOUR, MM, UM};
 use arcmin::life::worn_settings;
 use arcmin::machine::PartWear;
+use arcmin::units::{HOUR, MM, UM};
 use arcmin::wear::{CoupledOptions, WornSurfaces};
 use serde::{Deserialize, Serialize};
 
@@ -59,13 +59,15 @@ pub struct Options {
     /// External torque at the output.
     #[arg(long, value_enum, default_value = "none")]
     load: LoadKind,
-    /// Torque or amplitude of the load in N·m, positive against positive output motion [default: the rated torque].
+    /// Torque or amplitude of the load in N·m, positive against positive output motion [default: the rated
+    /// torque].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     torque_nm: Option<f64>,
     /// Period of the sinusoidal load in s.
     #[arg(long, value_name = "T", default_value_t = 0.3)]
     period_s: f64,
-    /// Rows of the load: CSV with a header; for `table` and `stepped` time_s,torque_n_m, for `duty-cycle` duration_s,torque_n_m.
+    /// Rows of the load: CSV with a header; for `table` and `stepped` time_s,torque_n_m, for `duty-cycle`
+    /// duration_s,torque_n_m.
     #[arg(long, value_name = "CSV", required_if_eq_any([("load", "table"), ("load", "stepped"), ("load", "duty-cycle")]))]
     load_file: Option<PathBuf>,
     /// Steady drag torque at the output in N·m, against the motion.
@@ -80,7 +82,8 @@ pub struct Options {
     /// Time within which speed or angle law reach their full value, in s.
     #[arg(long, value_name = "T", default_value_t = 0.1)]
     rise_s: f64,
-    /// Rows of the drive: CSV with a header; for `speed-table` time_s,speed_rpm, for `torque-table` time_s,torque_n_m at the motor.
+    /// Rows of the drive: CSV with a header; for `speed-table` time_s,speed_rpm, for `torque-table`
+    /// time_s,torque_n_m at the motor.
     #[arg(long, value_name = "CSV", required_if_eq_any([("drive", "speed-table"), ("drive", "torque-table")]))]
     drive_file: Option<PathBuf>,
     /// Gain of the governed motor in N·m·s/rad.
@@ -207,10 +210,18 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         machine.contact_law = law;
     }
     let worn = match options.hours {
-        Some(hours) => machine.worn_surfaces(hours * HOUR, CoupledOptions::default()).map_err(Failure::compute("compute the wear"))?,
+        Some(hours) => machine
+            .worn_surfaces(hours * HOUR, CoupledOptions::default())
+            .map_err(Failure::compute("compute the wear"))?,
         None => WornSurfaces::uniform(options.wear_um.unwrap_or(0.0) * UM),
     };
-    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
+    let deviations = Deviations::with_joints(
+        &mut run,
+        &options.common.design,
+        &machine,
+        &options.deviations,
+        options.joints,
+    )?;
     let drive = drive(&options, &machine)?;
     let load = load(&options, &machine)?;
     let invalid = Failure::compute("set up the simulation");
@@ -225,7 +236,8 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         // Whole edges to a lobe, four at least.
         (contact, arc.nodes(((arc.lobe_length() / (options.facet_mm * MM)).round() as usize).max(4)))
     });
-    let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
+    let unloaded =
+        options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
     if facets.is_some() && options.joints == Joints::Bearings {
         return Err(Failure::Usage {
             message: "faceted flanks do not run in bearings".to_owned(),
@@ -233,21 +245,41 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
         });
     }
     let facet_mm = facets.is_some().then_some(options.facet_mm);
-    let case = Case { machine: &machine, hours: options.hours, facet_mm, unloaded, worn: &worn, deviations: &deviations };
+    let case = Case {
+        machine: &machine,
+        hours: options.hours,
+        facet_mm,
+        unloaded,
+        worn: &worn,
+        deviations: &deviations,
+    };
     match (options.model, options.joints) {
         (discs, Joints::Bearings) => {
-            let discs = (discs == Model::Flexible).then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+            let discs = (discs == Model::Flexible)
+                .then(|| super::elastic::in_bearings(&run, &machine, &options.elastic))
+                .transpose()?;
             let part_wear = match options.hours {
-                Some(hours) if machine.wear.parts.any() => worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?.part_wear,
+                Some(hours) if machine.wear.parts.any() => {
+                    worn_settings(&machine, hours).map_err(Failure::compute("compute the wear"))?.part_wear
+                }
                 _ => PartWear::default(),
             };
             let errors = deviations.errors.clone();
-            let settings = JointSettings { flank_wear: worn.flank.clone(), pin_wear: worn.pin.clone(), part_wear, errors, discs, ..JointSettings::default() };
-            let model = BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
+            let settings = JointSettings {
+                flank_wear: worn.flank.clone(),
+                pin_wear: worn.pin.clone(),
+                part_wear,
+                errors,
+                discs,
+                ..JointSettings::default()
+            };
+            let model =
+                BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
             execute(run, &options, &model, model.output_index(), plan, &case)
         }
         (Model::Rigid, Joints::Ideal) => {
-            let mut model = IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
+            let mut model =
+                IdealJoints::new(&machine, &worn.flank, drive, load, options.drag_nm).map_err(invalid)?;
             if !worn.pin.is_zero() {
                 model.set_pin_wear(&worn.pin);
             }
@@ -258,7 +290,9 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             run.progress().report("reducing the discs", 0.0);
             let discs = super::elastic::discs(&machine, &options.elastic, &run.path("."))?;
             let elastic = options.elastic.dynamics();
-            let mut model = FlexibleJoints::new(&machine, discs, &worn.flank, drive, load, options.drag_nm, elastic).map_err(invalid)?;
+            let mut model =
+                FlexibleJoints::new(&machine, discs, &worn.flank, drive, load, options.drag_nm, elastic)
+                    .map_err(invalid)?;
             if !worn.pin.is_zero() {
                 model.set_pin_wear(&worn.pin);
             }
@@ -281,7 +315,11 @@ struct Case<'a> {
 }
 
 fn plan(options: &Options) -> RunPlan {
-    let control = StepControl { tolerance: options.tolerance, fixed_step: options.fixed_step_s, ..StepControl::default() };
+    let control = StepControl {
+        tolerance: options.tolerance,
+        fixed_step: options.fixed_step_s,
+        ..StepControl::default()
+    };
     RunPlan {
         end: options.end_s,
         window_start: options.window_start_s.unwrap_or(options.rise_s),
@@ -301,9 +339,17 @@ fn execute<M: Reducer + Sync>(
     case: &Case,
 ) -> Result<Verdict, Failure> {
     let started = Instant::now();
-    let saved = SavedRun { design_hash: run.design.hash(), settings: settings(options), checkpoint: Motion::new(model, plan).map_err(setup)?.checkpoint() };
+    let saved = SavedRun {
+        design_hash: run.design.hash(),
+        settings: settings(options),
+        checkpoint: Motion::new(model, plan).map_err(setup)?.checkpoint(),
+    };
     let path = run.path(CHECKPOINT);
-    let mut motion = if options.resume { resume(model, &path, &saved)? } else { Motion::new(model, plan).map_err(setup)? };
+    let mut motion = if options.resume {
+        resume(model, &path, &saved)?
+    } else {
+        Motion::new(model, plan).map_err(setup)?
+    };
     let mut last_save = Instant::now();
     let save = |motion: &Motion<M>| {
         let saved = SavedRun { checkpoint: motion.checkpoint(), ..saved.clone() };
@@ -330,7 +376,8 @@ fn execute<M: Reducer + Sync>(
     } else {
         None
     };
-    let summary = results::write(&mut run, case, model, &result, spread.as_ref(), failed.as_ref(), started.elapsed())?;
+    let summary =
+        results::write(&mut run, case, model, &result, spread.as_ref(), failed.as_ref(), started.elapsed())?;
     run.finish(summary)?;
     // A finished run needs no checkpoint; one that cannot be removed does no harm.
     let _ = std::fs::remove_file(&path);
@@ -345,14 +392,51 @@ fn setup(error: DynamicsError) -> Failure {
 }
 
 fn settings(options: &Options) -> String {
-    let Options { model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm, rise_s, .. } = options;
+    let Options {
+        model,
+        joints,
+        wear_um,
+        hours,
+        load,
+        torque_nm,
+        period_s,
+        load_file,
+        drag_nm,
+        drive,
+        speed_rpm,
+        rise_s,
+        ..
+    } = options;
     let elastic = &options.elastic;
-    let Options { drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, .. } = options;
+    let Options {
+        drive_file,
+        gain,
+        end_s,
+        window_start_s,
+        sample_s,
+        contact,
+        contact_stiffness,
+        contact_exponent,
+        tolerance,
+        ..
+    } = options;
     format!(
         "{:?}",
         (
             (model, joints, wear_um, hours, load, torque_nm, period_s, load_file, drag_nm, drive, speed_rpm),
-            (rise_s, drive_file, gain, end_s, window_start_s, sample_s, contact, contact_stiffness, contact_exponent, tolerance, options.fixed_step_s),
+            (
+                rise_s,
+                drive_file,
+                gain,
+                end_s,
+                window_start_s,
+                sample_s,
+                contact,
+                contact_stiffness,
+                contact_exponent,
+                tolerance,
+                options.fixed_step_s
+            ),
             (elastic.element, elastic.bores, elastic.mode_frequency_hz, elastic.damping_ratio),
             (options.flank, options.facet_mm, options.deviations.errors, options.deviations.seed)
         )
@@ -370,4 +454,3 @@ fn resume<'m, M: Reducer>(model: &'m M, path: &Path, expected: &SavedRun) -> Res
     }
     Motion::resume(model, saved.checkpoint).map_err(setup)
 }
-

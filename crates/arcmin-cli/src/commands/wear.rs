@@ -28,7 +28,8 @@ pub struct Options {
     /// Coupled to the load sharing, or the paper's uniform depth.
     #[arg(long, value_enum, default_value = "coupled")]
     mode: Mode,
-    /// Joints between the bodies (coupled mode): with bearings the pins see the forces that clearances and elastic bearings leave them.
+    /// Joints between the bodies (coupled mode): with bearings the pins see the forces that clearances and
+    /// elastic bearings leave them.
     #[arg(long, value_enum, default_value = "ideal")]
     joints: Joints,
     /// Share the load on elastic discs (finite elements; coupled mode).
@@ -52,7 +53,10 @@ pub struct Options {
 fn increment_um(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (1e-3..=1.0).contains(&value) => Ok(value),
-        _ => Err("an increment lies between 0.001 and 1 µm; the elastic approach of a contact is about 1.5 µm".to_owned()),
+        _ => {
+            Err("an increment lies between 0.001 and 1 µm; the elastic approach of a contact is about 1.5 µm"
+                .to_owned())
+        }
     }
 }
 
@@ -73,7 +77,14 @@ struct Tables {
 impl Tables {
     fn new() -> Tables {
         Tables {
-            wear: Table::new(&["hours", "meshing_angle_deg", "depth_um", "force_n", "specific_sliding", "disc"]),
+            wear: Table::new(&[
+                "hours",
+                "meshing_angle_deg",
+                "depth_um",
+                "force_n",
+                "specific_sliding",
+                "disc",
+            ]),
             history: Table::new(&[
                 "hours",
                 "max_depth_um",
@@ -87,7 +98,14 @@ impl Tables {
         }
     }
 
-    fn history_row(&mut self, point: &LifePoint, max_force: f64, loaded_pairs: f64, worst: f64, pin_depth: f64) {
+    fn history_row(
+        &mut self,
+        point: &LifePoint,
+        max_force: f64,
+        loaded_pairs: f64,
+        worst: f64,
+        pin_depth: f64,
+    ) {
         self.history.row(&[
             point.hours.into(),
             (point.max_depth / UM).into(),
@@ -109,7 +127,13 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
     if options.mode == Mode::Paper {
         refuse_beyond("the paper's study", "--mode", options.joints, options.flexible)?;
     }
-    let deviations = Deviations::with_joints(&mut run, &options.common.design, &machine, &options.deviations, options.joints)?;
+    let deviations = Deviations::with_joints(
+        &mut run,
+        &options.common.design,
+        &machine,
+        &options.deviations,
+        options.joints,
+    )?;
     let summary = match options.mode {
         Mode::Coupled => match options.joints {
             Joints::Ideal if options.flexible => {
@@ -121,9 +145,20 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 coupled(&run, &options, meshing.clone(), meshing, &machine, end, &mut tables)
             }
             Joints::Bearings => {
-                let discs = options.flexible.then(|| super::elastic::in_bearings(&run, &machine, &options.elastic)).transpose()?;
+                let discs = options
+                    .flexible
+                    .then(|| super::elastic::in_bearings(&run, &machine, &options.elastic))
+                    .transpose()?;
                 let nominal = bearing_meshing(&machine, &ManufacturingErrors::default(), discs.clone())?;
-                coupled(&run, &options, nominal, bearing_meshing(&machine, &deviations.errors, discs)?, &machine, end, &mut tables)
+                coupled(
+                    &run,
+                    &options,
+                    nominal,
+                    bearing_meshing(&machine, &deviations.errors, discs)?,
+                    &machine,
+                    end,
+                    &mut tables,
+                )
             }
         },
         Mode::Paper => paper(&run, &options, &machine, end, &mut tables),
@@ -175,10 +210,23 @@ fn coupled<S: ShareLoad>(
             let forces = &point.flank_forces[disc];
             for (phi, depth) in Relief::grid(settings.flank_points).zip(flank.samples()) {
                 let sliding = profile.specific_sliding(phi.cos());
-                tables.wear.row(&[hours.into(), (phi / DEG).into(), (depth / UM).into(), force_at(forces, phi).into(), sliding.into(), of_disc.into()]);
+                tables.wear.row(&[
+                    hours.into(),
+                    (phi / DEG).into(),
+                    (depth / UM).into(),
+                    force_at(forces, phi).into(),
+                    sliding.into(),
+                    of_disc.into(),
+                ]);
             }
         }
-        tables.history_row(&point, point.max_force, point.loaded_pairs, point.max_depth_at, state.pin().deepest().0);
+        tables.history_row(
+            &point,
+            point.max_force,
+            point.loaded_pairs,
+            point.max_depth_at,
+            state.pin().deepest().0,
+        );
         last = Some(point);
     }
     let Some(last) = last else { unreachable!("at least the new machine is evaluated") };
@@ -211,13 +259,23 @@ fn coupled<S: ShareLoad>(
 fn force_at(forces: &[FlankForce], phi: f64) -> f64 {
     let at = forces.partition_point(|force| force.meshing_angle < phi);
     match (forces.get(at.wrapping_sub(1)), forces.get(at)) {
-        (Some(a), Some(b)) => a.force + (b.force - a.force) * (phi - a.meshing_angle) / (b.meshing_angle - a.meshing_angle).max(1e-12),
+        (Some(a), Some(b)) => {
+            a.force
+                + (b.force - a.force) * (phi - a.meshing_angle)
+                    / (b.meshing_angle - a.meshing_angle).max(1e-12)
+        }
         (Some(only), None) | (None, Some(only)) => only.force,
         (None, None) => 0.0,
     }
 }
 
-fn paper(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut Tables) -> Result<Value, WearError> {
+fn paper(
+    run: &Run,
+    options: &Options,
+    machine: &Machine,
+    end: f64,
+    tables: &mut Tables,
+) -> Result<Value, WearError> {
     let profile = machine.profile();
     let wear = PaperWear::deep_enough(machine, end)?;
     let mut last = None;
@@ -229,7 +287,14 @@ fn paper(run: &Run, options: &Options, machine: &Machine, end: f64, tables: &mut
         let solution = closed_form::solve(machine, machine.rated.torque.abs(), depth)?;
         for pair in &solution.pairs {
             let sliding = profile.specific_sliding(pair.meshing_angle.cos());
-            tables.wear.row(&[hours.into(), (pair.meshing_angle / DEG).into(), (depth / UM).into(), pair.force.into(), sliding.into(), Cell::Empty]);
+            tables.wear.row(&[
+                hours.into(),
+                (pair.meshing_angle / DEG).into(),
+                (depth / UM).into(),
+                pair.force.into(),
+                sliding.into(),
+                Cell::Empty,
+            ]);
         }
         let worst = wear.worst_angle_at(depth);
         tables.history_row(&point, solution.max_force, solution.loaded_pairs() as f64, worst, 0.0);

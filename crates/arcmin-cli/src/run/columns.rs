@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
 
-/// A CSV file with a header: lines that begin with # and empty lines are passed over, the columns may stand in any order.
+/// A CSV file with a header: lines that begin with # and empty lines are passed over, the columns may stand
+/// in any order.
 pub struct Columns {
     path: PathBuf,
     header: Vec<String>,
@@ -17,8 +18,11 @@ pub struct Columns {
 impl Columns {
     /// `help` shows what such a file looks like.
     pub fn read(path: &Path, help: &'static str) -> Result<Columns, Failure> {
-        let text = std::fs::read_to_string(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
-        let fields = |line: &str| -> Vec<String> { line.split(',').map(|field| field.trim().trim_matches('"').to_owned()).collect() };
+        let text =
+            std::fs::read_to_string(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
+        let fields = |line: &str| -> Vec<String> {
+            line.split(',').map(|field| field.trim().trim_matches('"').to_owned()).collect()
+        };
         // Spreadsheets put a byte-order mark in front.
         let text = text.trim_start_matches('\u{feff}');
         let mut lines = text
@@ -39,7 +43,10 @@ impl Columns {
     }
 
     pub fn wrong(&self, line: usize, what: &str) -> Failure {
-        Failure::Usage { message: format!("{}, line {line}: {what}", self.path.display()), help: self.help.to_owned() }
+        Failure::Usage {
+            message: format!("{}, line {line}: {what}", self.path.display()),
+            help: self.help.to_owned(),
+        }
     }
 
     pub fn line_of_header(&self) -> usize {
@@ -54,7 +61,11 @@ impl Columns {
     pub fn words(&self, name: &str) -> Result<Vec<&str>, Failure> {
         let Some(column) = self.header.iter().position(|header| header == name) else {
             let semicolons = self.header.len() == 1 && self.header[0].contains(';');
-            let what = if semicolons { "the columns must be separated by commas".to_owned() } else { format!("there is no column {name}") };
+            let what = if semicolons {
+                "the columns must be separated by commas".to_owned()
+            } else {
+                format!("there is no column {name}")
+            };
             return Err(self.wrong(self.header_line, &what));
         };
         if let Some((line, _)) = self.rows.iter().find(|(_, fields)| fields.len() <= column) {
@@ -70,7 +81,10 @@ impl Columns {
             .enumerate()
             .map(|(row, word)| match word.parse::<f64>() {
                 Ok(number) if number.is_finite() => Ok(number),
-                _ => Err(self.wrong(self.line(row), &format!("\"{word}\" in the column {name} is not a number"))),
+                _ => {
+                    Err(self
+                        .wrong(self.line(row), &format!("\"{word}\" in the column {name} is not a number")))
+                }
             })
             .collect()
     }

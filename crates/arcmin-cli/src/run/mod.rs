@@ -50,8 +50,9 @@ impl Verdict {
 
 /// One run of a command on a design.
 ///
-/// Files are staged beside their final names and renamed together by [`Run::finish`], `summary.json` last: whoever finds a
-/// summary finds the tables that belong to it, and a run that is killed while it computes leaves the results of the one before.
+/// Files are staged beside their final names and renamed together by [`Run::finish`], `summary.json` last:
+/// whoever finds a summary finds the tables that belong to it, and a run that is killed while it computes
+/// leaves the results of the one before.
 pub struct Run {
     pub design: Design,
     command: &'static str,
@@ -69,9 +70,19 @@ impl Run {
         let out = common.out.clone().unwrap_or_else(|| Path::new("out").join(stem).join(command));
         output::prepare(&out)?;
         if let Some(threads) = common.threads {
-            rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::compute("start the threads"))?;
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.into())
+                .build_global()
+                .map_err(Failure::compute("start the threads"))?;
         }
-        Ok(Run { design, command, out, quiet: common.quiet, staged: Vec::new(), progress: progress::Bar::new(common.quiet) })
+        Ok(Run {
+            design,
+            command,
+            out,
+            quiet: common.quiet,
+            staged: Vec::new(),
+            progress: progress::Bar::new(common.quiet),
+        })
     }
 
     /// To be handed to long computations: shows a bar where that makes sense and carries Ctrl-C.
@@ -103,7 +114,8 @@ impl Run {
         Ok(())
     }
 
-    /// Adds version, design and command line to the summary, writes it, and gives all files their final names.
+    /// Adds version, design and command line to the summary, writes it, and gives all files their final
+    /// names.
     pub fn finish(mut self, summary: Value) -> Result<(), Failure> {
         let Value::Object(mut summary) = summary else { unreachable!("a summary is an object") };
         self.progress.clear();
@@ -111,10 +123,16 @@ impl Run {
         summary.insert("command".to_owned(), json!(self.command));
         summary.insert(
             "command_line".to_owned(),
-            json!(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect::<Vec<_>>()),
+            json!(
+                std::env::args_os()
+                    .skip(1)
+                    .map(|argument| argument.to_string_lossy().into_owned())
+                    .collect::<Vec<_>>()
+            ),
         );
         summary.insert("design".to_owned(), json!({ "name": *self.design.name, "hash": self.design.hash(), "short_hash": self.design.short_hash() }));
-        let mut text = serde_json::to_string_pretty(&Value::Object(summary)).map_err(Failure::compute("write the summary"))?;
+        let mut text = serde_json::to_string_pretty(&Value::Object(summary))
+            .map_err(Failure::compute("write the summary"))?;
         text.push('\n');
         self.file("summary.json", text.as_bytes())?;
         let names: Vec<String> = self.staged.iter().map(|staged| staged.name().to_owned()).collect();
@@ -131,8 +149,10 @@ impl Run {
 /// Reads and parses a design file.
 pub fn read_design(path: &Path) -> Result<Design, Failure> {
     let bytes = std::fs::read(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
-    let text = String::from_utf8(bytes)
-        .map_err(|error| Failure::Read { path: path.to_owned(), cause: std::io::Error::new(std::io::ErrorKind::InvalidData, error) })?;
+    let text = String::from_utf8(bytes).map_err(|error| Failure::Read {
+        path: path.to_owned(),
+        cause: std::io::Error::new(std::io::ErrorKind::InvalidData, error),
+    })?;
     Design::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
 }
 

@@ -18,8 +18,12 @@ impl Staged {
     pub fn write(directory: &Path, name: &str, bytes: &[u8]) -> Result<Staged, Failure> {
         let path = directory.join(name);
         let write = || {
-            let mut file = tempfile::Builder::new().prefix(".arcmin-").permissions(permissions()).tempfile_in(directory)?;
-            // Through the file itself: the wrapper's errors name the temporary file, which tells the user nothing.
+            let mut file = tempfile::Builder::new()
+                .prefix(".arcmin-")
+                .permissions(permissions())
+                .tempfile_in(directory)?;
+            // Through the file itself: the wrapper's errors name the temporary file, which tells the user
+            // nothing.
             file.as_file_mut().write_all(bytes)?;
             // Without this the rename can reach the disk before the bytes do.
             file.as_file().sync_all()?;
@@ -48,11 +52,16 @@ fn permissions() -> std::fs::Permissions {
     std::os::unix::fs::PermissionsExt::from_mode(0o666)
 }
 
-/// Makes the output directory and tries to write there, so that an unusable one is noticed before the computation.
+/// Makes the output directory and tries to write there, so that an unusable one is noticed before the
+/// computation.
 pub fn prepare(directory: &Path) -> Result<(), Failure> {
     let try_it = || {
         std::fs::create_dir_all(directory)?;
-        tempfile::Builder::new().prefix(".arcmin-").tempfile_in(directory)?.as_file_mut().write_all(&[0; 4096])
+        tempfile::Builder::new()
+            .prefix(".arcmin-")
+            .tempfile_in(directory)?
+            .as_file_mut()
+            .write_all(&[0; 4096])
     };
     try_it().map_err(|cause| Failure::Write { path: directory.to_owned(), cause })
 }
@@ -67,7 +76,9 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 /// Removes a file, if there is one.
 pub fn remove(path: &Path) -> Result<(), Failure> {
     match std::fs::remove_file(path) {
-        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => Err(Failure::Write { path: path.to_owned(), cause }),
+        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
+            Err(Failure::Write { path: path.to_owned(), cause })
+        }
         _ => Ok(()),
     }
 }

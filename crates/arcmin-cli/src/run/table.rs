@@ -1,5 +1,5 @@
-/// A CSV table with units in its header. Numbers are written with the fewest digits that read back to the same value, so the
-/// bytes depend on the values alone.
+/// A CSV table with units in its header. Numbers are written with the fewest digits that read back to the
+/// same value, so the bytes depend on the values alone.
 pub struct Table {
     text: String,
     columns: usize,
@@ -70,8 +70,8 @@ impl<'a, T: Into<Cell<'a>>> From<Option<T>> for Cell<'a> {
     }
 }
 
-/// Shortest text that reads back to the same number; very small and very large ones with an exponent. Infinite and undefined
-/// values (the radius of a straight flank) are empty fields.
+/// Shortest text that reads back to the same number; very small and very large ones with an exponent.
+/// Infinite and undefined values (the radius of a straight flank) are empty fields.
 fn shortest(number: f64) -> String {
     match number {
         x if !x.is_finite() => String::new(),
@@ -90,7 +90,10 @@ mod tests {
         for number in [1.0 / 3.0, 1e-18, -2.5e30, 64.0, 1e-5, 0.1 + 0.2, f64::MIN_POSITIVE] {
             assert_eq!(shortest(number).parse::<f64>().unwrap(), number);
         }
-        assert_eq!([shortest(64.0), shortest(-0.0), shortest(f64::INFINITY), shortest(1.4e-18)], ["64", "0", "", "1.4e-18"]);
+        assert_eq!(
+            [shortest(64.0), shortest(-0.0), shortest(f64::INFINITY), shortest(1.4e-18)],
+            ["64", "0", "", "1.4e-18"]
+        );
     }
 
     #[test]

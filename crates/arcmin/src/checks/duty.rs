@@ -11,7 +11,10 @@ fn overload(machine: &Machine) -> Finding {
     Finding {
         code: "duty-torque",
         severity: severity_if(largest > limit, Severity::Warning),
-        message: format!("the largest torque of the duty is {largest} N·m, the rated torque {} N·m", machine.rated.torque),
+        message: format!(
+            "the largest torque of the duty is {largest} N·m, the rated torque {} N·m",
+            machine.rated.torque
+        ),
         value: largest,
         limit,
         unit: "N·m",
@@ -24,7 +27,11 @@ fn coefficient(machine: &Machine) -> Finding {
     // Steel on steel in oil: 1e-20 (full film) to 1e-16 1/Pa (poor lubrication).
     let (low, high) = (1e-21, 1e-15);
     let (severity, message, value) = match machine.wear.coupled {
-        WearCoefficient::Given(k) => (severity_if(!(low..=high).contains(&k), Severity::Warning), format!("the wear coefficient is {k:.3e} 1/Pa"), k),
+        WearCoefficient::Given(k) => (
+            severity_if(!(low..=high).contains(&k), Severity::Warning),
+            format!("the wear coefficient is {k:.3e} 1/Pa"),
+            k,
+        ),
         _ => (Severity::Info, "the wear coefficient is calibrated from an observation".to_owned(), 0.0),
     };
     Finding {

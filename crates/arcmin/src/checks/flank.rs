@@ -3,14 +3,20 @@ use crate::load::closed_form;
 use crate::machine::Machine;
 use crate::units::{DEG, MM, UM};
 
-/// Usual range of K1 for RV reducers; below it the teeth transmit badly, above it the flank becomes sharp (handbooks: 0.5…0.8,
-/// makers' designs up to 0.85).
+/// Usual range of K1 for RV reducers; below it the teeth transmit badly, above it the flank becomes sharp
+/// (handbooks: 0.5…0.8, makers' designs up to 0.85).
 const SHORT_WIDTH_RANGE: (f64, f64) = (0.45, 0.87);
 /// A convex flank sharper than this part of the pin radius is at its limit of pressure and grinding.
 const SHARPEST_TO_PIN: f64 = 0.2;
 
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
-    let mut findings = vec![undercut(machine), sharpness(machine), pin_overlap(machine), short_width_coefficient(machine), root_conformity(machine)];
+    let mut findings = vec![
+        undercut(machine),
+        sharpness(machine),
+        pin_overlap(machine),
+        short_width_coefficient(machine),
+        root_conformity(machine),
+    ];
     findings.extend(root_depth(machine));
     findings.extend(modification_gap(machine));
     findings
@@ -69,7 +75,11 @@ fn pin_overlap(machine: &Machine) -> Finding {
     Finding {
         code: "pin-overlap",
         severity,
-        message: format!("neighbouring pins are {:.3} mm apart, centre to centre; their diameter is {:.3} mm", distance / MM, diameter / MM),
+        message: format!(
+            "neighbouring pins are {:.3} mm apart, centre to centre; their diameter is {:.3} mm",
+            distance / MM,
+            diameter / MM
+        ),
         value: distance / MM,
         limit: diameter / MM,
         unit: "mm",
@@ -123,7 +133,8 @@ fn root_depth(machine: &Machine) -> Option<Finding> {
     let root = profile.pin_circle_radius - profile.eccentricity - profile.pin_radius;
     let disc = &machine.disc;
     let crank_circle = machine.gear_stage.centre_distance();
-    let bores = (0..machine.crankshafts.count).map(|_| ("a crank bore", crank_circle + disc.crank_bore_radius));
+    let bores =
+        (0..machine.crankshafts.count).map(|_| ("a crank bore", crank_circle + disc.crank_bore_radius));
     let holes = disc.holes.iter().map(|hole| ("a hole", hole.centre_radius + hole.radius));
     let centre = (disc.centre_hole_radius > 0.0).then_some(("the centre hole", disc.centre_hole_radius));
     let (name, reach) = bores.chain(holes).chain(centre).max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -143,13 +154,19 @@ fn root_depth(machine: &Machine) -> Option<Finding> {
 
 fn modification_gap(machine: &Machine) -> Option<Finding> {
     let cut = &machine.disc.modification;
-    let k1 = machine.crankshafts.eccentricity * machine.ring.pin_count as f64 / machine.ring.pin_circle_radius;
+    let k1 =
+        machine.crankshafts.eccentricity * machine.ring.pin_count as f64 / machine.ring.pin_circle_radius;
     // The closed form ends with curtate flanks.
     if k1 >= 1.0 {
         return None;
     }
     let (gap, at) = (1..180)
-        .map(|degrees| (closed_form::initial_gap(k1, cut.equidistant_offset, cut.radial_offset, degrees as f64 * DEG), degrees))
+        .map(|degrees| {
+            (
+                closed_form::initial_gap(k1, cut.equidistant_offset, cut.radial_offset, degrees as f64 * DEG),
+                degrees,
+            )
+        })
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or((0.0, 0));
     // First order in the offsets: their squares over the pin radius are the error.
@@ -158,7 +175,10 @@ fn modification_gap(machine: &Machine) -> Option<Finding> {
         code: "modification-gap",
         severity: severity_if(broken, Severity::Warning),
         message: if broken {
-            format!("after rotation to first contact the offsets leave a gap of {:.2} µm at {at}°: negative, another tooth touches first", gap / UM)
+            format!(
+                "after rotation to first contact the offsets leave a gap of {:.2} µm at {at}°: negative, another tooth touches first",
+                gap / UM
+            )
         } else {
             "the offsets leave no negative gap after rotation to first contact".to_owned()
         },

@@ -11,7 +11,13 @@ const LEAST_TEETH_20_DEG: f64 = 17.0;
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     let mut findings = Vec::new();
     findings.extend(ligament(machine));
-    findings.extend([balance(machine), assembly(machine), planet_clearance(machine), sun_undercut(machine), gear_play(machine)]);
+    findings.extend([
+        balance(machine),
+        assembly(machine),
+        planet_clearance(machine),
+        sun_undercut(machine),
+        gear_play(machine),
+    ]);
     findings.extend([
         bearing(machine, "turning-arm-bearing", &machine.bearings.turning_arm),
         bearing(machine, "crank-support-bearing", &machine.bearings.crank_support),
@@ -40,7 +46,12 @@ fn ligament(machine: &Machine) -> Option<Finding> {
         .iter()
         .enumerate()
         .flat_map(|(i, a)| bores[..i].iter().map(move |b| (a, b)))
-        .map(|(a, b)| ((centre(a) - centre(b)).norm() - a.radius - b.radius, LIGAMENT_TO_RADIUS * a.radius.min(b.radius)))
+        .map(|(a, b)| {
+            (
+                (centre(a) - centre(b)).norm() - a.radius - b.radius,
+                LIGAMENT_TO_RADIUS * a.radius.min(b.radius),
+            )
+        })
         .min_by(|a, b| (a.0 - a.1).total_cmp(&(b.0 - b.1)))?;
     Some(Finding {
         code: "bore-ligament",
@@ -57,7 +68,8 @@ fn ligament(machine: &Machine) -> Option<Finding> {
 fn balance(machine: &Machine) -> Finding {
     let kinematics = machine.kinematics();
     let count = kinematics.phases.len() as f64;
-    let force = kinematics.phases.iter().map(|phase| unit(*phase)).sum::<crate::geometry::Vec2>().norm() * machine.disc.mass;
+    let force = kinematics.phases.iter().map(|phase| unit(*phase)).sum::<crate::geometry::Vec2>().norm()
+        * machine.disc.mass;
     let (_, crank, _) = kinematics.speeds(machine.rated.input_speed);
     let newtons = force * machine.crankshafts.eccentricity * crank * crank;
     Finding {
@@ -72,8 +84,9 @@ fn balance(machine: &Machine) -> Finding {
     }
 }
 
-/// With cranks equally spaced and the sun in the middle, planets mesh in equal phase only if (z_1 + ring) … here there is no ring gear:
-/// all planets can be put in place if their teeth can be indexed on the shafts; equal parts need z_1 divisible by their number.
+/// With cranks equally spaced and the sun in the middle, planets mesh in equal phase only if (z_1 + ring) …
+/// here there is no ring gear: all planets can be put in place if their teeth can be indexed on the shafts;
+/// equal parts need z_1 divisible by their number.
 fn assembly(machine: &Machine) -> Finding {
     let count = machine.crankshafts.count;
     let sun = machine.gear_stage.sun_teeth;
@@ -83,7 +96,11 @@ fn assembly(machine: &Machine) -> Finding {
         severity: severity_if(remainder != 0, Severity::Warning),
         message: format!(
             "{sun} sun teeth on {count} planets {}",
-            if remainder == 0 { "let all crankshafts be alike" } else { "need planets set to different angles on their eccentrics" }
+            if remainder == 0 {
+                "let all crankshafts be alike"
+            } else {
+                "need planets set to different angles on their eccentrics"
+            }
         ),
         value: remainder as f64,
         limit: 0.0,
@@ -98,14 +115,22 @@ fn planet_clearance(machine: &Machine) -> Finding {
     let gear = &machine.gear_stage;
     let count = machine.crankshafts.count;
     let tip_diameter = 2.0 * (gear.planet_pitch_radius() + gear.module);
-    let distance = if count > 1 { 2.0 * gear.centre_distance() * (std::f64::consts::PI / count as f64).sin() } else { f64::INFINITY };
+    let distance = if count > 1 {
+        2.0 * gear.centre_distance() * (std::f64::consts::PI / count as f64).sin()
+    } else {
+        f64::INFINITY
+    };
     let broken = distance <= tip_diameter;
     Finding {
         code: "planet-clearance",
         severity: severity_if(broken, Severity::Error),
         message: match count {
             1 => "one planet has no neighbour".to_owned(),
-            _ => format!("planets are {:.2} mm apart, centre to centre; their tip diameter is {:.2} mm", distance / MM, tip_diameter / MM),
+            _ => format!(
+                "planets are {:.2} mm apart, centre to centre; their tip diameter is {:.2} mm",
+                distance / MM,
+                tip_diameter / MM
+            ),
         },
         value: if count > 1 { distance / MM } else { tip_diameter / MM },
         limit: tip_diameter / MM,
@@ -161,7 +186,12 @@ fn bearing(machine: &Machine, code: &'static str, bearing: &RollerBearing) -> Fi
     Finding {
         code,
         severity: severity_if(gap < limit, Severity::Warning),
-        message: format!("{} rollers Ø{:.2} mm leave {:.3} mm between neighbours", bearing.roller_count, bearing.roller_diameter / MM, gap / MM),
+        message: format!(
+            "{} rollers Ø{:.2} mm leave {:.3} mm between neighbours",
+            bearing.roller_count,
+            bearing.roller_diameter / MM,
+            gap / MM
+        ),
         value: gap / MM,
         limit: limit / MM,
         unit: "mm",
@@ -175,7 +205,8 @@ fn eccentric_fit(machine: &Machine) -> Finding {
     let outside = bearing.pitch_diameter + bearing.roller_diameter;
     let bore = 2.0 * machine.disc.crank_bore_radius;
     let difference = bore - outside;
-    // Without an outer ring the rollers run in the bore itself; more room than a third of the radius would be a ring.
+    // Without an outer ring the rollers run in the bore itself; more room than a third of the radius would be
+    // a ring.
     let severity = match difference {
         x if x < -1e-6 => Severity::Error,
         x if x > 0.34 * bore => Severity::Warning,
@@ -184,7 +215,11 @@ fn eccentric_fit(machine: &Machine) -> Finding {
     Finding {
         code: "turning-arm-fit",
         severity,
-        message: format!("the turning-arm bearing is Ø{:.3} mm over its rollers, the bore Ø{:.3} mm", outside / MM, bore / MM),
+        message: format!(
+            "the turning-arm bearing is Ø{:.3} mm over its rollers, the bore Ø{:.3} mm",
+            outside / MM,
+            bore / MM
+        ),
         value: outside / MM,
         limit: bore / MM,
         unit: "mm",
@@ -199,7 +234,12 @@ fn width(machine: &Machine) -> Finding {
     Finding {
         code: "crank-span",
         severity: severity_if(needed > span, Severity::Error),
-        message: format!("{} discs of {:.2} mm stand between crank supports {:.2} mm apart", machine.disc_count, machine.disc.width / MM, span / MM),
+        message: format!(
+            "{} discs of {:.2} mm stand between crank supports {:.2} mm apart",
+            machine.disc_count,
+            machine.disc.width / MM,
+            span / MM
+        ),
         value: needed / MM,
         limit: span / MM,
         unit: "mm",
@@ -216,7 +256,11 @@ fn pin_slenderness(machine: &Machine) -> Finding {
     Finding {
         code: "pin-slenderness",
         severity: severity_if(ratio > limit, Severity::Warning),
-        message: format!("pins Ø{:.2} mm carry discs of {:.2} mm together: length over diameter {ratio:.1}", diameter / MM, length / MM),
+        message: format!(
+            "pins Ø{:.2} mm carry discs of {:.2} mm together: length over diameter {ratio:.1}",
+            diameter / MM,
+            length / MM
+        ),
         value: ratio,
         limit,
         unit: "",

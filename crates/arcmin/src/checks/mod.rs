@@ -1,4 +1,5 @@
-//! Engineering verdicts on a design that can be computed: what is tested, with value and limit, why it matters, what to change.
+//! Engineering verdicts on a design that can be computed: what is tested, with value and limit, why it
+//! matters, what to change.
 //!
 //! A finding never stops a solver. What cannot be computed at all is a [`crate::design::DesignError`].
 
@@ -53,7 +54,8 @@ pub struct Finding {
 
 /// Runs all checks, in a fixed order.
 pub fn check(machine: &Machine) -> Vec<Finding> {
-    [flank::check(machine), mechanism::check(machine), strength::check(machine), duty::check(machine)].concat()
+    [flank::check(machine), mechanism::check(machine), strength::check(machine), duty::check(machine)]
+        .concat()
 }
 
 /// All checks of the machine, and what only the file can tell: which inputs were left to their defaults.

@@ -7,7 +7,8 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     vec![contact_pressure(machine)]
 }
 
-/// Largest Hertz pressure p0 of the closed form (one disc carries 0.55 T) at the largest torque of rating and duty.
+/// Largest Hertz pressure p0 of the closed form (one disc carries 0.55 T) at the largest torque of rating and
+/// duty.
 fn contact_pressure(machine: &Machine) -> Finding {
     let torque = machine.duty.iter().map(|point| point.torque.abs()).fold(machine.rated.torque, f64::max);
     let profile = machine.profile();
@@ -25,7 +26,9 @@ fn contact_pressure(machine: &Machine) -> Finding {
     };
     let solution = match closed_form::solve(machine, torque, 0.0) {
         Ok(solution) => solution,
-        Err(error) => return finding(Severity::Warning, format!("the closed form cannot tell: {error}"), 0.0),
+        Err(error) => {
+            return finding(Severity::Warning, format!("the closed form cannot tell: {error}"), 0.0);
+        }
     };
     let worst = solution
         .pairs
@@ -41,9 +44,17 @@ fn contact_pressure(machine: &Machine) -> Finding {
     match worst {
         Some((pressure, angle, force)) => finding(
             severity_if(pressure > limit, Severity::Error),
-            format!("the largest contact pressure at {torque} N·m is {:.0} MPa, at {:.0}° under {force:.0} N", pressure / MPA, angle / DEG),
+            format!(
+                "the largest contact pressure at {torque} N·m is {:.0} MPa, at {:.0}° under {force:.0} N",
+                pressure / MPA,
+                angle / DEG
+            ),
             pressure / MPA,
         ),
-        None => finding(Severity::Warning, format!("no pin carries at {torque} N·m with gaps of {:.1} µm", solution.smallest_gap() / UM), 0.0),
+        None => finding(
+            Severity::Warning,
+            format!("no pin carries at {torque} N·m with gaps of {:.1} µm", solution.smallest_gap() / UM),
+            0.0,
+        ),
     }
 }

@@ -10,7 +10,11 @@ fn findings(template: usize, edits: &[(&str, &str)]) -> Vec<Finding> {
 }
 
 fn severity(findings: &[Finding], code: &str) -> Severity {
-    findings.iter().find(|finding| finding.code == code).unwrap_or_else(|| panic!("no finding {code}")).severity
+    findings
+        .iter()
+        .find(|finding| finding.code == code)
+        .unwrap_or_else(|| panic!("no finding {code}"))
+        .severity
 }
 
 /// Each check passes on the shipped design and speaks up where its limit is broken, and only where it is.
@@ -35,22 +39,42 @@ fn every_check_can_fail() {
         (
             "planet-assembly",
             Warning,
-            &[("[crankshafts]\ncount = 2", "[crankshafts]\ncount = 4"), ("centre_hole_diameter_mm = 40", "centre_hole_diameter_mm = 4")],
+            &[
+                ("[crankshafts]\ncount = 2", "[crankshafts]\ncount = 4"),
+                ("centre_hole_diameter_mm = 40", "centre_hole_diameter_mm = 4"),
+            ],
         ),
         // Tip circle 57 mm; four planets on 40.5 mm are 57.28 mm apart, five 47.6 mm.
         (
             "planet-clearance",
             Error,
-            &[("[crankshafts]\ncount = 2", "[crankshafts]\ncount = 5"), ("centre_hole_diameter_mm = 40", "centre_hole_diameter_mm = 4")],
+            &[
+                ("[crankshafts]\ncount = 2", "[crankshafts]\ncount = 5"),
+                ("centre_hole_diameter_mm = 40", "centre_hole_diameter_mm = 4"),
+            ],
         ),
         ("gear-undercut", Warning, &[("pressure_angle_deg = 30", "pressure_angle_deg = 18")]),
         ("gear-backlash", Warning, &[("backlash_um = 0 ", "backlash_um = 100 ")]),
         // 15 rollers Ø4.5 need a pitch circle of 21.64 mm at least.
-        ("turning-arm-bearing", Warning, &[("roller_count = 14", "roller_count = 15"), ("pitch_diameter_mm = 22.5", "pitch_diameter_mm = 21.7")]),
+        (
+            "turning-arm-bearing",
+            Warning,
+            &[
+                ("roller_count = 14", "roller_count = 15"),
+                ("pitch_diameter_mm = 22.5", "pitch_diameter_mm = 21.7"),
+            ],
+        ),
         ("crank-support-bearing", Warning, &[("roller_count = 15", "roller_count = 18")]),
         ("turning-arm-fit", Error, &[("crank_bore_diameter_mm = 27", "crank_bore_diameter_mm = 26.9")]),
         ("crank-span", Error, &[("crank_support_span_mm = 40", "crank_support_span_mm = 17")]),
-        ("pin-slenderness", Warning, &[("width_mm = 8.75", "width_mm = 25"), ("crank_support_span_mm = 40", "crank_support_span_mm = 60")]),
+        (
+            "pin-slenderness",
+            Warning,
+            &[
+                ("width_mm = 8.75", "width_mm = 25"),
+                ("crank_support_span_mm = 40", "crank_support_span_mm = 60"),
+            ],
+        ),
         ("crank-count", Error, &[("[crankshafts]\ncount = 2", "[crankshafts]\ncount = 1")]),
         ("contact-pressure", Error, &[("rated_torque_n_m = 412", "rated_torque_n_m = 1000")]),
         ("duty-torque", Warning, &[("\ntorque_n_m = 412", "\ntorque_n_m = 1040")]),
@@ -62,11 +86,16 @@ fn every_check_can_fail() {
         assert_eq!(severity(&findings(0, edits), code), *expected, "{code}");
     }
     for finding in &shipped {
-        assert!(finding.code == "defaults" || cases.iter().any(|(code, ..)| *code == finding.code), "{} is not tested", finding.code);
+        assert!(
+            finding.code == "defaults" || cases.iter().any(|(code, ..)| *code == finding.code),
+            "{} is not tested",
+            finding.code
+        );
     }
 }
 
-/// p0 at the largest torque against the value of 1.316 GPa that two other programs give for 0.55 · 412 N·m on one disc.
+/// p0 at the largest torque against the value of 1.316 GPa that two other programs give for 0.55 · 412 N·m on
+/// one disc.
 #[test]
 fn val_contact_pressure_of_the_closed_form() {
     let findings = findings(0, &[]);

@@ -9,9 +9,11 @@ pub enum MeshContact {
     Nodes,
 }
 
-/// A flank of straight edges between corners that lie on the (worn) flank: what a mesh of linear elements makes of it.
+/// A flank of straight edges between corners that lie on the (worn) flank: what a mesh of linear elements
+/// makes of it.
 ///
-/// Chords cut convex places short (they open a gap) and stand out of concave ones (they close it), by up to s²/(8 ρ) for an edge of length s on the radius ρ.
+/// Chords cut convex places short (they open a gap) and stand out of concave ones (they close it), by up to
+/// s²/(8 ρ) for an edge of length s on the radius ρ.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Facets {
     /// τ of the corners in [0, 2π), ascending.
@@ -64,12 +66,14 @@ impl Facets {
                 s if s >= 1.0 => (b, CORNER_CURVATURE),
                 s => (a + s * edge, 0.0),
             };
-            // Outward is to the right of the way around; a pin centre deep in the metal would have a negative distance.
+            // Outward is to the right of the way around; a pin centre deep in the metal would have a negative
+            // distance.
             let away = p - place;
             let side = if cross(edge, away) > 0.0 && curvature == 0.0 { -1.0 } else { 1.0 };
             let distance = side * away.norm();
             if best.is_none_or(|(least, ..)| distance < least) {
-                let normal = if away.norm() > 0.0 { side * away.normalize() } else { -quarter_turn(edge).normalize() };
+                let normal =
+                    if away.norm() > 0.0 { side * away.normalize() } else { -quarter_turn(edge).normalize() };
                 best = Some((distance, normal, curvature));
             }
         }

@@ -5,20 +5,23 @@ use crate::materials::{Material, effective_modulus};
 /// Elastic law of one tooth contact: force from approach.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ContactLaw {
-    /// Two cylinders in line contact, approach of points at depth 2 r_p in each body (Johnson 1985, §4.6 and §5.6).
+    /// Two cylinders in line contact, approach of points at depth 2 r_p in each body (Johnson 1985, §4.6 and
+    /// §5.6).
     #[default]
     LineHertz,
     /// F = k δ with the stiffness in N/m per pin.
     Linear { stiffness: f64 },
     /// δ = 3.84e-5 Q^0.9 / l^0.8 (mm, N): Palmgren's line contact of steel bodies.
     Palmgren,
-    /// Eq. (6) of Tao2024 with the Hertz half-width; both lengths under the logarithm and R_eq equal to the pin radius.
+    /// Eq. (6) of Tao2024 with the Hertz half-width; both lengths under the logarithm and R_eq equal to the
+    /// pin radius.
     Tao2024,
     /// F = k δ^e with k in N/m^e: the elastic part of the impact function of Tao2024's multibody model.
     Impact { stiffness: f64, exponent: f64 },
 }
 
-/// Damping of one contact: c STEP(δ, 0, 0, d, 1) δ̇, where the cubic step lets it grow from zero over the depth d.
+/// Damping of one contact: c STEP(δ, 0, 0, d, 1) δ̇, where the cubic step lets it grow from zero over the
+/// depth d.
 ///
 /// The sum of elastic and damping force is never allowed to pull.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,14 +71,22 @@ pub struct LineContact {
 }
 
 impl LineContact {
-    /// Binds `law` to disc and pin materials, face width B and pin radius r_p; the reference depth is h = 2 r_p in both bodies.
+    /// Binds `law` to disc and pin materials, face width B and pin radius r_p; the reference depth is h = 2
+    /// r_p in both bodies.
     pub fn new(law: ContactLaw, disc: &Material, pin: &Material, width: f64, pin_radius: f64) -> LineContact {
         LineContact::with_disc_depth(law, disc, pin, width, pin_radius, 2.0 * pin_radius)
     }
 
-    /// As [`LineContact::new`], with the approach of the disc read at `disc_depth` (m) below its surface: the depth at which
-    /// a finite element displacement is added, so that nothing is counted twice.
-    pub fn with_disc_depth(law: ContactLaw, disc: &Material, pin: &Material, width: f64, pin_radius: f64, disc_depth: f64) -> LineContact {
+    /// As [`LineContact::new`], with the approach of the disc read at `disc_depth` (m) below its surface: the
+    /// depth at which a finite element displacement is added, so that nothing is counted twice.
+    pub fn with_disc_depth(
+        law: ContactLaw,
+        disc: &Material,
+        pin: &Material,
+        width: f64,
+        pin_radius: f64,
+        disc_depth: f64,
+    ) -> LineContact {
         let effective_modulus = effective_modulus(disc, pin);
         let b2_per_fr = 4.0 / (PI * width * effective_modulus);
         let (mut alpha, mut beta) = (0.0, 0.0);
@@ -95,7 +106,17 @@ impl LineContact {
             ContactLaw::Impact { stiffness, exponent } => (stiffness.powf(-1.0 / exponent), 1.0 / exponent),
             _ => (0.0, 1.0),
         };
-        LineContact { law, alpha, beta, power, width, effective_modulus, pin_radius, damping: None, seat: 0.0 }
+        LineContact {
+            law,
+            alpha,
+            beta,
+            power,
+            width,
+            effective_modulus,
+            pin_radius,
+            damping: None,
+            seat: 0.0,
+        }
     }
 
     pub fn law(&self) -> ContactLaw {
@@ -118,7 +139,8 @@ impl LineContact {
     /// A power law δ = C F^p in series with the seat: Newton's method on the concave δ(F), from below.
     fn power_with_seat(&self, approach: f64) -> (f64, f64) {
         let (coefficient, power) = self.power;
-        let mut force = (approach / coefficient).powf(1.0 / power).min(approach / self.seat.max(f64::MIN_POSITIVE));
+        let mut force =
+            (approach / coefficient).powf(1.0 / power).min(approach / self.seat.max(f64::MIN_POSITIVE));
         for _ in 0..50 {
             let contact = coefficient * force.powf(power);
             let slope = power * contact / force + self.seat;
@@ -131,7 +153,8 @@ impl LineContact {
         (force, 1.0 / (power * coefficient * force.powf(power - 1.0) + self.seat))
     }
 
-    /// Elastic force in N and stiffness dF/dδ in N/m at approach δ (m, positive) for the equivalent radius R_eq in m.
+    /// Elastic force in N and stiffness dF/dδ in N/m at approach δ (m, positive) for the equivalent radius
+    /// R_eq in m.
     #[inline]
     pub fn force(&self, approach: f64, equivalent_radius: f64) -> (f64, f64) {
         if approach <= 0.0 {
@@ -144,7 +167,9 @@ impl LineContact {
                 let stiffness = stiffness / (1.0 + stiffness * self.seat);
                 (stiffness * approach, stiffness)
             }
-            ContactLaw::Palmgren | ContactLaw::Impact { .. } if self.seat > 0.0 => self.power_with_seat(approach),
+            ContactLaw::Palmgren | ContactLaw::Impact { .. } if self.seat > 0.0 => {
+                self.power_with_seat(approach)
+            }
             ContactLaw::Palmgren | ContactLaw::Impact { .. } => {
                 let (coefficient, power) = self.power;
                 let force = (approach / coefficient).powf(1.0 / power);
@@ -153,7 +178,8 @@ impl LineContact {
         }
     }
 
-    /// Approach in m under the force F (N) for the equivalent radius R_eq (m): the inverse of [`LineContact::force`].
+    /// Approach in m under the force F (N) for the equivalent radius R_eq (m): the inverse of
+    /// [`LineContact::force`].
     pub fn approach(&self, force: f64, equivalent_radius: f64) -> f64 {
         if force <= 0.0 {
             return 0.0;
@@ -162,15 +188,18 @@ impl LineContact {
             ContactLaw::LineHertz => force * (self.alpha - self.beta * (equivalent_radius * force).ln()),
             ContactLaw::Tao2024 => force * (self.alpha - self.beta * force.ln()),
             ContactLaw::Linear { stiffness } => force / stiffness + self.seat * force,
-            ContactLaw::Palmgren | ContactLaw::Impact { .. } => self.power.0 * force.powf(self.power.1) + self.seat * force,
+            ContactLaw::Palmgren | ContactLaw::Impact { .. } => {
+                self.power.0 * force.powf(self.power.1) + self.seat * force
+            }
         }
     }
 
     /// Solves δ = F (α − β ln(F R)) for F; returns (F, dF/dδ). R is 1 for a law without radius.
     ///
-    /// With the compliance δ/F = β c this is c − ln c = a, a = (α − β ln(R δ) + β ln β)/β; a dozen is typical.
-    /// δ(F) rises until c = 1, where the half-width equals the reference depth and the formula has long lost its
-    /// meaning. From c = 3 on (half-width h/e, far beyond any steel) the law goes on with constant stiffness.
+    /// With the compliance δ/F = β c this is c − ln c = a, a = (α − β ln(R δ) + β ln β)/β; a dozen is
+    /// typical. δ(F) rises until c = 1, where the half-width equals the reference depth and the formula has
+    /// long lost its meaning. From c = 3 on (half-width h/e, far beyond any steel) the law goes on with
+    /// constant stiffness.
     #[inline]
     fn line_force(&self, approach: f64, radius: f64) -> (f64, f64) {
         const LIMIT: f64 = 3.0;
@@ -183,8 +212,8 @@ impl LineContact {
             return (limit + stiffness * (approach - LIMIT * beta * limit), stiffness);
         }
         let c = if a > 5.0 && a < 45.0 {
-            // A fit within 8e-4 of the solution, a step of Halley's method that leaves 3e-11, one of Newton's that leaves rounding. The second
-            // logarithm is that of a ratio near 1, so its series will do.
+            // A fit within 8e-4 of the solution, a step of Halley's method that leaves 3e-11, one of Newton's
+            // that leaves rounding. The second logarithm is that of a ratio near 1, so its series will do.
             let guess = (0.682_645_5 + a * (1.497_953 + a * 0.133_548_4)) / (1.0 + 0.131_618_1 * a);
             let log = guess.ln();
             let inverse = 1.0 / guess;
@@ -216,13 +245,15 @@ impl LineContact {
 
     /// ∂U/∂(ln R) at constant approach: ½ β F² in J; zero for laws without radius.
     ///
-    /// From δ = F (α − β ln(F R)) at constant δ: dF/F = β/(C − β) d(ln R) with C = δ/F, and U = F (δ/2 − β F/4).
+    /// From δ = F (α − β ln(F R)) at constant δ: dF/F = β/(C − β) d(ln R) with C = δ/F, and U = F (δ/2 − β
+    /// F/4).
     #[inline]
     pub fn energy_by_log_radius(&self, elastic_force: f64) -> f64 {
         if self.law == ContactLaw::LineHertz { 0.5 * self.beta * elastic_force * elastic_force } else { 0.0 }
     }
 
-    /// Elastic energy ∫F dδ in J at approach δ (m) with the force F (N) that [`LineContact::force`] gives there.
+    /// Elastic energy ∫F dδ in J at approach δ (m) with the force F (N) that [`LineContact::force`] gives
+    /// there.
     ///
     /// From δ = F (α′ − β ln F): U = F (δ/2 − β F/4); power laws F ∝ δ^e: U = F δ/(e + 1).
     #[inline]
@@ -252,7 +283,8 @@ impl LineContact {
         }
         let limit = self.limit_force(radius);
         let limit_approach = 3.0 * self.beta * limit;
-        limit * (0.5 * limit_approach - 0.25 * self.beta * limit) + 0.5 * (limit + force) * (approach - limit_approach)
+        limit * (0.5 * limit_approach - 0.25 * self.beta * limit)
+            + 0.5 * (limit + force) * (approach - limit_approach)
     }
 
     /// Contact force with damping at approach δ in m and rate δ̇ in m/s.
@@ -284,7 +316,11 @@ impl LineContact {
 
     /// Largest Hertz pressure p0 = 2F/(π b B) in Pa.
     pub fn pressure(&self, force: f64, equivalent_radius: f64) -> f64 {
-        if force <= 0.0 { 0.0 } else { 2.0 * force / (PI * self.half_width(force, equivalent_radius) * self.width) }
+        if force <= 0.0 {
+            0.0
+        } else {
+            2.0 * force / (PI * self.half_width(force, equivalent_radius) * self.width)
+        }
     }
 }
 
@@ -316,17 +352,25 @@ mod tests {
                     let (back, stiffness) = contact.force(approach, radius);
                     assert!((back / force - 1.0).abs() < 1e-9, "{law:?} {force} {back}");
                     let h = 1e-6 * approach;
-                    let slope = (contact.force(approach + h, radius).0 - contact.force(approach - h, radius).0) / (2.0 * h);
+                    let slope = (contact.force(approach + h, radius).0
+                        - contact.force(approach - h, radius).0)
+                        / (2.0 * h);
                     assert!((slope / stiffness - 1.0).abs() < 1e-5, "{law:?}");
                 }
             }
         }
     }
 
-    /// Secant 2.99e8 N/m and exponent 1.099 at 447 N and the largest lever (cos φ = K1): computed by two other programs.
+    /// Secant 2.99e8 N/m and exponent 1.099 at 447 N and the largest lever (cos φ = K1): computed by two
+    /// other programs.
     #[test]
     fn val_secant_and_exponent_of_the_line_contact() {
-        let profile = crate::geometry::Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let profile = crate::geometry::Profile {
+            pin_count: 40,
+            pin_circle_radius: 64e-3,
+            eccentricity: 1.3e-3,
+            pin_radius: 3e-3,
+        };
         let contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
         let radius = 1.0 / profile.relative_curvature(profile.short_width_coefficient(), 3e-3);
         let approach = contact.approach(447.0, radius);
@@ -343,8 +387,10 @@ mod tests {
             for end in [1e-7, 2e-6, 3e-5, 3e-3] {
                 let n = 40_000;
                 // Midpoints, crowded towards zero: δ = end u², dδ = 2 end u du.
-                let sum: f64 =
-                    (0..n).map(|i| (i as f64 + 0.5) / n as f64).map(|u| contact.force(end * u * u, 2e-3).0 * 2.0 * end * u / n as f64).sum();
+                let sum: f64 = (0..n)
+                    .map(|i| (i as f64 + 0.5) / n as f64)
+                    .map(|u| contact.force(end * u * u, 2e-3).0 * 2.0 * end * u / n as f64)
+                    .sum();
                 let energy = contact.energy(end, contact.force(end, 2e-3).0, 2e-3);
                 assert!((energy / sum - 1.0).abs() < 1e-6, "{law:?} {end}: {energy} {sum}");
             }

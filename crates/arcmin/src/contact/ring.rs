@@ -46,7 +46,8 @@ pub struct PinContact {
     pub pin: usize,
     /// Parameter τ of the foot on the trace in rad.
     pub tau: f64,
-    /// Meshing angle of the point of closest approach in rad, (−π, π]; positive angles push the disc clockwise.
+    /// Meshing angle of the point of closest approach in rad, (−π, π]; positive angles push the disc
+    /// clockwise.
     pub meshing_angle: f64,
     /// Gap in m; negative is penetration (elastic approach).
     pub gap: f64,
@@ -83,8 +84,8 @@ pub struct PinContact {
 }
 
 impl PinContact {
-    /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, D the distance of the pin centre from the flank and T = (t_x, t_y, t·(k × arm)) its motion along
-    /// the flank, plus the turning of the arm.
+    /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, D the distance of the pin centre from the flank and T = (t_x,
+    /// t_y, t·(k × arm)) its motion along the flank, plus the turning of the arm.
     #[inline]
     pub(crate) fn gap_hessian(&self, pin_radius: f64) -> [[f64; 3]; 3] {
         let (n, arm) = (self.normal, self.arm);
@@ -148,7 +149,8 @@ pub struct PinContacts {
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
     pub(super) directions: Vec<Vec2>,
     pub(super) relief: Relief,
-    /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for each.
+    /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for
+    /// each.
     pub(super) pin_reliefs: Vec<Relief>,
     /// Errors of this disc's flank around its circumference, if any.
     pub(super) flank_error: Option<FlankError>,
@@ -211,8 +213,9 @@ impl PinContacts {
         self.update_bounds();
     }
 
-    /// Replaces the flank by what a mesh of linear elements with nodes at the given τ (rad) leaves of it. Such contacts have R_eq = r_p, that of
-    /// a pin on a plane. Worn pins and flank errors act as on the smooth flank.
+    /// Replaces the flank by what a mesh of linear elements with nodes at the given τ (rad) leaves of it.
+    /// Such contacts have R_eq = r_p, that of a pin on a plane. Worn pins and flank errors act as on the
+    /// smooth flank.
     pub fn set_facets(&mut self, contact: MeshContact, nodes: Vec<f64>) {
         self.facets = Some(Facets::new(contact, nodes, &self.profile, &self.relief));
     }
@@ -221,8 +224,8 @@ impl PinContacts {
         self.facets.is_some()
     }
 
-    /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's own place on the ring
-    /// to the flank normal, 0 where the pin faces the centre of the ring.
+    /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's
+    /// own place on the ring to the flank normal, 0 where the pin faces the centre of the ring.
     pub fn set_pin_relief(&mut self, relief: Relief) {
         self.pin_reliefs = if relief.is_zero() { Vec::new() } else { vec![relief] };
         self.update_bounds();
@@ -235,8 +238,9 @@ impl PinContacts {
         self.update_bounds();
     }
 
-    /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank is left out: an amplitude of 10 µm
-    /// at order z_c tilts the normal by some mrad, a second-order change of the gap.
+    /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank is left
+    /// out: an amplitude of 10 µm at order z_c tilts the normal by some mrad, a second-order change of the
+    /// gap.
     pub fn set_flank_error(&mut self, error: FlankError) {
         self.flank_error = (!error.is_zero()).then_some(error);
         self.update_bounds();
@@ -247,13 +251,15 @@ impl PinContacts {
         self.contact.damping = damping;
     }
 
-    /// Hands the contacts to an elastic disc: the law of its surface, and how far (m) its flank may come out to meet a pin.
+    /// Hands the contacts to an elastic disc: the law of its surface, and how far (m) its flank may come out
+    /// to meet a pin.
     pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
         (self.contact, self.reach) = (law, reach);
     }
 
-    /// Whether reactions include what makes them the gradient of the stored energy ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at
-    /// first. Without it a mechanism gains or loses energy every turn.
+    /// Whether reactions include what makes them the gradient of the stored energy
+    /// ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at first. Without it a mechanism
+    /// gains or loses energy every turn.
     pub fn set_conservative(&mut self, conservative: bool) {
         self.conservative = conservative;
     }
@@ -280,21 +286,27 @@ impl PinContacts {
         self.sliding = sliding.filter(|sliding| sliding.coefficient > 0.0);
     }
 
-    /// Bounds from below for culling. A spline may undershoot its samples a little; a share of the range of the samples is a safe margin.
+    /// Bounds from below for culling. A spline may undershoot its samples a little; a share of the range of
+    /// the samples is a safe margin.
     fn update_bounds(&mut self) {
         let floor = |samples: &mut dyn Iterator<Item = f64>, margin: f64| {
-            let (low, high) = samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
+            let (low, high) =
+                samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
             low - margin * (high - low)
         };
         let pins = self.pin_reliefs.iter().map(|relief| floor(&mut relief.samples().iter().copied(), 0.5));
-        self.shallowest_elsewhere = pins.reduce(f64::min).unwrap_or(0.0) + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
+        self.shallowest_elsewhere = pins.reduce(f64::min).unwrap_or(0.0)
+            + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
         let samples = self.relief.samples();
         let count = samples.len();
         let reach = (count / 18).max(2);
         for (sector, bound) in self.relief_floors.iter_mut().enumerate() {
             let first = sector * count / FLOOR_SECTORS;
             let last = (sector + 1) * count / FLOOR_SECTORS;
-            *bound = floor(&mut (first + count - reach.min(count)..=last + count + reach).map(|i| samples[i % count]), 0.1);
+            *bound = floor(
+                &mut (first + count - reach.min(count)..=last + count + reach).map(|i| samples[i % count]),
+                0.1,
+            );
         }
     }
 
@@ -307,7 +319,11 @@ impl PinContacts {
             reaction.add(contact, velocity, radius, self.sliding.as_ref());
             if self.conservative && contact.elastic > 0.0 && rolls {
                 // Its tangents are left out: it is 1e-4 of the contact force.
-                reaction.force.iter_mut().zip(self.rolling_force(contact)).for_each(|(sum, force)| *sum += force);
+                reaction
+                    .force
+                    .iter_mut()
+                    .zip(self.rolling_force(contact))
+                    .for_each(|(sum, force)| *sum += force);
             }
         });
         reaction
@@ -324,10 +340,17 @@ impl PinContacts {
 impl Reaction {
     /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included.
     #[inline]
-    fn add(&mut self, contact: &PinContact, velocity: DiscVelocity, pin_radius: f64, sliding: Option<&Sliding>) {
+    fn add(
+        &mut self,
+        contact: &PinContact,
+        velocity: DiscVelocity,
+        pin_radius: f64,
+        sliding: Option<&Sliding>,
+    ) {
         if contact.force <= 0.0 {
             if contact.gap > 0.0 && contact.approach_rate > 0.0 {
-                self.onset_rate = self.onset_rate.max(contact.approach_rate / (contact.gap + TOLERABLE_DEPTH));
+                self.onset_rate =
+                    self.onset_rate.max(contact.approach_rate / (contact.gap + TOLERABLE_DEPTH));
             } else {
                 // Damping holds the force at zero while the surfaces still part.
                 self.stored += contact.stored;
@@ -352,15 +375,16 @@ impl Reaction {
         self.stored += contact.stored;
         self.dissipation += (contact.force - contact.elastic) * contact.approach_rate;
         if let Some(sliding) = sliding {
-            // The turning of the direction of sliding is left out of the tangent: it is the friction coefficient times smaller
-            // than the terms above, and Newton's method still converges.
+            // The turning of the direction of sliding is left out of the tangent: it is the friction
+            // coefficient times smaller than the terms above, and Newton's method still converges.
             let (share, slope) = sliding.share(contact.sliding_speed);
             let along = contact.along;
             for i in 0..3 {
                 self.force[i] += contact.friction * along[i];
                 for j in 0..3 {
                     self.stiffness[i][j] -= share * contact.stiffness * along[i] * g[j];
-                    self.damping[i][j] += along[i] * (contact.force * slope * along[j] - share * contact.damping * g[j]);
+                    self.damping[i][j] +=
+                        along[i] * (contact.force * slope * along[j] - share * contact.damping * g[j]);
                 }
             }
             self.dissipation -= contact.friction * contact.sliding_speed;

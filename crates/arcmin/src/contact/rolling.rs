@@ -1,10 +1,12 @@
 use super::{PinContact, PinContacts};
 use crate::geometry::{cross, quarter_turn};
 
-/// How a contact travels on flank and pin while the disc moves: what the forces need beyond F ∂g/∂q to derive from the stored energy.
+/// How a contact travels on flank and pin while the disc moves: what the forces need beyond F ∂g/∂q to derive
+/// from the stored energy.
 ///
-/// The energy U(δ, R_eq) of a line contact falls with sharper curvature, the compliance of an elastic disc changes along its flank, and flank errors
-/// are read where the contact is. All depend on the foot τ, and rolling to another place takes or gives work.
+/// The energy U(δ, R_eq) of a line contact falls with sharper curvature, the compliance of an elastic disc
+/// changes along its flank, and flank errors are read where the contact is. All depend on the foot τ, and
+/// rolling to another place takes or gives work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rolling {
     /// ∂τ/∂(x, y, θ) of the foot, in rad/m and rad/rad.
@@ -26,7 +28,8 @@ impl Rolling {
 impl PinContacts {
     /// What the flank's error takes off where a contact is, in m.
     pub fn flank_error_depth(&self, contact: &PinContact) -> f64 {
-        self.flank_error().map_or(0.0, |error| error.depth(contact.tau, self.profile().outward_normal(contact.tau)))
+        self.flank_error()
+            .map_or(0.0, |error| error.depth(contact.tau, self.profile().outward_normal(contact.tau)))
     }
 
     /// Travel of the foot of `contact`.
@@ -35,14 +38,19 @@ impl PinContacts {
         let profile = self.profile();
         let course = profile.worn_course(contact.tau, contact.meshing_unit, self.relief(), pin_radius);
         // Facets leave the radius of the pin.
-        let log_radius_slope = if self.is_faceted() { 0.0 } else { -course.relative_curvature_rate / contact.relative_curvature };
+        let log_radius_slope = if self.is_faceted() {
+            0.0
+        } else {
+            -course.relative_curvature_rate / contact.relative_curvature
+        };
 
         let (mut read, mut error_slope) = (self.pin_depth(contact), 0.0);
         if let Some(error) = self.flank_error() {
             read += self.flank_error_depth(contact);
             error_slope = error.slope(contact.tau, profile);
         }
-        // The pin centre moves by −T dz past the flank, and the closest point by 1/(1 − κ D) of that, D being the distance between the two.
+        // The pin centre moves by −T dz past the flank, and the closest point by 1/(1 − κ D) of that, D being
+        // the distance between the two.
         let reach = 1.0 - course.curvature * (contact.gap - read + pin_radius);
         let t = quarter_turn(contact.normal);
         let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along / (reach * course.length));

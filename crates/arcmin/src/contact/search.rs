@@ -33,7 +33,13 @@ impl Batch {
 
 impl PinContacts {
     /// Calls `visit` for every pin (`all`) or for every pin that may touch.
-    pub fn visit(&self, pose: DiscPose, velocity: DiscVelocity, all: bool, mut visit: impl FnMut(&PinContact)) {
+    pub fn visit(
+        &self,
+        pose: DiscPose,
+        velocity: DiscVelocity,
+        all: bool,
+        mut visit: impl FnMut(&PinContact),
+    ) {
         let rotation = unit(pose.angle);
         let back = Vec2::new(rotation.x, -rotation.y);
         // z_p β_i is a whole number of turns, so all pins share e(z τ) at the start of their search.
@@ -52,7 +58,9 @@ impl PinContacts {
                     let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
                     ((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)
                 };
-                let extra = self.profile.pin_radius - pin.radius + self.relief_floors[sector] + self.shallowest_elsewhere;
+                let extra = self.profile.pin_radius - pin.radius
+                    + self.relief_floors[sector]
+                    + self.shallowest_elsewhere;
                 if self.is_clear(p, e, ez, extra) {
                     continue;
                 }
@@ -66,21 +74,42 @@ impl PinContacts {
     }
 
     #[inline]
-    fn visit_batch(&self, batch: &mut Batch, ez: Vec2, rotation: Vec2, velocity: DiscVelocity, visit: &mut impl FnMut(&PinContact)) {
+    fn visit_batch(
+        &self,
+        batch: &mut Batch,
+        ez: Vec2,
+        rotation: Vec2,
+        velocity: DiscVelocity,
+        visit: &mut impl FnMut(&PinContact),
+    ) {
         if batch.count == 0 {
             return;
         }
         // Places that are left over search again for the first pin: no result depends on who is beside it.
         for lane in batch.count..LANES {
-            (batch.place[lane], batch.tau[lane], batch.direction[lane]) = (batch.place[0], batch.tau[0], batch.direction[0]);
+            (batch.place[lane], batch.tau[lane], batch.direction[lane]) =
+                (batch.place[0], batch.tau[0], batch.direction[0]);
         }
-        self.profile.feet_from((&batch.place, &batch.tau, &batch.direction), ez, batch.count, |lane, foot| {
-            visit(&self.contact_of(batch.pin[lane], batch.arm[lane], batch.place[lane], foot, rotation, velocity));
-        });
+        self.profile.feet_from(
+            (&batch.place, &batch.tau, &batch.direction),
+            ez,
+            batch.count,
+            |lane, foot| {
+                visit(&self.contact_of(
+                    batch.pin[lane],
+                    batch.arm[lane],
+                    batch.place[lane],
+                    foot,
+                    rotation,
+                    velocity,
+                ));
+            },
+        );
         batch.count = 0;
     }
 
-    /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the curvature can take back.
+    /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the
+    /// curvature can take back.
     #[inline]
     fn is_clear(&self, p: Vec2, e: Vec2, ez: Vec2, extra: f64) -> bool {
         let (c, c1, c2) = self.profile.trace_derivatives(e, ez);
@@ -90,11 +119,20 @@ impl PinContacts {
         let along = off.dot(&c1) * per_speed;
         let curvature = cross(c1, c2).abs() * per_speed * per_speed * per_speed;
         // Only where the curvature cannot change its size on the way to the foot.
-        curvature * (height.abs() + along.abs()) < 0.3 && height + extra > 2.0 * curvature * along * along + self.reach
+        curvature * (height.abs() + along.abs()) < 0.3
+            && height + extra > 2.0 * curvature * along * along + self.reach
     }
 
     #[inline]
-    fn contact_of(&self, pin: usize, arm: Vec2, p: Vec2, foot: &Foot, rotation: Vec2, velocity: DiscVelocity) -> PinContact {
+    fn contact_of(
+        &self,
+        pin: usize,
+        arm: Vec2,
+        p: Vec2,
+        foot: &Foot,
+        rotation: Vec2,
+        velocity: DiscVelocity,
+    ) -> PinContact {
         let radius = self.pins[pin].radius;
         let closest = if let Some(facets) = &self.facets {
             let nearest = facets.nearest(p, foot.tau, radius);
@@ -109,7 +147,8 @@ impl PinContacts {
             }
         } else if self.relief.is_uniform() {
             let depth = self.relief.samples()[0];
-            let curvature = foot.trace_curvature / (1.0 + (self.profile.pin_radius + depth) * foot.trace_curvature);
+            let curvature =
+                foot.trace_curvature / (1.0 + (self.profile.pin_radius + depth) * foot.trace_curvature);
             Closest {
                 tau: foot.tau,
                 meshing_angle: self.profile.meshing_angle(foot.tau),
@@ -122,7 +161,15 @@ impl PinContacts {
         } else {
             self.profile.closest_on_worn(p, foot, &self.relief, radius)
         };
-        let Closest { tau, meshing_angle, meshing_unit, mut gap, normal: flank_normal, flank_curvature, relative_curvature } = closest;
+        let Closest {
+            tau,
+            meshing_angle,
+            meshing_unit,
+            mut gap,
+            normal: flank_normal,
+            flank_curvature,
+            relative_curvature,
+        } = closest;
         if let Some(error) = &self.flank_error {
             gap += error.depth(tau, flank_normal);
         }
@@ -138,7 +185,8 @@ impl PinContacts {
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
         let sliding_speed = along[0] * v[0] + along[1] * v[1] + along[2] * v[2];
-        let ContactForce { force, stiffness, damping, elastic, stored } = self.contact.damped_force(-gap, approach_rate, 1.0 / relative_curvature);
+        let ContactForce { force, stiffness, damping, elastic, stored } =
+            self.contact.damped_force(-gap, approach_rate, 1.0 / relative_curvature);
         let friction = self.sliding.as_ref().map_or(0.0, |sliding| -force * sliding.share(sliding_speed).0);
         PinContact {
             pin,

@@ -1,7 +1,8 @@
 /// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sliding {
-    /// μ. On a pin that turns in its seat the smaller of the coefficients of flank and seat: it slides where that is least.
+    /// μ. On a pin that turns in its seat the smaller of the coefficients of flank and seat: it slides where
+    /// that is least.
     pub coefficient: f64,
     /// v_r in m/s.
     pub regularisation_speed: f64,
@@ -11,6 +12,9 @@ impl Sliding {
     /// (F_t/F, its derivative with respect to the sliding speed).
     pub(crate) fn share(&self, speed: f64) -> (f64, f64) {
         let reach = 1.0 / speed.hypot(self.regularisation_speed);
-        (self.coefficient * speed * reach, self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3))
+        (
+            self.coefficient * speed * reach,
+            self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3),
+        )
     }
 }

@@ -1,4 +1,5 @@
-//! Values that are each believable but contradict one another. No machine can be built from them, so they are errors, not findings.
+//! Values that are each believable but contradict one another. No machine can be built from them, so they are
+//! errors, not findings.
 
 use std::ops::Range;
 
@@ -13,7 +14,11 @@ pub(super) type Place = Option<Range<usize>>;
 type Result<T> = std::result::Result<T, Box<DesignError>>;
 
 pub(super) fn contradiction(source: &Source, place: &Place, message: String, hint: &str) -> Box<DesignError> {
-    source.error(DesignErrorKind::Contradiction { message }, place.clone().unwrap_or(0..0), Some(hint.to_owned()))
+    source.error(
+        DesignErrorKind::Contradiction { message },
+        place.clone().unwrap_or(0..0),
+        Some(hint.to_owned()),
+    )
 }
 
 pub(super) fn needs(source: &Source, place: &Place, what: &str, key: &str) -> Box<DesignError> {
@@ -34,8 +39,15 @@ fn teeth(design: &DesignSections, source: &Source) -> Result<()> {
     let pins = *design.ring.pin_count;
     match design.disc.lobe_count.value {
         Some(lobes) if lobes + 1 != pins => {
-            let message = format!("{lobes} lobes do not run in {pins} pins: the disc has one lobe less than the ring has pins");
-            Err(contradiction(source, &design.disc.lobe_count.span, message, &format!("write lobe_count = {}, or leave it out", pins - 1)))
+            let message = format!(
+                "{lobes} lobes do not run in {pins} pins: the disc has one lobe less than the ring has pins"
+            );
+            Err(contradiction(
+                source,
+                &design.disc.lobe_count.span,
+                message,
+                &format!("write lobe_count = {}, or leave it out", pins - 1),
+            ))
         }
         _ => Ok(()),
     }
@@ -49,8 +61,16 @@ fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
     if let Some(given) = gear.ratio.value
         && (given / ratio - 1.0).abs() > 5e-4
     {
-        let message = format!("a ratio of {given} contradicts the teeth, which give 1 + z_p z_2/z_1 = {}", plain(ratio));
-        return Err(contradiction(source, &gear.ratio.span, message, "correct pin_count, planet_teeth or sun_teeth, or leave the ratio out"));
+        let message = format!(
+            "a ratio of {given} contradicts the teeth, which give 1 + z_p z_2/z_1 = {}",
+            plain(ratio)
+        );
+        return Err(contradiction(
+            source,
+            &gear.ratio.span,
+            message,
+            "correct pin_count, planet_teeth or sun_teeth, or leave the ratio out",
+        ));
     }
     let centre_distance = 0.5 * *gear.module_mm * (sun + planet);
     let circle = &design.crankshafts.circle_radius_mm;
@@ -61,7 +81,12 @@ fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
             "crankshafts on a radius of {given} mm do not mesh: the gear stage's centre distance is m (z_1 + z_2)/2 = {} mm",
             plain(centre_distance)
         );
-        return Err(contradiction(source, &circle.span, message, "correct the module or the teeth, or leave the radius out"));
+        return Err(contradiction(
+            source,
+            &circle.span,
+            message,
+            "correct the module or the teeth, or leave the radius out",
+        ));
     }
     Ok(())
 }
@@ -69,8 +94,16 @@ fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
 fn flank(design: &DesignSections, source: &Source) -> Result<()> {
     let (ring, cranks) = (&design.ring, &design.crankshafts);
     if *ring.pin_radius_mm >= *ring.pin_circle_radius_mm {
-        let message = format!("a pin radius of {} mm does not fit on a pin circle of {} mm", *ring.pin_radius_mm, *ring.pin_circle_radius_mm);
-        return Err(contradiction(source, &ring.pin_radius_mm.span, message, "both are radii, not diameters"));
+        let message = format!(
+            "a pin radius of {} mm does not fit on a pin circle of {} mm",
+            *ring.pin_radius_mm, *ring.pin_circle_radius_mm
+        );
+        return Err(contradiction(
+            source,
+            &ring.pin_radius_mm.span,
+            message,
+            "both are radii, not diameters",
+        ));
     }
     let profile = resolve::profile(design);
     if profile.pin_radius <= 0.0 {
@@ -80,16 +113,28 @@ fn flank(design: &DesignSections, source: &Source) -> Result<()> {
     }
     let k1 = profile.short_width_coefficient();
     if k1 >= 1.0 {
-        let message = format!("the short width coefficient K1 = a z_p/R_p = {} is not below 1: the flank would loop", plain(k1));
-        let hint = format!("with {} pins on {} mm the eccentricity must stay below {} mm", profile.pin_count, *ring.pin_circle_radius_mm, {
-            plain(profile.pin_circle_radius / profile.pin_count as f64 / MM)
-        });
+        let message = format!(
+            "the short width coefficient K1 = a z_p/R_p = {} is not below 1: the flank would loop",
+            plain(k1)
+        );
+        let hint = format!(
+            "with {} pins on {} mm the eccentricity must stay below {} mm",
+            profile.pin_count,
+            *ring.pin_circle_radius_mm,
+            { plain(profile.pin_circle_radius / profile.pin_count as f64 / MM) }
+        );
         return Err(contradiction(source, &cranks.eccentricity_mm.span, message, &hint));
     }
     let root = root_radius(design);
     if root <= 0.0 {
-        let message = "pin radius and eccentricity together exceed the pin circle: no disc is left".to_owned();
-        return Err(contradiction(source, &ring.pin_radius_mm.span, message, "pin_radius_mm and eccentricity_mm are radii, not diameters"));
+        let message =
+            "pin radius and eccentricity together exceed the pin circle: no disc is left".to_owned();
+        return Err(contradiction(
+            source,
+            &ring.pin_radius_mm.span,
+            message,
+            "pin_radius_mm and eccentricity_mm are radii, not diameters",
+        ));
     }
     Ok(())
 }
@@ -111,17 +156,29 @@ fn bores(design: &DesignSections, source: &Source) -> Result<()> {
                 { plain((bore.centre_radius + bore.radius) / MM) },
                 plain(root / MM)
             );
-            return Err(contradiction(source, place, message, "make it smaller or move it inwards (keys are diameters)"));
+            return Err(contradiction(
+                source,
+                place,
+                message,
+                "make it smaller or move it inwards (keys are diameters)",
+            ));
         }
         for (other_name, other, _) in &all[..index] {
-            let distance = (bore.centre_radius * unit(bore.centre_angle) - other.centre_radius * unit(other.centre_angle)).norm();
+            let distance = (bore.centre_radius * unit(bore.centre_angle)
+                - other.centre_radius * unit(other.centre_angle))
+            .norm();
             if distance <= bore.radius + other.radius {
                 let message = format!(
                     "{other_name} and {name} overlap: their centres are {} mm apart, their radii add up to {} mm",
                     { plain(distance / MM) },
                     plain((bore.radius + other.radius) / MM)
                 );
-                return Err(contradiction(source, place, message, "make one smaller or move it (keys are diameters)"));
+                return Err(contradiction(
+                    source,
+                    place,
+                    message,
+                    "make one smaller or move it (keys are diameters)",
+                ));
             }
         }
     }
@@ -132,15 +189,33 @@ fn free_form(design: &DesignSections, source: &Source) -> Result<()> {
     let points = &design.disc.modification.free_form_deg_um;
     if !points.is_empty() && points.len() < 4 {
         let message = format!("a free form of {} points is not a curve", points.len());
-        return Err(contradiction(source, &points.span, message, "give at least four points between −180 and 180 degrees"));
+        return Err(contradiction(
+            source,
+            &points.span,
+            message,
+            "give at least four points between −180 and 180 degrees",
+        ));
     }
     if let Some([angle, _]) = points.iter().find(|[angle, _]| !(-180.0..=180.0).contains(angle)) {
         let message = format!("a meshing angle of {angle}° is outside of −180 to 180");
-        return Err(contradiction(source, &points.span, message, "both flanks lie between −180 and 180 degrees, the root at 0"));
+        return Err(contradiction(
+            source,
+            &points.span,
+            message,
+            "both flanks lie between −180 and 180 degrees, the root at 0",
+        ));
     }
     if let Some(pair) = points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-        let message = format!("the meshing angles of the free form must rise, but {}° follows {}°", pair[1][0], pair[0][0]);
-        return Err(contradiction(source, &points.span, message, "sort the points by their angle and drop doubles"));
+        let message = format!(
+            "the meshing angles of the free form must rise, but {}° follows {}°",
+            pair[1][0], pair[0][0]
+        );
+        return Err(contradiction(
+            source,
+            &points.span,
+            message,
+            "sort the points by their angle and drop doubles",
+        ));
     }
     if let ([first, .., last], true) = (&points[..], points.len() > 1)
         && last[0] - first[0] >= 360.0
@@ -153,26 +228,43 @@ fn free_form(design: &DesignSections, source: &Source) -> Result<()> {
 }
 
 fn bearings(design: &DesignSections, source: &Source) -> Result<()> {
-    for (name, bearing) in [("turning_arm", &design.bearings.turning_arm), ("crank_support", &design.bearings.crank_support)] {
+    for (name, bearing) in
+        [("turning_arm", &design.bearings.turning_arm), ("crank_support", &design.bearings.crank_support)]
+    {
         let place = &bearing.roller_count.span;
         match (*bearing.kind == crate::machine::RollerKind::Ball, bearing.roller_length_mm.value) {
-            (false, None) => return Err(needs(source, &bearing.kind.span, "a roller bearing", "roller_length_mm")),
+            (false, None) => {
+                return Err(needs(source, &bearing.kind.span, "a roller bearing", "roller_length_mm"));
+            }
             (true, Some(_)) => {
                 let message = "a ball has no roller length".to_owned();
-                return Err(contradiction(source, &bearing.roller_length_mm.span, message, "leave roller_length_mm out"));
+                return Err(contradiction(
+                    source,
+                    &bearing.roller_length_mm.span,
+                    message,
+                    "leave roller_length_mm out",
+                ));
             }
             _ => {}
         }
         let (pitch, diameter) = (*bearing.pitch_diameter_mm, *bearing.roller_diameter_mm);
         if diameter >= pitch {
-            let message = format!("rollers of {diameter} mm leave no inner ring on a pitch circle of {pitch} mm");
-            return Err(contradiction(source, &bearing.roller_diameter_mm.span, message, "both are diameters"));
+            let message =
+                format!("rollers of {diameter} mm leave no inner ring on a pitch circle of {pitch} mm");
+            return Err(contradiction(
+                source,
+                &bearing.roller_diameter_mm.span,
+                message,
+                "both are diameters",
+            ));
         }
         let spacing = pitch * (std::f64::consts::PI / *bearing.roller_count as f64).sin();
         if spacing < diameter {
             let fit = (std::f64::consts::PI / (diameter / pitch).asin()).floor();
-            let message =
-                format!("{} rollers of {diameter} mm do not fit on the pitch circle of {pitch} mm in bearings.{name}", *bearing.roller_count);
+            let message = format!(
+                "{} rollers of {diameter} mm do not fit on the pitch circle of {pitch} mm in bearings.{name}",
+                *bearing.roller_count
+            );
             return Err(contradiction(source, place, message, &format!("at most {fit} fit")));
         }
     }
@@ -184,11 +276,21 @@ fn duty(design: &DesignSections, source: &Source) -> Result<()> {
     if !design.duty.is_empty() && (sum - 1.0).abs() > 1e-6 {
         let message = format!("the shares of the duty rows add up to {}, not to 1", plain(sum));
         let place = design.duty.last().and_then(|row| row.share.span.clone());
-        return Err(contradiction(source, &place, message, "shares are parts of the running time, not percent"));
+        return Err(contradiction(
+            source,
+            &place,
+            message,
+            "shares are parts of the running time, not percent",
+        ));
     }
     if *design.load.input_speed_rpm == 0.0 {
         let message = "a rated input speed of zero turns nothing".to_owned();
-        return Err(contradiction(source, &design.load.input_speed_rpm.span, message, "give the speed of the motor"));
+        return Err(contradiction(
+            source,
+            &design.load.input_speed_rpm.span,
+            message,
+            "give the speed of the motor",
+        ));
     }
     Ok(())
 }

@@ -5,7 +5,9 @@ use super::error::Source;
 use super::schema::At;
 use super::{DesignError, DesignSections, RunOutSection};
 use crate::geometry::FlankHarmonic;
-use crate::machine::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut, Tolerances};
+use crate::machine::{
+    BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut, Tolerances,
+};
 use crate::units::{ARCMIN, DEG, UM};
 
 type Result<T> = std::result::Result<T, Box<DesignError>>;
@@ -30,14 +32,24 @@ impl Numbers<'_> {
     fn one(&self, at: &At<usize>, count: usize, what: &str) -> Result<usize> {
         if **at > count {
             let message = format!("{what} {} does not exist: the design has {count}", **at);
-            return Err(contradiction(self.source, &at.span, message, &format!("write a number from 1 to {count}")));
+            return Err(contradiction(
+                self.source,
+                &at.span,
+                message,
+                &format!("write a number from 1 to {count}"),
+            ));
         }
         Ok(**at - 1)
     }
 
     fn once(&mut self, key: (usize, usize), place: &Place, what: &str) -> Result<()> {
         if self.seen.contains(&key) {
-            return Err(contradiction(self.source, place, format!("{what} is given twice"), "give all of its errors in one table"));
+            return Err(contradiction(
+                self.source,
+                place,
+                format!("{what} is given twice"),
+                "give all of its errors in one table",
+            ));
         }
         self.seen.push(key);
         Ok(())
@@ -72,7 +84,11 @@ pub(super) fn errors(design: &DesignSections, source: &Source) -> Result<Option<
     for row in section.pins.iter() {
         let pin = seen.one(&row.pin, pins, "pin")?;
         seen.once((pin, 0), &row.pin.span, &format!("pin {}", pin + 1))?;
-        *slot(&mut all.pins, pin) = PinError { radial: *row.radial_um * UM, tangential: *row.tangential_um * UM, radius: *row.radius_um * UM };
+        *slot(&mut all.pins, pin) = PinError {
+            radial: *row.radial_um * UM,
+            tangential: *row.tangential_um * UM,
+            radius: *row.radius_um * UM,
+        };
     }
     for row in section.flanks.iter() {
         let disc = numbers().one(&row.disc, discs, "disc")?;
@@ -90,26 +106,48 @@ pub(super) fn errors(design: &DesignSections, source: &Source) -> Result<Option<
     }
     let mut seen = numbers();
     for row in section.disc_bores.iter() {
-        let (disc, crank) = (seen.one(&row.disc, discs, "disc")?, seen.one(&row.crankshaft, cranks, "crankshaft")?);
-        seen.once((disc, crank), &row.disc.span, &format!("the bore of disc {} for crankshaft {}", disc + 1, crank + 1))?;
-        *slot(&mut slot::<DiscError>(&mut all.discs, disc).bores, crank) =
-            BoreError { radial: *row.radial_um * UM, tangential: *row.tangential_um * UM, diameter: *row.diameter_um * UM };
+        let (disc, crank) =
+            (seen.one(&row.disc, discs, "disc")?, seen.one(&row.crankshaft, cranks, "crankshaft")?);
+        seen.once(
+            (disc, crank),
+            &row.disc.span,
+            &format!("the bore of disc {} for crankshaft {}", disc + 1, crank + 1),
+        )?;
+        *slot(&mut slot::<DiscError>(&mut all.discs, disc).bores, crank) = BoreError {
+            radial: *row.radial_um * UM,
+            tangential: *row.tangential_um * UM,
+            diameter: *row.diameter_um * UM,
+        };
     }
     let mut seen = numbers();
     for row in section.eccentrics.iter() {
-        let (disc, crank) = (seen.one(&row.disc, discs, "disc")?, seen.one(&row.crankshaft, cranks, "crankshaft")?);
-        seen.once((disc, crank), &row.crankshaft.span, &format!("the eccentric of disc {} on crankshaft {}", disc + 1, crank + 1))?;
+        let (disc, crank) =
+            (seen.one(&row.disc, discs, "disc")?, seen.one(&row.crankshaft, cranks, "crankshaft")?);
+        seen.once(
+            (disc, crank),
+            &row.crankshaft.span,
+            &format!("the eccentric of disc {} on crankshaft {}", disc + 1, crank + 1),
+        )?;
         *slot(slot::<Vec<EccentricError>>(&mut all.eccentrics, crank), disc) =
             EccentricError { eccentricity: *row.eccentricity_um * UM, phase: *row.phase_arcmin * ARCMIN };
     }
     let mut seen = numbers();
     for row in section.carrier_bores.iter() {
         let crank = seen.one(&row.crankshaft, cranks, "crankshaft")?;
-        seen.once((crank, 0), &row.crankshaft.span, &format!("the carrier's bore for crankshaft {}", crank + 1))?;
-        *slot(&mut all.carrier_bores, crank) =
-            BoreError { radial: *row.radial_um * UM, tangential: *row.tangential_um * UM, diameter: *row.diameter_um * UM };
+        seen.once(
+            (crank, 0),
+            &row.crankshaft.span,
+            &format!("the carrier's bore for crankshaft {}", crank + 1),
+        )?;
+        *slot(&mut all.carrier_bores, crank) = BoreError {
+            radial: *row.radial_um * UM,
+            tangential: *row.tangential_um * UM,
+            diameter: *row.diameter_um * UM,
+        };
     }
-    for (rows, list, what) in [(&section.journals, &mut all.journals, "journal"), (&section.planets, &mut all.planets, "planet")] {
+    for (rows, list, what) in
+        [(&section.journals, &mut all.journals, "journal"), (&section.planets, &mut all.planets, "planet")]
+    {
         let mut seen = numbers();
         for row in rows.iter() {
             let crank = seen.one(&row.crankshaft, cranks, "crankshaft")?;

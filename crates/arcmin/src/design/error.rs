@@ -2,8 +2,8 @@ use std::ops::Range;
 
 /// Why a design file cannot be used, with the place in the file.
 ///
-/// A design error means that the question cannot be asked; an engineering verdict on a design that can be computed is a
-/// finding of [`crate::checks`] instead.
+/// A design error means that the question cannot be asked; an engineering verdict on a design that can be
+/// computed is a finding of [`crate::checks`] instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{file_name}:{line}:{column}: {kind}")]
 pub struct DesignError {

@@ -86,7 +86,10 @@ impl Table<'_> {
 
     /// The first key in the order of the file that the section does not have is an error.
     pub fn reject_unknown_keys(&self, schema: &SectionSchema) -> Result<()> {
-        let unknown = self.table.iter().filter(|(key, _)| schema.keys.iter().all(|known| known.name != key.get_ref().as_ref()));
+        let unknown = self
+            .table
+            .iter()
+            .filter(|(key, _)| schema.keys.iter().all(|known| known.name != key.get_ref().as_ref()));
         let Some((key, value)) = unknown.min_by_key(|(key, _)| key.span().start) else {
             return Ok(());
         };
@@ -99,10 +102,21 @@ impl Table<'_> {
         Table { source: self.source, table, span, path: join(&self.path, name), root: self.root }
     }
 
-    fn wrong_type(&self, key: &Key, expected: impl Into<String>, value: &Spanned<DeValue<'_>>) -> Box<DesignError> {
-        let kind = DesignErrorKind::WrongType { key: key.name.to_owned(), expected: expected.into(), found: kind_name(value.get_ref()) };
+    fn wrong_type(
+        &self,
+        key: &Key,
+        expected: impl Into<String>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Box<DesignError> {
+        let kind = DesignErrorKind::WrongType {
+            key: key.name.to_owned(),
+            expected: expected.into(),
+            found: kind_name(value.get_ref()),
+        };
         let hint = match value.get_ref() {
-            DeValue::String(text) if number(text).is_some() => Some(format!("write the number without quotes: {} = {text}", key.name)),
+            DeValue::String(text) if number(text).is_some() => {
+                Some(format!("write the number without quotes: {} = {text}", key.name))
+            }
             _ => None,
         };
         self.source.error(kind, value.span(), hint)
@@ -111,13 +125,21 @@ impl Table<'_> {
     fn missing(&self, key: &Key) -> Box<DesignError> {
         let section = self.title();
         let hint = format!("add `{} = …`: {}", key.name, first_sentence(key.doc));
-        self.source.error(DesignErrorKind::MissingKey { key: key.name, section }, self.span.clone(), Some(hint))
+        self.source.error(
+            DesignErrorKind::MissingKey { key: key.name, section },
+            self.span.clone(),
+            Some(hint),
+        )
     }
 
     fn in_range(&self, key: &Key, number: f64, span: Range<usize>) -> Result<f64> {
         let name = || key.name.to_owned();
         if !number.is_finite() {
-            return Err(self.source.error(DesignErrorKind::NotFinite { key: name() }, span, Some("write a finite number".to_owned())));
+            return Err(self.source.error(
+                DesignErrorKind::NotFinite { key: name() },
+                span,
+                Some("write a finite number".to_owned()),
+            ));
         }
         let rule = key.rule;
         if number >= rule.low && number <= rule.high {
@@ -205,7 +227,9 @@ impl FieldValue for usize {
             _ => None,
         };
         match whole {
-            Some(number) if !number.is_finite() || number.fract() == 0.0 => Ok(table.in_range(key, number, value.span())? as usize),
+            Some(number) if !number.is_finite() || number.fract() == 0.0 => {
+                Ok(table.in_range(key, number, value.span())? as usize)
+            }
             _ => Err(table.wrong_type(key, "a whole number", value)),
         }
     }
@@ -229,7 +253,11 @@ impl FieldValue for String {
 
     fn read(key: &Key, value: &Spanned<DeValue<'_>>, table: &Table<'_>) -> Result<String> {
         match value.get_ref() {
-            DeValue::String(text) if !text.trim().is_empty() || !matches!(key.rule.presence, Presence::Required) => Ok(text.to_string()),
+            DeValue::String(text)
+                if !text.trim().is_empty() || !matches!(key.rule.presence, Presence::Required) =>
+            {
+                Ok(text.to_string())
+            }
             DeValue::String(_) => Err(table.wrong_type(key, "a text that is not empty", value)),
             _ => Err(table.wrong_type(key, "a text in quotes", value)),
         }
@@ -280,12 +308,17 @@ impl<T: Choice> FieldValue for T {
 
     fn read(key: &Key, value: &Spanned<DeValue<'_>>, table: &Table<'_>) -> Result<T> {
         let DeValue::String(text) = value.get_ref() else {
-            return Err(table.wrong_type(key, format!("one of {}", hint::quoted(T::WORDS.iter().map(|word| word.0))), value));
+            return Err(table.wrong_type(
+                key,
+                format!("one of {}", hint::quoted(T::WORDS.iter().map(|word| word.0))),
+                value,
+            ));
         };
         match T::WORDS.iter().position(|(word, _)| *word == text.as_ref()) {
             Some(index) => Ok(T::VALUES[index]),
             None => {
-                let kind = DesignErrorKind::UnknownChoice { key: key.name.to_owned(), choice: text.to_string() };
+                let kind =
+                    DesignErrorKind::UnknownChoice { key: key.name.to_owned(), choice: text.to_string() };
                 let hint = hint::for_word(text, T::WORDS.iter().map(|word| word.0));
                 Err(table.source.error(kind, value.span(), Some(hint)))
             }
@@ -296,7 +329,11 @@ impl<T: Choice> FieldValue for T {
         let Presence::Word(default) = key.rule.presence else {
             return Err(table.missing(key));
         };
-        T::WORDS.iter().position(|(word, _)| *word == default).map(|index| T::VALUES[index]).ok_or_else(|| table.missing(key))
+        T::WORDS
+            .iter()
+            .position(|(word, _)| *word == default)
+            .map(|index| T::VALUES[index])
+            .ok_or_else(|| table.missing(key))
     }
 
     fn canonical(&self, path: &str, out: &mut Vec<String>) {
@@ -334,7 +371,10 @@ impl FieldValue for Material {
     }
 
     fn canonical(&self, path: &str, out: &mut Vec<String>) {
-        out.push(format!("{path} = {:?} {:?} {:?} {:?}", self.name, self.youngs_modulus, self.poisson_ratio, self.density));
+        out.push(format!(
+            "{path} = {:?} {:?} {:?} {:?}",
+            self.name, self.youngs_modulus, self.poisson_ratio, self.density
+        ));
     }
 }
 
@@ -357,7 +397,9 @@ impl<T: SectionValue> FieldValue for Section<T> {
 
     fn read(key: &Key, value: &Spanned<DeValue<'_>>, table: &Table<'_>) -> Result<Section<T>> {
         match value.get_ref() {
-            DeValue::Table(inner) => T::from_table(&table.sub_table(key.name, inner, value.span())).map(Section),
+            DeValue::Table(inner) => {
+                T::from_table(&table.sub_table(key.name, inner, value.span())).map(Section)
+            }
             _ => Err(table.wrong_type(key, format!("a section, [{}]", join(&table.path, key.name)), value)),
         }
     }
@@ -366,7 +408,11 @@ impl<T: SectionValue> FieldValue for Section<T> {
         if key.rule.presence == Presence::Required {
             let section = format!("the section [{}]", join(&table.path, key.name));
             let hint = format!("add it: {}", first_sentence(key.doc));
-            return Err(table.source.error(DesignErrorKind::MissingSection { section }, table.span.clone(), Some(hint)));
+            return Err(table.source.error(
+                DesignErrorKind::MissingSection { section },
+                table.span.clone(),
+                Some(hint),
+            ));
         }
         T::from_table(&table.sub_table(key.name, &DeTable::new(), table.span.clone())).map(Section)
     }
@@ -433,7 +479,8 @@ impl FieldValue for Vec<[f64; 2]> {
                 };
                 let mut numbers = [0.0; 2];
                 for (number, written) in numbers.iter_mut().zip([first, second]) {
-                    *number = as_number(written.get_ref()).ok_or_else(|| table.wrong_type(key, "a list of pairs of numbers", written))?;
+                    *number = as_number(written.get_ref())
+                        .ok_or_else(|| table.wrong_type(key, "a list of pairs of numbers", written))?;
                     if !number.is_finite() {
                         table.in_range(key, *number, written.span())?;
                     }

@@ -13,15 +13,22 @@ pub(super) fn for_unknown_key(
 ) -> (DesignErrorKind, String) {
     let named = || key.to_owned();
     // A key without its unit: pin_radius = 3.
-    if let Some(right) = schema.keys.iter().find(|known| unit_suffix(known.name).is_some_and(|(stem, _)| stem == key)) {
+    if let Some(right) =
+        schema.keys.iter().find(|known| unit_suffix(known.name).is_some_and(|(stem, _)| stem == key))
+    {
         let unit = right.unit();
-        let hint = format!("units are part of the keys: write `{} = {written}` if {written} is in {unit}", right.name);
+        let hint = format!(
+            "units are part of the keys: write `{} = {written}` if {written} is in {unit}",
+            right.name
+        );
         return (DesignErrorKind::MissingUnit { key: named() }, hint);
     }
     // A key with another unit: pin_radius_m = 0.003.
     if let Some((stem, unit)) = unit_suffix(key)
         && let Some(right) = schema.keys.iter().find(|known| {
-            known.name == stem || unit_suffix(known.name).is_some_and(|(known_stem, _)| known_stem == stem || known_stem == strip_all_units(key))
+            known.name == stem
+                || unit_suffix(known.name)
+                    .is_some_and(|(known_stem, _)| known_stem == stem || known_stem == strip_all_units(key))
         })
     {
         let hint = match right.unit() {
@@ -31,14 +38,20 @@ pub(super) fn for_unknown_key(
         return (DesignErrorKind::WrongUnit { key: named() }, hint);
     }
     let unknown = DesignErrorKind::UnknownKey { key: named(), section: title.to_owned() };
-    let elsewhere =
-        std::iter::once((String::new(), root)).chain(sections_of(root, "")).find(|(_, section)| section.keys.iter().any(|known| known.name == key));
+    let elsewhere = std::iter::once((String::new(), root))
+        .chain(sections_of(root, ""))
+        .find(|(_, section)| section.keys.iter().any(|known| known.name == key));
     let close = closest(key, schema.keys.iter().map(|known| known.name));
     let hint = match (close, elsewhere) {
-        (_, Some((path, _))) if path.is_empty() => "it belongs to the top of the file, before the first section".to_owned(),
+        (_, Some((path, _))) if path.is_empty() => {
+            "it belongs to the top of the file, before the first section".to_owned()
+        }
         (_, Some((path, _))) => format!("it belongs to [{path}]"),
         (Some(close), None) => format!("did you mean `{close}`?"),
-        (None, None) => format!("the keys here are {}", schema.keys.iter().map(|known| known.name).collect::<Vec<_>>().join(", ")),
+        (None, None) => format!(
+            "the keys here are {}",
+            schema.keys.iter().map(|known| known.name).collect::<Vec<_>>().join(", ")
+        ),
     };
     (unknown, hint)
 }
@@ -65,7 +78,9 @@ pub(super) fn for_number(key: &Key, number: f64) -> String {
     };
     let range = format!("{} to {}{unit} are believable", plain(low), plain(high));
     match scaled.into_iter().find(|(_, factor)| number > 0.0 && fits(number * factor)) {
-        Some((other, factor)) => format!("{range}; if the value is in {other}, write {} = {}", key.name, plain(number * factor)),
+        Some((other, factor)) => {
+            format!("{range}; if the value is in {other}, write {} = {}", key.name, plain(number * factor))
+        }
         None => range,
     }
 }
@@ -118,7 +133,8 @@ fn closest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a s
         .map(|near| near.1)
 }
 
-/// Edits (insert, delete, replace, swap of neighbours) between two words: the optimal string alignment distance.
+/// Edits (insert, delete, replace, swap of neighbours) between two words: the optimal string alignment
+/// distance.
 fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];

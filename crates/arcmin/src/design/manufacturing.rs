@@ -6,14 +6,15 @@ use super::sections::SECTION_OR_DEFAULTS;
 use crate::geometry::FlankDirection;
 
 section! {
-    /// Manufacturing errors of one machine, used with bearings (`rig`, and every command with `--joints bearings`). Pins, discs and crankshafts are
-    /// counted from 1; what is not listed has no error.
+    /// Manufacturing errors of one machine, used with bearings (`rig`, and every command with `--joints
+    /// bearings`). Pins, discs and crankshafts are counted from 1; what is not listed has no error.
     pub struct ErrorsSection {
         /// Added to the radius of the pin circle.
         pin_circle_radius_um: f64 => default(0.0, -500.0, 500.0),
         /// Added to the radius of every pin.
         pin_radius_um: f64 => default(0.0, -500.0, 500.0),
-        /// Centre of the pin circle against the axis of main bearings and sun; the phase is an angle in the housing.
+        /// Centre of the pin circle against the axis of main bearings and sun; the phase is an angle in the
+        /// housing.
         pin_circle_offset: Section<RunOutSection> => SECTION_OR_DEFAULTS,
         /// Single pins.
         pins: Vec<At<Section<PinErrorSection>>> => optional(0.0, 0.0),
@@ -85,8 +86,9 @@ section! {
     pub struct MeasuredFlankSection {
         /// Number of the disc.
         disc: usize => required(1.0, 6.0),
-        /// CSV file beside the design file with the columns `angle_deg` (on the disc, rising; 0 is a root of the flank) and `depth_um` (missing
-        /// metal along the normal). It needs four points per lobe or more and is resampled to 32, each the mean over its step.
+        /// CSV file beside the design file with the columns `angle_deg` (on the disc, rising; 0 is a root of
+        /// the flank) and `depth_um` (missing metal along the normal). It needs four points per lobe or more
+        /// and is resampled to 32, each the mean over its step.
         file: String => word(),
     }
 
@@ -128,8 +130,8 @@ section! {
         phase_arcmin: f64 => default(0.0, -600.0, 600.0),
     }
 
-    /// What machines are drawn from with `--errors drawn --seed N`: ± widths, each three standard deviations of a normal distribution that is cut
-    /// there. Run-outs have any direction.
+    /// What machines are drawn from with `--errors drawn --seed N`: ± widths, each three standard deviations
+    /// of a normal distribution that is cut there. Run-outs have any direction.
     pub struct TolerancesSection {
         /// Place of every pin, radial and tangential.
         pin_position_um: f64 => default(0.0, 0.0, 500.0),
@@ -170,5 +172,6 @@ impl Choice for FlankDirection {
         ("pitch", "flank displaced counter-clockwise: cumulative pitch"),
         ("profile", "depth along the normal; a multiple of the lobes is common to all of them"),
     ];
-    const VALUES: &'static [FlankDirection] = &[FlankDirection::Inwards, FlankDirection::Around, FlankDirection::Normal];
+    const VALUES: &'static [FlankDirection] =
+        &[FlankDirection::Inwards, FlankDirection::Around, FlankDirection::Normal];
 }

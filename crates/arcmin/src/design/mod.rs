@@ -1,7 +1,9 @@
-//! The design file: TOML in trade units, read with the place of every value, and turned into a [`Machine`] in SI units.
+//! The design file: TOML in trade units, read with the place of every value, and turned into a [`Machine`] in
+//! SI units.
 //!
-//! Every key is declared once, with its range and its documentation, in the sections below; reader, reference and hash follow
-//! from that declaration. A file that cannot be used is answered with a [`DesignError`] that names line, text and remedy.
+//! Every key is declared once, with its range and its documentation, in the sections below; reader, reference
+//! and hash follow from that declaration. A file that cannot be used is answered with a [`DesignError`] that
+//! names line, text and remedy.
 
 mod consistency;
 mod deviations;
@@ -97,15 +99,21 @@ impl Design {
     /// Reads a design file; `file_name` only serves messages.
     ///
     /// # Errors
-    /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not finite or outside of
-    /// what is believable, values that contradict each other.
+    /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not
+    /// finite or outside of what is believable, values that contradict each other.
     pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
         let source = Source { text, file_name };
         let parsed = toml::de::DeTable::parse(text).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
             source.error(DesignErrorKind::Syntax { message: error.message().replace('\n', ", ") }, span, None)
         })?;
-        let table = Table { source, table: parsed.get_ref(), span: 0..0, path: String::new(), root: &DesignSections::SCHEMA };
+        let table = Table {
+            source,
+            table: parsed.get_ref(),
+            span: 0..0,
+            path: String::new(),
+            root: &DesignSections::SCHEMA,
+        };
         let sections = DesignSections::from_table(&table)?;
         consistency::check(&sections, &source)?;
         let machine = resolve::machine(&sections, &source)?;
@@ -123,7 +131,8 @@ impl Design {
         self.machine.clone()
     }
 
-    /// Manufacturing errors given one by one, without the flanks of [`Design::measured_flanks`]; `None` if the file gives none.
+    /// Manufacturing errors given one by one, without the flanks of [`Design::measured_flanks`]; `None` if
+    /// the file gives none.
     pub fn given_errors(&self) -> Option<ManufacturingErrors> {
         self.errors.clone()
     }
@@ -138,7 +147,8 @@ impl Design {
         deviations::tolerances(&self.sections)
     }
 
-    /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout, comments and order.
+    /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout,
+    /// comments and order.
     pub fn canonical(&self) -> String {
         let mut lines = Vec::new();
         self.sections.canonical_fields("", &mut lines);
@@ -146,12 +156,15 @@ impl Design {
         lines.join("\n")
     }
 
-    /// Keys that the file leaves to their defaults, dotted. Keys without which something is simply not there are not among them.
+    /// Keys that the file leaves to their defaults, dotted. Keys without which something is simply not there
+    /// are not among them.
     pub fn defaulted(&self) -> Vec<String> {
         let mut keys = Vec::new();
         self.sections.defaulted_fields("", &mut keys);
         // An error or a tolerance that is not listed is none, which is no assumption.
-        keys.retain(|key| key != "description" && !key.starts_with("errors.") && !key.starts_with("tolerances."));
+        keys.retain(|key| {
+            key != "description" && !key.starts_with("errors.") && !key.starts_with("tolerances.")
+        });
         keys
     }
 

@@ -22,7 +22,9 @@ This chapter is the output of `arcmin keys`.
 /// The chapter in Markdown.
 pub fn markdown() -> String {
     let mut out = INTRODUCTION.to_owned();
-    out.push_str("\n## Materials known by name\n\n| name | E/GPa | ν | density/(g/cm³) |\n|---|---|---|---|\n");
+    out.push_str(
+        "\n## Materials known by name\n\n| name | E/GPa | ν | density/(g/cm³) |\n|---|---|---|---|\n",
+    );
     for material in Material::known_names().filter_map(Material::by_name) {
         let (e, density) = (plain(material.youngs_modulus / 1e9), plain(material.density / 1e3));
         out.push_str(&format!("| {} | {e} | {} | {density} |\n", material.name, material.poisson_ratio));
@@ -32,7 +34,8 @@ pub fn markdown() -> String {
 }
 
 fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
-    let (inner, own): (Vec<&Key>, Vec<&Key>) = schema.keys.iter().partition(|key| matches!((key.kind)(), Kind::Section(_) | Kind::Sections(_)));
+    let (inner, own): (Vec<&Key>, Vec<&Key>) =
+        schema.keys.iter().partition(|key| matches!((key.kind)(), Kind::Section(_) | Kind::Sections(_)));
     out.push_str(&format!("\n## {title}\n\n{}\n", paragraph(schema.doc)));
     if !own.is_empty() {
         out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");

@@ -5,7 +5,8 @@ use super::error::Source;
 use super::service::{PartWearSection, RollingWearSection};
 use super::solids::{self, Section as Solid};
 use super::{
-    At, CoefficientSection, ContactLawName, ContactSection, DesignError, DesignSections, ModificationSection, RollerBearingSection, Section,
+    At, CoefficientSection, ContactLawName, ContactSection, DesignError, DesignSections, ModificationSection,
+    RollerBearingSection, Section,
 };
 use crate::contact::{ContactLaw, Damping};
 use crate::geometry::{Profile, Relief};
@@ -25,11 +26,16 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
     let bearings = bearings(design);
     let crankshafts = crankshafts(design, &disc, &gear_stage, &bearings);
     let load = &design.load;
-    let rated = DutyPoint { torque: *load.rated_torque_n_m, input_speed: *load.input_speed_rpm * RPM, share: 1.0 };
+    let rated =
+        DutyPoint { torque: *load.rated_torque_n_m, input_speed: *load.input_speed_rpm * RPM, share: 1.0 };
     let duty = if design.duty.is_empty() {
         vec![rated]
     } else {
-        let row = |row: &super::DutySection| DutyPoint { torque: *row.torque_n_m, input_speed: *row.input_speed_rpm * RPM, share: *row.share };
+        let row = |row: &super::DutySection| DutyPoint {
+            torque: *row.torque_n_m,
+            input_speed: *row.input_speed_rpm * RPM,
+            share: *row.share,
+        };
         design.duty.iter().map(|at| row(at)).collect()
     };
     Ok(Machine {
@@ -43,14 +49,20 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
             mass: *design.carrier.mass_kg,
             inertia: *design.carrier.inertia_kg_m2,
             material: design.carrier.material.value.clone(),
-            torsional_stiffness: design.carrier.torsional_stiffness_n_m_per_arcmin.map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
+            torsional_stiffness: design
+                .carrier
+                .torsional_stiffness_n_m_per_arcmin
+                .map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
         },
         housing: housing(design),
         fixed_member: *design.fixed_member,
         bearings,
         friction: friction(design),
         contact_law: contact_law(&design.contact, source)?,
-        contact_damping: Damping { coefficient: *design.contact.damping_n_s_per_m, ramp_depth: *design.contact.damping_depth_um * UM },
+        contact_damping: Damping {
+            coefficient: *design.contact.damping_n_s_per_m,
+            ramp_depth: *design.contact.damping_depth_um * UM,
+        },
         rated,
         duty,
         wear: wear(design, source)?,
@@ -74,7 +86,8 @@ fn ring(design: &DesignSections) -> PinRing {
     }
 }
 
-/// Pins and a ring of cast iron, where the design gives no values: from the pin circle to 1.25 of its radius, 1.25 times as wide as all discs.
+/// Pins and a ring of cast iron, where the design gives no values: from the pin circle to 1.25 of its radius,
+/// 1.25 times as wide as all discs.
 fn housing(design: &DesignSections) -> Housing {
     // EN-GJS-450, the QT450 of Tao2024.
     const CAST_IRON: f64 = 7060.0;
@@ -83,7 +96,8 @@ fn housing(design: &DesignSections) -> Housing {
     let (inner, outer) = (ring.pin_circle_radius, 1.25 * ring.pin_circle_radius);
     let pin = solids::cylinder(2.0 * ring.pin_radius, width, ring.material.density);
     let pins = ring.pin_count as f64 * pin.0;
-    let (hole, solid) = (solids::cylinder(2.0 * inner, width, CAST_IRON), solids::cylinder(2.0 * outer, width, CAST_IRON));
+    let (hole, solid) =
+        (solids::cylinder(2.0 * inner, width, CAST_IRON), solids::cylinder(2.0 * outer, width, CAST_IRON));
     Housing {
         mass: design.housing.mass_kg.unwrap_or(pins + solid.0 - hole.0),
         inertia: design.housing.inertia_kg_m2.unwrap_or(pins * inner * inner + solid.1 - hole.1),
@@ -110,14 +124,24 @@ pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Option<std::o
     let mut all = Vec::new();
     for index in 0..*cranks.count {
         let centre_angle = Kinematics::crankshaft_angle(*cranks.first_angle_deg * DEG, index, *cranks.count);
-        let bore = Bore { radius: 0.5 * *disc.crank_bore_diameter_mm * MM, centre_radius: crank_circle, centre_angle };
+        let bore = Bore {
+            radius: 0.5 * *disc.crank_bore_diameter_mm * MM,
+            centre_radius: crank_circle,
+            centre_angle,
+        };
         all.push((format!("crank bore {}", index + 1), bore, disc.crank_bore_diameter_mm.span.clone()));
     }
     if *disc.centre_hole_diameter_mm > 0.0 {
-        let hole = Bore { radius: 0.5 * *disc.centre_hole_diameter_mm * MM, centre_radius: 0.0, centre_angle: 0.0 };
+        let hole =
+            Bore { radius: 0.5 * *disc.centre_hole_diameter_mm * MM, centre_radius: 0.0, centre_angle: 0.0 };
         all.push(("the centre hole".to_owned(), hole, disc.centre_hole_diameter_mm.span.clone()));
     }
-    all.extend(holes(design).into_iter().enumerate().map(|(index, (bore, span))| (format!("hole {}", index + 1), bore, span)));
+    all.extend(
+        holes(design)
+            .into_iter()
+            .enumerate()
+            .map(|(index, (bore, span))| (format!("hole {}", index + 1), bore, span)),
+    );
     all
 }
 
@@ -125,8 +149,13 @@ fn holes(design: &DesignSections) -> Vec<(Bore, Option<std::ops::Range<usize>>)>
     let mut all = Vec::new();
     for hole in design.disc.holes.iter() {
         for index in 0..*hole.count {
-            let centre_angle = *hole.angle_deg * DEG + std::f64::consts::TAU * index as f64 / *hole.count as f64;
-            let bore = Bore { radius: 0.5 * *hole.diameter_mm * MM, centre_radius: *hole.centre_radius_mm * MM, centre_angle };
+            let centre_angle =
+                *hole.angle_deg * DEG + std::f64::consts::TAU * index as f64 / *hole.count as f64;
+            let bore = Bore {
+                radius: 0.5 * *hole.diameter_mm * MM,
+                centre_radius: *hole.centre_radius_mm * MM,
+                centre_angle,
+            };
             all.push((bore, hole.diameter_mm.span.clone()));
         }
     }
@@ -136,7 +165,9 @@ fn holes(design: &DesignSections) -> Vec<(Bore, Option<std::ops::Range<usize>>)>
 fn disc(design: &DesignSections) -> CycloidDisc {
     let disc = &design.disc;
     let width = *disc.width_mm * MM;
-    let solid = bores(design).iter().fold(Solid::inside_flank(&profile(design)), |solid, (_, bore, _)| solid.without(bore));
+    let solid = bores(design)
+        .iter()
+        .fold(Solid::inside_flank(&profile(design)), |solid, (_, bore, _)| solid.without(bore));
     let mass_per_area = disc.material.density * width;
     CycloidDisc {
         width,
@@ -151,17 +182,20 @@ fn disc(design: &DesignSections) -> CycloidDisc {
 }
 
 fn modification(section: &ModificationSection) -> FlankModification {
-    let points: Vec<[f64; 2]> = section.free_form_deg_um.iter().map(|[angle, depth]| [angle * DEG, depth * UM]).collect();
+    let points: Vec<[f64; 2]> =
+        section.free_form_deg_um.iter().map(|[angle, depth]| [angle * DEG, depth * UM]).collect();
     FlankModification {
         equidistant_offset: *section.equidistant_offset_um * UM,
         radial_offset: *section.radial_offset_um * UM,
         rotation: *section.rotation_arcmin * ARCMIN,
-        free_form: (!points.is_empty()).then(|| Relief::from_samples(Relief::grid(FREE_FORM_POINTS).map(|phi| between(&points, phi)).collect())),
+        free_form: (!points.is_empty()).then(|| {
+            Relief::from_samples(Relief::grid(FREE_FORM_POINTS).map(|phi| between(&points, phi)).collect())
+        }),
     }
 }
 
-/// Depth at the meshing angle φ from points with rising angles, closed around the tooth: cubic Hermite with the slopes of
-/// Fritsch and Butland (harmonic mean), which never overshoots the points.
+/// Depth at the meshing angle φ from points with rising angles, closed around the tooth: cubic Hermite with
+/// the slopes of Fritsch and Butland (harmonic mean), which never overshoots the points.
 fn between(points: &[[f64; 2]], phi: f64) -> f64 {
     let count = points.len() as isize;
     let at = |index: isize| {
@@ -181,10 +215,17 @@ fn between(points: &[[f64; 2]], phi: f64) -> f64 {
     let h = x1 - x0;
     let t = (phi - x0) / h;
     let s = 1.0 - t;
-    y0 * s * s * (1.0 + 2.0 * t) + y1 * t * t * (1.0 + 2.0 * s) + h * s * t * (s * slope(left) - t * slope(left + 1))
+    y0 * s * s * (1.0 + 2.0 * t)
+        + y1 * t * t * (1.0 + 2.0 * s)
+        + h * s * t * (s * slope(left) - t * slope(left + 1))
 }
 
-fn crankshafts(design: &DesignSections, disc: &CycloidDisc, gear_stage: &GearStage, bearings: &BearingSet) -> Crankshafts {
+fn crankshafts(
+    design: &DesignSections,
+    disc: &CycloidDisc,
+    gear_stage: &GearStage,
+    bearings: &BearingSet,
+) -> Crankshafts {
     let section = &design.crankshafts;
     let eccentricity = *section.eccentricity_mm * MM;
     let shaft_diameter = *section.shaft_diameter_mm * MM;
@@ -222,7 +263,9 @@ fn gear_stage(design: &DesignSections) -> GearStage {
         backlash: *gear.backlash_um * UM,
         sun_inertia: *gear.sun_inertia_kg_m2,
         motor_inertia: *gear.motor_inertia_kg_m2,
-        input_torsional_stiffness: gear.input_torsional_stiffness_n_m_per_arcmin.map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
+        input_torsional_stiffness: gear
+            .input_torsional_stiffness_n_m_per_arcmin
+            .map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
         face_width: *gear.face_width_mm * MM,
     }
 }
@@ -243,7 +286,10 @@ fn bearings(design: &DesignSections) -> BearingSet {
         turning_arm: roller(&bearings.turning_arm),
         crank_support: roller(&bearings.crank_support),
         crank_support_span: *bearings.crank_support_span_mm * MM,
-        main: SupportStiffness { radial: *bearings.main.radial_stiffness_n_per_um * N_PER_UM, clearance: *bearings.main.clearance_um * UM },
+        main: SupportStiffness {
+            radial: *bearings.main.radial_stiffness_n_per_um * N_PER_UM,
+            clearance: *bearings.main.clearance_um * UM,
+        },
         sun: SupportStiffness { radial: *bearings.sun_radial_stiffness_n_per_um * N_PER_UM, clearance: 0.0 },
     }
 }
@@ -261,7 +307,10 @@ fn friction(design: &DesignSections) -> Friction {
     }
 }
 
-fn contact_law(contact: &At<Section<ContactSection>>, source: &Source) -> Result<ContactLaw, Box<DesignError>> {
+fn contact_law(
+    contact: &At<Section<ContactSection>>,
+    source: &Source,
+) -> Result<ContactLaw, Box<DesignError>> {
     let law = *contact.law;
     let place = contact.law.span.clone().or(contact.span.clone());
     for (key, at, owner) in [
@@ -270,22 +319,39 @@ fn contact_law(contact: &At<Section<ContactSection>>, source: &Source) -> Result
         ("impact_exponent", &contact.impact_exponent, ContactLawName::Impact),
     ] {
         match (at.value, owner == law) {
-            (None, true) => return Err(needs(source, &place, &format!("the contact law \"{}\"", word(law)), key)),
+            (None, true) => {
+                return Err(needs(source, &place, &format!("the contact law \"{}\"", word(law)), key));
+            }
             (Some(_), false) => {
-                let message = format!("`{key}` belongs to the contact law \"{}\", but the law here is \"{}\"", word(owner), word(law));
+                let message = format!(
+                    "`{key}` belongs to the contact law \"{}\", but the law here is \"{}\"",
+                    word(owner),
+                    word(law)
+                );
                 return Err(contradiction(source, &at.span, message, "leave it out or choose its law"));
             }
             _ => {}
         }
     }
-    Ok(match (law, *contact.stiffness_n_per_um, *contact.impact_stiffness_n_per_mm_e, *contact.impact_exponent) {
-        (ContactLawName::Palmgren, ..) => ContactLaw::Palmgren,
-        (ContactLawName::Tao2024, ..) => ContactLaw::Tao2024,
-        (ContactLawName::Linear, Some(stiffness), ..) => ContactLaw::Linear { stiffness: stiffness * N_PER_UM },
-        // k [N/m^e] = k [N/mm^e] · (1000 mm/m)^e.
-        (ContactLawName::Impact, _, Some(k), Some(exponent)) => ContactLaw::Impact { stiffness: k * 1e3f64.powf(exponent), exponent },
-        _ => ContactLaw::LineHertz,
-    })
+    Ok(
+        match (
+            law,
+            *contact.stiffness_n_per_um,
+            *contact.impact_stiffness_n_per_mm_e,
+            *contact.impact_exponent,
+        ) {
+            (ContactLawName::Palmgren, ..) => ContactLaw::Palmgren,
+            (ContactLawName::Tao2024, ..) => ContactLaw::Tao2024,
+            (ContactLawName::Linear, Some(stiffness), ..) => {
+                ContactLaw::Linear { stiffness: stiffness * N_PER_UM }
+            }
+            // k [N/m^e] = k [N/mm^e] · (1000 mm/m)^e.
+            (ContactLawName::Impact, _, Some(k), Some(exponent)) => {
+                ContactLaw::Impact { stiffness: k * 1e3f64.powf(exponent), exponent }
+            }
+            _ => ContactLaw::LineHertz,
+        },
+    )
 }
 
 fn word(law: ContactLawName) -> &'static str {
@@ -301,7 +367,10 @@ fn wear(design: &DesignSections, source: &Source) -> Result<WearLaw, Box<DesignE
             Some(paper) => coefficient(paper, &wear.paper.span, source)?,
             None => coupled,
         },
-        running_in: wear.running_in.as_ref().map(|running_in| RunningIn { factor: *running_in.factor, duration: *running_in.duration_h * HOUR }),
+        running_in: wear.running_in.as_ref().map(|running_in| RunningIn {
+            factor: *running_in.factor,
+            duration: *running_in.duration_h * HOUR,
+        }),
         pin_ratio: *wear.pin_ratio,
         lubrication: wear.lubrication.as_ref().map(|film| Lubrication {
             viscosity: *film.viscosity_mpa_s * 1e-3,
@@ -315,18 +384,31 @@ fn wear(design: &DesignSections, source: &Source) -> Result<WearLaw, Box<DesignE
 /// Wear of bearings and gears.
 fn part_wear(design: &DesignSections, source: &Source) -> Result<PartWearLaws, Box<DesignError>> {
     let wear = &design.wear;
-    let rolling = |at: &At<Option<Section<RollingWearSection>>>, kind: RollerKind| -> Result<Option<RollingWear>, Box<DesignError>> {
+    let rolling = |at: &At<Option<Section<RollingWearSection>>>,
+                   kind: RollerKind|
+     -> Result<Option<RollingWear>, Box<DesignError>> {
         let Some(part) = &at.value else { return Ok(None) };
         if kind == RollerKind::Ball {
-            let message = "the wear of ball bearings is not modelled: their contacts have no fixed width".to_owned();
+            let message =
+                "the wear of ball bearings is not modelled: their contacts have no fixed width".to_owned();
             return Err(contradiction(source, &at.span, message, "leave this section out"));
         }
-        let keys = [&part.coefficient_per_pa, &part.coefficient_mm2_per_n, &part.archard_coefficient, &part.hardness_mpa];
+        let keys = [
+            &part.coefficient_per_pa,
+            &part.coefficient_mm2_per_n,
+            &part.archard_coefficient,
+            &part.hardness_mpa,
+        ];
         Ok(Some(RollingWear { coefficient: part_coefficient(keys, &at.span, source)?, slip: *part.slip }))
     };
     let teeth = |at: &At<Option<Section<PartWearSection>>>| -> Result<f64, Box<DesignError>> {
         let Some(part) = &at.value else { return Ok(0.0) };
-        let keys = [&part.coefficient_per_pa, &part.coefficient_mm2_per_n, &part.archard_coefficient, &part.hardness_mpa];
+        let keys = [
+            &part.coefficient_per_pa,
+            &part.coefficient_mm2_per_n,
+            &part.archard_coefficient,
+            &part.hardness_mpa,
+        ];
         part_coefficient(keys, &at.span, source)
     };
     Ok(PartWearLaws {
@@ -338,20 +420,36 @@ fn part_wear(design: &DesignSections, source: &Source) -> Result<PartWearLaws, B
 }
 
 /// k in 1/Pa from `coefficient_per_pa`, `coefficient_mm2_per_n` or `archard_coefficient` with `hardness_mpa`.
-fn part_coefficient(keys: [&At<Option<f64>>; 4], place: &Place, source: &Source) -> Result<f64, Box<DesignError>> {
-    const WAYS: &str = "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa";
+fn part_coefficient(
+    keys: [&At<Option<f64>>; 4],
+    place: &Place,
+    source: &Source,
+) -> Result<f64, Box<DesignError>> {
+    const WAYS: &str =
+        "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa";
     match keys.map(|at| at.value) {
         [Some(k), None, None, None] => Ok(k),
         [None, Some(k), None, None] => Ok(k * MM * MM),
         [None, None, Some(k), Some(hardness)] => Ok(k / (hardness * MPA)),
         [None, None, Some(_), None] => Err(needs(source, place, "`archard_coefficient`", "hardness_mpa")),
-        [None, None, None, _] => Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), WAYS)),
-        _ => Err(contradiction(source, place, "the wear coefficient is given in more than one way".to_owned(), WAYS)),
+        [None, None, None, _] => {
+            Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), WAYS))
+        }
+        _ => Err(contradiction(
+            source,
+            place,
+            "the wear coefficient is given in more than one way".to_owned(),
+            WAYS,
+        )),
     }
 }
 
 /// k in the one way in which the section gives it.
-fn coefficient(section: &CoefficientSection, place: &Place, source: &Source) -> Result<WearCoefficient, Box<DesignError>> {
+fn coefficient(
+    section: &CoefficientSection,
+    place: &Place,
+    source: &Source,
+) -> Result<WearCoefficient, Box<DesignError>> {
     const WAYS: &str = "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa; \
                         after_h and depth_um; after_h and lost_motion_arcmin";
     let ways = [
@@ -366,24 +464,48 @@ fn coefficient(section: &CoefficientSection, place: &Place, source: &Source) -> 
         [] => return Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), WAYS)),
         [_] => {}
         [(first, _), (second, at), ..] => {
-            return Err(contradiction(source, &at.span, format!("the wear coefficient is given twice, by `{first}` and by `{second}`"), WAYS));
+            return Err(contradiction(
+                source,
+                &at.span,
+                format!("the wear coefficient is given twice, by `{first}` and by `{second}`"),
+                WAYS,
+            ));
         }
     }
-    for (partner, at, main) in [("hardness_mpa", &section.hardness_mpa, &ways[2..3]), ("after_h", &section.after_h, &ways[3..5])] {
+    for (partner, at, main) in
+        [("hardness_mpa", &section.hardness_mpa, &ways[2..3]), ("after_h", &section.after_h, &ways[3..5])]
+    {
         let used = main.iter().find(|(_, at)| at.is_some());
         match (at.value, used) {
             (None, Some((key, _))) => return Err(needs(source, place, &format!("`{key}`"), partner)),
-            (Some(_), None) => return Err(contradiction(source, &at.span, format!("`{partner}` has nothing to go with"), WAYS)),
+            (Some(_), None) => {
+                return Err(contradiction(
+                    source,
+                    &at.span,
+                    format!("`{partner}` has nothing to go with"),
+                    WAYS,
+                ));
+            }
             _ => {}
         }
     }
     let hardness = section.hardness_mpa.unwrap_or(1.0) * MPA;
     let time = section.after_h.unwrap_or(0.0) * HOUR;
-    Ok(match (*section.coefficient_per_pa, *section.coefficient_mm2_per_n, *section.archard_coefficient, *section.depth_um) {
-        (Some(k), ..) => WearCoefficient::Given(k),
-        (_, Some(k), ..) => WearCoefficient::Given(k * MM * MM),
-        (_, _, Some(k), _) => WearCoefficient::Given(k / hardness),
-        (.., Some(depth)) => WearCoefficient::Calibrated { time, depth: depth * UM },
-        _ => WearCoefficient::CalibratedLostMotion { time, increase: section.lost_motion_arcmin.unwrap_or(0.0) * ARCMIN },
-    })
+    Ok(
+        match (
+            *section.coefficient_per_pa,
+            *section.coefficient_mm2_per_n,
+            *section.archard_coefficient,
+            *section.depth_um,
+        ) {
+            (Some(k), ..) => WearCoefficient::Given(k),
+            (_, Some(k), ..) => WearCoefficient::Given(k * MM * MM),
+            (_, _, Some(k), _) => WearCoefficient::Given(k / hardness),
+            (.., Some(depth)) => WearCoefficient::Calibrated { time, depth: depth * UM },
+            _ => WearCoefficient::CalibratedLostMotion {
+                time,
+                increase: section.lost_motion_arcmin.unwrap_or(0.0) * ARCMIN,
+            },
+        },
+    )
 }

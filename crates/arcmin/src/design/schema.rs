@@ -1,4 +1,5 @@
-//! One declaration per section of the design file feeds the reader, the reference chapter of the book and the hash.
+//! One declaration per section of the design file feeds the reader, the reference chapter of the book and the
+//! hash.
 
 use std::ops::{Deref, Range};
 

@@ -48,7 +48,8 @@ section! {
         crank_bore_diameter_mm: f64 => required(1.0, 1000.0),
         /// Diameter of the centre hole; 0 for none.
         centre_hole_diameter_mm: f64 => default(0.0, 0.0, 3000.0),
-        /// Mass of one disc. Left out, it is computed from the solid: exact flank, bores and holes, width, density.
+        /// Mass of one disc. Left out, it is computed from the solid: exact flank, bores and holes, width,
+        /// density.
         mass_kg: Option<f64> => optional(1e-6, 1e4),
         /// Moment of inertia of one disc about its centre. Left out, it is computed from the solid.
         inertia_kg_m2: Option<f64> => optional(1e-12, 1e4),
@@ -58,7 +59,8 @@ section! {
         holes: Vec<At<Section<HoleSection>>> => optional(0.0, 0.0),
     }
 
-    /// Flank modification. Depths count into the metal; a positive equidistant and a negative radial offset both open the gap.
+    /// Flank modification. Depths count into the metal; a positive equidistant and a negative radial offset
+    /// both open the gap.
     pub struct ModificationSection {
         /// Equidistant offset Δr_p: the flank is cut with a pin larger by this radius.
         equidistant_offset_um: f64 => default(0.0, -500.0, 500.0),
@@ -66,8 +68,9 @@ section! {
         radial_offset_um: f64 => default(0.0, -500.0, 500.0),
         /// Both flanks of each tooth turned into the metal by this angle: depth = angle × lever arm.
         rotation_arcmin: f64 => default(0.0, 0.0, 60.0),
-        /// Free form: pairs of meshing angle in degrees and depth in µm, the angles rising within −180 to 180. Between
-        /// the points the depth is interpolated by a monotone cubic that closes around the tooth.
+        /// Free form: pairs of meshing angle in degrees and depth in µm, the angles rising within −180 to
+        /// 180. Between the points the depth is interpolated by a monotone cubic that closes around the
+        /// tooth.
         free_form_deg_um: Vec<[f64; 2]> => optional(0.0, 500.0),
     }
 
@@ -91,16 +94,18 @@ section! {
         eccentricity_mm: f64 => required(0.02, 100.0),
         /// Angle of the first crankshaft on the carrier; the others follow equally spaced.
         first_angle_deg: f64 => default(90.0, -360.0, 360.0),
-        /// Radius of the circle of the crankshafts. May be left out; if given, it must be the centre distance of the gear stage.
+        /// Radius of the circle of the crankshafts. May be left out; if given, it must be the centre distance
+        /// of the gear stage.
         circle_radius_mm: Option<f64> => optional(1.0, 2000.0),
         /// Diameter of the shaft between its supports (bending, torsion).
         shaft_diameter_mm: f64 => required(1.0, 500.0),
         /// Material, by name or inline.
         material: Material => word(),
-        /// Mass of one crankshaft with its planet. Left out, it is computed from cylinders: shaft over the support span,
-        /// eccentrics as wide as the discs, planet with the pitch diameter.
+        /// Mass of one crankshaft with its planet. Left out, it is computed from cylinders: shaft over the
+        /// support span, eccentrics as wide as the discs, planet with the pitch diameter.
         mass_kg: Option<f64> => optional(1e-6, 1e4),
-        /// Moment of inertia of one crankshaft with its planet about its axis. Left out, it is computed like the mass.
+        /// Moment of inertia of one crankshaft with its planet about its axis. Left out, it is computed like
+        /// the mass.
         inertia_kg_m2: Option<f64> => optional(1e-12, 1e4),
     }
 
@@ -114,7 +119,8 @@ section! {
         module_mm: f64 => required(0.1, 50.0),
         /// Transverse pressure angle.
         pressure_angle_deg: f64 => default(20.0, 10.0, 35.0),
-        /// Ratio of input to output speed, housing fixed. May be left out; if given, it must be 1 + z_p z_2/z_1.
+        /// Ratio of input to output speed, housing fixed. May be left out; if given, it must be 1 + z_p
+        /// z_2/z_1.
         ratio: Option<f64> => optional(1.0, 1e5),
         /// Face width (wear of the gears, planet mass).
         face_width_mm: f64 => required(0.5, 500.0),
@@ -130,7 +136,8 @@ section! {
         sun_inertia_kg_m2: f64 => required(1e-12, 1e3),
         /// Moment of inertia of the motor at the input; counts where the input is driven by a torque.
         motor_inertia_kg_m2: f64 => default(0.0, 0.0, 1e3),
-        /// Torsional stiffness of the input shaft between motor and sun. Left out: rigid. Enters with bearings, not with ideal joints.
+        /// Torsional stiffness of the input shaft between motor and sun. Left out: rigid. Enters with
+        /// bearings, not with ideal joints.
         input_torsional_stiffness_n_m_per_arcmin: Option<f64> => optional(1e-4, 1e6),
     }
 
@@ -148,7 +155,8 @@ section! {
 
     /// The housing with the ring of pins. Its inertia counts where the carrier is at rest.
     pub struct HousingSection {
-        /// Mass. Left out, it is computed from the pins and a ring of cast iron from the pin circle to 1.25 of its radius, 1.25 times as wide as the discs.
+        /// Mass. Left out, it is computed from the pins and a ring of cast iron from the pin circle to 1.25
+        /// of its radius, 1.25 times as wide as the discs.
         mass_kg: Option<f64> => optional(1e-4, 1e5),
         /// Moment of inertia about the machine's axis. Left out, it is computed like the mass.
         inertia_kg_m2: Option<f64> => optional(1e-9, 1e5),
@@ -170,13 +178,17 @@ impl MaterialTable {
 }
 
 impl Choice for PinMounting {
-    const WORDS: &'static [(&'static str, &'static str)] =
-        &[("fixed", "pins do not turn: they slide on the flank"), ("spinning", "pins turn freely in their seats")];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("fixed", "pins do not turn: they slide on the flank"),
+        ("spinning", "pins turn freely in their seats"),
+    ];
     const VALUES: &'static [PinMounting] = &[PinMounting::Fixed, PinMounting::Spinning];
 }
 
 impl Choice for FixedMember {
-    const WORDS: &'static [(&'static str, &'static str)] =
-        &[("housing", "housing at rest, the carrier is the output"), ("carrier", "carrier at rest, the housing is the output")];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("housing", "housing at rest, the carrier is the output"),
+        ("carrier", "carrier at rest, the housing is the output"),
+    ];
     const VALUES: &'static [FixedMember] = &[FixedMember::Housing, FixedMember::Carrier];
 }

@@ -36,7 +36,8 @@ section! {
         contact_angle_deg: f64 => default(0.0, 0.0, 60.0),
         /// Diametral clearance; negative is preload.
         clearance_um: f64 => default(0.0, -100.0, 500.0),
-        /// Basic dynamic load rating C as the maker states it. Left out, it is computed from the geometry (ISO 281).
+        /// Basic dynamic load rating C as the maker states it. Left out, it is computed from the geometry
+        /// (ISO 281).
         dynamic_load_rating_kn: Option<f64> => optional(0.01, 1e5),
     }
 
@@ -110,7 +111,8 @@ section! {
         running_in: Option<Section<RunningInSection>> => optional(0.0, 0.0),
         /// Wear coefficient of the pins relative to that of the discs.
         pin_ratio: f64 => default(0.0, 0.0, 1e4),
-        /// Mixed lubrication, which lets k fall with the film ratio λ. Left out: k does not depend on the film.
+        /// Mixed lubrication, which lets k fall with the film ratio λ. Left out: k does not depend on the
+        /// film.
         lubrication: Option<Section<LubricationSection>> => optional(0.0, 0.0),
         /// Wear of the turning-arm bearings, which widens their clearance. Left out: none.
         turning_arm: Option<Section<RollingWearSection>> => optional(0.0, 0.0),
@@ -122,8 +124,8 @@ section! {
         planet: Option<Section<PartWearSection>> => optional(0.0, 0.0),
     }
 
-    /// Wear of gear teeth by Archard's law, Δh = k (F/b) ξ per pass; k in exactly one of the ways `coefficient_per_pa`; `coefficient_mm2_per_n`;
-    /// `archard_coefficient` with `hardness_mpa`.
+    /// Wear of gear teeth by Archard's law, Δh = k (F/b) ξ per pass; k in exactly one of the ways
+    /// `coefficient_per_pa`; `coefficient_mm2_per_n`; `archard_coefficient` with `hardness_mpa`.
     pub struct PartWearSection {
         /// k in 1/Pa.
         coefficient_per_pa: Option<f64> => optional(1e-24, 1e-11),
@@ -135,7 +137,8 @@ section! {
         hardness_mpa: Option<f64> => optional(10.0, 1e5),
     }
 
-    /// Wear of a roller bearing by Archard's law with the slip of its rollers; k as for gear teeth. Only the product of k and slip counts.
+    /// Wear of a roller bearing by Archard's law with the slip of its rollers; k as for gear teeth. Only the
+    /// product of k and slip counts.
     pub struct RollingWearSection {
         /// k in 1/Pa.
         coefficient_per_pa: Option<f64> => optional(1e-24, 1e-11),
@@ -145,12 +148,14 @@ section! {
         archard_coefficient: Option<f64> => optional(1e-14, 1.0),
         /// Hardness H of the softer surface.
         hardness_mpa: Option<f64> => optional(10.0, 1e5),
-        /// Sliding distance per rolled distance at either raceway. There is no value for all bearings, so it must be given.
+        /// Sliding distance per rolled distance at either raceway. There is no value for all bearings, so it
+        /// must be given.
         slip: f64 => required(1e-6, 1.0),
     }
 
-    /// The wear coefficient, in exactly one of these ways: `coefficient_per_pa`; `coefficient_mm2_per_n`; `archard_coefficient` with
-    /// `hardness_mpa`; `after_h` with `depth_um`; `after_h` with `lost_motion_arcmin`.
+    /// The wear coefficient, in exactly one of these ways: `coefficient_per_pa`; `coefficient_mm2_per_n`;
+    /// `archard_coefficient` with `hardness_mpa`; `after_h` with `depth_um`; `after_h` with
+    /// `lost_motion_arcmin`.
     pub struct CoefficientSection {
         /// k in 1/Pa.
         coefficient_per_pa: Option<f64> => optional(1e-24, 1e-11),
@@ -216,14 +221,25 @@ impl Choice for ContactLawName {
         ("linear", "force proportional to approach; needs `stiffness_n_per_um`"),
         ("palmgren", "Palmgren's line contact, approach ∝ force^0.9"),
         ("tao2024", "eq. (6) of Tao2024 with the Hertz half-width"),
-        ("impact", "the elastic part of the impact function; needs `impact_stiffness_n_per_mm_e` and `impact_exponent`"),
+        (
+            "impact",
+            "the elastic part of the impact function; needs `impact_stiffness_n_per_mm_e` and `impact_exponent`",
+        ),
     ];
-    const VALUES: &'static [ContactLawName] =
-        &[ContactLawName::LineHertz, ContactLawName::Linear, ContactLawName::Palmgren, ContactLawName::Tao2024, ContactLawName::Impact];
+    const VALUES: &'static [ContactLawName] = &[
+        ContactLawName::LineHertz,
+        ContactLawName::Linear,
+        ContactLawName::Palmgren,
+        ContactLawName::Tao2024,
+        ContactLawName::Impact,
+    ];
 }
 
 impl Choice for RollerKind {
-    const WORDS: &'static [(&'static str, &'static str)] =
-        &[("cylindrical", "cylindrical rollers or needles"), ("tapered", "tapered rollers"), ("ball", "balls")];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("cylindrical", "cylindrical rollers or needles"),
+        ("tapered", "tapered rollers"),
+        ("ball", "balls"),
+    ];
     const VALUES: &'static [RollerKind] = &[RollerKind::Cylindrical, RollerKind::Tapered, RollerKind::Ball];
 }

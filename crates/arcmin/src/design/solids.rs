@@ -13,9 +13,9 @@ pub(super) struct Section {
 impl Section {
     /// What the flank encloses, by Green's theorem: A = ½∮(x dy − y dx), J = ¼∮(x² + y²)(x dy − y dx).
     ///
-    /// The integrand is smooth and periodic, so the trapezoidal rule converges exponentially. It needs f′ = c′ (1 + r κ) with the
-    /// curvature κ = 1/ρ0 of the trace. The nearest singularity, cosh φ = (1 + K1²)/(2 K1), decides: 512 points per lobe reach rounding
-    /// up to K1 = 0.93 and 1e-6 up to 0.97.
+    /// The integrand is smooth and periodic, so the trapezoidal rule converges exponentially. It needs f′ =
+    /// c′ (1 + r κ) with the curvature κ = 1/ρ0 of the trace. The nearest singularity, cosh φ = (1 + K1²)/(2
+    /// K1), decides: 512 points per lobe reach rounding up to K1 = 0.93 and 1e-6 up to 0.97.
     pub fn inside_flank(profile: &Profile) -> Section {
         let count = 512 * profile.lobe_count();
         let step = std::f64::consts::TAU / count as f64;
@@ -25,7 +25,9 @@ impl Section {
             let point = profile.flank_point(tau);
             let normal = profile.outward_normal(tau);
             let cos = profile.meshing_angle(tau).cos();
-            let speed = profile.pin_circle_radius * profile.speed_factor(cos) * (1.0 + profile.pin_radius * profile.trace_curvature(cos));
+            let speed = profile.pin_circle_radius
+                * profile.speed_factor(cos)
+                * (1.0 + profile.pin_radius * profile.trace_curvature(cos));
             // x dy − y dx = f · n_out |f′| dτ on a counter-clockwise path.
             let sweep = point.dot(&normal) * speed * step;
             sum.area += 0.5 * sweep;
@@ -37,7 +39,10 @@ impl Section {
     pub fn without(self, hole: &Bore) -> Section {
         let area = std::f64::consts::PI * hole.radius * hole.radius;
         let own = 0.5 * area * hole.radius * hole.radius;
-        Section { area: self.area - area, polar_moment: self.polar_moment - own - area * hole.centre_radius * hole.centre_radius }
+        Section {
+            area: self.area - area,
+            polar_moment: self.polar_moment - own - area * hole.centre_radius * hole.centre_radius,
+        }
     }
 }
 
@@ -56,28 +61,39 @@ mod tests {
         Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
     }
 
-    /// Disc with two bores Ø27 at 40.5 mm and a hole Ø40: 0.6366 kg, 1.3394e-3 kg·m², also from a polygon of 1.6 million corners computed by
-    /// another program. (1.338e-3, met elsewhere for this disc, is 0.1 % low.)
+    /// Disc with two bores Ø27 at 40.5 mm and a hole Ø40: 0.6366 kg, 1.3394e-3 kg·m², also from a polygon of
+    /// 1.6 million corners computed by another program. (1.338e-3, met elsewhere for this disc, is 0.1 %
+    /// low.)
     #[test]
     fn val_mass_and_inertia_of_the_disc() {
         let bore = |centre_angle: f64| Bore { radius: 13.5e-3, centre_radius: 40.5e-3, centre_angle };
-        let section = Section::inside_flank(&rv_40e()).without(&bore(0.0)).without(&bore(3.0)).without(&Bore {
-            radius: 20e-3,
-            centre_radius: 0.0,
-            centre_angle: 0.0,
-        });
+        let section = Section::inside_flank(&rv_40e())
+            .without(&bore(0.0))
+            .without(&bore(3.0))
+            .without(&Bore { radius: 20e-3, centre_radius: 0.0, centre_angle: 0.0 });
         let density_times_width = 7830.0 * 8.75e-3;
-        assert!((section.area * density_times_width - 0.6366).abs() < 5e-5, "{}", section.area * density_times_width);
+        assert!(
+            (section.area * density_times_width - 0.6366).abs() < 5e-5,
+            "{}",
+            section.area * density_times_width
+        );
         assert!((section.area * density_times_width - 0.636_569_192).abs() < 1e-8);
-        assert!((section.polar_moment * density_times_width - 1.339_418_6e-3).abs() < 1e-9, "{}", section.polar_moment * density_times_width);
+        assert!(
+            (section.polar_moment * density_times_width - 1.339_418_6e-3).abs() < 1e-9,
+            "{}",
+            section.polar_moment * density_times_width
+        );
     }
 
-    /// The same by triangles of a fine polygon, whose own error is of second order: 2e-8 with this many corners (4 times fewer: 16 times more).
+    /// The same by triangles of a fine polygon, whose own error is of second order: 2e-8 with this many
+    /// corners (4 times fewer: 16 times more).
     #[test]
     fn quadrature_agrees_with_a_fine_polygon() {
         let profile = rv_40e();
         let count = 400_000;
-        let points: Vec<_> = (0..count).map(|i| profile.flank_point(std::f64::consts::TAU * i as f64 / count as f64)).collect();
+        let points: Vec<_> = (0..count)
+            .map(|i| profile.flank_point(std::f64::consts::TAU * i as f64 / count as f64))
+            .collect();
         let mut area = 0.0;
         let mut polar = 0.0;
         for (a, b) in points.iter().zip(points.iter().cycle().skip(1)) {

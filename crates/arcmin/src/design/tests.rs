@@ -41,7 +41,8 @@ fn hash_depends_on_values_alone() {
     assert_eq!(hash(&text().replace("seat_compliance_um_per_kn = 0 ", "# ")), base);
     assert_eq!(hash(&text().replace("missing data assumed", "other words")), base);
     let limits = text().find("[limits]").unwrap();
-    let moved = format!("{}\n{}", &text()[..limits].replace("[ring]", &format!("{}\n[ring]", &text()[limits..])), "");
+    let moved =
+        format!("{}\n{}", &text()[..limits].replace("[ring]", &format!("{}\n[ring]", &text()[limits..])), "");
     assert_eq!(hash(&moved), base);
     // A value, however small the change.
     assert_ne!(hash(&text().replace("pin_radius_mm = 3 ", "pin_radius_mm = 3.0001 ")), base);
@@ -51,27 +52,44 @@ fn hash_depends_on_values_alone() {
 #[test]
 fn wear_coefficients_in_all_their_units_are_the_same_number() {
     let k = |lines: &str| {
-        let design = Design::parse(&text().replace("coefficient_mm2_per_n = 8.4e-13", lines), "d.toml").unwrap();
+        let design =
+            Design::parse(&text().replace("coefficient_mm2_per_n = 8.4e-13", lines), "d.toml").unwrap();
         match design.machine().wear.coupled {
             crate::machine::WearCoefficient::Given(k) => k,
             other => panic!("{other:?}"),
         }
     };
-    for lines in ["coefficient_per_pa = 8.4e-19", "coefficient_mm2_per_n = 8.4e-13", "archard_coefficient = 5.88e-9\nhardness_mpa = 7000"] {
+    for lines in [
+        "coefficient_per_pa = 8.4e-19",
+        "coefficient_mm2_per_n = 8.4e-13",
+        "archard_coefficient = 5.88e-9\nhardness_mpa = 7000",
+    ] {
         assert!((k(lines) / 8.4e-19 - 1.0).abs() < 1e-12, "{lines}");
     }
 }
 
-/// Bearings and gears: off by default, the same units as for the flank, and no guess where the model has no answer.
+/// Bearings and gears: off by default, the same units as for the flank, and no guess where the model has no
+/// answer.
 #[test]
 fn wear_of_bearings_and_gears_takes_the_same_units() {
     let with = |section: &str| Design::parse(&format!("{}\n{section}\n", text()), "d.toml");
     assert!(!with("").unwrap().machine().wear.parts.any());
-    for k in ["coefficient_per_pa = 8.4e-19", "coefficient_mm2_per_n = 8.4e-13", "archard_coefficient = 5.88e-9\nhardness_mpa = 7000"] {
-        let parts = with(&format!("[wear.turning_arm]\nslip = 0.01\n{k}\n[wear.sun]\n{k}")).unwrap().machine().wear.parts;
+    for k in [
+        "coefficient_per_pa = 8.4e-19",
+        "coefficient_mm2_per_n = 8.4e-13",
+        "archard_coefficient = 5.88e-9\nhardness_mpa = 7000",
+    ] {
+        let parts = with(&format!("[wear.turning_arm]\nslip = 0.01\n{k}\n[wear.sun]\n{k}"))
+            .unwrap()
+            .machine()
+            .wear
+            .parts;
         let arm = parts.turning_arm.unwrap();
         assert!((arm.coefficient / 8.4e-19 - 1.0).abs() < 1e-12 && arm.slip == 0.01, "{k}");
-        assert!((parts.sun / 8.4e-19 - 1.0).abs() < 1e-12 && parts.planet == 0.0 && parts.crank_support.is_none(), "{k}");
+        assert!(
+            (parts.sun / 8.4e-19 - 1.0).abs() < 1e-12 && parts.planet == 0.0 && parts.crank_support.is_none(),
+            "{k}"
+        );
     }
     for (section, words) in [
         ("[wear.turning_arm]\ncoefficient_per_pa = 1e-18", "slip"),
@@ -86,7 +104,8 @@ fn wear_of_bearings_and_gears_takes_the_same_units() {
 
 #[test]
 fn computed_inertias_give_way_to_given_ones() {
-    let with = |from: &str, to: &str| Design::parse(&text().replacen(from, to, 1), "d.toml").unwrap().machine();
+    let with =
+        |from: &str, to: &str| Design::parse(&text().replacen(from, to, 1), "d.toml").unwrap().machine();
     let disc = with("width_mm = 8.75 ", "mass_kg = 0.7\nwidth_mm = 8.75 ").disc;
     assert!(disc.mass == 0.7 && (disc.inertia - 1.3394e-3).abs() < 5e-8);
     let cranks = with("mass_kg = 0.27 ", "# ").crankshafts;
@@ -97,10 +116,14 @@ fn computed_inertias_give_way_to_given_ones() {
 
 #[test]
 fn free_form_passes_through_its_points_without_overshoot() {
-    let points = "free_form_deg_um = [[-120, 0], [-60, 4], [0, 10], [60, 4], [120, 0]]\nequidistant_offset_um = 0";
-    let machine = Design::parse(&text().replace("equidistant_offset_um = 0", points), "d.toml").unwrap().machine();
+    let points =
+        "free_form_deg_um = [[-120, 0], [-60, 4], [0, 10], [60, 4], [120, 0]]\nequidistant_offset_um = 0";
+    let machine =
+        Design::parse(&text().replace("equidistant_offset_um = 0", points), "d.toml").unwrap().machine();
     let form = machine.disc.modification.free_form.unwrap();
-    for (degrees, depth) in [(-120.0, 0.0), (-60.0, 4e-6), (0.0, 10e-6), (60.0, 4e-6), (120.0, 0.0), (180.0, 0.0), (150.0, 0.0)] {
+    for (degrees, depth) in
+        [(-120.0, 0.0), (-60.0, 4e-6), (0.0, 10e-6), (60.0, 4e-6), (120.0, 0.0), (180.0, 0.0), (150.0, 0.0)]
+    {
         let here = form.at(degrees * crate::units::DEG).depth;
         assert!((here - depth).abs() < 1e-9, "{degrees}: {here}");
     }
@@ -191,7 +214,13 @@ mod properties {
 
     fn sound(design: &Design) -> Result<(), TestCaseError> {
         let machine = design.machine();
-        for positive in [machine.disc.mass, machine.disc.inertia, machine.crankshafts.mass, machine.crankshafts.inertia, machine.rated.torque] {
+        for positive in [
+            machine.disc.mass,
+            machine.disc.inertia,
+            machine.crankshafts.mass,
+            machine.crankshafts.inertia,
+            machine.rated.torque,
+        ] {
             prop_assert!(positive > 0.0 && positive.is_finite());
         }
         let profile = machine.profile();
@@ -255,7 +284,10 @@ fn manufacturing_errors_become_si_units_at_their_parts() {
     assert_eq!(errors.pins.len(), 40);
     assert_eq!((errors.pins[39].tangential, errors.pins[38].tangential), (-3.0 * UM, 0.0));
     let harmonic = errors.discs[1].flank.harmonics[0];
-    assert_eq!((harmonic.order, harmonic.amplitude, harmonic.direction), (3, 4.0 * UM, FlankDirection::Around));
+    assert_eq!(
+        (harmonic.order, harmonic.amplitude, harmonic.direction),
+        (3, 4.0 * UM, FlankDirection::Around)
+    );
     assert_eq!(errors.discs[0].bores[1].diameter, 5.0 * UM);
     assert_eq!(errors.eccentrics[0][1].phase, 2.0 * ARCMIN);
     assert_eq!((errors.planets.len(), errors.planets[1].amplitude), (2, 6.0 * UM));
@@ -269,9 +301,24 @@ fn manufacturing_errors_become_si_units_at_their_parts() {
 fn wrong_manufacturing_errors_are_answered_with_line_and_remedy() {
     let first = text()[..text().find("[limits]").unwrap()].lines().count() + 1;
     for (lines, line, message, hint) in [
-        ("[[errors.pins]]\npin = 41\n", 1, "pin 41 does not exist: the design has 40", "write a number from 1 to 40"),
-        ("[[errors.pins]]\npin = 3\n[[errors.pins]]\npin = 3\n", 3, "pin 3 is given twice", "give all of its errors in one table"),
-        ("[[errors.eccentrics]]\ncrankshaft = 3\ndisc = 1\n", 1, "crankshaft 3 does not exist: the design has 2", "write a number from 1 to 2"),
+        (
+            "[[errors.pins]]\npin = 41\n",
+            1,
+            "pin 41 does not exist: the design has 40",
+            "write a number from 1 to 40",
+        ),
+        (
+            "[[errors.pins]]\npin = 3\n[[errors.pins]]\npin = 3\n",
+            3,
+            "pin 3 is given twice",
+            "give all of its errors in one table",
+        ),
+        (
+            "[[errors.eccentrics]]\ncrankshaft = 3\ndisc = 1\n",
+            1,
+            "crankshaft 3 does not exist: the design has 2",
+            "write a number from 1 to 2",
+        ),
         (
             "[[errors.flanks]]\ndisc = 1\nkind = \"run-out\"\norder = 1\namplitude_um = 4\n",
             2,
@@ -284,7 +331,12 @@ fn wrong_manufacturing_errors_are_answered_with_line_and_remedy() {
             "[errors.flanks] lacks the key `amplitude_um`",
             "add `amplitude_um = …`: Amplitude",
         ),
-        ("[errors]\npin_radius = 1\n", 1, "`pin_radius` lacks its unit", "units are part of the keys: write `pin_radius_um = 1` if 1 is in µm"),
+        (
+            "[errors]\npin_radius = 1\n",
+            1,
+            "`pin_radius` lacks its unit",
+            "units are part of the keys: write `pin_radius_um = 1` if 1 is in µm",
+        ),
         (
             "[[errors.measured_flanks]]\ndisc = 1\nfile = \"a.csv\"\n[[errors.measured_flanks]]\ndisc = 1\nfile = \"b.csv\"\n",
             4,
@@ -293,6 +345,10 @@ fn wrong_manufacturing_errors_are_answered_with_line_and_remedy() {
         ),
     ] {
         let error = Design::parse(&with(lines), "d.toml").unwrap_err();
-        assert_eq!((error.kind.to_string().as_str(), error.hint.as_deref(), error.line), (message, Some(hint), first + line), "{lines}");
+        assert_eq!(
+            (error.kind.to_string().as_str(), error.hint.as_deref(), error.line),
+            (message, Some(hint), first + line),
+            "{lines}"
+        );
     }
 }

@@ -11,7 +11,8 @@ pub enum Drive {
     SpeedTable(TimeTable),
     /// A motor with free sun: torque (N·m) from a table on the inertia of motor and sun.
     TorqueTable(TimeTable),
-    /// A motor with free sun whose torque is gain × (reference speed − θ̇_s); gain in N·m·s/rad, reference as in the speed law.
+    /// A motor with free sun whose torque is gain × (reference speed − θ̇_s); gain in N·m·s/rad, reference as
+    /// in the speed law.
     Governed { speed: f64, rise_time: f64, gain: f64 },
 }
 
@@ -46,9 +47,17 @@ impl Drive {
     pub fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
         match *self {
-            Drive::SpeedLaw { speed, rise_time } | Drive::AngleLaw { speed, rise_time } | Drive::Governed { speed, rise_time, .. } => {
+            Drive::SpeedLaw { speed, rise_time }
+            | Drive::AngleLaw { speed, rise_time }
+            | Drive::Governed { speed, rise_time, .. } => {
                 check(speed.is_finite(), "input speed", speed, "rad/s", "must be finite")?;
-                check(rise_time > 0.0 && rise_time.is_finite(), "rise time", rise_time, "s", "must be positive")?;
+                check(
+                    rise_time > 0.0 && rise_time.is_finite(),
+                    "rise time",
+                    rise_time,
+                    "s",
+                    "must be positive",
+                )?;
             }
             Drive::SpeedTable(_) | Drive::TorqueTable(_) => {}
         }
@@ -80,7 +89,9 @@ impl Drive {
     pub fn torque(&self, time: f64, speed: f64) -> (f64, f64) {
         match self {
             Drive::TorqueTable(table) => (table.value(time), 0.0),
-            Drive::Governed { speed: reference, rise_time, gain } => (gain * (speed_law(*reference, *rise_time, time).speed - speed), *gain),
+            Drive::Governed { speed: reference, rise_time, gain } => {
+                (gain * (speed_law(*reference, *rise_time, time).speed - speed), *gain)
+            }
             _ => (0.0, 0.0),
         }
     }
@@ -88,7 +99,9 @@ impl Drive {
     /// Direction of motion, +1 or −1: where friction and drag point before anything moves.
     pub fn direction(&self) -> f64 {
         match self {
-            Drive::SpeedLaw { speed, .. } | Drive::AngleLaw { speed, .. } | Drive::Governed { speed, .. } => speed.signum(),
+            Drive::SpeedLaw { speed, .. } | Drive::AngleLaw { speed, .. } | Drive::Governed { speed, .. } => {
+                speed.signum()
+            }
             Drive::SpeedTable(_) | Drive::TorqueTable(_) => 1.0,
         }
     }
@@ -102,7 +115,11 @@ mod tests {
     #[test]
     fn speed_is_the_derivative_of_the_angle() {
         let table = TimeTable::new("speed", &[(0.0, 0.0), (0.05, 100.0), (0.2, 50.0)]).unwrap();
-        let drives = [Drive::SpeedLaw { speed: 157.0, rise_time: 0.1 }, Drive::AngleLaw { speed: 157.0, rise_time: 0.1 }, Drive::SpeedTable(table)];
+        let drives = [
+            Drive::SpeedLaw { speed: 157.0, rise_time: 0.1 },
+            Drive::AngleLaw { speed: 157.0, rise_time: 0.1 },
+            Drive::SpeedTable(table),
+        ];
         for drive in drives {
             for i in 1..60 {
                 let t = 0.00333 * i as f64;
@@ -113,10 +130,12 @@ mod tests {
         }
     }
 
-    /// The angle law of Tao2024, 9000·t·STEP(t, 0, 0, 0.1, 1) degrees, overshoots to 15 187 °/s; the speed law never exceeds 9000.
+    /// The angle law of Tao2024, 9000·t·STEP(t, 0, 0, 0.1, 1) degrees, overshoots to 15 187 °/s; the speed
+    /// law never exceeds 9000.
     #[test]
     fn val_overshoot_of_the_angle_law() {
-        let largest = |drive: Drive| (0..=2000).map(|i| drive.motion(1e-4 * i as f64).speed / DEG).fold(0.0, f64::max);
+        let largest =
+            |drive: Drive| (0..=2000).map(|i| drive.motion(1e-4 * i as f64).speed / DEG).fold(0.0, f64::max);
         assert!((largest(Drive::AngleLaw { speed: 9000.0 * DEG, rise_time: 0.1 }) - 15187.5).abs() < 0.1);
         assert!((largest(Drive::SpeedLaw { speed: 9000.0 * DEG, rise_time: 0.1 }) - 9000.0).abs() < 1e-9);
     }

@@ -9,7 +9,8 @@ use crate::machine::Machine;
 /// What elastic discs need beyond rigid ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlexibleOptions {
-    /// Held modes up to this frequency in Hz are coordinates; the compliance of the others acts without inertia.
+    /// Held modes up to this frequency in Hz are coordinates; the compliance of the others acts without
+    /// inertia.
     pub mode_frequency: f64,
     /// ζ of every mode.
     pub damping_ratio: f64,
@@ -27,7 +28,13 @@ impl FlexibleOptions {
     /// [`DynamicsError::InvalidValue`] for damping or frequencies without meaning.
     pub fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
-        check(self.damping_ratio >= 0.0 && self.damping_ratio < 1.0, "modal damping ratio", self.damping_ratio, "", "must lie in [0, 1)")?;
+        check(
+            self.damping_ratio >= 0.0 && self.damping_ratio < 1.0,
+            "modal damping ratio",
+            self.damping_ratio,
+            "",
+            "must lie in [0, 1)",
+        )?;
         check(self.mode_frequency >= 0.0, "mode frequency", self.mode_frequency, "Hz", "must not be negative")
     }
 }
@@ -36,7 +43,8 @@ impl FlexibleOptions {
 #[derive(Debug)]
 struct Body {
     modes: FlankModes,
-    /// Displacement of every bore centre per unit of a mode in the frame of the reduction, mode after mode; empty where bores are held.
+    /// Displacement of every bore centre per unit of a mode in the frame of the reduction, mode after mode;
+    /// empty where bores are held.
     bores: Vec<Vec2>,
     /// Static compliance of the flank beyond the modes, the bores held.
     residual: FlankCompliance,
@@ -44,20 +52,26 @@ struct Body {
 
 /// Elastic discs as their pins and bearings meet them.
 ///
-/// A disc is a frame (centre, angle) with modes in it, u = Φ q. The flank gives way by u_i = φ(τ_i)·q + Σ_j C^res_ij F_j along its inward normal: the modes kept as
-/// coordinates, and the static compliance of all the others. Contact is sought on the analytic (worn) flank and the approach s_i = −gap_i − φ_i·q handed to
-/// the coupled contact law, so no facet and no second contact stiffness enters, and the frequencies of modes left out do not limit the step.
-/// Forces are the gradient of the stored energy U = min over F of Σ W_i(δ_i, R_i) + ½ FᵀC^res F, plus ½ ω² q²; modal damping 2 ζ ω q̇.
+/// A disc is a frame (centre, angle) with modes in it, u = Φ q. The flank gives way by u_i = φ(τ_i)·q + Σ_j
+/// C^res_ij F_j along its inward normal: the modes kept as coordinates, and the static compliance of all the
+/// others. Contact is sought on the analytic (worn) flank and the approach s_i = −gap_i − φ_i·q handed to the
+/// coupled contact law, so no facet and no second contact stiffness enters, and the frequencies of modes left
+/// out do not limit the step. Forces are the gradient of the stored energy U = min over F of Σ W_i(δ_i, R_i)
+/// + ½ FᵀC^res F, plus ½ ω² q²; modal damping 2 ζ ω q̇.
 ///
-/// With ideal joints the frame is that of the bores and the modes are those of the disc held there. In bearings it is that of the mean axes: the modes of the free disc,
-/// which move the bore centres; kinetic energy is then ½ m v² + ½ J θ̇² + ½ q̇². Mass and moment of inertia are the machine's, those of the modes the mesh's.
+/// With ideal joints the frame is that of the bores and the modes are those of the disc held there. In
+/// bearings it is that of the mean axes: the modes of the free disc, which move the bore centres; kinetic
+/// energy is then ½ m v² + ½ J θ̇² + ½ q̇². Mass and moment of inertia are the machine's, those of the modes
+/// the mesh's.
 ///
-/// Not modelled: Coriolis and centrifugal forces of the deformation, the tangential displacement of the flank, deformation of the bores' rims.
+/// Not modelled: Coriolis and centrifugal forces of the deformation, the tangential displacement of the
+/// flank, deformation of the bores' rims.
 #[derive(Debug, Clone)]
 pub struct ElasticDiscs {
     discs: FlexibleDiscs,
     bodies: Vec<Arc<Body>>,
-    /// Bore displacements disc by disc in the disc's own frame: mode after mode, bores in the order of the crankshafts.
+    /// Bore displacements disc by disc in the disc's own frame: mode after mode, bores in the order of the
+    /// crankshafts.
     bores: Vec<Vec<Vec2>>,
     damping_ratio: f64,
 }
@@ -104,7 +118,8 @@ pub(super) struct DiscSplit {
     pub disc: f64,
 }
 
-/// A pin farther off than this (m) is not reached by a flank that its neighbours' forces and the modes of a held disc lift by a fraction of a micrometre.
+/// A pin farther off than this (m) is not reached by a flank that its neighbours' forces and the modes of a
+/// held disc lift by a fraction of a micrometre.
 const HELD_REACH: f64 = 1e-6;
 /// Bores that move lift it by some micrometres more.
 const FREE_REACH: f64 = 5e-6;
@@ -123,12 +138,19 @@ impl ElasticDiscs {
     /// Discs whose bore centres are free, for bearings.
     ///
     /// # Errors
-    /// As [`FlexibleOptions::validate`], and [`DynamicsError::ElasticDisc`] for discs reduced with one spider for all bores.
-    pub fn free(machine: &Machine, discs: FlexibleDiscs, options: FlexibleOptions) -> Result<ElasticDiscs, DynamicsError> {
+    /// As [`FlexibleOptions::validate`], and [`DynamicsError::ElasticDisc`] for discs reduced with one spider
+    /// for all bores.
+    pub fn free(
+        machine: &Machine,
+        discs: FlexibleDiscs,
+        options: FlexibleOptions,
+    ) -> Result<ElasticDiscs, DynamicsError> {
         let cranks = machine.crankshafts.count;
         let bodies = bodies(&discs, options, |reduced, count| {
             let free = reduced.free_modes(count)?;
-            let bores = (0..free.flank.count()).flat_map(|mode| (0..cranks).map(move |bore| (mode, bore))).map(|(mode, bore)| free.bore(mode, bore));
+            let bores = (0..free.flank.count())
+                .flat_map(|mode| (0..cranks).map(move |bore| (mode, bore)))
+                .map(|(mode, bore)| free.bore(mode, bore));
             let bores = bores.collect();
             Ok((free.flank, bores))
         })?;
@@ -146,13 +168,16 @@ impl ElasticDiscs {
                     })
                     .collect();
                 let body = &bodies[disc];
-                (0..body.modes.count()).flat_map(|mode| covered.iter().map(move |k| turned(body.bores[mode * cranks + k], back))).collect()
+                (0..body.modes.count())
+                    .flat_map(|mode| covered.iter().map(move |k| turned(body.bores[mode * cranks + k], back)))
+                    .collect()
             })
             .collect();
         Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
     }
 
-    /// Hands the pins to these discs: flanks that read their displacement at a depth have a contact law of their own.
+    /// Hands the pins to these discs: flanks that read their displacement at a depth have a contact law of
+    /// their own.
     pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {
         let mut law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
         law.damping = ring.contact().damping;
@@ -180,16 +205,23 @@ impl ElasticDiscs {
         self.bores[disc][mode * cranks + crankshaft]
     }
 
-    /// Change of a modal coordinate that counts as one unit of error: an arcmin at the flank, φ being of the order 1/√(disc mass).
+    /// Change of a modal coordinate that counts as one unit of error: an arcmin at the flank, φ being of the
+    /// order 1/√(disc mass).
     pub(super) fn scale(machine: &Machine) -> f64 {
         machine.ring.pin_circle_radius * crate::units::ARCMIN * machine.disc.mass.sqrt()
     }
 
-    /// Contacts within reach with their coupled forces; `ring` has been [taken over](ElasticDiscs::take_over).
+    /// Contacts within reach with their coupled forces; `ring` has been [taken
+    /// over](ElasticDiscs::take_over).
     pub(super) fn contacts(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> DiscContacts {
         let body = &self.bodies[disc];
-        let mut state =
-            DiscContacts { contacts: Vec::new(), rate: Vec::new(), shape: Vec::new(), coupled: Vec::new(), forces: CoupledForces::default() };
+        let mut state = DiscContacts {
+            contacts: Vec::new(),
+            rate: Vec::new(),
+            shape: Vec::new(),
+            coupled: Vec::new(),
+            forces: CoupledForces::default(),
+        };
         ring.visit(motion.pose, motion.velocity, false, |contact| {
             let place = self.discs.stencil(disc, contact.tau);
             let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
@@ -204,17 +236,28 @@ impl ElasticDiscs {
                 state.shape.truncate(first);
                 return;
             }
-            state.coupled.push(CoupledContact { place, approach, equivalent_radius: 1.0 / contact.relative_curvature });
+            state.coupled.push(CoupledContact {
+                place,
+                approach,
+                equivalent_radius: 1.0 / contact.relative_curvature,
+            });
             state.rate.push(rate);
             state.contacts.push(*contact);
         });
-        // An iteration that does not settle leaves a residual that the step's own Newton iteration sees and rejects.
+        // An iteration that does not settle leaves a residual that the step's own Newton iteration sees and
+        // rejects.
         state.forces.solve(ring.contact(), &body.residual, &state.coupled);
         state
     }
 
-    /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank has given way: minus the local approach where it touches.
-    pub(super) fn pin_contacts(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> Vec<PinContact> {
+    /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank
+    /// has given way: minus the local approach where it touches.
+    pub(super) fn pin_contacts(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        motion: DiscMotion<'_>,
+    ) -> Vec<PinContact> {
         let state = self.contacts(disc, ring, motion);
         let mut all = ring.contacts(motion.pose, motion.velocity);
         for contact in &mut all {
@@ -223,12 +266,18 @@ impl ElasticDiscs {
         }
         for (i, contact) in state.contacts.iter().enumerate() {
             if let Some(entry) = all.iter_mut().find(|entry| entry.pin == contact.pin) {
-                let here = ring.contact().damped_force(state.forces.local[i], state.rate[i], state.coupled[i].equivalent_radius);
+                let here = ring.contact().damped_force(
+                    state.forces.local[i],
+                    state.rate[i],
+                    state.coupled[i].equivalent_radius,
+                );
                 (entry.force, entry.elastic, entry.stored) = (here.force, here.elastic, here.stored);
                 entry.stiffness = state.forces.local_stiffness[i];
                 entry.gap = -state.forces.local[i];
                 entry.approach_rate = state.rate[i];
-                entry.friction = ring.sliding().map_or(0.0, |sliding| -here.force * sliding.share(contact.sliding_speed).0);
+                entry.friction = ring
+                    .sliding()
+                    .map_or(0.0, |sliding| -here.force * sliding.share(contact.sliding_speed).0);
             }
         }
         all
@@ -267,7 +316,8 @@ impl ElasticDiscs {
                 continue;
             }
             gain[i] = here.stiffness / state.forces.local_stiffness[i];
-            let (share, slope) = ring.sliding().map_or((0.0, 0.0), |sliding| sliding.share(contact.sliding_speed));
+            let (share, slope) =
+                ring.sliding().map_or((0.0, 0.0), |sliding| sliding.share(contact.sliding_speed));
             reaction.dissipation += share * here.force * contact.sliding_speed;
             let push = &mut pushes[i * width..(i + 1) * width];
             push.copy_from_slice(row);
@@ -284,7 +334,8 @@ impl ElasticDiscs {
                 for b in 0..3 {
                     reaction.stiffness[a * width + b] -= here.force * hessian[a][b];
                     reaction.stiffness[b * width + a] += here.damping * rate_slope * push[b];
-                    reaction.damping[a * width + b] += here.force * slope * contact.along[a] * contact.along[b];
+                    reaction.damping[a * width + b] +=
+                        here.force * slope * contact.along[a] * contact.along[b];
                 }
             }
         }
@@ -308,10 +359,12 @@ impl ElasticDiscs {
         reaction
     }
 
-    /// What makes the forces the gradient of the stored energy: its derivative with the places of the contacts,
-    /// −∂U/∂τ_i = F_i φ′_i·q + ½ ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′. It acts along the flank: the slope of the deformed flank under the contact force, and
-    /// the work of rolling to another curvature. It is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc: the tangents that
-    /// go with φ′ are a per cent there. Those of the curvature are left out, as on the rigid disc.
+    /// What makes the forces the gradient of the stored energy: its derivative with the places of the
+    /// contacts, −∂U/∂τ_i = F_i φ′_i·q + ½ ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′. It acts along the flank: the
+    /// slope of the deformed flank under the contact force, and the work of rolling to another curvature. It
+    /// is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc:
+    /// the tangents that go with φ′ are a per cent there. Those of the curvature are left out, as on the
+    /// rigid disc.
     fn add_rolling(
         &self,
         disc: usize,
@@ -369,19 +422,28 @@ impl ElasticDiscs {
         self.bodies[disc].modes.eigenvalues.iter().zip(q).map(|(square, q)| square * q * q).sum()
     }
 
-    /// gᵀ K g of the pins and the disc along a motion g of (x, y, θ, q), where it sits: ds = −B g and dF = D ds change the energy of modes and residual compliance by ω² g_q² and
-    /// dFᵀ C dF, that of the seats by c dF²; the rest is the contacts', with the turning of their normals.
-    pub(super) fn split(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>, g: &[f64]) -> DiscSplit {
+    /// gᵀ K g of the pins and the disc along a motion g of (x, y, θ, q), where it sits: ds = −B g and dF = D
+    /// ds change the energy of modes and residual compliance by ω² g_q² and dFᵀ C dF, that of the seats by c
+    /// dF²; the rest is the contacts', with the turning of their normals.
+    pub(super) fn split(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        motion: DiscMotion<'_>,
+        g: &[f64],
+    ) -> DiscSplit {
         let (count, width) = (motion.modes.len(), g.len());
         let stiffness = self.react(disc, ring, motion).stiffness;
-        let whole: f64 = (0..width).map(|a| (0..width).map(|b| g[a] * stiffness[a * width + b] * g[b]).sum::<f64>()).sum();
+        let whole: f64 =
+            (0..width).map(|a| (0..width).map(|b| g[a] * stiffness[a * width + b] * g[b]).sum::<f64>()).sum();
         let state = self.contacts(disc, ring, motion);
         let change: Vec<f64> = state
             .contacts
             .iter()
             .enumerate()
             .map(|(i, contact)| {
-                let modes: f64 = state.shape[i * count..(i + 1) * count].iter().zip(&g[3..]).map(|(phi, g)| phi * g).sum();
+                let modes: f64 =
+                    state.shape[i * count..(i + 1) * count].iter().zip(&g[3..]).map(|(phi, g)| phi * g).sum();
                 contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum::<f64>() + modes
             })
             .collect();

@@ -21,8 +21,9 @@ pub struct EquilibriumControl {
     pub largest_iteration_count: usize,
     /// Longest step of one iteration in units of the system's scale.
     pub trust: f64,
-    /// Where forces jump, no place balances them: a pin at the root of a worn flank touches on one side or the other. A place on whose two sides the balance
-    /// lies, closer together than `tolerance`, is accepted when the work of its forces along one unit of scale is below this, in J; so is a place from which
+    /// Where forces jump, no place balances them: a pin at the root of a worn flank touches on one side or
+    /// the other. A place on whose two sides the balance lies, closer together than `tolerance`, is accepted
+    /// when the work of its forces along one unit of scale is below this, in J; so is a place from which
     /// steps no longer lead on. The residual says what is left.
     pub jump_tolerance: f64,
     /// A coordinate that does not move, whatever pulls at it.
@@ -31,7 +32,14 @@ pub struct EquilibriumControl {
 
 impl Default for EquilibriumControl {
     fn default() -> Self {
-        EquilibriumControl { tolerance: 1e-10, force_tolerance: 1e-9, largest_iteration_count: 400, trust: 1.0, jump_tolerance: 0.0, held: None }
+        EquilibriumControl {
+            tolerance: 1e-10,
+            force_tolerance: 1e-9,
+            largest_iteration_count: 400,
+            trust: 1.0,
+            jump_tolerance: 0.0,
+            held: None,
+        }
     }
 }
 
@@ -39,18 +47,25 @@ impl Default for EquilibriumControl {
 const NEAR_JUMP: f64 = 1e-2;
 /// Share of the elastic energy that a jump may leave as work along one unit of scale.
 const JUMP_OF_STORED: f64 = 2e-3;
-/// Where several contacts jump, Newton's method creeps along their edges: so many iterations without halving the forces are enough.
+/// Where several contacts jump, Newton's method creeps along their edges: so many iterations without halving
+/// the forces are enough.
 const CREEPING: usize = 60;
 
 /// Finds q with Q(q, 0, t) = 0 near `start`.
 ///
-/// Newton's method with a mass term that vanishes as the forces do (pseudo-transient continuation): (μ M + K) Δq = Q. Bodies that hang free
-/// in a clearance have no stiffness; the mass term then drives them along the force until a contact stops them.
-/// A state whose forces vanish already is an equilibrium, wherever in the clearance it is.
+/// Newton's method with a mass term that vanishes as the forces do (pseudo-transient continuation): (μ M + K)
+/// Δq = Q. Bodies that hang free in a clearance have no stiffness; the mass term then drives them along the
+/// force until a contact stops them. A state whose forces vanish already is an equilibrium, wherever in the
+/// clearance it is.
 ///
 /// # Errors
 /// [`DynamicsError::NoEquilibrium`] with the residual reached if the iterations are used up.
-pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], control: EquilibriumControl) -> Result<Equilibrium, DynamicsError> {
+pub fn solve_equilibrium<S: System>(
+    system: &S,
+    time: f64,
+    start: &[f64],
+    control: EquilibriumControl,
+) -> Result<Equilibrium, DynamicsError> {
     let n = system.size();
     let (mass, scale) = (system.mass(), system.scale());
     let rest = vec![0.0; n];
@@ -86,7 +101,11 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             halved = (size, iteration);
         }
         // A machine under preload has larger forces to jump than its load tells.
-        let jump = if control.jump_tolerance > 0.0 { control.jump_tolerance.max(JUMP_OF_STORED * balance.stored) } else { 0.0 };
+        let jump = if control.jump_tolerance > 0.0 {
+            control.jump_tolerance.max(JUMP_OF_STORED * balance.stored)
+        } else {
+            0.0
+        };
         let creeps = iteration > halved.1 + CREEPING && size <= jump;
         if creeps || largest(&force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration });
@@ -95,26 +114,33 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
         let solved = lin.solve(mass, Weights { mass: mu, damping: 0.0, stiffness: 1.0 }, &mut step);
         let length = step.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
         // A mass term that by itself would move the coordinates by about one trust length.
-        let natural = force.iter().zip(mass.iter().zip(scale)).fold(0.0, |m: f64, (f, (mass, s))| m.max(f.abs() / (mass * s))) / trust;
+        let natural = force
+            .iter()
+            .zip(mass.iter().zip(scale))
+            .fold(0.0, |m: f64, (f, (mass, s))| m.max(f.abs() / (mass * s)))
+            / trust;
         let uphill = step.iter().zip(&force).map(|(x, f)| x * f).sum::<f64>() <= 0.0;
         if solved.is_err() || !length.is_finite() || (uphill && mu < 1e12 * natural) {
             mu = if mu == 0.0 { 1e-3 * natural } else { 8.0 * mu };
             continue;
         }
-        // A step that counts as converged is taken whole: rounding of stiff springs can shrink the trust length to nothing there.
+        // A step that counts as converged is taken whole: rounding of stiff springs can shrink the trust
+        // length to nothing there.
         let shortening = if length > trust && length > control.tolerance { trust / length } else { 1.0 };
         for i in 0..n {
             trial[i] = position[i] + shortening * step[i];
         }
         let trial_balance = evaluate(&trial, &mut trial_force, &mut trial_lin);
         let trial_size = work(&trial_force);
-        // In a clearance the force stays as it is; deep in a contact that was jumped into it grows. Work done against the new
-        // force says whether the step went past the balance.
-        let overshoot =
-            trial_force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>() < -0.5 * force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>();
-        // Where a contact sets in, the stiffness jumps, and full steps could go to and fro across that place for ever.
+        // In a clearance the force stays as it is; deep in a contact that was jumped into it grows. Work done
+        // against the new force says whether the step went past the balance.
+        let overshoot = trial_force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>()
+            < -0.5 * force.iter().zip(&step).map(|(f, x)| f * x).sum::<f64>();
+        // Where a contact sets in, the stiffness jumps, and full steps could go to and fro across that place
+        // for ever.
         let to_and_fro = overshoot && trial_size > 0.9 * size && length > control.tolerance;
-        let accepted = (trial_size <= 1.000_001 * size && !to_and_fro) || (!overshoot && trial_size < 2.0 * size && length > control.tolerance);
+        let accepted = (trial_size <= 1.000_001 * size && !to_and_fro)
+            || (!overshoot && trial_size < 2.0 * size && length > control.tolerance);
         let converged = shortening == 1.0 && length <= control.tolerance && mu * natural.recip() < 1e-3;
         if accepted || (converged && trial_size.is_finite()) {
             std::mem::swap(&mut position, &mut trial);
@@ -122,7 +148,12 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
             std::mem::swap(&mut lin, &mut trial_lin);
             balance = trial_balance;
             if converged {
-                return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
+                return Ok(Equilibrium {
+                    residual: largest(&force),
+                    position,
+                    balance,
+                    iterations: iteration + 1,
+                });
             }
             mu *= (trial_size / size).clamp(0.0, 0.5);
             if mu < 1e-9 * natural {
@@ -132,10 +163,16 @@ pub fn solve_equilibrium<S: System>(system: &S, time: f64, start: &[f64], contro
         } else {
             trust = 0.25 * length.min(trust);
             if trust < control.tolerance && length < NEAR_JUMP && size <= jump {
-                return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration + 1 });
+                return Ok(Equilibrium {
+                    residual: largest(&force),
+                    position,
+                    balance,
+                    iterations: iteration + 1,
+                });
             }
             mu = match mu {
-                // One body that hangs nearly free makes the Newton step long for all: the mass term holds it back alone.
+                // One body that hangs nearly free makes the Newton step long for all: the mass term holds it
+                // back alone.
                 0.0 if length > trust => 1e-3 * natural,
                 mu => 2.0 * mu,
             };

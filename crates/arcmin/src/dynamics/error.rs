@@ -1,7 +1,8 @@
 /// Why a motion or an equilibrium could not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DynamicsError {
-    /// The implicit step was halved down to the smallest allowed one and still did not converge or meet the tolerance.
+    /// The implicit step was halved down to the smallest allowed one and still did not converge or meet the
+    /// tolerance.
     #[error(
         "the step at t = {time:.9} s (crank angle {crank_angle_deg:.4}°) does not converge: step {step:.3e} s, residual {residual:.3e} \
          (largest force imbalance in N or N·m) after {steps} accepted steps"
@@ -31,7 +32,13 @@ pub enum DynamicsError {
 }
 
 impl DynamicsError {
-    pub(crate) fn require(holds: bool, name: &'static str, value: f64, unit: &'static str, requirement: &'static str) -> Result<(), DynamicsError> {
+    pub(crate) fn require(
+        holds: bool,
+        name: &'static str,
+        value: f64,
+        unit: &'static str,
+        requirement: &'static str,
+    ) -> Result<(), DynamicsError> {
         // A comparison with NaN is false, so NaN never passes.
         if holds { Ok(()) } else { Err(DynamicsError::InvalidValue { name, value, unit, requirement }) }
     }

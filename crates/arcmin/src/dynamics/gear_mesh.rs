@@ -2,7 +2,8 @@ use crate::contact::Damping;
 use crate::geometry::{Vec2, unit};
 use crate::machine::Machine;
 
-/// Involute meshes of the sun with all planets, which share one deflection as the planets' centres sit on a rigid carrier.
+/// Involute meshes of the sun with all planets, which share one deflection as the planets' centres sit on a
+/// rigid carrier.
 ///
 /// Deflection along the line of action: e = r_b1 (θ_s − θ_c) + r_b2 (θ_k − θ_c). Each mesh is a spring
 /// k (1 + ε cos(z_1 (θ_s − θ_c) + z_1 γ_p)) with damper and backlash j: free while |e| < j/2.
@@ -54,7 +55,16 @@ impl GearMesh {
             half_backlash: 0.5 * stage.backlash,
             sun_teeth: teeth,
             phase_sum: (0..count)
-                .map(|k| unit(teeth * crate::machine::Kinematics::crankshaft_angle(machine.crankshafts.first_angle, k, count)))
+                .map(|k| {
+                    unit(
+                        teeth
+                            * crate::machine::Kinematics::crankshaft_angle(
+                                machine.crankshafts.first_angle,
+                                k,
+                                count,
+                            ),
+                    )
+                })
                 .sum(),
             sun_base_radius: stage.sun_base_radius(),
             planet_base_radius: stage.planet_base_radius(),
@@ -74,7 +84,10 @@ impl GearMesh {
         if self.variation != 0.0 {
             let wave = unit(self.sun_teeth * phase);
             let amplitude = self.stiffness * self.variation;
-            let (cos, sin) = (wave.x * self.phase_sum.x - wave.y * self.phase_sum.y, wave.y * self.phase_sum.x + wave.x * self.phase_sum.y);
+            let (cos, sin) = (
+                wave.x * self.phase_sum.x - wave.y * self.phase_sum.y,
+                wave.y * self.phase_sum.x + wave.x * self.phase_sum.y,
+            );
             k += amplitude * cos;
             k1 = -amplitude * self.sun_teeth * sin;
             k2 = -amplitude * self.sun_teeth * self.sun_teeth * cos;
@@ -84,7 +97,11 @@ impl GearMesh {
             let ramp = Damping { coefficient: damping, ramp_depth: DAMPING_RAMP };
             let x = (overlap.abs() / ramp.ramp_depth).min(1.0);
             damping = ramp.coefficient * x * x * (3.0 - 2.0 * x);
-            damping_slope = if x < 1.0 { ramp.coefficient * 6.0 * x * (1.0 - x) / ramp.ramp_depth * overlap.signum() } else { 0.0 };
+            damping_slope = if x < 1.0 {
+                ramp.coefficient * 6.0 * x * (1.0 - x) / ramp.ramp_depth * overlap.signum()
+            } else {
+                0.0
+            };
         }
         let elastic = k * overlap;
         let stored = 0.5 * k * overlap * overlap;
@@ -92,7 +109,13 @@ impl GearMesh {
         let (torque, torque_by_phase) = (0.5 * k1 * overlap * overlap, 0.5 * k2 * overlap * overlap);
         if self.half_backlash > 0.0 && force * overlap <= 0.0 {
             // Oil between parting flanks does not pull them together.
-            return MeshForce { stored, dissipation: -elastic * rate, torque, torque_by_phase, ..MeshForce::default() };
+            return MeshForce {
+                stored,
+                dissipation: -elastic * rate,
+                torque,
+                torque_by_phase,
+                ..MeshForce::default()
+            };
         }
         MeshForce {
             force,
@@ -135,11 +158,15 @@ mod tests {
         let h = 1e-9;
         for (deflection, phase) in [(5e-6, 0.1), (-6e-6, 0.33), (9e-6, 1.234)] {
             let here = mesh.react(deflection, 0.0, phase);
-            let by_deflection =
-                |f: fn(&MeshForce) -> f64| (f(&mesh.react(deflection + h, 0.0, phase)) - f(&mesh.react(deflection - h, 0.0, phase))) / (2.0 * h);
+            let by_deflection = |f: fn(&MeshForce) -> f64| {
+                (f(&mesh.react(deflection + h, 0.0, phase)) - f(&mesh.react(deflection - h, 0.0, phase)))
+                    / (2.0 * h)
+            };
             let g = 1e-6;
-            let by_phase =
-                |f: fn(&MeshForce) -> f64| (f(&mesh.react(deflection, 0.0, phase + g)) - f(&mesh.react(deflection, 0.0, phase - g))) / (2.0 * g);
+            let by_phase = |f: fn(&MeshForce) -> f64| {
+                (f(&mesh.react(deflection, 0.0, phase + g)) - f(&mesh.react(deflection, 0.0, phase - g)))
+                    / (2.0 * g)
+            };
             let close = |a: f64, b: f64, scale: f64| assert!((a - b).abs() < 1e-5 * scale, "{a} {b}");
             close(by_deflection(|m| m.stored), here.force, 1e3);
             close(by_deflection(|m| m.force), here.stiffness, 4e8);

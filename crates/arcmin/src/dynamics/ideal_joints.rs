@@ -7,14 +7,17 @@ use crate::units::ARCMIN;
 
 /// The rigid model of Tao2024's Table 3: ideal joints, elastic contacts and gear meshes.
 ///
-/// Absolute angles: sun θ_s, carrier θ_c, crankshafts θ_k (common to all), housing θ_h, one of θ_c, θ_h at rest. Disc j has its centre at a e(θ_k + α_j)
-/// and turns with the carrier, θ_j = θ_c + δ_j. The motion relative to the ring, κ = θ_k − θ_h and ο = θ_c − θ_h, decides about the pin contacts.
-/// Coordinates: q = (θ_k, θ_out) with a prescribed sun, (θ_k, θ_out, θ_s) with a free one.
+/// Absolute angles: sun θ_s, carrier θ_c, crankshafts θ_k (common to all), housing θ_h, one of θ_c, θ_h at
+/// rest. Disc j has its centre at a e(θ_k + α_j) and turns with the carrier, θ_j = θ_c + δ_j. The motion
+/// relative to the ring, κ = θ_k − θ_h and ο = θ_c − θ_h, decides about the pin contacts. Coordinates: q =
+/// (θ_k, θ_out) with a prescribed sun, (θ_k, θ_out, θ_s) with a free one.
 ///
-/// Mass: M_k = n_cr J_cr + n_d m_d a²; M_out = J_carrier + n_d J_d + n_cr m_cr R_c² (carrier) or the housing's inertia; M_s = J_sun + J_motor. No velocity-dependent
-/// inertia forces arise: the crankshafts turn about axes that go with the carrier, and the discs' centres move with θ_k alone.
+/// Mass: M_k = n_cr J_cr + n_d m_d a²; M_out = J_carrier + n_d J_d + n_cr m_cr R_c² (carrier) or the
+/// housing's inertia; M_s = J_sun + J_motor. No velocity-dependent inertia forces arise: the crankshafts turn
+/// about axes that go with the carrier, and the discs' centres move with θ_k alone.
 ///
-/// Not modelled: compliance and clearance of bearings and shafts, out-of-plane motion, the sun's inertia under a prescribed speed, losses in bearings and meshes.
+/// Not modelled: compliance and clearance of bearings and shafts, out-of-plane motion, the sun's inertia
+/// under a prescribed speed, losses in bearings and meshes.
 #[derive(Debug, Clone)]
 pub struct IdealJoints {
     kinematics: Kinematics,
@@ -53,12 +56,24 @@ impl IdealJoints {
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for stiffnesses, masses, loads or drags without meaning.
-    pub fn new(machine: &Machine, wear: &Relief, drive: Drive, load: OutputLoad, drag: f64) -> Result<IdealJoints, DynamicsError> {
+    pub fn new(
+        machine: &Machine,
+        wear: &Relief,
+        drive: Drive,
+        load: OutputLoad,
+        drag: f64,
+    ) -> Result<IdealJoints, DynamicsError> {
         drive.validate()?;
         load.validate()?;
         let check = DynamicsError::require;
         let stage = &machine.gear_stage;
-        check(stage.mesh_stiffness > 0.0 && stage.mesh_stiffness.is_finite(), "mesh stiffness", stage.mesh_stiffness, "N/m", "must be positive")?;
+        check(
+            stage.mesh_stiffness > 0.0 && stage.mesh_stiffness.is_finite(),
+            "mesh stiffness",
+            stage.mesh_stiffness,
+            "N/m",
+            "must be positive",
+        )?;
         check(
             (0.0..1.0).contains(&stage.mesh_stiffness_variation),
             "mesh stiffness variation",
@@ -66,15 +81,40 @@ impl IdealJoints {
             "",
             "must lie in [0, 1)",
         )?;
-        check(stage.mesh_damping >= 0.0, "mesh damping", stage.mesh_damping, "N·s/m", "must not be negative")?;
+        check(
+            stage.mesh_damping >= 0.0,
+            "mesh damping",
+            stage.mesh_damping,
+            "N·s/m",
+            "must not be negative",
+        )?;
         check(stage.backlash >= 0.0, "backlash", stage.backlash, "m", "must not be negative")?;
         check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
         let damping = machine.contact_damping;
-        check(damping.coefficient >= 0.0, "contact damping", damping.coefficient, "N·s/m", "must not be negative")?;
-        check(damping.ramp_depth > 0.0, "ramp depth of the contact damping", damping.ramp_depth, "m", "must be positive")?;
+        check(
+            damping.coefficient >= 0.0,
+            "contact damping",
+            damping.coefficient,
+            "N·s/m",
+            "must not be negative",
+        )?;
+        check(
+            damping.ramp_depth > 0.0,
+            "ramp depth of the contact damping",
+            damping.ramp_depth,
+            "m",
+            "must be positive",
+        )?;
         match machine.contact_law {
-            crate::contact::ContactLaw::Linear { stiffness } | crate::contact::ContactLaw::Impact { stiffness, .. } => {
-                check(stiffness > 0.0 && stiffness.is_finite(), "contact stiffness", stiffness, "N/m^e", "must be positive")?;
+            crate::contact::ContactLaw::Linear { stiffness }
+            | crate::contact::ContactLaw::Impact { stiffness, .. } => {
+                check(
+                    stiffness > 0.0 && stiffness.is_finite(),
+                    "contact stiffness",
+                    stiffness,
+                    "N/m^e",
+                    "must be positive",
+                )?;
             }
             _ => {}
         }
@@ -82,7 +122,8 @@ impl IdealJoints {
         let friction = machine.friction;
         let coefficient = match machine.ring.mounting {
             PinMounting::Fixed => friction.flank,
-            // A pin that can turn slides where the resistance is smaller: on the flank or in its seat of the same radius.
+            // A pin that can turn slides where the resistance is smaller: on the flank or in its seat of the
+            // same radius.
             PinMounting::Spinning => friction.flank.min(friction.pin_seat),
         };
         if coefficient > 0.0 {
@@ -104,7 +145,10 @@ impl IdealJoints {
         };
         let cranks = machine.crankshafts.count as f64;
         let crank_inertia = cranks * machine.crankshafts.inertia
-            + machine.disc_count as f64 * machine.disc.mass * machine.crankshafts.eccentricity * machine.crankshafts.eccentricity;
+            + machine.disc_count as f64
+                * machine.disc.mass
+                * machine.crankshafts.eccentricity
+                * machine.crankshafts.eccentricity;
         let ratio = kinematics.ratio();
         let mut members = vec![CRANK, output];
         let mut mass = vec![crank_inertia, output_inertia];
@@ -115,7 +159,13 @@ impl IdealJoints {
             scale.push(ratio.abs() * ARCMIN);
         }
         for inertia in &mass {
-            check(*inertia > 0.0 && inertia.is_finite(), "moment of inertia", *inertia, "kg·m²", "must be positive")?;
+            check(
+                *inertia > 0.0 && inertia.is_finite(),
+                "moment of inertia",
+                *inertia,
+                "kg·m²",
+                "must be positive",
+            )?;
         }
         Ok(IdealJoints {
             rings: vec![ring; machine.disc_count],
@@ -138,7 +188,8 @@ impl IdealJoints {
         &self.kinematics
     }
 
-    /// Takes worn metal from every pin as well, as a function of the angle on the pin ([`PinContacts::set_pin_relief`]).
+    /// Takes worn metal from every pin as well, as a function of the angle on the pin
+    /// ([`PinContacts::set_pin_relief`]).
     pub fn set_pin_wear(&mut self, wear: &Relief) {
         for ring in &mut self.rings {
             ring.set_pin_relief(wear.clone());
@@ -165,15 +216,29 @@ impl IdealJoints {
         (angle, speed)
     }
 
-    fn disc_state(&self, disc: usize, angle: &[f64; 4], speed: &[f64; 4]) -> (crate::contact::DiscPose, DiscVelocity) {
+    fn disc_state(
+        &self,
+        disc: usize,
+        angle: &[f64; 4],
+        speed: &[f64; 4],
+    ) -> (crate::contact::DiscPose, DiscVelocity) {
         let (crank, carrier) = (angle[CRANK] - angle[HOUSING], angle[CARRIER] - angle[HOUSING]);
         let pose = self.kinematics.disc_pose(disc, crank, carrier);
-        let velocity = DiscVelocity { centre: (speed[CRANK] - speed[HOUSING]) * quarter_turn(pose.centre), angle: speed[CARRIER] - speed[HOUSING] };
+        let velocity = DiscVelocity {
+            centre: (speed[CRANK] - speed[HOUSING]) * quarter_turn(pose.centre),
+            angle: speed[CARRIER] - speed[HOUSING],
+        };
         (pose, velocity)
     }
 
     /// State of every pin on one disc, in the frame of the ring.
-    pub fn pin_contacts(&self, disc: usize, time: f64, position: &[f64], velocity: &[f64]) -> Vec<PinContact> {
+    pub fn pin_contacts(
+        &self,
+        disc: usize,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Vec<PinContact> {
         let (angle, speed) = self.angles(time, position, velocity);
         let (pose, rate) = self.disc_state(disc, &angle, &speed);
         self.rings[disc].contacts(pose, rate)
@@ -190,7 +255,10 @@ impl IdealJoints {
     }
 
     fn mesh_at(&self, angle: &[f64; 4], speed: &[f64; 4]) -> MeshForce {
-        let along = |x: &[f64; 4]| self.mesh.sun_base_radius * (x[SUN] - x[CARRIER]) + self.mesh.planet_base_radius * (x[CRANK] - x[CARRIER]);
+        let along = |x: &[f64; 4]| {
+            self.mesh.sun_base_radius * (x[SUN] - x[CARRIER])
+                + self.mesh.planet_base_radius * (x[CRANK] - x[CARRIER])
+        };
         self.mesh.react(along(angle), along(speed), angle[SUN] - angle[CARRIER])
     }
 
@@ -214,7 +282,8 @@ impl IdealJoints {
 
     fn add_disc(&self, disc: usize, angle: &[f64; 4], speed: &[f64; 4], total: &mut Torques) {
         let (pose, velocity) = self.disc_state(disc, angle, speed);
-        let Reaction { force: f, stiffness: k, damping: c, stored, dissipation, onset_rate } = self.rings[disc].react(pose, velocity);
+        let Reaction { force: f, stiffness: k, damping: c, stored, dissipation, onset_rate } =
+            self.rings[disc].react(pose, velocity);
         // ∂(x, y)/∂κ is the centre turned by 90°, ∂²(x, y)/∂κ² minus the centre.
         let arm = quarter_turn(pose.centre);
         let d = [arm.x, arm.y];
@@ -273,7 +342,14 @@ impl System for IdealJoints {
         &self.scale
     }
 
-    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], lin: &mut DenseLinearisation) -> Balance {
+    fn evaluate(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+        force: &mut [f64],
+        lin: &mut DenseLinearisation,
+    ) -> Balance {
         let (angle, speed) = self.angles(time, position, velocity);
         let mut total = Torques::default();
         self.add_mesh(&angle, &speed, &mut total);
@@ -311,7 +387,8 @@ impl IdealJoints {
         let reach = 1.0 / speed[output].hypot(self.drag_speed);
         total.torque[output] -= self.drag * speed[output] * reach;
         total.damping[output][output] += self.drag * self.drag_speed * self.drag_speed * reach.powi(3);
-        total.balance.dissipation += self.drag * speed[output] * speed[output] * reach + self.oil_drag * speed[SUN] * speed[SUN];
+        total.balance.dissipation +=
+            self.drag * speed[output] * speed[output] * reach + self.oil_drag * speed[SUN] * speed[SUN];
         let input_torque = if self.drive.leaves_sun_free() {
             let (torque, slope) = self.drive.torque(time, speed[SUN]);
             total.torque[SUN] += torque - self.oil_drag * speed[SUN];
@@ -356,7 +433,8 @@ impl Reducer for IdealJoints {
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
         let (angle, speed) = self.angles(time, position, velocity);
-        let mut summary = ForceSummary { mesh_force: self.mesh_at(&angle, &speed).force, ..ForceSummary::default() };
+        let mut summary =
+            ForceSummary { mesh_force: self.mesh_at(&angle, &speed).force, ..ForceSummary::default() };
         for disc in 0..self.rings.len() {
             let (pose, rate) = self.disc_state(disc, &angle, &speed);
             self.rings[disc].visit(pose, rate, false, |contact| {

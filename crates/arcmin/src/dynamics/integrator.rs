@@ -15,10 +15,11 @@ pub struct StepControl {
     pub largest_step: f64,
     /// s; a step that would have to be shorter is an error.
     pub smallest_step: f64,
-    /// s: an error of velocity counts as the error of position that it makes over this time (or over the step, if longer).
+    /// s: an error of velocity counts as the error of position that it makes over this time (or over the
+    /// step, if longer).
     pub velocity_time: f64,
-    /// ρ∞ of the generalised-α method in [0, 1]: amplitude left per step of motion much faster than the step. 1 is the
-    /// trapezoidal rule.
+    /// ρ∞ of the generalised-α method in [0, 1]: amplitude left per step of motion much faster than the step.
+    /// 1 is the trapezoidal rule.
     pub spectral_radius: f64,
 }
 
@@ -38,10 +39,17 @@ impl Default for StepControl {
 
 impl StepControl {
     /// # Errors
-    /// [`DynamicsError::InvalidValue`] for steps and tolerances that are not positive or contradict each other.
+    /// [`DynamicsError::InvalidValue`] for steps and tolerances that are not positive or contradict each
+    /// other.
     pub fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
-        check(self.tolerance > 0.0 && self.tolerance < 1.0, "tolerance", self.tolerance, "", "must lie between 0 and 1")?;
+        check(
+            self.tolerance > 0.0 && self.tolerance < 1.0,
+            "tolerance",
+            self.tolerance,
+            "",
+            "must lie between 0 and 1",
+        )?;
         check(self.smallest_step > 0.0, "smallest step", self.smallest_step, "s", "must be positive")?;
         check(
             self.largest_step > self.smallest_step && self.largest_step.is_finite(),
@@ -50,10 +58,28 @@ impl StepControl {
             "s",
             "must exceed the smallest",
         )?;
-        check(self.first_step >= self.smallest_step, "first step", self.first_step, "s", "must not be below the smallest")?;
-        check((0.0..=1.0).contains(&self.spectral_radius), "spectral radius", self.spectral_radius, "", "must lie between 0 and 1")?;
+        check(
+            self.first_step >= self.smallest_step,
+            "first step",
+            self.first_step,
+            "s",
+            "must not be below the smallest",
+        )?;
+        check(
+            (0.0..=1.0).contains(&self.spectral_radius),
+            "spectral radius",
+            self.spectral_radius,
+            "",
+            "must lie between 0 and 1",
+        )?;
         if let Some(step) = self.fixed_step {
-            check(step > self.smallest_step && step.is_finite(), "fixed step", step, "s", "must be positive and above the smallest step")?;
+            check(
+                step > self.smallest_step && step.is_finite(),
+                "fixed step",
+                step,
+                "s",
+                "must be positive and above the smallest step",
+            )?;
         }
         Ok(())
     }
@@ -105,7 +131,8 @@ pub struct StepCounts {
     pub evaluations: usize,
 }
 
-/// Everything that the next step depends on: serialise it, and a resumed run goes on bit by bit as the uninterrupted one.
+/// Everything that the next step depends on: serialise it, and a resumed run goes on bit by bit as the
+/// uninterrupted one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct IntegratorState {
     pub current: Node,
@@ -121,7 +148,8 @@ pub struct IntegratorState {
 }
 
 /// Generalised-α coefficients (Chung & Hulbert 1993) for a given ρ∞, in the form of Arnold & Brüls 2007:
-/// (1−α_m) a_{n+1} + α_m a_n = (1−α_f) q̈_{n+1} + α_f q̈_n, with M q̈ = Q at the nodes and Newmark's formulas for q and q̇.
+/// (1−α_m) a_{n+1} + α_m a_n = (1−α_f) q̈_{n+1} + α_f q̈_n, with M q̈ = Q at the nodes and Newmark's formulas
+/// for q and q̇.
 #[derive(Debug, Clone, Copy)]
 struct Coefficients {
     alpha_m: f64,
@@ -141,25 +169,30 @@ impl Coefficients {
         let beta = 0.25 * (gamma + 0.5).powi(2);
         // a_n stands for q̈ at t_n + δ h, with an error ε h² of second order in q̈.
         let delta = alpha_m - alpha_f;
-        let epsilon = 0.5 * (1.0 - alpha_f) - 0.5 * ((1.0 - alpha_m) * (1.0 + delta).powi(2) + alpha_m * delta * delta);
+        let epsilon =
+            0.5 * (1.0 - alpha_f) - 0.5 * ((1.0 - alpha_m) * (1.0 + delta).powi(2) + alpha_m * delta * delta);
         Coefficients {
             alpha_m,
             alpha_f,
             beta,
             gamma,
             position_error: (1.0 / 6.0 - 0.5 * delta - beta).abs(),
-            velocity_error: (1.0 / 6.0 - 0.5 * ((1.0 - gamma) * delta * delta + gamma * (1.0 + delta).powi(2)) - epsilon).abs(),
+            velocity_error: (1.0 / 6.0
+                - 0.5 * ((1.0 - gamma) * delta * delta + gamma * (1.0 + delta).powi(2))
+                - epsilon)
+                .abs(),
         }
     }
 }
 
 /// Implicit integration of M q̈ = Q(q, q̇, t) with error-controlled step.
 ///
-/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation. The local error of the
-/// velocity is measured by the distance of the corrected from an extrapolated (Adams–Bashforth) velocity, that of the position by
-/// the change of acceleration. A contact that closes within a step was not foreseen by the extrapolation, so its step fails the
-/// test and is repeated shorter; the step is kept below the time in which an open contact can close ([`Balance::onset_rate`]),
-/// so that a bounce cannot begin and end within one step.
+/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation.
+/// The local error of the velocity is measured by the distance of the corrected from an extrapolated
+/// (Adams–Bashforth) velocity, that of the position by the change of acceleration. A contact that closes
+/// within a step was not foreseen by the extrapolation, so its step fails the test and is repeated shorter;
+/// the step is kept below the time in which an open contact can close ([`Balance::onset_rate`]), so that a
+/// bounce cannot begin and end within one step.
 pub struct Integrator<'s, S: System> {
     system: &'s S,
     control: StepControl,
@@ -190,10 +223,22 @@ impl<'s, S: System> Integrator<'s, S> {
     ///
     /// # Errors
     /// A step control without meaning, or a state with forces that are not finite.
-    pub fn new(system: &'s S, control: StepControl, time: f64, position: &[f64], velocity: &[f64]) -> Result<Self, DynamicsError> {
+    pub fn new(
+        system: &'s S,
+        control: StepControl,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Result<Self, DynamicsError> {
         control.validate()?;
         let n = system.size();
-        let node = Node { time, position: position.to_vec(), velocity: velocity.to_vec(), acceleration: vec![0.0; n], balance: Balance::default() };
+        let node = Node {
+            time,
+            position: position.to_vec(),
+            velocity: velocity.to_vec(),
+            acceleration: vec![0.0; n],
+            balance: Balance::default(),
+        };
         let state = IntegratorState {
             current: node.clone(),
             previous: node,
@@ -207,7 +252,8 @@ impl<'s, S: System> Integrator<'s, S> {
         let mut integrator = Integrator::resume(system, control, state)?;
         integrator.restart()?;
         let energy = integrator.total_energy();
-        integrator.state.energy = EnergyAccount { initial: energy, current: energy, ..EnergyAccount::default() };
+        integrator.state.energy =
+            EnergyAccount { initial: energy, current: energy, ..EnergyAccount::default() };
         integrator.state.previous = integrator.state.current.clone();
         Ok(integrator)
     }
@@ -216,12 +262,23 @@ impl<'s, S: System> Integrator<'s, S> {
     ///
     /// # Errors
     /// [`DynamicsError::ForeignCheckpoint`] if the number of coordinates differs.
-    pub fn resume(system: &'s S, control: StepControl, state: IntegratorState) -> Result<Self, DynamicsError> {
+    pub fn resume(
+        system: &'s S,
+        control: StepControl,
+        state: IntegratorState,
+    ) -> Result<Self, DynamicsError> {
         control.validate()?;
         let n = system.size();
-        let fits = |node: &Node| [&node.position, &node.velocity, &node.acceleration].iter().all(|v| v.len() == n);
-        if !fits(&state.current) || !fits(&state.previous) || state.auxiliary.len() != n || state.jerk.len() != n {
-            return Err(DynamicsError::ForeignCheckpoint { reason: "its number of coordinates is another one" });
+        let fits =
+            |node: &Node| [&node.position, &node.velocity, &node.acceleration].iter().all(|v| v.len() == n);
+        if !fits(&state.current)
+            || !fits(&state.previous)
+            || state.auxiliary.len() != n
+            || state.jerk.len() != n
+        {
+            return Err(DynamicsError::ForeignCheckpoint {
+                reason: "its number of coordinates is another one",
+            });
         }
         Ok(Integrator {
             system,
@@ -263,7 +320,8 @@ impl<'s, S: System> Integrator<'s, S> {
     /// Recomputes the accelerations at the current state, after a jump of force.
     fn restart(&mut self) -> Result<(), DynamicsError> {
         let node = &mut self.state.current;
-        node.balance = self.system.evaluate(node.time, &node.position, &node.velocity, &mut self.force, &mut self.lin);
+        node.balance =
+            self.system.evaluate(node.time, &node.position, &node.velocity, &mut self.force, &mut self.lin);
         self.state.counts.evaluations += 1;
         for (a, (f, m)) in node.acceleration.iter_mut().zip(self.force.iter().zip(self.system.mass())) {
             *a = f / m;
@@ -284,7 +342,8 @@ impl<'s, S: System> Integrator<'s, S> {
     /// Takes one accepted step that ends at `until` or before.
     ///
     /// # Errors
-    /// [`DynamicsError::StepFailed`] naming time, crank angle and residual; the state stays that of the last accepted step.
+    /// [`DynamicsError::StepFailed`] naming time, crank angle and residual; the state stays that of the last
+    /// accepted step.
     pub fn advance(&mut self, until: f64) -> Result<(), DynamicsError> {
         let start = self.time();
         // Steps end just before a jump, so that the values before it hold up to the end of the step.
@@ -355,7 +414,8 @@ impl<'s, S: System> Integrator<'s, S> {
         let n = self.force.len();
         let old = &self.state.current;
         let (mass, scale) = (self.system.mass(), self.system.scale());
-        // a_n belongs to the step it was made with; a change of step moves the instant it stands for (Brüls & Arnold 2008).
+        // a_n belongs to the step it was made with; a change of step moves the instant it stands for (Brüls &
+        // Arnold 2008).
         let stretch = if self.state.last_step > 0.0 { h / self.state.last_step } else { 1.0 };
         for i in 0..n {
             let (v, a, jerk) = (old.velocity[i], old.acceleration[i], self.state.jerk[i]);
@@ -364,18 +424,31 @@ impl<'s, S: System> Integrator<'s, S> {
             self.predicted_velocity[i] = v + h * (a + 0.5 * h * jerk);
         }
         let from_position = 1.0 / (beta * h * h);
-        let weights = Weights { mass: (1.0 - alpha_m) / (1.0 - alpha_f) * from_position, damping: gamma / (beta * h), stiffness: 1.0 };
+        let weights = Weights {
+            mass: (1.0 - alpha_m) / (1.0 - alpha_f) * from_position,
+            damping: gamma / (beta * h),
+            stiffness: 1.0,
+        };
         self.trial.time = end;
         let mut last_length = f64::INFINITY;
         for _ in 0..LARGEST_NEWTON_COUNT {
             for i in 0..n {
                 let (v, a) = (old.velocity[i], self.scaled_auxiliary[i]);
-                let auxiliary = (self.trial.position[i] - old.position[i] - h * v) * from_position - (0.5 - beta) / beta * a;
+                let auxiliary = (self.trial.position[i] - old.position[i] - h * v) * from_position
+                    - (0.5 - beta) / beta * a;
                 self.auxiliary[i] = auxiliary;
                 self.trial.velocity[i] = v + h * ((1.0 - gamma) * a + gamma * auxiliary);
-                self.trial.acceleration[i] = ((1.0 - alpha_m) * auxiliary + alpha_m * a - alpha_f * old.acceleration[i]) / (1.0 - alpha_f);
+                self.trial.acceleration[i] = ((1.0 - alpha_m) * auxiliary + alpha_m * a
+                    - alpha_f * old.acceleration[i])
+                    / (1.0 - alpha_f);
             }
-            self.trial.balance = self.system.evaluate(end, &self.trial.position, &self.trial.velocity, &mut self.force, &mut self.lin);
+            self.trial.balance = self.system.evaluate(
+                end,
+                &self.trial.position,
+                &self.trial.velocity,
+                &mut self.force,
+                &mut self.lin,
+            );
             self.state.counts.evaluations += 1;
             for i in 0..n {
                 self.correction[i] = self.force[i] - mass[i] * self.trial.acceleration[i];
@@ -400,7 +473,9 @@ impl<'s, S: System> Integrator<'s, S> {
             }
             last_length = length;
         }
-        let residual = (0..n).map(|i| (self.force[i] - mass[i] * self.trial.acceleration[i]).abs()).fold(0.0, |m: f64, x| if x <= m { m } else { x });
+        let residual = (0..n)
+            .map(|i| (self.force[i] - mass[i] * self.trial.acceleration[i]).abs())
+            .fold(0.0, |m: f64, x| if x <= m { m } else { x });
         Attempt::Failed(residual)
     }
 
@@ -409,12 +484,16 @@ impl<'s, S: System> Integrator<'s, S> {
         let scale = self.system.scale();
         let old = &self.state.current;
         let Coefficients { position_error, velocity_error, .. } = self.coefficients;
-        // Error constant of the extrapolated velocity; without a history (first step) that of Euler's method, which overestimates.
-        let extrapolation = if self.state.last_step > 0.0 { 1.0 / 6.0 + 0.25 * self.state.last_step / h } else { 0.0 };
+        // Error constant of the extrapolated velocity; without a history (first step) that of Euler's method,
+        // which overestimates.
+        let extrapolation =
+            if self.state.last_step > 0.0 { 1.0 / 6.0 + 0.25 * self.state.last_step / h } else { 0.0 };
         let milne = velocity_error / (extrapolation + velocity_error);
         let mut worst: f64 = 0.0;
         for i in 0..scale.len() {
-            let velocity = milne * (self.trial.velocity[i] - self.predicted_velocity[i]).abs() * h.max(self.control.velocity_time);
+            let velocity = milne
+                * (self.trial.velocity[i] - self.predicted_velocity[i]).abs()
+                * h.max(self.control.velocity_time);
             let position = position_error * (self.trial.acceleration[i] - old.acceleration[i]).abs() * h * h;
             let error = velocity.max(position) / scale[i];
             // NaN must count as failure.
@@ -438,14 +517,16 @@ impl<'s, S: System> Integrator<'s, S> {
         energy.input += integral(|balance| balance.input_power);
         energy.load += integral(|balance| balance.load_power);
         energy.dissipated += integral(|balance| balance.dissipation);
-        energy.turnover += integral(|balance| balance.input_power.abs() + balance.load_power.abs() + balance.dissipation);
+        energy.turnover +=
+            integral(|balance| balance.input_power.abs() + balance.load_power.abs() + balance.dissipation);
         state.last_step = h;
         state.counts.accepted += 1;
         if self.control.fixed_step.is_none() {
             let factor = (0.9 * error.max(1e-6).powf(-1.0 / 3.0)).clamp(0.3, 2.0);
             // A step cut short by a limit says nothing against the longer one wished for.
             let next = h * factor;
-            state.next_step = if h < wish { next.max(wish.min(h * 8.0)) } else { next }.min(self.control.largest_step);
+            state.next_step =
+                if h < wish { next.max(wish.min(h * 8.0)) } else { next }.min(self.control.largest_step);
         }
         let energy = self.total_energy();
         self.state.energy.current = energy;
@@ -464,7 +545,14 @@ impl<'s, S: System> Integrator<'s, S> {
         if h <= 0.0 {
             return (new.position[index], new.velocity[index]);
         }
-        hermite(h, (time - old.time) / h, old.position[index], new.position[index], old.velocity[index], new.velocity[index])
+        hermite(
+            h,
+            (time - old.time) / h,
+            old.position[index],
+            new.position[index],
+            old.velocity[index],
+            new.velocity[index],
+        )
     }
 }
 

@@ -28,7 +28,8 @@ impl OutputLoad {
     /// [`DynamicsError`] for torques, periods and times without meaning.
     pub fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
-        let torque_check = |torque: f64| check(torque.is_finite(), "load torque", torque, "N·m", "must be finite");
+        let torque_check =
+            |torque: f64| check(torque.is_finite(), "load torque", torque, "N·m", "must be finite");
         match self {
             OutputLoad::None | OutputLoad::Table(_) => Ok(()),
             OutputLoad::Constant { torque } => torque_check(*torque),
@@ -43,7 +44,13 @@ impl OutputLoad {
                 }
                 for &(duration, torque) in phases {
                     torque_check(torque)?;
-                    check(duration > 0.0 && duration.is_finite(), "duration of a duty phase", duration, "s", "must be positive")?;
+                    check(
+                        duration > 0.0 && duration.is_finite(),
+                        "duration of a duty phase",
+                        duration,
+                        "s",
+                        "must be positive",
+                    )?;
                 }
                 Ok(())
             }
@@ -61,9 +68,11 @@ impl OutputLoad {
                 let index = steps.partition_point(|(from, _)| *from <= time);
                 if index == 0 { 0.0 } else { steps[index - 1].1 }
             }
-            OutputLoad::DutyCycle(phases) => {
-                phase_ends(phases, time).into_iter().zip(phases).find(|(end, _)| time < *end).map_or(phases[0].1, |(_, phase)| phase.1)
-            }
+            OutputLoad::DutyCycle(phases) => phase_ends(phases, time)
+                .into_iter()
+                .zip(phases)
+                .find(|(end, _)| time < *end)
+                .map_or(phases[0].1, |(_, phase)| phase.1),
         }
     }
 
@@ -77,7 +86,8 @@ impl OutputLoad {
     }
 }
 
-/// Ends of the phases of the cycle that `time` lies in. A cycle ends at a whole multiple of its length, to the bit, for value and next jump alike.
+/// Ends of the phases of the cycle that `time` lies in. A cycle ends at a whole multiple of its length, to
+/// the bit, for value and next jump alike.
 fn phase_ends(phases: &[(f64, f64)], time: f64) -> Vec<f64> {
     let length: f64 = phases.iter().map(|(duration, _)| duration).sum();
     let mut cycle = (time / length).floor();

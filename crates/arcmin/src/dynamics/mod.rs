@@ -17,7 +17,9 @@ mod study;
 mod system;
 mod table;
 
-pub use bearing_joints::{BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing};
+pub use bearing_joints::{
+    BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing,
+};
 pub use drive::{Drive, InputMotion};
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium};
@@ -31,8 +33,8 @@ pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use spectrum::{SpectrumLine, order_spectrum};
 pub use statistics::{ErrorIntegrals, ErrorStatistics};
 pub use study::{
-    StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study, simulate_rigid, spread_over_starts,
-    transmission_error_study,
+    StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study,
+    simulate_rigid, spread_over_starts, transmission_error_study,
 };
 pub use system::{Balance, DenseLinearisation, Linearisation, Singular, System, Weights};
 pub use table::TimeTable;

@@ -24,7 +24,8 @@ pub trait Reducer: System {
     /// Coordinates of the nominal pose at time 0, where the search for the first equilibrium starts.
     fn nominal_position(&self) -> Vec<f64>;
 
-    /// State of rest at time 0 from which a run starts: static equilibrium with the load. A free input is held until then: under load nothing else keeps it at rest.
+    /// State of rest at time 0 from which a run starts: static equilibrium with the load. A free input is
+    /// held until then: under load nothing else keeps it at rest.
     ///
     /// # Errors
     /// [`DynamicsError::NoEquilibrium`].

@@ -3,7 +3,9 @@ use serde::{Deserialize, Serialize};
 use super::integrator::hermite;
 use super::spectrum::{SpectrumLine, order_spectrum};
 use super::statistics::{ErrorIntegrals, ErrorStatistics};
-use super::{DynamicsError, EnergyAccount, ForceSummary, Integrator, IntegratorState, Reducer, StepControl, StepCounts};
+use super::{
+    DynamicsError, EnergyAccount, ForceSummary, Integrator, IntegratorState, Reducer, StepControl, StepCounts,
+};
 
 /// What to compute and what to write down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -22,7 +24,13 @@ pub struct RunPlan {
 impl Default for RunPlan {
     /// The run of Tao2024: 0.8 s, of which the first 0.1 s brings the machine up to speed.
     fn default() -> Self {
-        RunPlan { end: 0.8, window_start: 0.1, sample_interval: 2e-4, force_interval: 1e-3, control: StepControl::default() }
+        RunPlan {
+            end: 0.8,
+            window_start: 0.1,
+            sample_interval: 2e-4,
+            force_interval: 1e-3,
+            control: StepControl::default(),
+        }
     }
 }
 
@@ -30,10 +38,28 @@ impl RunPlan {
     fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
         check(self.end > 0.0 && self.end.is_finite(), "end time", self.end, "s", "must be positive")?;
-        check(self.window_start >= 0.0, "start of the window", self.window_start, "s", "must not be negative")?;
+        check(
+            self.window_start >= 0.0,
+            "start of the window",
+            self.window_start,
+            "s",
+            "must not be negative",
+        )?;
         check(self.sample_interval > 0.0, "sample interval", self.sample_interval, "s", "must be positive")?;
-        check(self.end / self.sample_interval < 1e8, "sample interval", self.sample_interval, "s", "would give more than 1e8 samples")?;
-        check(self.force_interval >= self.sample_interval, "force interval", self.force_interval, "s", "must not be below the sample interval")?;
+        check(
+            self.end / self.sample_interval < 1e8,
+            "sample interval",
+            self.sample_interval,
+            "s",
+            "would give more than 1e8 samples",
+        )?;
+        check(
+            self.force_interval >= self.sample_interval,
+            "force interval",
+            self.force_interval,
+            "s",
+            "must not be below the sample interval",
+        )?;
         self.control.validate()
     }
 }
@@ -134,11 +160,23 @@ impl<'m, M: Reducer> Run<'m, M> {
     ///
     /// # Errors
     /// Values without meaning in the plan.
-    pub fn from_state(model: &'m M, plan: RunPlan, position: &[f64], velocity: &[f64]) -> Result<Self, DynamicsError> {
+    pub fn from_state(
+        model: &'m M,
+        plan: RunPlan,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Result<Self, DynamicsError> {
         plan.validate()?;
         let integrator = Integrator::new(model, plan.control, 0.0, position, velocity)?;
         let n = position.len();
-        let mut run = Run { model, plan, integrator, record: Record::default(), position: vec![0.0; n], velocity: vec![0.0; n] };
+        let mut run = Run {
+            model,
+            plan,
+            integrator,
+            record: Record::default(),
+            position: vec![0.0; n],
+            velocity: vec![0.0; n],
+        };
         run.write_samples();
         Ok(run)
     }
@@ -205,7 +243,8 @@ impl<'m, M: Reducer> Run<'m, M> {
         }
         let x = (time - old.time) / h;
         for i in 0..self.position.len() {
-            (self.position[i], self.velocity[i]) = hermite(h, x, old.position[i], new.position[i], old.velocity[i], new.velocity[i]);
+            (self.position[i], self.velocity[i]) =
+                hermite(h, x, old.position[i], new.position[i], old.velocity[i], new.velocity[i]);
         }
     }
 
@@ -223,7 +262,8 @@ impl<'m, M: Reducer> Run<'m, M> {
             if self.record.window_angles.is_none() {
                 self.interpolate(from);
                 let input = self.model.input(from, &self.position, &self.velocity).0;
-                self.record.window_angles = Some((input, self.model.output(&self.position, &self.velocity).0));
+                self.record.window_angles =
+                    Some((input, self.model.output(&self.position, &self.velocity).0));
             }
         }
         self.write_samples();
@@ -254,7 +294,9 @@ impl<'m, M: Reducer> Run<'m, M> {
                 break;
             }
             self.interpolate(time);
-            self.record.forces.push(ForceSample { time, forces: self.model.forces(time, &self.position, &self.velocity) });
+            self.record
+                .forces
+                .push(ForceSample { time, forces: self.model.forces(time, &self.position, &self.velocity) });
         }
     }
 

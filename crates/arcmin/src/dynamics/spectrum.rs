@@ -11,10 +11,12 @@ pub struct SpectrumLine {
     pub amplitude: f64,
 }
 
-/// Spectrum of a transmission error in orders of the output turn, from pairs (nominal output angle, error) in rad.
+/// Spectrum of a transmission error in orders of the output turn, from pairs (nominal output angle, error) in
+/// rad.
 ///
-/// The error is resampled at equal steps of the nominal output angle θ_s/i (cubic Lagrange interpolation), over the last whole number of turns.
-/// `None` if the samples cover less than one turn or the angle does not proceed.
+/// The error is resampled at equal steps of the nominal output angle θ_s/i (cubic Lagrange interpolation),
+/// over the last whole number of turns. `None` if the samples cover less than one turn or the angle does not
+/// proceed.
 pub fn order_spectrum(samples: &[(f64, f64)]) -> Option<Vec<SpectrumLine>> {
     let (first, last) = (samples.first()?, samples.last()?);
     let direction = (last.0 - first.0).signum();
@@ -53,7 +55,11 @@ fn lagrange(angles: &[f64], samples: &[(f64, f64)], cell: usize, angle: f64) -> 
     nodes
         .clone()
         .map(|i| {
-            let weight: f64 = nodes.clone().filter(|j| *j != i).map(|j| (angle - angles[j]) / (angles[i] - angles[j])).product();
+            let weight: f64 = nodes
+                .clone()
+                .filter(|j| *j != i)
+                .map(|j| (angle - angles[j]) / (angles[i] - angles[j]))
+                .product();
             weight * samples[i].1
         })
         .sum()

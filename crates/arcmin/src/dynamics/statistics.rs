@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-/// Time integrals of the transmission error over a window, so that steps of any length count by their duration.
+/// Time integrals of the transmission error over a window, so that steps of any length count by their
+/// duration.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ErrorIntegrals {
     duration: f64,

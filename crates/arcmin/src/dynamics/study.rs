@@ -2,7 +2,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Drive, DynamicsError, ErrorStatistics, FlexibleJoints, FlexibleOptions, IdealJoints, OutputLoad, Reducer, Run, RunPlan, RunResult};
+use super::{
+    Drive, DynamicsError, ErrorStatistics, FlexibleJoints, FlexibleOptions, IdealJoints, OutputLoad, Reducer,
+    Run, RunPlan, RunResult,
+};
 use crate::fem::FlexibleDiscs;
 use crate::geometry::Relief;
 use crate::machine::Machine;
@@ -26,8 +29,8 @@ pub struct StudyPoint {
     pub spread: Option<StartSpread>,
 }
 
-/// How far a result depends on where in the play the run starts. Unloaded motion rattles in the clearance and is chaotic without drag:
-/// then the mean is no result, only the band and the RMS are.
+/// How far a result depends on where in the play the run starts. Unloaded motion rattles in the clearance and
+/// is chaotic without drag: then the mean is no result, only the band and the RMS are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StartSpread {
     /// Statistics of every start.
@@ -61,7 +64,8 @@ pub struct StudySettings {
 }
 
 impl StudySettings {
-    /// The study of Tao2024: speed law to the rated input speed within 0.1 s, 0.8 s, sinusoidal load of the rated torque with 0.3 s period, no drag.
+    /// The study of Tao2024: speed law to the rated input speed within 0.1 s, 0.8 s, sinusoidal load of the
+    /// rated torque with 0.3 s period, no drag.
     pub fn tao2024(machine: &Machine) -> StudySettings {
         StudySettings {
             drive: Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.1 },
@@ -91,11 +95,17 @@ pub fn simulate_rigid(
     Ok(run.result())
 }
 
-/// Runs from `count` starts spread over ±0.05' of the output around the nominal pose, in parallel; the result is the same for any number of threads.
+/// Runs from `count` starts spread over ±0.05' of the output around the nominal pose, in parallel; the result
+/// is the same for any number of threads.
 ///
 /// # Errors
 /// As [`Run`].
-pub fn spread_over_starts<M: Reducer + Sync>(model: &M, plan: RunPlan, output_index: usize, count: usize) -> Result<StartSpread, DynamicsError> {
+pub fn spread_over_starts<M: Reducer + Sync>(
+    model: &M,
+    plan: RunPlan,
+    output_index: usize,
+    count: usize,
+) -> Result<StartSpread, DynamicsError> {
     let runs = (0..count)
         .into_par_iter()
         .map(|i| {
@@ -110,7 +120,8 @@ pub fn spread_over_starts<M: Reducer + Sync>(model: &M, plan: RunPlan, output_in
         .collect::<Result<Vec<_>, DynamicsError>>()?;
     let runs: Vec<ErrorStatistics> = runs.into_iter().flatten().collect();
     let span = |f: fn(&ErrorStatistics) -> f64| {
-        let (low, high) = runs.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) =
+            runs.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         if runs.is_empty() { 0.0 } else { high - low }
     };
     let (mean, rms) = (span(|s| s.mean), span(|s| s.rms));
@@ -118,7 +129,8 @@ pub fn spread_over_starts<M: Reducer + Sync>(model: &M, plan: RunPlan, output_in
     Ok(StartSpread { mean, rms, band, runs })
 }
 
-/// STE and DTE at every wear state, in parallel over all runs; the order and every digit are the same for any number of threads.
+/// STE and DTE at every wear state, in parallel over all runs; the order and every digit are the same for any
+/// number of threads.
 ///
 /// # Errors
 /// The first error in the order of the wear states; [`DynamicsError::Cancelled`] if `progress` says so.
@@ -128,7 +140,9 @@ pub fn transmission_error_study(
     settings: &StudySettings,
     progress: &dyn Progress,
 ) -> Result<TransmissionErrorStudy, DynamicsError> {
-    study(wear, settings, progress, |wear, load| IdealJoints::new(machine, wear, settings.drive.clone(), load, settings.drag))
+    study(wear, settings, progress, |wear, load| {
+        IdealJoints::new(machine, wear, settings.drive.clone(), load, settings.drag)
+    })
 }
 
 /// [`transmission_error_study`] with elastic discs.
@@ -144,11 +158,20 @@ pub fn flexible_transmission_error_study(
     progress: &dyn Progress,
 ) -> Result<TransmissionErrorStudy, DynamicsError> {
     study(wear, settings, progress, |wear, load| {
-        FlexibleJoints::new(machine, discs.clone(), wear, settings.drive.clone(), load, settings.drag, options)
+        FlexibleJoints::new(
+            machine,
+            discs.clone(),
+            wear,
+            settings.drive.clone(),
+            load,
+            settings.drag,
+            options,
+        )
     })
 }
 
-/// Two runs of a model of the ideal-joint kind, whose output is coordinate [`IdealJoints::OUTPUT`], at every wear state.
+/// Two runs of a model of the ideal-joint kind, whose output is coordinate [`IdealJoints::OUTPUT`], at every
+/// wear state.
 fn study<M: Reducer + Sync>(
     wear: &[Relief],
     settings: &StudySettings,
@@ -169,7 +192,12 @@ fn study<M: Reducer + Sync>(
                 run.proceed(1000)?;
             }
             let spread = if !loaded && settings.perturbed_starts > 0 {
-                Some(spread_over_starts(&model, settings.plan, IdealJoints::OUTPUT, settings.perturbed_starts)?)
+                Some(spread_over_starts(
+                    &model,
+                    settings.plan,
+                    IdealJoints::OUTPUT,
+                    settings.perturbed_starts,
+                )?)
             } else {
                 None
             };

@@ -2,10 +2,12 @@ use serde::{Deserialize, Serialize};
 
 /// A mechanical system in second-order form, M q̈ = Q(q, q̇, t) with a constant diagonal mass matrix M.
 ///
-/// All force laws of a model live behind this trait; the time [`Integrator`](super::Integrator) and the static solver
-/// ([`solve_equilibrium`](super::solve_equilibrium), q̇ = 0) use the very same ones. Coordinates may mix metres and radians.
+/// All force laws of a model live behind this trait; the time [`Integrator`](super::Integrator) and the
+/// static solver ([`solve_equilibrium`](super::solve_equilibrium), q̇ = 0) use the very same ones.
+/// Coordinates may mix metres and radians.
 pub trait System {
-    /// Holder of −∂Q/∂q and −∂Q/∂q̇ with the linear solver that suits their structure; [`DenseLinearisation`] for small systems.
+    /// Holder of −∂Q/∂q and −∂Q/∂q̇ with the linear solver that suits their structure; [`DenseLinearisation`]
+    /// for small systems.
     type Linearisation: Linearisation;
 
     /// A linearisation of the right size, zero.
@@ -17,10 +19,19 @@ pub trait System {
     /// Change of each coordinate (m or rad) that counts as one unit of error. Tolerances are multiples of it.
     fn scale(&self) -> &[f64];
 
-    /// Generalised forces Q (N or N·m) at time t (s), positions q and velocities v, with their linearisation and powers.
-    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], linearisation: &mut Self::Linearisation) -> Balance;
+    /// Generalised forces Q (N or N·m) at time t (s), positions q and velocities v, with their linearisation
+    /// and powers.
+    fn evaluate(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+        force: &mut [f64],
+        linearisation: &mut Self::Linearisation,
+    ) -> Balance;
 
-    /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end there.
+    /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end
+    /// there.
     fn next_breakpoint(&self, _time: f64) -> Option<f64> {
         None
     }
@@ -33,7 +44,8 @@ pub trait System {
     }
 }
 
-/// −∂Q/∂q (stiffness K) and −∂Q/∂q̇ (damping C) at one state, and the solution of the systems built from them.
+/// −∂Q/∂q (stiffness K) and −∂Q/∂q̇ (damping C) at one state, and the solution of the systems built from
+/// them.
 pub trait Linearisation {
     /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.
     ///
@@ -69,8 +81,9 @@ pub struct Balance {
     pub dissipation: f64,
     /// Elastic energy in J.
     pub stored: f64,
-    /// 1/s: the largest rate at which an open contact is closing relative to its gap (plus a tolerable depth); the step
-    /// stays below its inverse, so that no contact is entered deeper than tolerable in one go. 0 where nothing approaches.
+    /// 1/s: the largest rate at which an open contact is closing relative to its gap (plus a tolerable
+    /// depth); the step stays below its inverse, so that no contact is entered deeper than tolerable in one
+    /// go. 0 where nothing approaches.
     pub onset_rate: f64,
 }
 
@@ -85,7 +98,12 @@ pub struct DenseLinearisation {
 
 impl DenseLinearisation {
     pub fn new(size: usize) -> DenseLinearisation {
-        DenseLinearisation { size, stiffness: vec![0.0; size * size], damping: vec![0.0; size * size], work: vec![0.0; size * size] }
+        DenseLinearisation {
+            size,
+            stiffness: vec![0.0; size * size],
+            damping: vec![0.0; size * size],
+            work: vec![0.0; size * size],
+        }
     }
 
     pub fn clear(&mut self) {
@@ -103,7 +121,8 @@ impl DenseLinearisation {
         self.damping[row * self.size + column] += value;
     }
 
-    /// Adds the damping times `rate` (1/s) to the stiffness: velocities that are q times the rate, less a constant.
+    /// Adds the damping times `rate` (1/s) to the stiffness: velocities that are q times the rate, less a
+    /// constant.
     pub fn fold_damping(&mut self, rate: f64) {
         for (stiffness, damping) in self.stiffness.iter_mut().zip(&self.damping) {
             *stiffness += rate * damping;

@@ -13,19 +13,28 @@ impl TimeTable {
     /// From rows (time in s, value).
     ///
     /// # Errors
-    /// [`DynamicsError::TableRunsBackwards`] naming the row; [`DynamicsError::BadTable`] for an empty table or values that are not finite.
+    /// [`DynamicsError::TableRunsBackwards`] naming the row; [`DynamicsError::BadTable`] for an empty table
+    /// or values that are not finite.
     pub fn new(name: &'static str, rows: &[(f64, f64)]) -> Result<TimeTable, DynamicsError> {
         if rows.is_empty() {
             return Err(DynamicsError::BadTable { table: name, message: "it has no rows" });
         }
         if rows.iter().any(|(t, x)| !t.is_finite() || !x.is_finite()) {
-            return Err(DynamicsError::BadTable { table: name, message: "a time or value is not a finite number" });
+            return Err(DynamicsError::BadTable {
+                table: name,
+                message: "a time or value is not a finite number",
+            });
         }
         for (index, pair) in rows.windows(2).enumerate() {
             let ((previous, _), (time, _)) = (pair[0], pair[1]);
             if time <= previous {
                 // Rows are counted from 1, as an editor shows them under one header row.
-                return Err(DynamicsError::TableRunsBackwards { table: name, row: index + 2, time, previous });
+                return Err(DynamicsError::TableRunsBackwards {
+                    table: name,
+                    row: index + 2,
+                    time,
+                    previous,
+                });
             }
         }
         let mut integrals = vec![0.0];
@@ -33,7 +42,11 @@ impl TimeTable {
             let last = integrals[integrals.len() - 1];
             integrals.push(last + 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1));
         }
-        Ok(TimeTable { times: rows.iter().map(|r| r.0).collect(), values: rows.iter().map(|r| r.1).collect(), integrals })
+        Ok(TimeTable {
+            times: rows.iter().map(|r| r.0).collect(),
+            values: rows.iter().map(|r| r.1).collect(),
+            integrals,
+        })
     }
 
     /// Value at `time` (s).
@@ -69,7 +82,9 @@ mod tests {
     #[test]
     fn straight_lines_and_their_integral() {
         let table = TimeTable::new("speed", &[(0.0, 0.0), (0.1, 10.0), (0.3, 10.0), (0.4, -10.0)]).unwrap();
-        assert!((table.value(0.05) - 5.0).abs() < 1e-12 && table.value(-1.0) == 0.0 && table.value(9.0) == -10.0);
+        assert!(
+            (table.value(0.05) - 5.0).abs() < 1e-12 && table.value(-1.0) == 0.0 && table.value(9.0) == -10.0
+        );
         assert!((table.integral(0.1) - 0.5).abs() < 1e-12);
         assert!((table.integral(0.3) - 2.5).abs() < 1e-12);
         assert!((table.integral(0.35) - 2.75).abs() < 1e-12);
@@ -79,7 +94,10 @@ mod tests {
     #[test]
     fn a_table_that_runs_backwards_names_the_row() {
         let error = TimeTable::new("load table", &[(0.0, 0.0), (0.2, 1.0), (0.1, 2.0)]).unwrap_err();
-        assert_eq!(error.to_string(), "load table: time 0.1 s in row 3 is not later than 0.2 s in the row before");
+        assert_eq!(
+            error.to_string(),
+            "load table: time 0.1 s in row 3 is not later than 0.2 s in the row before"
+        );
         assert!(TimeTable::new("load table", &[]).is_err());
         assert!(TimeTable::new("load table", &[(0.0, f64::NAN)]).is_err());
     }

@@ -17,8 +17,8 @@ pub enum BoreTie {
     Free,
     /// Every component of every node is zero.
     Clamped,
-    /// A rigid spider in the plane: the nodes follow a master at the bore's centre with two translations and a rotation; the
-    /// axial displacement stays free, as the bore may breathe.
+    /// A rigid spider in the plane: the nodes follow a master at the bore's centre with two translations and
+    /// a rotation; the axial displacement stays free, as the bore may breathe.
     Spider { translation: MasterMotion, rotation: MasterMotion },
 }
 
@@ -59,7 +59,8 @@ pub struct DofMap {
 const NOTHING: [(usize, f64); 2] = [(HELD, 0.0), (HELD, 0.0)];
 
 impl DofMap {
-    /// Numbers the unknowns. Rotations of masters are measured as displacement at the bore's radius (m), which keeps the matrices well scaled.
+    /// Numbers the unknowns. Rotations of masters are measured as displacement at the bore's radius (m),
+    /// which keeps the matrices well scaled.
     pub fn new(mesh: &Mesh, bores: &[TiedBore]) -> DofMap {
         let dimension = mesh.kind.dimension();
         let mut owner: Vec<Option<usize>> = vec![None; mesh.nodes.len()];
@@ -125,7 +126,8 @@ impl DofMap {
             .map(|node| {
                 let mut u = [0.0; 3];
                 for (value, terms) in u.iter_mut().zip(node) {
-                    *value = terms.iter().filter(|(dof, _)| *dof != HELD).map(|(dof, c)| c * unknowns[*dof]).sum();
+                    *value =
+                        terms.iter().filter(|(dof, _)| *dof != HELD).map(|(dof, c)| c * unknowns[*dof]).sum();
                 }
                 u
             })
@@ -139,7 +141,8 @@ impl DofMap {
         }
     }
 
-    /// The vector of unknowns of a displacement field given at free nodes (spiders take no part): for patch tests.
+    /// The vector of unknowns of a displacement field given at free nodes (spiders take no part): for patch
+    /// tests.
     pub fn sample(&self, mesh: &Mesh, field: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
         let mut unknowns = vec![0.0; self.count];
         for (node, terms) in self.terms.chunks_exact(self.dimension).enumerate() {
@@ -183,7 +186,9 @@ impl SymmetricMatrix {
     pub fn multiply(&self, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>) {
         y.fill(0.0);
         for k in 0..x.ncols() {
-            let (Some(x), Some(y)) = (x.col(k).try_as_col_major(), y.as_mut().col_mut(k).try_as_col_major_mut()) else {
+            let (Some(x), Some(y)) =
+                (x.col(k).try_as_col_major(), y.as_mut().col_mut(k).try_as_col_major_mut())
+            else {
                 unreachable!("column-major matrices only");
             };
             self.add_product(x.as_slice(), y.as_slice_mut());
@@ -217,7 +222,8 @@ impl SymmetricMatrix {
 
     /// The leading block of the first `order` rows and columns.
     pub fn leading(&self, order: usize) -> SymmetricMatrix {
-        let mut block = SymmetricMatrix { order, column_start: vec![0], rows: Vec::new(), values: Vec::new() };
+        let mut block =
+            SymmetricMatrix { order, column_start: vec![0], rows: Vec::new(), values: Vec::new() };
         for column in 0..order {
             for k in self.column_start[column]..self.column_start[column + 1] {
                 if self.rows[k] < order {
@@ -242,7 +248,11 @@ impl SymmetricMatrix {
 ///
 /// # Errors
 /// [`FemError::InvertedElement`] where an element's Jacobian determinant is not positive.
-pub fn assemble(mesh: &Mesh, material: &Material, map: &DofMap) -> Result<(SymmetricMatrix, SymmetricMatrix), FemError> {
+pub fn assemble(
+    mesh: &Mesh,
+    material: &Material,
+    map: &DofMap,
+) -> Result<(SymmetricMatrix, SymmetricMatrix), FemError> {
     let element_unknowns = element_unknowns(mesh, map);
     let mut stiffness = pattern(&element_unknowns, map.count);
     let mut mass = stiffness.clone();
@@ -268,8 +278,9 @@ pub fn assemble(mesh: &Mesh, material: &Material, map: &DofMap) -> Result<(Symme
         // Unknowns of each local displacement as positions in the element's sorted list.
         let local: Vec<[(usize, f64); 2]> = (0..size)
             .map(|i| {
-                map.terms(nodes[i / dimension], i % dimension)
-                    .map(|(dof, c)| if dof == HELD { (HELD, 0.0) } else { (unknowns.binary_search(&dof).unwrap_or(HELD), c) })
+                map.terms(nodes[i / dimension], i % dimension).map(|(dof, c)| {
+                    if dof == HELD { (HELD, 0.0) } else { (unknowns.binary_search(&dof).unwrap_or(HELD), c) }
+                })
             })
             .collect();
         let count = unknowns.len();

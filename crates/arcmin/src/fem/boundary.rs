@@ -34,7 +34,8 @@ impl Boundary {
         }
     }
 
-    /// Parameters of boundary nodes about `size` (m) apart in arc length, one full turn, the same on every lobe or edge.
+    /// Parameters of boundary nodes about `size` (m) apart in arc length, one full turn, the same on every
+    /// lobe or edge.
     pub fn sample(&self, size: f64) -> Vec<f64> {
         match self {
             Boundary::Circle { radius, .. } => {
@@ -57,8 +58,8 @@ impl Boundary {
         }
     }
 
-    /// The point halfway between two neighbouring parameters, on the true curve: halfway in arc length, since a T6 edge whose
-    /// mid-side node is off the middle maps its points unevenly.
+    /// The point halfway between two neighbouring parameters, on the true curve: halfway in arc length, since
+    /// a T6 edge whose mid-side node is off the middle maps its points unevenly.
     pub fn midpoint(&self, from: f64, to: f64) -> (f64, Vec2) {
         let to = if to <= from { to + self.period() } else { to };
         let mut t = 0.5 * (from + to);
@@ -81,12 +82,13 @@ impl Boundary {
 
 /// A length along one lobe of the flank against the trace parameter τ in [0, 2π/z_c), tabulated.
 ///
-/// The flank is slow in τ away from the root and fast at it (there its curvature radius is 40 times that of the trace),
-/// so equidistant τ would leave the roots coarse.
+/// The flank is slow in τ away from the root and fast at it (there its curvature radius is 40 times that of
+/// the trace), so equidistant τ would leave the roots coarse.
 #[derive(Debug, Clone)]
 pub struct FlankArc {
     pitch: f64,
-    /// Length in m at equidistant τ of one lobe, and its increase per cell there: a cubic between two places, for forces that hold the slope of the length must not jump.
+    /// Length in m at equidistant τ of one lobe, and its increase per cell there: a cubic between two places,
+    /// for forces that hold the slope of the length must not jump.
     length: Vec<f64>,
     increase: Vec<f64>,
 }
@@ -97,8 +99,9 @@ impl FlankArc {
         FlankArc::with_rate(profile, |cos| profile.flank_length_per_meshing_angle(cos))
     }
 
-    /// Half arc length, half meshing angle (scaled to the same length per lobe). The flank's normal and with it the compliance turn fast
-    /// between root and shoulder, where the meshing angle resolves it; the rest is smooth in arc length.
+    /// Half arc length, half meshing angle (scaled to the same length per lobe). The flank's normal and with
+    /// it the compliance turn fast between root and shoulder, where the meshing angle resolves it; the rest
+    /// is smooth in arc length.
     pub fn blended_with_meshing_angle(profile: &Profile) -> FlankArc {
         let per_angle = FlankArc::new(profile).lobe_length() / TAU;
         FlankArc::with_rate(profile, |cos| 0.5 * (profile.flank_length_per_meshing_angle(cos) + per_angle))
@@ -107,7 +110,8 @@ impl FlankArc {
     /// `rate`: length per radian of meshing angle at cos φ.
     fn with_rate(profile: &Profile, rate: impl Fn(f64) -> f64) -> FlankArc {
         let cells = 4000;
-        let increase = (0..=cells).map(|i| TAU / cells as f64 * rate((TAU * i as f64 / cells as f64).cos())).collect();
+        let increase =
+            (0..=cells).map(|i| TAU / cells as f64 * rate((TAU * i as f64 / cells as f64).cos())).collect();
         let mut length = Vec::with_capacity(cells + 1);
         let mut sum = 0.0;
         length.push(0.0);
@@ -121,7 +125,8 @@ impl FlankArc {
 
     /// τ of `per_lobe` nodes on every lobe, the first at its root, equidistant in length.
     pub fn nodes(&self, per_lobe: usize) -> Vec<f64> {
-        let lobe: Vec<f64> = (0..per_lobe).map(|k| self.parameter(self.lobe_length() * k as f64 / per_lobe as f64)).collect();
+        let lobe: Vec<f64> =
+            (0..per_lobe).map(|k| self.parameter(self.lobe_length() * k as f64 / per_lobe as f64)).collect();
         let lobes = (TAU / self.pitch).round() as usize;
         (0..lobes).flat_map(|j| lobe.iter().map(move |tau| tau + self.pitch * j as f64)).collect()
     }
@@ -147,7 +152,8 @@ impl FlankArc {
         self.within(i, x - i as f64).1 * cells / self.pitch
     }
 
-    /// Length from the beginning of a cell at share s of it, and its derivative with respect to s: Hermite's cubic.
+    /// Length from the beginning of a cell at share s of it, and its derivative with respect to s: Hermite's
+    /// cubic.
     fn within(&self, cell: usize, s: f64) -> (f64, f64) {
         let whole = self.length[cell + 1] - self.length[cell];
         let (first, last) = (self.increase[cell], self.increase[cell + 1]);
@@ -175,7 +181,8 @@ impl FlankArc {
 mod tests {
     use super::*;
 
-    /// Length and parameter undo each other, and neither the length nor its slope jumps from cell to cell, lobes included.
+    /// Length and parameter undo each other, and neither the length nor its slope jumps from cell to cell,
+    /// lobes included.
     #[test]
     fn arc_is_smooth_and_invertible() {
         let profile = crate::templates::rv_40e_81().profile();

@@ -1,7 +1,8 @@
 //! Reduced discs as bytes, to be kept between runs: the caller does the file work.
 //!
-//! Layout: magic, key, payload (little-endian counts and doubles), SHA-256 of all before. The key is the SHA-256 of everything the reduction depends on and
-//! of the format's version, so a cache of another disc or of an older program is never taken for this one.
+//! Layout: magic, key, payload (little-endian counts and doubles), SHA-256 of all before. The key is the
+//! SHA-256 of everything the reduction depends on and of the format's version, so a cache of another disc or
+//! of an older program is never taken for this one.
 
 use sha2::{Digest, Sha256};
 
@@ -32,8 +33,19 @@ impl CacheKey {
     pub fn of(shape: &DiscShape, settings: &FlexibleSettings) -> CacheKey {
         let mut hash = Sha256::new();
         let mut put = |values: &[f64]| values.iter().for_each(|v| hash.update(v.to_bits().to_le_bytes()));
-        put(&[FORMAT as f64, shape.profile.pin_count as f64, shape.profile.pin_circle_radius, shape.profile.eccentricity, shape.profile.pin_radius]);
-        put(&[shape.width, shape.material.youngs_modulus, shape.material.poisson_ratio, shape.material.density]);
+        put(&[
+            FORMAT as f64,
+            shape.profile.pin_count as f64,
+            shape.profile.pin_circle_radius,
+            shape.profile.eccentricity,
+            shape.profile.pin_radius,
+        ]);
+        put(&[
+            shape.width,
+            shape.material.youngs_modulus,
+            shape.material.poisson_ratio,
+            shape.material.density,
+        ]);
         for holes in [&shape.bores, &shape.holes] {
             put(&[holes.len() as f64]);
             holes.iter().for_each(|hole| put(&[hole.centre.x, hole.centre.y, hole.radius]));
@@ -63,14 +75,32 @@ impl ReducedDisc {
         let mut bytes = Vec::new();
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&key.0);
-        for count in [self.lobe_count, self.stations.per_lobe(), self.normal_modes, self.eigenvalues.len(), self.interface.count] {
+        for count in [
+            self.lobe_count,
+            self.stations.per_lobe(),
+            self.normal_modes,
+            self.eigenvalues.len(),
+            self.interface.count,
+        ] {
             bytes.extend_from_slice(&(count as u64).to_le_bytes());
         }
         bytes.extend_from_slice(&self.reading_depth.to_le_bytes());
         let [x, y, turn] = &self.momentum;
         let (c, i) = (&self.compliance, &self.interface);
-        for field in [&self.eigenvalues, &self.flank_modes, &c.cross, &c.own, &c.own_detail, x, y, turn, &i.stiffness, &i.mass, &i.coupling, &i.flank]
-        {
+        for field in [
+            &self.eigenvalues,
+            &self.flank_modes,
+            &c.cross,
+            &c.own,
+            &c.own_detail,
+            x,
+            y,
+            turn,
+            &i.stiffness,
+            &i.mass,
+            &i.coupling,
+            &i.flank,
+        ] {
             field.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
         }
         let checksum: [u8; 32] = Sha256::digest(&bytes).into();
@@ -82,7 +112,11 @@ impl ReducedDisc {
     ///
     /// # Errors
     /// [`CacheError`] if the bytes are anything else: reduce the disc again.
-    pub fn from_bytes(bytes: &[u8], shape: &DiscShape, settings: &FlexibleSettings) -> Result<ReducedDisc, CacheError> {
+    pub fn from_bytes(
+        bytes: &[u8],
+        shape: &DiscShape,
+        settings: &FlexibleSettings,
+    ) -> Result<ReducedDisc, CacheError> {
         if bytes.len() < 72 || &bytes[..8] != MAGIC {
             return Err(CacheError::Foreign);
         }
@@ -95,8 +129,10 @@ impl ReducedDisc {
             return Err(CacheError::OtherKey);
         }
         let mut words = body[40..].chunks_exact(8).map(|word| word.try_into().unwrap_or([0; 8]));
-        let mut count = || words.next().map(|word| u64::from_le_bytes(word) as usize).ok_or(CacheError::Damaged);
-        let (lobe_count, per_lobe, normal_modes, modes, interface) = (count()?, count()?, count()?, count()?, count()?);
+        let mut count =
+            || words.next().map(|word| u64::from_le_bytes(word) as usize).ok_or(CacheError::Damaged);
+        let (lobe_count, per_lobe, normal_modes, modes, interface) =
+            (count()?, count()?, count()?, count()?, count()?);
         let stations = FlankStations::new(&shape.profile, settings.stations_per_lobe);
         if lobe_count != shape.profile.lobe_count() || per_lobe != stations.per_lobe() {
             return Err(CacheError::Damaged);

@@ -18,20 +18,28 @@ impl FlexibleDiscs {
     ///
     /// # Errors
     /// [`FemError`] of the first disc that cannot be meshed or reduced.
-    pub fn reduce(machine: &Machine, settings: impl Fn(&DiscShape) -> FlexibleSettings) -> Result<FlexibleDiscs, FemError> {
+    pub fn reduce(
+        machine: &Machine,
+        settings: impl Fn(&DiscShape) -> FlexibleSettings,
+    ) -> Result<FlexibleDiscs, FemError> {
         FlexibleDiscs::with(machine, |shape| Ok(DiscModel::new(shape.clone(), settings(shape))?.reduce()?.0))
     }
 
-    /// As [`FlexibleDiscs::reduce`], the reduction of each different shape left to the caller (who may keep a cache).
+    /// As [`FlexibleDiscs::reduce`], the reduction of each different shape left to the caller (who may keep a
+    /// cache).
     ///
     /// # Errors
     /// Whatever `reduce` returns.
-    pub fn with<E>(machine: &Machine, mut reduce: impl FnMut(&DiscShape) -> Result<ReducedDisc, E>) -> Result<FlexibleDiscs, E> {
+    pub fn with<E>(
+        machine: &Machine,
+        mut reduce: impl FnMut(&DiscShape) -> Result<ReducedDisc, E>,
+    ) -> Result<FlexibleDiscs, E> {
         let mut known: Vec<(DiscShape, Arc<ReducedDisc>)> = Vec::new();
         let mut discs = Vec::new();
         for disc in 0..machine.disc_count {
             let shape = DiscShape::of(machine, disc);
-            let same = known.iter().find_map(|(other, reduced)| Some((reduced.clone(), shape.turned_onto(other)?)));
+            let same =
+                known.iter().find_map(|(other, reduced)| Some((reduced.clone(), shape.turned_onto(other)?)));
             discs.push(match same {
                 Some(found) => found,
                 None => {
@@ -78,7 +86,8 @@ impl FlexibleDiscs {
 
     /// The machine's contact law with the disc's own approach read at the reduction's depth.
     pub fn line_contact(&self, machine: &Machine) -> LineContact {
-        let depth = self.discs.first().map_or(2.0 * machine.ring.pin_radius, |(reduced, _)| reduced.reading_depth);
+        let depth =
+            self.discs.first().map_or(2.0 * machine.ring.pin_radius, |(reduced, _)| reduced.reading_depth);
         LineContact::with_disc_depth(
             machine.contact_law,
             &machine.disc.material,
@@ -102,8 +111,9 @@ pub struct CoupledContact {
 
 /// Forces of all contacts on one disc: F_i = f(δ_i) with δ_i = s_i − Σ_j C_ij F_j.
 ///
-/// Solved by Newton's method on F; contacts that open drop out and come back by themselves, as f(δ ≤ 0) = 0 (a semismooth Newton method). C is positive
-/// definite and f rises, so the solution is unique: it is the minimum of a convex energy.
+/// Solved by Newton's method on F; contacts that open drop out and come back by themselves, as f(δ ≤ 0) = 0
+/// (a semismooth Newton method). C is positive definite and f rises, so the solution is unique: it is the
+/// minimum of a convex energy.
 #[derive(Debug, Clone, Default)]
 pub struct CoupledForces {
     /// N.
@@ -129,7 +139,12 @@ const LAST_STEP: f64 = 2e-6;
 
 impl CoupledForces {
     /// Solves for the forces. Returns whether the iteration settled.
-    pub fn solve(&mut self, law: &LineContact, compliance: &FlankCompliance, contacts: &[CoupledContact]) -> bool {
+    pub fn solve(
+        &mut self,
+        law: &LineContact,
+        compliance: &FlankCompliance,
+        contacts: &[CoupledContact],
+    ) -> bool {
         let n = contacts.len();
         self.set_compliance(compliance, contacts);
         self.seed(law, contacts);
@@ -162,7 +177,8 @@ impl CoupledForces {
         self.compliance[i * n..(i + 1) * n].iter().zip(&self.force).map(|(c, f)| c * f).sum()
     }
 
-    /// First guess: the law replaced by its secant at the approach without the others, (c + C) F = s over all that overlap.
+    /// First guess: the law replaced by its secant at the approach without the others, (c + C) F = s over all
+    /// that overlap.
     fn seed(&mut self, law: &LineContact, contacts: &[CoupledContact]) {
         let n = contacts.len();
         self.force.clear();
@@ -189,7 +205,8 @@ impl CoupledForces {
         self.rhs = rhs;
     }
 
-    /// Residuals f(δ) − F in `step`, the closed contacts in `active`; returns the largest force and the largest residual.
+    /// Residuals f(δ) − F in `step`, the closed contacts in `active`; returns the largest force and the
+    /// largest residual.
     fn evaluate(&mut self, law: &LineContact, contacts: &[CoupledContact], step: &mut [f64]) -> (f64, f64) {
         let (mut largest, mut residual) = (0.0_f64, 0.0_f64);
         self.active.clear();
@@ -220,7 +237,8 @@ impl CoupledForces {
         }
     }
 
-    /// Step of F: open contacts lose their force, for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao ΔF_o. Returns whether no open one had any.
+    /// Step of F: open contacts lose their force, for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao
+    /// ΔF_o. Returns whether no open one had any.
     fn newton_step(&mut self, step: &mut [f64], n: usize) -> bool {
         let mut open_moves = false;
         for i in 0..n {
@@ -234,7 +252,10 @@ impl CoupledForces {
         for i in &self.active {
             let mut value = step[*i] / self.local_stiffness[*i];
             if open_moves {
-                value -= (0..n).filter(|j| self.local_stiffness[*j] <= 0.0).map(|j| self.compliance[i * n + j] * step[j]).sum::<f64>();
+                value -= (0..n)
+                    .filter(|j| self.local_stiffness[*j] <= 0.0)
+                    .map(|j| self.compliance[i * n + j] * step[j])
+                    .sum::<f64>();
             }
             rhs.push(value);
         }
@@ -261,7 +282,9 @@ impl CoupledForces {
                 row[b] = (self.compliance[i * n + self.active[b]] - sum) / other[b];
             }
             let sum: f64 = row[..a].iter().map(|x| x * x).sum();
-            row[a] = (self.compliance[i * n + i] + 1.0 / self.local_stiffness[i] - sum).max(f64::MIN_POSITIVE).sqrt();
+            row[a] = (self.compliance[i * n + i] + 1.0 / self.local_stiffness[i] - sum)
+                .max(f64::MIN_POSITIVE)
+                .sqrt();
         }
     }
 
@@ -281,7 +304,8 @@ impl CoupledForces {
         }
     }
 
-    /// Change of the forces, dF = D ds with D = (f′⁻¹ + C)⁻¹ over the closed contacts, for changes ds of the approaches; in place, n entries.
+    /// Change of the forces, dF = D ds with D = (f′⁻¹ + C)⁻¹ over the closed contacts, for changes ds of the
+    /// approaches; in place, n entries.
     pub fn respond(&self, change: &mut [f64], scratch: &mut Vec<f64>) {
         scratch.clear();
         scratch.extend(self.active.iter().map(|i| change[*i]));

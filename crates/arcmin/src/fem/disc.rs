@@ -3,7 +3,10 @@ use faer::Mat;
 use super::assembly::assemble;
 use super::flank::{FlankStations, FlankSurface, NodalWeights};
 use super::solve::{Cholesky, ModeRange, Modes, lowest_modes};
-use super::{DiscElement, DiscShape, DofMap, FemError, FlexibleSettings, Mesh, MeshQuality, PlaneMesh, SymmetricMatrix, TiedBore};
+use super::{
+    DiscElement, DiscShape, DofMap, FemError, FlexibleSettings, Mesh, MeshQuality, PlaneMesh,
+    SymmetricMatrix, TiedBore,
+};
 
 /// A force on the flank along its inward normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +91,8 @@ impl DiscModel {
     /// # Errors
     /// [`FemError`] if the shifted matrix cannot be factorised or the modes do not converge.
     pub fn free_modes(&self, count: usize) -> Result<Modes, FemError> {
-        // Free modes of a disc with spiders in its bores; a shift of (2π·1 kHz)² is far below the first elastic mode.
+        // Free modes of a disc with spiders in its bores; a shift of (2π·1 kHz)² is far below the first
+        // elastic mode.
         let sigma = (std::f64::consts::TAU * 1e3).powi(2);
         let factor = Cholesky::new(&self.stiffness.shifted(sigma, &self.mass))?;
         lowest_modes(&self.mass, &factor, sigma, ModeRange::Count(count))

@@ -1,8 +1,8 @@
 //! Element matrices: six-node triangles in plane stress (T6) and ten-node tetrahedra (Tet10), isoparametric.
 //!
-//! K_e = ∫ Bᵀ D B dV (12×12, 30×30), M_e = ∫ ρ Nᵀ N dV (consistent). Degrees of freedom node by node (x, y[, z]). Linear, isotropic, small
-//! displacements; no thermal strain. Plane stress assumes a thin disc: σ_z = 0 through the thickness B.
-//! Source: Zienkiewicz & Taylor, The Finite Element Method, vol. 1, chs. 8–9.
+//! K_e = ∫ Bᵀ D B dV (12×12, 30×30), M_e = ∫ ρ Nᵀ N dV (consistent). Degrees of freedom node by node (x, y[,
+//! z]). Linear, isotropic, small displacements; no thermal strain. Plane stress assumes a thin disc: σ_z = 0
+//! through the thickness B. Source: Zienkiewicz & Taylor, The Finite Element Method, vol. 1, chs. 8–9.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
@@ -22,7 +22,14 @@ pub fn gradient_edge(x: f64) -> [f64; 3] {
 /// Shape functions of T6 at area coordinates (l0, l1): corners L(2L−1), mid-sides 4 L L.
 pub fn shape_t6([l0, l1]: [f64; 2]) -> [f64; 6] {
     let l2 = 1.0 - l0 - l1;
-    [l0 * (2.0 * l0 - 1.0), l1 * (2.0 * l1 - 1.0), l2 * (2.0 * l2 - 1.0), 4.0 * l0 * l1, 4.0 * l1 * l2, 4.0 * l2 * l0]
+    [
+        l0 * (2.0 * l0 - 1.0),
+        l1 * (2.0 * l1 - 1.0),
+        l2 * (2.0 * l2 - 1.0),
+        4.0 * l0 * l1,
+        4.0 * l1 * l2,
+        4.0 * l2 * l0,
+    ]
 }
 
 /// ∂N/∂(l0, l1) of T6.

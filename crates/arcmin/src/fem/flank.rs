@@ -6,7 +6,8 @@ use super::quadrature::{LINE_4, TRIANGLE_6};
 use super::{DofMap, ElementKind, FemError, Mesh};
 use crate::geometry::{Profile, Vec2};
 
-/// Places around the flank, the same on every lobe and the first at its root, at equal steps of a length blended from arc length and meshing angle.
+/// Places around the flank, the same on every lobe and the first at its root, at equal steps of a length
+/// blended from arc length and meshing angle.
 #[derive(Debug, Clone)]
 pub struct FlankStations {
     arc: FlankArc,
@@ -26,7 +27,11 @@ pub(super) const LOBE_REFINEMENT: usize = 4;
 
 impl FlankStations {
     pub fn new(profile: &Profile, per_lobe: usize) -> FlankStations {
-        FlankStations { arc: FlankArc::blended_with_meshing_angle(profile), lobes: profile.lobe_count(), per_lobe }
+        FlankStations {
+            arc: FlankArc::blended_with_meshing_angle(profile),
+            lobes: profile.lobe_count(),
+            per_lobe,
+        }
     }
 
     pub fn count(&self) -> usize {
@@ -47,11 +52,14 @@ impl FlankStations {
         self.arc.lobe_length() / self.per_lobe as f64
     }
 
-    /// Cubic B-spline in that length: twice continuously differentiable, fourth order. The weights go with coefficients, which
-    /// [`FlankStations::coefficients`] finds from values at the stations.
+    /// Cubic B-spline in that length: twice continuously differentiable, fourth order. The weights go with
+    /// coefficients, which [`FlankStations::coefficients`] finds from values at the stations.
     pub fn stencil(&self, tau: f64) -> Stencil {
         let x = self.arc.arc(tau) / self.spacing();
-        Stencil { stations: spline_weights(x, self.count()), lobe: spline_weights(x * LOBE_REFINEMENT as f64, self.per_lobe * LOBE_REFINEMENT) }
+        Stencil {
+            stations: spline_weights(x, self.count()),
+            lobe: spline_weights(x * LOBE_REFINEMENT as f64, self.per_lobe * LOBE_REFINEMENT),
+        }
     }
 
     /// The stencil that gives derivatives with respect to τ.
@@ -59,18 +67,30 @@ impl FlankStations {
         let x = self.arc.arc(tau) / self.spacing();
         let rate = self.arc.rate(tau) / self.spacing();
         let finer = LOBE_REFINEMENT as f64;
-        Stencil { stations: spline_slopes(x, self.count(), rate), lobe: spline_slopes(x * finer, self.per_lobe * LOBE_REFINEMENT, rate * finer) }
+        Stencil {
+            stations: spline_slopes(x, self.count(), rate),
+            lobe: spline_slopes(x * finer, self.per_lobe * LOBE_REFINEMENT, rate * finer),
+        }
     }
 }
 
 /// Cubic B-spline weights at x on a periodic grid of `count` cells of unit length.
 fn spline_weights(x: f64, count: usize) -> [(usize, f64); 4] {
-    at_stations(x, count, |t, u| [u * u * u / 6.0, (4.0 - 3.0 * t * t * (2.0 - t)) / 6.0, (4.0 - 3.0 * u * u * (2.0 - u)) / 6.0, t * t * t / 6.0])
+    at_stations(x, count, |t, u| {
+        [
+            u * u * u / 6.0,
+            (4.0 - 3.0 * t * t * (2.0 - t)) / 6.0,
+            (4.0 - 3.0 * u * u * (2.0 - u)) / 6.0,
+            t * t * t / 6.0,
+        ]
+    })
 }
 
 /// Their derivatives with respect to x, times `rate`.
 fn spline_slopes(x: f64, count: usize, rate: f64) -> [(usize, f64); 4] {
-    at_stations(x, count, |t, u| [-0.5 * rate * u * u, rate * t * (1.5 * t - 2.0), -rate * u * (1.5 * u - 2.0), 0.5 * rate * t * t])
+    at_stations(x, count, |t, u| {
+        [-0.5 * rate * u * u, rate * t * (1.5 * t - 2.0), -rate * u * (1.5 * u - 2.0), 0.5 * rate * t * t]
+    })
 }
 
 /// Four neighbours of x with weights from its place t = 1 − u in the cell.
@@ -88,8 +108,9 @@ fn at_stations(x: f64, count: usize, weights: impl Fn(f64, f64) -> [f64; 4]) -> 
 }
 
 impl FlankStations {
-    /// B-spline coefficients c of a periodic sequence: (c_{s−1} + 4 c_s + c_{s+1})/6 = v_s, by the recursive filter of Unser (IEEE Signal
-    /// Processing Magazine 16 (1999) 22). `stride` is the distance of neighbours in `values`.
+    /// B-spline coefficients c of a periodic sequence: (c_{s−1} + 4 c_s + c_{s+1})/6 = v_s, by the recursive
+    /// filter of Unser (IEEE Signal Processing Magazine 16 (1999) 22). `stride` is the distance of neighbours
+    /// in `values`.
     pub(super) fn filter(values: &mut [f64], offset: usize, stride: usize, count: usize) {
         let pole = 3.0_f64.sqrt() - 2.0;
         let at = |s: usize| offset + (s % count) * stride;
@@ -133,11 +154,16 @@ impl FlankStations {
     /// Values at the stations from coefficients.
     pub(super) fn values(coefficients: &[f64]) -> Vec<f64> {
         let n = coefficients.len();
-        (0..n).map(|s| (coefficients[(s + n - 1) % n] + 4.0 * coefficients[s] + coefficients[(s + 1) % n]) / 6.0).collect()
+        (0..n)
+            .map(|s| {
+                (coefficients[(s + n - 1) % n] + 4.0 * coefficients[s] + coefficients[(s + 1) % n]) / 6.0
+            })
+            .collect()
     }
 }
 
-/// A weighted mean of nodal displacements along one direction: both a unit force (its weights) and a reading (their sum with u).
+/// A weighted mean of nodal displacements along one direction: both a unit force (its weights) and a reading
+/// (their sum with u).
 #[derive(Debug, Clone)]
 pub struct NodalWeights {
     /// (node, weight); the weights sum to 1.
@@ -200,18 +226,21 @@ impl<'a> FlankSurface<'a> {
         -self.profile.outward_normal(tau)
     }
 
-    /// Unit force along the inward normal at τ, spread with a cos² over the patch and evenly through the width. The same weights read the mean
-    /// normal displacement of the patch.
+    /// Unit force along the inward normal at τ, spread with a cos² over the patch and evenly through the
+    /// width. The same weights read the mean normal displacement of the patch.
     pub fn surface(&self, tau: f64) -> NodalWeights {
         let edges: Vec<_> = self.mesh.plane.edges_of(0).collect();
         let perimeter = self.arc.lobe_length() * self.profile.lobe_count() as f64;
         let centre = self.arc.arc(tau).rem_euclid(perimeter);
         let mut weights: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
         // From the edge holding the far end of the patch onwards.
-        let start = self.edge_arcs.partition_point(|arc| *arc <= (centre - self.patch).rem_euclid(perimeter)).max(1) - 1;
+        let start =
+            self.edge_arcs.partition_point(|arc| *arc <= (centre - self.patch).rem_euclid(perimeter)).max(1)
+                - 1;
         for step in 0..edges.len() {
             let edge = edges[(start + step) % edges.len()];
-            let offset = |t: f64| (self.arc.arc(t) - centre + 0.5 * perimeter).rem_euclid(perimeter) - 0.5 * perimeter;
+            let offset =
+                |t: f64| (self.arc.arc(t) - centre + 0.5 * perimeter).rem_euclid(perimeter) - 0.5 * perimeter;
             if offset(edge.parameters[0]) > self.patch {
                 break;
             }
@@ -221,7 +250,11 @@ impl<'a> FlankSurface<'a> {
                 let t: f64 = shape_edge(x).iter().zip(edge.parameters).map(|(n, t)| n * t).sum();
                 let s = offset(t) / self.patch;
                 let slope: Vec2 = gradient_edge(x).iter().zip(places).map(|(n, p)| *n * p).sum();
-                if s.abs() < 1.0 { (0.5 * std::f64::consts::PI * s).cos().powi(2) * slope.norm() } else { 0.0 }
+                if s.abs() < 1.0 {
+                    (0.5 * std::f64::consts::PI * s).cos().powi(2) * slope.norm()
+                } else {
+                    0.0
+                }
             };
             match self.mesh.kind {
                 ElementKind::T6 => {
@@ -249,7 +282,10 @@ impl<'a> FlankSurface<'a> {
             }
         }
         let total: f64 = weights.values().sum();
-        NodalWeights { nodes: weights.into_iter().map(|(node, weight)| (node, weight / total)).collect(), direction: self.inward(tau) }
+        NodalWeights {
+            nodes: weights.into_iter().map(|(node, weight)| (node, weight / total)).collect(),
+            direction: self.inward(tau),
+        }
     }
 
     /// Displacement along the inward normal at depth h below the flank place τ, the mean through the width.
@@ -259,7 +295,9 @@ impl<'a> FlankSurface<'a> {
     pub fn at_depth(&self, tau: f64, depth: f64) -> Result<NodalWeights, FemError> {
         let direction = self.inward(tau);
         let point = self.profile.flank_point(tau) + depth * direction;
-        let outside = || FemError::OutsideMesh { what: format!("the place {:.3} mm below the flank at τ = {:.3}°", depth * 1e3, tau.to_degrees()) };
+        let outside = || FemError::OutsideMesh {
+            what: format!("the place {:.3} mm below the flank at τ = {:.3}°", depth * 1e3, tau.to_degrees()),
+        };
         let (triangle, [l0, l1]) = self.mesh.plane.locate(point).ok_or_else(outside)?;
         let corners = self.mesh.plane.triangles[triangle];
         let nodes = match self.mesh.kind {
@@ -269,9 +307,16 @@ impl<'a> FlankSurface<'a> {
                 let mut nodes = Vec::new();
                 for layer in 0..layers {
                     for (z, weight) in LINE_4 {
-                        let (element, at) = self.tetrahedron_at(layer, triangle, [l0, l1, 1.0 - l0 - l1], z).ok_or_else(outside)?;
+                        let (element, at) = self
+                            .tetrahedron_at(layer, triangle, [l0, l1, 1.0 - l0 - l1], z)
+                            .ok_or_else(outside)?;
                         let connectivity = &self.mesh.connectivity[10 * element..10 * element + 10];
-                        nodes.extend(connectivity.iter().copied().zip(shape_tet10(at).map(|n| n * weight / layers as f64)));
+                        nodes.extend(
+                            connectivity
+                                .iter()
+                                .copied()
+                                .zip(shape_tet10(at).map(|n| n * weight / layers as f64)),
+                        );
                     }
                 }
                 nodes
@@ -280,8 +325,15 @@ impl<'a> FlankSurface<'a> {
         Ok(NodalWeights { nodes, direction })
     }
 
-    /// The tetrahedron of a prism and the volume coordinates in it at area coordinates and share z of the layer's height.
-    fn tetrahedron_at(&self, layer: usize, triangle: usize, area: [f64; 3], z: f64) -> Option<(usize, [f64; 3])> {
+    /// The tetrahedron of a prism and the volume coordinates in it at area coordinates and share z of the
+    /// layer's height.
+    fn tetrahedron_at(
+        &self,
+        layer: usize,
+        triangle: usize,
+        area: [f64; 3],
+        z: f64,
+    ) -> Option<(usize, [f64; 3])> {
         let per_level = self.mesh.plane.nodes.len();
         let corners = self.mesh.plane.triangles[triangle];
         self.mesh.prism_elements(layer, triangle).find_map(|element| {
@@ -296,7 +348,8 @@ impl<'a> FlankSurface<'a> {
                 nalgebra::Vector3::from(p)
             };
             let base = place(0);
-            let matrix = nalgebra::Matrix3::from_columns(&[place(1) - base, place(2) - base, place(3) - base]);
+            let matrix =
+                nalgebra::Matrix3::from_columns(&[place(1) - base, place(2) - base, place(3) - base]);
             let l = matrix.try_inverse()? * (nalgebra::Vector3::new(area[0], area[1], z) - base);
             let inside = l.iter().all(|v| *v > -1e-9) && l.sum() < 1.0 + 1e-9;
             inside.then_some((element, [l.x, l.y, l.z]))
@@ -304,13 +357,15 @@ impl<'a> FlankSurface<'a> {
     }
 }
 
-/// A triangle on the side of a prism: six nodes as (plane node, half layers up) and the share of the edge at its corners.
+/// A triangle on the side of a prism: six nodes as (plane node, half layers up) and the share of the edge at
+/// its corners.
 struct SideFace {
     nodes: [(usize, usize); 6],
     share: [f64; 3],
 }
 
-/// The two triangles over a plane edge (first, last, middle node); the diagonal starts at the lower corner of smaller index.
+/// The two triangles over a plane edge (first, last, middle node); the diagonal starts at the lower corner of
+/// smaller index.
 fn side_faces([a, b, m]: [usize; 3]) -> [SideFace; 2] {
     let (p, q, x) = if a < b { (a, b, [0.0, 1.0]) } else { (b, a, [1.0, 0.0]) };
     [

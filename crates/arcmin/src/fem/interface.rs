@@ -7,7 +7,12 @@ use super::{FemError, FlankStations};
 
 impl DiscModel {
     /// Constraint modes and the matrices of the interface coordinates.
-    pub(super) fn interface(&self, stations: &FlankStations, rows: &[Vec<(usize, f64)>], shapes: &Mat<f64>) -> Result<Interface, FemError> {
+    pub(super) fn interface(
+        &self,
+        stations: &FlankStations,
+        rows: &[Vec<(usize, f64)>],
+        shapes: &Mat<f64>,
+    ) -> Result<Interface, FemError> {
         let count = self.map.retained;
         if count == 0 {
             return Ok(Interface::default());
@@ -41,13 +46,20 @@ impl DiscModel {
         let pairs = || (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
         Ok(Interface {
             count,
-            stiffness: pairs().map(|(a, b)| k_interface[(a, b)] + dot(k_inner.col_as_slice(a), constraint.col_as_slice(b))).collect(),
+            stiffness: pairs()
+                .map(|(a, b)| k_interface[(a, b)] + dot(k_inner.col_as_slice(a), constraint.col_as_slice(b)))
+                .collect(),
             mass: pairs().map(|(a, b)| dot(&full[a], &weighted[b])).collect(),
             coupling: (0..count)
                 .flat_map(|b| (0..shapes.ncols()).map(move |m| (b, m)))
                 .map(|(b, m)| dot(shapes.col_as_slice(m), &weighted[b]))
                 .collect(),
-            flank: (0..count).flat_map(|b| stations.coefficients(rows.iter().map(|row| read(row, constraint.col_as_slice(b))).collect())).collect(),
+            flank: (0..count)
+                .flat_map(|b| {
+                    stations
+                        .coefficients(rows.iter().map(|row| read(row, constraint.col_as_slice(b))).collect())
+                })
+                .collect(),
         })
     }
 }

@@ -29,7 +29,8 @@ impl ElementKind {
 
 /// A finite element mesh, plane or extruded from a plane one.
 ///
-/// Node k of the plane mesh on level l of an extruded mesh has the index l·(plane nodes) + k; levels are half a layer apart.
+/// Node k of the plane mesh on level l of an extruded mesh has the index l·(plane nodes) + k; levels are half
+/// a layer apart.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     pub kind: ElementKind,
@@ -55,9 +56,11 @@ pub struct MeshQuality {
     pub unknowns: usize,
     /// Smallest corner angle of the (straight) triangles in degrees.
     pub smallest_angle_deg: f64,
-    /// Largest ratio of circumradius to twice the inradius of the (straight) triangles; 1 for equilateral ones.
+    /// Largest ratio of circumradius to twice the inradius of the (straight) triangles; 1 for equilateral
+    /// ones.
     pub largest_aspect: f64,
-    /// Smallest over all elements of min det J / max det J over the element's corners; 1 for straight elements.
+    /// Smallest over all elements of min det J / max det J over the element's corners; 1 for straight
+    /// elements.
     pub smallest_jacobian_ratio: f64,
 }
 
@@ -76,21 +79,26 @@ impl Mesh {
 
     /// Extrudes through the width B, or, with `half_width`, from the middle plane to one face.
     ///
-    /// Every triangle becomes `layers` prisms, every prism three tetrahedra. Each quadrilateral side is cut by the diagonal from its
-    /// lower corner of smaller index, so neighbours agree without looking at each other (Dompierre et al. 1999). All mid-side nodes
-    /// then fall on the nodes of the plane mesh at whole and half layers.
+    /// Every triangle becomes `layers` prisms, every prism three tetrahedra. Each quadrilateral side is cut
+    /// by the diagonal from its lower corner of smaller index, so neighbours agree without looking at each
+    /// other (Dompierre et al. 1999). All mid-side nodes then fall on the nodes of the plane mesh at whole
+    /// and half layers.
     pub fn extruded(plane: PlaneMesh, thickness: f64, layers: usize, half_width: bool) -> Mesh {
         let height = if half_width { 0.5 * thickness } else { thickness };
         let bottom = if half_width { 0.0 } else { -0.5 * thickness };
         let level_count = 2 * layers + 1;
-        let levels: Vec<f64> = (0..level_count).map(|l| bottom + height * l as f64 / (2 * layers) as f64).collect();
+        let levels: Vec<f64> =
+            (0..level_count).map(|l| bottom + height * l as f64 / (2 * layers) as f64).collect();
         let per_level = plane.nodes.len();
         let nodes = levels.iter().flat_map(|z| plane.nodes.iter().map(move |p| [p.x, p.y, *z])).collect();
         let mut connectivity = Vec::with_capacity(plane.triangles.len() * layers * 30);
         for layer in 0..layers {
             for triangle in &plane.triangles {
                 for tetrahedron in split_prism(triangle) {
-                    connectivity.extend(tet10_nodes(triangle, tetrahedron).map(|(node, half)| (2 * layer + half) * per_level + node));
+                    connectivity.extend(
+                        tet10_nodes(triangle, tetrahedron)
+                            .map(|(node, half)| (2 * layer + half) * per_level + node),
+                    );
                 }
             }
         }
@@ -113,7 +121,9 @@ impl Mesh {
     /// All nodes above (on) a set of plane nodes, level by level.
     pub fn columns_of(&self, plane_nodes: &[usize]) -> Vec<usize> {
         let per_level = self.plane.nodes.len();
-        (0..self.levels.len()).flat_map(|level| plane_nodes.iter().map(move |node| level * per_level + node)).collect()
+        (0..self.levels.len())
+            .flat_map(|level| plane_nodes.iter().map(move |node| level * per_level + node))
+            .collect()
     }
 
     pub fn quality(&self) -> MeshQuality {
@@ -125,11 +135,13 @@ impl Mesh {
             let [a, b, c] = sides;
             for i in 0..3 {
                 let (o, s, t) = (sides[i], sides[(i + 1) % 3], sides[(i + 2) % 3]);
-                smallest_angle = smallest_angle.min(((s * s + t * t - o * o) / (2.0 * s * t)).clamp(-1.0, 1.0).acos());
+                smallest_angle =
+                    smallest_angle.min(((s * s + t * t - o * o) / (2.0 * s * t)).clamp(-1.0, 1.0).acos());
             }
             largest_aspect = largest_aspect.max(a * b * c / ((b + c - a) * (c + a - b) * (a + b - c)));
         }
-        let smallest_jacobian_ratio = (0..self.element_count()).map(|e| self.jacobian_ratio(e)).fold(f64::INFINITY, f64::min);
+        let smallest_jacobian_ratio =
+            (0..self.element_count()).map(|e| self.jacobian_ratio(e)).fold(f64::INFINITY, f64::min);
         MeshQuality {
             nodes: self.nodes.len(),
             elements: self.element_count(),
@@ -144,14 +156,21 @@ impl Mesh {
         let determinants: Vec<f64> = match self.kind {
             ElementKind::T6 => {
                 let nodes = self.element_nodes::<6>(element);
-                [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]].iter().map(|at| physical_gradient_t6(&nodes, *at).1).collect()
+                [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
+                    .iter()
+                    .map(|at| physical_gradient_t6(&nodes, *at).1)
+                    .collect()
             }
             ElementKind::Tet10 => {
                 let nodes = self.element_nodes::<10>(element);
-                [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]].iter().map(|at| physical_gradient_tet10(&nodes, *at).1).collect()
+                [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]
+                    .iter()
+                    .map(|at| physical_gradient_tet10(&nodes, *at).1)
+                    .collect()
             }
         };
-        let (low, high) = determinants.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
+        let (low, high) =
+            determinants.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
         low / high
     }
 
@@ -166,7 +185,10 @@ impl Mesh {
     /// # Errors
     /// [`FemError::InvertedElement`] if a curved mid-side node has turned an element inside out.
     pub fn check(&self) -> Result<(), FemError> {
-        match (0..self.element_count()).map(|e| (e, self.jacobian_ratio(e))).find(|(_, ratio)| ratio.is_nan() || *ratio <= 0.0) {
+        match (0..self.element_count())
+            .map(|e| (e, self.jacobian_ratio(e)))
+            .find(|(_, ratio)| ratio.is_nan() || *ratio <= 0.0)
+        {
             Some((element, determinant)) => Err(FemError::InvertedElement { element, determinant }),
             None => Ok(()),
         }
@@ -181,7 +203,11 @@ fn split_prism(triangle: &[usize; 6]) -> [[(usize, usize); 4]; 3] {
     order.sort_by_key(|i| triangle[*i]);
     let [a, b, c] = order;
     let even = matches!(order, [0, 1, 2] | [1, 2, 0] | [2, 0, 1]);
-    let tetrahedra = [[(a, 0), (a, 1), (b, 1), (c, 1)], [(a, 0), (b, 0), (b, 1), (c, 1)], [(a, 0), (b, 0), (c, 0), (c, 1)]];
+    let tetrahedra = [
+        [(a, 0), (a, 1), (b, 1), (c, 1)],
+        [(a, 0), (b, 0), (b, 1), (c, 1)],
+        [(a, 0), (b, 0), (c, 0), (c, 1)],
+    ];
     // For a counter-clockwise a, b, c the first and the last are right-handed, the middle one is not.
     let swap = [!even, even, !even];
     let mut result = tetrahedra;

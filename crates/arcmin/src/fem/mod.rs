@@ -1,9 +1,9 @@
 //! The elastic cycloid disc: meshes, finite elements, reduction to a few coordinates.
 //!
-//! The data's way: `DiscShape` (outline, bores, width, material) → [`Mesh`] (T6 plane stress or Tet10 through half the width)
-//! → [`assembly`] (K, M with bores held or tied to rigid spiders) → [`solve`] (sparse Cholesky, modes) → `reduction`
-//! (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank place). `load` and
-//! `dynamics` only ever see the reduced disc. `vtu` writes meshes and fields for ParaView.
+//! The data's way: `DiscShape` (outline, bores, width, material) → [`Mesh`] (T6 plane stress or Tet10 through
+//! half the width) → [`assembly`] (K, M with bores held or tied to rigid spiders) → [`solve`] (sparse
+//! Cholesky, modes) → `reduction` (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank
+//! place). `load` and `dynamics` only ever see the reduced disc. `vtu` writes meshes and fields for ParaView.
 
 pub mod assembly;
 pub mod boundary;
@@ -47,7 +47,9 @@ pub use vtu::DeformedPicture;
 pub enum FemError {
     #[error("the outline cannot be meshed: {reason}")]
     Mesh { reason: String },
-    #[error("element {element} is inverted (Jacobian determinant {determinant:.3e}): the mesh is too coarse for its curved edges")]
+    #[error(
+        "element {element} is inverted (Jacobian determinant {determinant:.3e}): the mesh is too coarse for its curved edges"
+    )]
     InvertedElement { element: usize, determinant: f64 },
     #[error("the stiffness matrix of {unknowns} unknowns cannot be factorised: {reason}")]
     Factorisation { unknowns: usize, reason: String },
@@ -55,6 +57,8 @@ pub enum FemError {
     Modes { found: usize, wanted: usize, vectors: usize },
     #[error("{what} lies outside the mesh")]
     OutsideMesh { what: String },
-    #[error("one rigid spider ties all bores of the disc, so that none moves by itself: reduce it with its bores apart")]
+    #[error(
+        "one rigid spider ties all bores of the disc, so that none moves by itself: reduce it with its bores apart"
+    )]
     NoInterface,
 }

@@ -31,8 +31,9 @@ impl FlankModes {
 
 /// Elastic modes of a disc whose bore centres are free.
 ///
-/// They are orthogonal to the three rigid motions with respect to the mass (∫ρ u = 0, ∫ρ r × u = 0): measured in the mean axes of the disc, in which alone its kinetic
-/// energy falls apart into those of centre, rotation and modes.
+/// They are orthogonal to the three rigid motions with respect to the mass (∫ρ u = 0, ∫ρ r × u = 0): measured
+/// in the mean axes of the disc, in which alone its kinetic energy falls apart into those of centre, rotation
+/// and modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeModes {
     pub flank: FlankModes,
@@ -55,14 +56,20 @@ impl ReducedDisc {
     pub fn held_modes(&self, count: usize) -> FlankModes {
         let count = count.min(self.eigenvalues.len());
         let stations = self.stations.count();
-        FlankModes { eigenvalues: self.eigenvalues[..count].to_vec(), stations, shapes: self.flank_modes[..count * stations].to_vec() }
+        FlankModes {
+            eigenvalues: self.eigenvalues[..count].to_vec(),
+            stations,
+            shapes: self.flank_modes[..count * stations].to_vec(),
+        }
     }
 
-    /// Elastic modes spanned by the bore centres' coordinates and the lowest `held` modes with the interface held. Together with
-    /// [`ReducedDisc::residual_compliance`] of the same number they hold the whole static compliance between flank and bores: what is left out moves no bore.
+    /// Elastic modes spanned by the bore centres' coordinates and the lowest `held` modes with the interface
+    /// held. Together with [`ReducedDisc::residual_compliance`] of the same number they hold the whole static
+    /// compliance between flank and bores: what is left out moves no bore.
     ///
     /// # Errors
-    /// [`FemError::NoInterface`] where one rigid spider ties the bores, [`FemError::Factorisation`] if the small eigenproblem cannot be solved.
+    /// [`FemError::NoInterface`] where one rigid spider ties the bores, [`FemError::Factorisation`] if the
+    /// small eigenproblem cannot be solved.
     pub fn free_modes(&self, held: usize) -> Result<FreeModes, FemError> {
         let nb = self.interface.count;
         // Fewer than two bores do not even hold the disc.
@@ -77,15 +84,20 @@ impl ReducedDisc {
         let mut bores = Vec::with_capacity(kept.len() * nb / 2);
         for mode in kept.clone() {
             shapes.extend((0..stations).map(|s| {
-                let interface: f64 = (0..nb).map(|b| vectors[(b, mode)] * self.interface.flank[b * stations + s]).sum();
-                interface + (0..held).map(|m| vectors[(nb + m, mode)] * self.flank_modes[m * stations + s]).sum::<f64>()
+                let interface: f64 =
+                    (0..nb).map(|b| vectors[(b, mode)] * self.interface.flank[b * stations + s]).sum();
+                interface
+                    + (0..held)
+                        .map(|m| vectors[(nb + m, mode)] * self.flank_modes[m * stations + s])
+                        .sum::<f64>()
             }));
             bores.extend((0..nb / 2).map(|k| Vec2::new(vectors[(2 * k, mode)], vectors[(2 * k + 1, mode)])));
         }
         Ok(FreeModes { flank: FlankModes { eigenvalues: values[kept].to_vec(), stations, shapes }, bores })
     }
 
-    /// ω² ascending and M-orthonormal vectors over (interface coordinates, held modes) of the disc with its interface free: rigid motions first.
+    /// ω² ascending and M-orthonormal vectors over (interface coordinates, held modes) of the disc with its
+    /// interface free: rigid motions first.
     fn free_eigen(&self, held: usize) -> Result<(Vec<f64>, Mat<f64>), FemError> {
         let (nb, all) = (self.interface.count, self.eigenvalues.len());
         let n = nb + held;
@@ -102,15 +114,21 @@ impl ReducedDisc {
             (false, false) if i == j => self.eigenvalues[i - nb],
             _ => 0.0,
         };
-        let half = Mat::from_fn(n, n, |i, k| (0..n).map(|j| stiffness(i, j) * whitening[(j, k)]).sum::<f64>());
-        let projected = Mat::from_fn(n, n, |i, j| (0..n).map(|k| whitening[(k, i)] * half[(k, j)]).sum::<f64>());
+        let half =
+            Mat::from_fn(n, n, |i, k| (0..n).map(|j| stiffness(i, j) * whitening[(j, k)]).sum::<f64>());
+        let projected =
+            Mat::from_fn(n, n, |i, j| (0..n).map(|k| whitening[(k, i)] * half[(k, j)]).sum::<f64>());
         let symmetric = Mat::from_fn(n, n, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
         let (eigenvalues, rotation) = symmetric_eigen(symmetric.as_ref())?;
-        Ok((eigenvalues, Mat::from_fn(n, n, |i, k| (0..n).map(|j| whitening[(i, j)] * rotation[(j, k)]).sum::<f64>())))
+        Ok((
+            eigenvalues,
+            Mat::from_fn(n, n, |i, k| (0..n).map(|j| whitening[(i, j)] * rotation[(j, k)]).sum::<f64>()),
+        ))
     }
 
-    /// Frequencies in Hz of the reduced disc with its interface free: three zeros, then elastic modes. To be held against
-    /// [`DiscModel::free_modes`](super::DiscModel::free_modes). Empty where the interface is one rigid spider.
+    /// Frequencies in Hz of the reduced disc with its interface free: three zeros, then elastic modes. To be
+    /// held against [`DiscModel::free_modes`](super::DiscModel::free_modes). Empty where the interface is one
+    /// rigid spider.
     ///
     /// # Errors
     /// [`FemError::Factorisation`] if the small eigenproblem cannot be solved.
@@ -128,26 +146,35 @@ mod tests {
     use super::super::tests::reduced;
     use crate::templates::rv_40e_81;
 
-    /// Momentum and moment of momentum of a mode, from rᵀ M (Ψ b + Φ q) = (Ψᵀ M Ψ r_b)·b + (Φᵀ M r)·q, vanish: a disc that vibrates neither moves nor turns as a whole. The second
-    /// factor comes from the rigid motions of the mesh.
+    /// Momentum and moment of momentum of a mode, from rᵀ M (Ψ b + Φ q) = (Ψᵀ M Ψ r_b)·b + (Φᵀ M r)·q,
+    /// vanish: a disc that vibrates neither moves nor turns as a whole. The second factor comes from the
+    /// rigid motions of the mesh.
     #[test]
     fn free_modes_carry_no_momentum() {
         let (disc, machine) = (reduced(), rv_40e_81());
         let held = 3;
         let nb = disc.interface.count;
         let (_, vectors) = disc.free_eigen(held).unwrap();
-        let centres: Vec<_> = crate::fem::DiscShape::of(&machine, 0).bores.iter().map(|bore| bore.centre).collect();
+        let centres: Vec<_> =
+            crate::fem::DiscShape::of(&machine, 0).bores.iter().map(|bore| bore.centre).collect();
         let rigid = |motion: usize, b: usize| match (motion, b % 2) {
             (0, 0) | (1, 1) => 1.0,
             (2, 0) => -centres[b / 2].y,
             (2, _) => centres[b / 2].x,
             _ => 0.0,
         };
-        for (motion, inertia) in [machine.disc.mass, machine.disc.mass, machine.disc.inertia].into_iter().enumerate() {
+        for (motion, inertia) in
+            [machine.disc.mass, machine.disc.mass, machine.disc.inertia].into_iter().enumerate()
+        {
             for mode in 3..nb + held {
-                let interface: f64 =
-                    (0..nb).map(|a| vectors[(a, mode)] * (0..nb).map(|b| disc.interface.mass[a * nb + b] * rigid(motion, b)).sum::<f64>()).sum();
-                let momentum = interface + (0..held).map(|m| vectors[(nb + m, mode)] * disc.momentum[motion][m]).sum::<f64>();
+                let interface: f64 = (0..nb)
+                    .map(|a| {
+                        vectors[(a, mode)]
+                            * (0..nb).map(|b| disc.interface.mass[a * nb + b] * rigid(motion, b)).sum::<f64>()
+                    })
+                    .sum();
+                let momentum = interface
+                    + (0..held).map(|m| vectors[(nb + m, mode)] * disc.momentum[motion][m]).sum::<f64>();
                 assert!(momentum.abs() < 1e-9 * inertia.sqrt(), "motion {motion}, mode {mode}: {momentum:e}");
             }
         }
@@ -155,7 +182,8 @@ mod tests {
 
     #[test]
     fn stiffer_material_raises_free_modes_alike() {
-        let (soft, stiff) = (reduced().free_modes(3).unwrap(), reduced().stiffened(1e4).free_modes(3).unwrap());
+        let (soft, stiff) =
+            (reduced().free_modes(3).unwrap(), reduced().stiffened(1e4).free_modes(3).unwrap());
         for (a, b) in soft.flank.eigenvalues.iter().zip(&stiff.flank.eigenvalues) {
             assert!((b / a / 1e4 - 1.0).abs() < 1e-9, "{a} {b}");
         }

@@ -30,7 +30,8 @@ pub struct MeshSizes {
 pub struct BoundaryEdge {
     /// Index of the curve in [`PlaneDomain::boundaries`].
     pub boundary: usize,
-    /// First node, last node, mid-side node; the metal is on the left for the outer curve, on the right for holes.
+    /// First node, last node, mid-side node; the metal is on the left for the outer curve, on the right for
+    /// holes.
     pub nodes: [usize; 3],
     /// Curve parameters of these three; the last node's is larger than the first's.
     pub parameters: [f64; 3],
@@ -49,12 +50,13 @@ pub struct PlaneMesh {
     pub boundary_edges: Vec<BoundaryEdge>,
 }
 
-/// Smallest angle asked of the triangulation in degrees. Ruppert's refinement is known to end up to about 30°; the fixed boundary
-/// nodes may cost a few degrees in places.
+/// Smallest angle asked of the triangulation in degrees. Ruppert's refinement is known to end up to about
+/// 30°; the fixed boundary nodes may cost a few degrees in places.
 const ANGLE_LIMIT_DEG: f64 = 27.0;
 
 impl PlaneMesh {
-    /// Constrained Delaunay triangulation with Ruppert refinement (spade), graded by the spacing of the boundary nodes.
+    /// Constrained Delaunay triangulation with Ruppert refinement (spade), graded by the spacing of the
+    /// boundary nodes.
     ///
     /// # Errors
     /// [`FemError::Mesh`] if boundary curves cross each other or the refinement does not end.
@@ -66,18 +68,24 @@ impl PlaneMesh {
             let parameters = boundary.sample(*size);
             let first = points.len();
             points.extend(parameters.iter().map(|t| to_point(boundary.point(*t))));
-            constraints.extend((0..parameters.len()).map(|i| [first + i, first + (i + 1) % parameters.len()]));
+            constraints
+                .extend((0..parameters.len()).map(|i| [first + i, first + (i + 1) % parameters.len()]));
             curves.push((first, parameters));
         }
         let boundary_count = points.len();
-        for (index, ((boundary, size, rows), (_, parameters))) in domain.boundaries.iter().zip(&curves).enumerate() {
+        for (index, ((boundary, size, rows), (_, parameters))) in
+            domain.boundaries.iter().zip(&curves).enumerate()
+        {
             let inward = if index == 0 { 1.0 } else { -1.0 };
             for row in 1..=*rows {
                 points.extend(parallel_row(boundary, parameters, *size, row, inward));
             }
         }
         let mut conflict = false;
-        let mut triangulation = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, constraints, |_| conflict = true)
+        let mut triangulation =
+            ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, constraints, |_| {
+                conflict = true
+            })
             .map_err(|error| FemError::Mesh { reason: error.to_string() })?;
         if conflict || triangulation.num_vertices() < boundary_count {
             return Err(FemError::Mesh { reason: "boundary curves touch or cross each other".to_owned() });
@@ -103,7 +111,10 @@ impl PlaneMesh {
             .filter(|face| !outside[face.fix().index()])
             .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
             .collect();
-        let nodes: Vec<Vec2> = triangulation.vertices().map(|vertex| Vec2::new(vertex.position().x, vertex.position().y)).collect();
+        let nodes: Vec<Vec2> = triangulation
+            .vertices()
+            .map(|vertex| Vec2::new(vertex.position().x, vertex.position().y))
+            .collect();
         PlaneMesh::with_mid_sides(nodes, &corners, domain, &curves)
     }
 
@@ -125,17 +136,24 @@ impl PlaneMesh {
         let corner_count = nodes.len();
         let mut mid_sides: HashMap<(usize, usize), usize> = HashMap::new();
         let mut boundary_edges = Vec::new();
-        for (index, ((boundary, ..), (first, parameters))) in domain.boundaries.iter().zip(curves).enumerate() {
+        for (index, ((boundary, ..), (first, parameters))) in domain.boundaries.iter().zip(curves).enumerate()
+        {
             for i in 0..parameters.len() {
                 let j = (i + 1) % parameters.len();
                 let (a, b) = (new_index[first + i], new_index[first + j]);
                 if a == usize::MAX || b == usize::MAX {
-                    return Err(FemError::Mesh { reason: "a boundary node lies outside the metal".to_owned() });
+                    return Err(FemError::Mesh {
+                        reason: "a boundary node lies outside the metal".to_owned(),
+                    });
                 }
                 let end = if j == 0 { parameters[0] + boundary.period() } else { parameters[j] };
                 let (t, point) = boundary.midpoint(parameters[i], end);
                 mid_sides.insert((a.min(b), a.max(b)), nodes.len());
-                boundary_edges.push(BoundaryEdge { boundary: index, nodes: [a, b, nodes.len()], parameters: [parameters[i], end, t] });
+                boundary_edges.push(BoundaryEdge {
+                    boundary: index,
+                    nodes: [a, b, nodes.len()],
+                    parameters: [parameters[i], end, t],
+                });
                 nodes.push(point);
             }
         }
@@ -177,8 +195,15 @@ impl PlaneMesh {
     }
 }
 
-/// Nodes at half an edge's offset, row by row at the height of equilateral triangles into the metal; crowded places (convex tips) thinned.
-fn parallel_row(boundary: &Boundary, parameters: &[f64], size: f64, row: usize, inward: f64) -> Vec<Point2<f64>> {
+/// Nodes at half an edge's offset, row by row at the height of equilateral triangles into the metal; crowded
+/// places (convex tips) thinned.
+fn parallel_row(
+    boundary: &Boundary,
+    parameters: &[f64],
+    size: f64,
+    row: usize,
+    inward: f64,
+) -> Vec<Point2<f64>> {
     let count = parameters.len();
     let depth = row as f64 * 0.85 * size;
     let mut nodes: Vec<Vec2> = Vec::new();

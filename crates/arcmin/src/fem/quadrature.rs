@@ -1,5 +1,5 @@
-//! Quadrature on the unit triangle and the unit tetrahedron: points in the first area (volume) coordinates, weights summing to the
-//! measure of the simplex (1/2, 1/6).
+//! Quadrature on the unit triangle and the unit tetrahedron: points in the first area (volume) coordinates,
+//! weights summing to the measure of the simplex (1/2, 1/6).
 #![allow(clippy::excessive_precision)] // the digits as published
 
 /// Degree 4, six points (Dunavant 1985): exact for the mass of a straight T6.
@@ -8,7 +8,14 @@ pub const TRIANGLE_6: [([f64; 2], f64); 6] = {
     const B: f64 = 0.091576213509771;
     const WA: f64 = 0.5 * 0.223381589678011;
     const WB: f64 = 0.5 * 0.109951743655322;
-    [([A, A], WA), ([1.0 - 2.0 * A, A], WA), ([A, 1.0 - 2.0 * A], WA), ([B, B], WB), ([1.0 - 2.0 * B, B], WB), ([B, 1.0 - 2.0 * B], WB)]
+    [
+        ([A, A], WA),
+        ([1.0 - 2.0 * A, A], WA),
+        ([A, 1.0 - 2.0 * A], WA),
+        ([B, B], WB),
+        ([1.0 - 2.0 * B, B], WB),
+        ([B, 1.0 - 2.0 * B], WB),
+    ]
 };
 
 /// Degree 2, four points: exact for the stiffness of a straight Tet10.
@@ -19,7 +26,8 @@ pub const TETRAHEDRON_4: [([f64; 3], f64); 4] = {
     [([A, A, A], W), ([B, A, A], W), ([A, B, A], W), ([A, A, B], W)]
 };
 
-/// Degree 5, fifteen points with positive weights (Keast 1986, rule 6): exact for the mass of a straight Tet10.
+/// Degree 5, fifteen points with positive weights (Keast 1986, rule 6): exact for the mass of a straight
+/// Tet10.
 pub const TETRAHEDRON_15: [([f64; 3], f64); 15] = {
     const W0: f64 = 0.0302836780970891856;
     const A1: f64 = 1.0 / 3.0;
@@ -70,7 +78,8 @@ mod tests {
     fn triangle_rule_is_exact_to_its_degree() {
         for a in 0..=4u32 {
             for b in 0..=4 - a {
-                let sum: f64 = TRIANGLE_6.iter().map(|([x, y], w)| w * x.powi(a as i32) * y.powi(b as i32)).sum();
+                let sum: f64 =
+                    TRIANGLE_6.iter().map(|([x, y], w)| w * x.powi(a as i32) * y.powi(b as i32)).sum();
                 let exact = factorial(a) * factorial(b) / factorial(a + b + 2);
                 assert!((sum - exact).abs() < 1e-14, "{a} {b}: {sum} {exact}");
             }
@@ -84,7 +93,10 @@ mod tests {
             for a in 0..=degree {
                 for b in 0..=degree - a {
                     for c in 0..=degree - a - b {
-                        let sum: f64 = rule.iter().map(|([x, y, z], w)| w * x.powi(a as i32) * y.powi(b as i32) * z.powi(c as i32)).sum();
+                        let sum: f64 = rule
+                            .iter()
+                            .map(|([x, y, z], w)| w * x.powi(a as i32) * y.powi(b as i32) * z.powi(c as i32))
+                            .sum();
                         let exact = factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3);
                         assert!((sum - exact).abs() < 1e-13, "{degree}: {a} {b} {c}: {sum} {exact}");
                     }

@@ -11,7 +11,8 @@ pub struct ReducedDisc {
     pub eigenvalues: Vec<f64>,
     /// Number of fixed-interface normal modes that went in; the others come from flank loads.
     pub normal_modes: usize,
-    /// Spline coefficients of the inward normal displacement per unit modal coordinate, mode after mode, in 1/√kg.
+    /// Spline coefficients of the inward normal displacement per unit modal coordinate, mode after mode, in
+    /// 1/√kg.
     pub(super) flank_modes: Vec<f64>,
     pub compliance: FlankCompliance,
     /// Φᵀ M r for unit rates of x, y (√kg) and of rotation about the disc centre (√kg·m).
@@ -38,12 +39,13 @@ pub struct Interface {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankCompliance {
     pub(super) stations: usize,
-    /// Spline coefficients of the surface displacement at one station under a force at another, stations × stations, symmetric.
+    /// Spline coefficients of the surface displacement at one station under a force at another, stations ×
+    /// stations, symmetric.
     pub(super) cross: Vec<f64>,
     /// Those of the displacement of a station under its own force, at the reading depth.
     pub(super) own: Vec<f64>,
-    /// What stations are too coarse for: the own displacement varies with the curvature of the flank, on every lobe alike. Spline coefficients of
-    /// the difference on the finer grid of one lobe.
+    /// What stations are too coarse for: the own displacement varies with the curvature of the flank, on
+    /// every lobe alike. Spline coefficients of the difference on the finer grid of one lobe.
     pub(super) own_detail: Vec<f64>,
 }
 
@@ -66,7 +68,8 @@ impl FlankCompliance {
         FlankCompliance { stations: count, cross, own: stations.coefficients(own), own_detail }
     }
 
-    /// Sets the detail of the own displacement from exact values on the finer grid of one lobe, given as (grid index, place, value).
+    /// Sets the detail of the own displacement from exact values on the finer grid of one lobe, given as
+    /// (grid index, place, value).
     pub(super) fn refine_own(&mut self, exact: &[(usize, Stencil, f64)]) {
         let mut difference = vec![0.0; self.own_detail.len()];
         for (index, place, value) in exact {
@@ -81,7 +84,8 @@ impl FlankCompliance {
         spline(&self.own, &at.stations) + spline(&self.own_detail, &at.lobe)
     }
 
-    /// Displacement of one place under a unit force at another, in m/N. The two must lie on different teeth or flanks.
+    /// Displacement of one place under a unit force at another, in m/N. The two must lie on different teeth
+    /// or flanks.
     #[inline]
     pub fn cross(&self, at: &Stencil, force: &Stencil) -> f64 {
         let mut sum = 0.0;
@@ -104,7 +108,8 @@ impl ReducedDisc {
         spline(&self.flank_modes[mode * self.stations.count()..], &at.stations)
     }
 
-    /// What is left of the static compliance once the first `modes` modes are coordinates of their own: C − Σ φ φᵀ/ω².
+    /// What is left of the static compliance once the first `modes` modes are coordinates of their own: C − Σ
+    /// φ φᵀ/ω².
     pub fn residual_compliance(&self, modes: usize) -> FlankCompliance {
         let count = self.stations.count();
         let mut residual = self.compliance.clone();

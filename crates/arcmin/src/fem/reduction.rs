@@ -1,12 +1,14 @@
 //! From the full mesh to a few coordinates (Craig & Bampton, AIAA J. 6 (1968) 1313, with attachment modes).
 //!
-//! With the interface coordinates b (bore centres) apart from the inner unknowns i,
-//! u = Ψ b + Φ q: constraint modes Ψ = −K_ii⁻¹ K_ib, and Φ spanned by the fixed-interface normal modes up to a frequency and by the static
-//! shapes K_ii⁻¹ f of one unit load on each flank of every tooth. Φ is M-orthonormal and K-diagonal: q̈ + ω² q = Φᵀ f.
+//! With the interface coordinates b (bore centres) apart from the inner unknowns i, u = Ψ b + Φ q: constraint
+//! modes Ψ = −K_ii⁻¹ K_ib, and Φ spanned by the fixed-interface normal modes up to a frequency and by the
+//! static shapes K_ii⁻¹ f of one unit load on each flank of every tooth. Φ is M-orthonormal and K-diagonal:
+//! q̈ + ω² q = Φᵀ f.
 //!
-//! A load that moves over a flank is not resolved by any handful of shapes, so the static compliance of *every* flank place is kept beside them:
-//! u_s = Σ_t C_st F_t + … . What the modes kept in a simulation already hold is taken off: C − Σ φ φᵀ/ω² (residual flexibility).
-//! C_st for s ≠ t reads the surface; C_ss, the displacement of a place under its own load, is read at the depth h: above it the line-contact formula
+//! A load that moves over a flank is not resolved by any handful of shapes, so the static compliance of
+//! *every* flank place is kept beside them: u_s = Σ_t C_st F_t + … . What the modes kept in a simulation
+//! already hold is taken off: C − Σ φ φᵀ/ω² (residual flexibility). C_st for s ≠ t reads the surface; C_ss,
+//! the displacement of a place under its own load, is read at the depth h: above it the line-contact formula
 //! of the contact law holds, which measures the approach to that depth, and nothing is counted twice.
 
 use faer::linalg::matmul::matmul;
@@ -27,7 +29,8 @@ pub struct ReductionReport {
     pub modes: usize,
     /// Lowest held frequency in Hz.
     pub lowest_frequency: f64,
-    /// Largest relative error of the interpolated flank compliance halfway between stations, against a load solved there: own displacement.
+    /// Largest relative error of the interpolated flank compliance halfway between stations, against a load
+    /// solved there: own displacement.
     pub own_compliance_error: f64,
     /// The same for the displacement of another tooth, relative to the largest such displacement.
     pub cross_compliance_error: f64,
@@ -56,7 +59,8 @@ impl DiscModel {
             .map(|tau| Ok(self.inner_terms(&surface.at_depth(*tau, self.settings.reading_depth)?)))
             .collect::<Result<_, FemError>>()?;
 
-        let normal = self.held_modes(ModeRange::UpTo { frequency: self.settings.mode_frequency, limit: MODE_LIMIT })?;
+        let normal =
+            self.held_modes(ModeRange::UpTo { frequency: self.settings.mode_frequency, limit: MODE_LIMIT })?;
         let normal_count = normal.eigenvalues.len();
         let attached = attachment_stations(&stations);
 
@@ -92,7 +96,11 @@ impl DiscModel {
         let mut compliance = FlankCompliance::new(&stations, compliance, own);
         compliance.refine_own(&self.own_detail(&stations)?);
         let modes = eigenvalues.len();
-        let flank = (0..modes).flat_map(|m| stations.coefficients(rows.iter().map(|row| read(row, shapes.col_as_slice(m))).collect())).collect();
+        let flank = (0..modes)
+            .flat_map(|m| {
+                stations.coefficients(rows.iter().map(|row| read(row, shapes.col_as_slice(m))).collect())
+            })
+            .collect();
         let momentum = self.momentum(&shapes);
         let interface = self.interface(&stations, &rows, &shapes)?;
         let reduced = ReducedDisc {
@@ -117,7 +125,13 @@ impl DiscModel {
         let fine = LOBE_REFINEMENT * stations.per_lobe();
         let places: Vec<(usize, f64)> = (0..fine)
             .filter(|k| k % LOBE_REFINEMENT != 0)
-            .map(|k| (k, stations.parameter((lobe * stations.per_lobe()) as f64 + k as f64 / LOBE_REFINEMENT as f64)))
+            .map(|k| {
+                (
+                    k,
+                    stations
+                        .parameter((lobe * stations.per_lobe()) as f64 + k as f64 / LOBE_REFINEMENT as f64),
+                )
+            })
             .collect();
         let loads: Vec<NodalWeights> = places.iter().map(|(_, tau)| surface.surface(*tau)).collect();
         let deep: Vec<_> = places
@@ -137,9 +151,16 @@ impl DiscModel {
         let pitch = std::f64::consts::TAU / self.shape.profile.lobe_count() as f64;
         let clearance = |lobe: usize| {
             let tip = self.shape.profile.flank_point((lobe as f64 + 0.5) * pitch);
-            self.shape.bores.iter().chain(&self.shape.holes).map(|hole| (tip - hole.centre).norm() - hole.radius).fold(f64::INFINITY, f64::min)
+            self.shape
+                .bores
+                .iter()
+                .chain(&self.shape.holes)
+                .map(|hole| (tip - hole.centre).norm() - hole.radius)
+                .fold(f64::INFINITY, f64::min)
         };
-        (0..self.shape.profile.lobe_count()).max_by(|a, b| clearance(*a).total_cmp(&clearance(*b))).unwrap_or(0)
+        (0..self.shape.profile.lobe_count())
+            .max_by(|a, b| clearance(*a).total_cmp(&clearance(*b)))
+            .unwrap_or(0)
     }
 
     fn inner_terms(&self, weights: &NodalWeights) -> Vec<(usize, f64)> {
@@ -148,7 +169,11 @@ impl DiscModel {
     }
 
     /// Solves the small eigenproblem of the shapes in `basis`: (ω² ascending, combination matrix).
-    fn orthonormal_combination(&self, basis: &Mat<f64>, stiffness: impl Fn(usize, usize) -> f64) -> Result<(Vec<f64>, Mat<f64>), FemError> {
+    fn orthonormal_combination(
+        &self,
+        basis: &Mat<f64>,
+        stiffness: impl Fn(usize, usize) -> f64,
+    ) -> Result<(Vec<f64>, Mat<f64>), FemError> {
         let n = basis.ncols();
         let mut weighted: Mat<f64> = Mat::zeros(basis.nrows(), n);
         self.inner_mass.multiply(basis.as_ref(), weighted.as_mut());
@@ -159,13 +184,15 @@ impl DiscModel {
         let scaled = Mat::from_fn(n, n, |i, j| 0.5 * (m[(i, j)] + m[(j, i)]) * scale[i] * scale[j]);
         let (values, vectors) = symmetric_eigen(scaled.as_ref())?;
         let kept: Vec<usize> = (0..n).filter(|k| values[*k] > 1e-9).collect();
-        let whitening = Mat::from_fn(n, kept.len(), |i, k| scale[i] * vectors[(i, kept[k])] / values[kept[k]].sqrt());
+        let whitening =
+            Mat::from_fn(n, kept.len(), |i, k| scale[i] * vectors[(i, kept[k])] / values[kept[k]].sqrt());
         let k = Mat::from_fn(n, n, |i, j| stiffness(i.min(j), i.max(j)));
         let mut half: Mat<f64> = Mat::zeros(n, kept.len());
         matmul(&mut half, Accum::Replace, &k, &whitening, 1.0, Par::Seq);
         let mut projected: Mat<f64> = Mat::zeros(kept.len(), kept.len());
         matmul(&mut projected, Accum::Replace, whitening.transpose(), &half, 1.0, Par::Seq);
-        let symmetric = Mat::from_fn(kept.len(), kept.len(), |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
+        let symmetric =
+            Mat::from_fn(kept.len(), kept.len(), |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
         let (eigenvalues, rotation) = symmetric_eigen(symmetric.as_ref())?;
         let mut combination: Mat<f64> = Mat::zeros(n, kept.len());
         matmul(&mut combination, Accum::Replace, &whitening, &rotation, 1.0, Par::Seq);
@@ -177,7 +204,9 @@ impl DiscModel {
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rates| {
             let rigid = self.map.rigid_motion(&self.mesh, &self.bores, rates);
             let weighted = self.mass.product(&rigid);
-            (0..shapes.ncols()).map(|m| shapes.col_as_slice(m).iter().zip(&weighted).map(|(a, b)| a * b).sum()).collect()
+            (0..shapes.ncols())
+                .map(|m| shapes.col_as_slice(m).iter().zip(&weighted).map(|(a, b)| a * b).sum())
+                .collect()
         })
     }
 
@@ -186,23 +215,31 @@ impl DiscModel {
         let per_lobe = stations.per_lobe();
         // Halfway places of one lobe, each on another lobe so that cross displacements are met as well.
         let step = (reduced.lobe_count / per_lobe).max(1);
-        let places: Vec<f64> = (0..per_lobe).map(|k| stations.parameter((k * step % reduced.lobe_count * per_lobe + k) as f64 + 0.5)).collect();
+        let places: Vec<f64> = (0..per_lobe)
+            .map(|k| stations.parameter((k * step % reduced.lobe_count * per_lobe + k) as f64 + 0.5))
+            .collect();
         let surface = self.surface();
         let loads: Vec<NodalWeights> = places.iter().map(|tau| surface.surface(*tau)).collect();
         let rows: Vec<_> = loads.iter().map(|load| self.inner_terms(load)).collect();
-        let deep: Vec<_> =
-            places.iter().map(|tau| Ok(self.inner_terms(&surface.at_depth(*tau, reduced.reading_depth)?))).collect::<Result<_, FemError>>()?;
-        let (mut own_error, mut cross_error, mut largest_cross, mut gap) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+        let deep: Vec<_> = places
+            .iter()
+            .map(|tau| Ok(self.inner_terms(&surface.at_depth(*tau, reduced.reading_depth)?)))
+            .collect::<Result<_, FemError>>()?;
+        let (mut own_error, mut cross_error, mut largest_cross, mut gap) =
+            (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         self.for_each_solution(&loads, |a, solution| {
             let exact = read(&deep[a], solution);
             let stencil = stations.stencil(places[a]);
             own_error = own_error.max((reduced.compliance.own(&stencil) / exact - 1.0).abs());
-            let modal: f64 = (0..reduced.eigenvalues.len()).map(|m| reduced.mode_at(m, &stencil).powi(2) / reduced.eigenvalues[m]).sum();
+            let modal: f64 = (0..reduced.eigenvalues.len())
+                .map(|m| reduced.mode_at(m, &stencil).powi(2) / reduced.eigenvalues[m])
+                .sum();
             gap = gap.max((1.0 - modal / exact).abs());
             for (b, row) in rows.iter().enumerate().filter(|(b, _)| *b != a) {
                 let exact = read(row, solution);
                 largest_cross = largest_cross.max(exact.abs());
-                cross_error = cross_error.max((reduced.compliance.cross(&stencil, &stations.stencil(places[b])) - exact).abs());
+                cross_error = cross_error
+                    .max((reduced.compliance.cross(&stencil, &stations.stencil(places[b])) - exact).abs());
             }
         });
         Ok(ReductionReport {

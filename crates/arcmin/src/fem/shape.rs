@@ -11,7 +11,8 @@ pub struct RoundHole {
     pub radius: f64,
 }
 
-/// What the finite element model is made from: the solid disc in the frame of its flank (the root of τ = 0 on the x axis).
+/// What the finite element model is made from: the solid disc in the frame of its flank (the root of τ = 0 on
+/// the x axis).
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscShape {
     pub profile: Profile,
@@ -25,21 +26,28 @@ pub struct DiscShape {
 }
 
 impl DiscShape {
-    /// Disc `disc` of a machine. Bores and holes belong to the carrier's pattern; the flank is cut δ_j ahead of it, so in the flank's frame they
-    /// stand at their angle minus δ_j.
+    /// Disc `disc` of a machine. Bores and holes belong to the carrier's pattern; the flank is cut δ_j ahead
+    /// of it, so in the flank's frame they stand at their angle minus δ_j.
     pub fn of(machine: &Machine, disc: usize) -> DiscShape {
         let mounting = machine.kinematics().mounting_angle(disc);
         let part = &machine.disc;
         let cranks = &machine.crankshafts;
         let bores = (0..cranks.count)
             .map(|k| {
-                let angle = crate::machine::Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count) - mounting;
-                RoundHole { centre: machine.gear_stage.centre_distance() * unit(angle), radius: part.crank_bore_radius }
+                let angle = crate::machine::Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count)
+                    - mounting;
+                RoundHole {
+                    centre: machine.gear_stage.centre_distance() * unit(angle),
+                    radius: part.crank_bore_radius,
+                }
             })
             .collect();
-        let centre = (part.centre_hole_radius > 0.0).then(|| RoundHole { centre: Vec2::zeros(), radius: part.centre_hole_radius });
-        let windows =
-            part.holes.iter().map(|hole| RoundHole { centre: hole.centre_radius * unit(hole.centre_angle - mounting), radius: hole.radius });
+        let centre = (part.centre_hole_radius > 0.0)
+            .then(|| RoundHole { centre: Vec2::zeros(), radius: part.centre_hole_radius });
+        let windows = part.holes.iter().map(|hole| RoundHole {
+            centre: hole.centre_radius * unit(hole.centre_angle - mounting),
+            radius: hole.radius,
+        });
         DiscShape {
             profile: machine.profile(),
             bores,
@@ -49,8 +57,8 @@ impl DiscShape {
         }
     }
 
-    /// The angle by which this disc must be turned to cover `other`, if the two are the same part mounted differently: bores and holes
-    /// fall on bores and holes, and the flank on itself.
+    /// The angle by which this disc must be turned to cover `other`, if the two are the same part mounted
+    /// differently: bores and holes fall on bores and holes, and the flank on itself.
     pub fn turned_onto(&self, other: &DiscShape) -> Option<f64> {
         if self.profile != other.profile || self.width != other.width || self.material != other.material {
             return None;
@@ -61,7 +69,10 @@ impl DiscShape {
                 from.len() == to.len()
                     && from.iter().all(|hole| {
                         let turned = crate::geometry::turned(hole.centre, unit(*angle));
-                        to.iter().any(|other| (turned - other.centre).norm() < 1e-9 && (hole.radius - other.radius).abs() < 1e-12)
+                        to.iter().any(|other| {
+                            (turned - other.centre).norm() < 1e-9
+                                && (hole.radius - other.radius).abs() < 1e-12
+                        })
                     })
             };
             covered(&self.bores, &other.bores) && covered(&self.holes, &other.holes)
@@ -79,15 +90,19 @@ impl DiscShape {
 
     /// The bores with one tie for all.
     pub fn tied_bores(&self, tie: BoreTie) -> Vec<TiedBore> {
-        self.bores.iter().enumerate().map(|(k, bore)| TiedBore { boundary: 1 + k, centre: bore.centre, radius: bore.radius, tie }).collect()
+        self.bores
+            .iter()
+            .enumerate()
+            .map(|(k, bore)| TiedBore { boundary: 1 + k, centre: bore.centre, radius: bore.radius, tie })
+            .collect()
     }
 }
 
 /// How the bores hand the disc's forces to the crankshafts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BoreInterface {
-    /// Each bore carries its own bearing: its centre follows the crankshaft, its rim stays round and is free to turn about it
-    /// (the released revolute joint of Tao2024).
+    /// Each bore carries its own bearing: its centre follows the crankshaft, its rim stays round and is free
+    /// to turn about it (the released revolute joint of Tao2024).
     #[default]
     PerBore,
     /// One rigid spider ties all bore rims together; they move with the carrier as one body.
@@ -97,8 +112,12 @@ pub enum BoreInterface {
 impl BoreInterface {
     pub(crate) fn tie(self) -> BoreTie {
         match self {
-            BoreInterface::PerBore => BoreTie::Spider { translation: MasterMotion::Retained, rotation: MasterMotion::Free },
-            BoreInterface::Common => BoreTie::Spider { translation: MasterMotion::Held, rotation: MasterMotion::Held },
+            BoreInterface::PerBore => {
+                BoreTie::Spider { translation: MasterMotion::Retained, rotation: MasterMotion::Free }
+            }
+            BoreInterface::Common => {
+                BoreTie::Spider { translation: MasterMotion::Held, rotation: MasterMotion::Held }
+            }
         }
     }
 }
@@ -121,7 +140,8 @@ pub struct FlexibleSettings {
     pub interface: BoreInterface,
     /// Places per lobe where unit loads are solved for; between them compliances are interpolated.
     pub stations_per_lobe: usize,
-    /// Depth h below the loaded place at which its own displacement is read, in m; what lies above is the contact law's.
+    /// Depth h below the loaded place at which its own displacement is read, in m; what lies above is the
+    /// contact law's.
     pub reading_depth: f64,
     /// Normal modes up to this frequency in Hz are kept.
     pub mode_frequency: f64,

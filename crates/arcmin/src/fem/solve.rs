@@ -2,13 +2,16 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::matmul::matmul;
-use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::sparse::linalg::cholesky::{
+    LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side};
 
 use super::{FemError, SymmetricMatrix};
 
-/// A = P L Lᵀ Pᵀ of a symmetric positive definite matrix (approximate minimum degree ordering, supernodal, faer).
+/// A = P L Lᵀ Pᵀ of a symmetric positive definite matrix (approximate minimum degree ordering, supernodal,
+/// faer).
 pub struct Cholesky {
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
@@ -16,19 +19,30 @@ pub struct Cholesky {
 
 impl Cholesky {
     /// # Errors
-    /// [`FemError::Factorisation`] if the matrix is not positive definite (a body not held, a node without an element).
+    /// [`FemError::Factorisation`] if the matrix is not positive definite (a body not held, a node without an
+    /// element).
     pub fn new(matrix: &SymmetricMatrix) -> Result<Cholesky, FemError> {
         let n = matrix.order;
         let failed = |reason: String| FemError::Factorisation { unknowns: n, reason };
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.column_start, None, &matrix.rows);
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, Default::default())
-            .map_err(|error| failed(format!("{error:?}")))?;
+        let symbolic =
+            factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, Default::default())
+                .map_err(|error| failed(format!("{error:?}")))?;
         let mut values = vec![0.0; symbolic.len_val()];
-        let mut memory = MemBuffer::try_new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()))
-            .map_err(|_| failed("out of memory".to_owned()))?;
+        let mut memory =
+            MemBuffer::try_new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()))
+                .map_err(|_| failed("out of memory".to_owned()))?;
         let a = SparseColMatRef::new(pattern, &matrix.values);
         symbolic
-            .factorize_numeric_llt(&mut values, a, Side::Lower, Default::default(), Par::Seq, MemStack::new(&mut memory), Default::default())
+            .factorize_numeric_llt(
+                &mut values,
+                a,
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
             .map_err(|_| failed("it is not positive definite; is the body held?".to_owned()))?;
         Ok(Cholesky { symbolic, values })
     }
@@ -41,7 +55,12 @@ impl Cholesky {
     /// Overwrites the columns of `b` with A⁻¹ b.
     pub fn solve(&self, b: MatMut<'_, f64>) {
         let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(b.ncols(), Par::Seq));
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut memory));
+        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            b,
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
     }
 }
 
@@ -61,9 +80,11 @@ impl Modes {
     }
 }
 
-/// Columns treated at once: multiple right-hand sides cost little more than one, and multiplicities up to this are found safely.
+/// Columns treated at once: multiple right-hand sides cost little more than one, and multiplicities up to
+/// this are found safely.
 const BLOCK: usize = 6;
-/// Residual of a mode relative to its shifted eigenvalue at which it counts as converged; the error of ω² is its square.
+/// Residual of a mode relative to its shifted eigenvalue at which it counts as converged; the error of ω² is
+/// its square.
 const MODE_TOLERANCE: f64 = 1e-7;
 
 /// What part of the spectrum is wanted.
@@ -75,14 +96,20 @@ pub enum ModeRange {
     UpTo { frequency: f64, limit: usize },
 }
 
-/// Lowest modes by a block Lanczos iteration on (K + σM)⁻¹ M with full reorthogonalisation in the M inner product.
+/// Lowest modes by a block Lanczos iteration on (K + σM)⁻¹ M with full reorthogonalisation in the M inner
+/// product.
 ///
-/// `factor` holds K + σM with σ ≥ 0 in rad²/s²; σ > 0 lets a free body be factorised. ω² = 1/θ − σ for the Ritz values θ.
-/// Source: Grimes, Lewis & Simon, SIAM J. Matrix Anal. 15 (1994) 228.
+/// `factor` holds K + σM with σ ≥ 0 in rad²/s²; σ > 0 lets a free body be factorised. ω² = 1/θ − σ for the
+/// Ritz values θ. Source: Grimes, Lewis & Simon, SIAM J. Matrix Anal. 15 (1994) 228.
 ///
 /// # Errors
 /// [`FemError::Modes`] if the wanted modes do not converge.
-pub fn lowest_modes(mass: &SymmetricMatrix, factor: &Cholesky, sigma: f64, range: ModeRange) -> Result<Modes, FemError> {
+pub fn lowest_modes(
+    mass: &SymmetricMatrix,
+    factor: &Cholesky,
+    sigma: f64,
+    range: ModeRange,
+) -> Result<Modes, FemError> {
     let n = mass.order;
     let wanted = match range {
         ModeRange::Count(count) => count.min(n),
@@ -109,9 +136,23 @@ pub fn lowest_modes(mass: &SymmetricMatrix, factor: &Cholesky, sigma: f64, range
         mass.multiply(next.as_ref(), weighted.as_mut());
         for _ in 0..2 {
             let mut coefficients: Mat<f64> = Mat::zeros(filled, BLOCK);
-            matmul(&mut coefficients, Accum::Replace, weighted_basis.subcols(0, filled).transpose(), &next, 1.0, Par::Seq);
+            matmul(
+                &mut coefficients,
+                Accum::Replace,
+                weighted_basis.subcols(0, filled).transpose(),
+                &next,
+                1.0,
+                Par::Seq,
+            );
             matmul(&mut next, Accum::Add, basis.subcols(0, filled), &coefficients, -1.0, Par::Seq);
-            matmul(&mut weighted, Accum::Add, weighted_basis.subcols(0, filled), &coefficients, -1.0, Par::Seq);
+            matmul(
+                &mut weighted,
+                Accum::Add,
+                weighted_basis.subcols(0, filled),
+                &coefficients,
+                -1.0,
+                Par::Seq,
+            );
             for i in 0..filled {
                 for j in 0..columns {
                     projected[(i, size + j)] += coefficients[(i, j)];
@@ -126,12 +167,18 @@ pub fn lowest_modes(mass: &SymmetricMatrix, factor: &Cholesky, sigma: f64, range
         let remainder = orthonormalise(&mut next, &mut weighted);
         size = filled;
         let (theta, vectors) = symmetric_eigen(projected.submatrix(0, 0, size, size))?;
-        // Ritz values ascend; the largest θ are the lowest modes. The residual of a Ritz pair is the last block's share of it.
+        // Ritz values ascend; the largest θ are the lowest modes. The residual of a Ritz pair is the last
+        // block's share of it.
         let mut found = 0;
         while found < size.min(wanted) {
             let index = size - 1 - found;
             let residual = (0..BLOCK)
-                .map(|i| (0..columns).map(|j| remainder[(i, j)] * vectors[(size - columns + j, index)]).sum::<f64>().powi(2))
+                .map(|i| {
+                    (0..columns)
+                        .map(|j| remainder[(i, j)] * vectors[(size - columns + j, index)])
+                        .sum::<f64>()
+                        .powi(2)
+                })
                 .sum::<f64>()
                 .sqrt();
             if residual > MODE_TOLERANCE * theta[index] {
@@ -143,12 +190,17 @@ pub fn lowest_modes(mass: &SymmetricMatrix, factor: &Cholesky, sigma: f64, range
         let enough = match range {
             ModeRange::Count(_) => found == wanted,
             // One converged mode beyond the limit proves that none below it is missing.
-            ModeRange::UpTo { frequency, .. } => found == wanted || (found > 0 && value(found - 1) > (std::f64::consts::TAU * frequency).powi(2)),
+            ModeRange::UpTo { frequency, .. } => {
+                found == wanted
+                    || (found > 0 && value(found - 1) > (std::f64::consts::TAU * frequency).powi(2))
+            }
         };
         if enough {
             let keep = match range {
                 ModeRange::Count(_) => wanted,
-                ModeRange::UpTo { frequency, .. } => (0..found).filter(|k| value(*k) <= (std::f64::consts::TAU * frequency).powi(2)).count(),
+                ModeRange::UpTo { frequency, .. } => {
+                    (0..found).filter(|k| value(*k) <= (std::f64::consts::TAU * frequency).powi(2)).count()
+                }
             };
             let chosen = Mat::from_fn(size, keep, |i, k| vectors[(i, size - 1 - k)]);
             let mut shapes = Mat::zeros(n, keep);
@@ -172,10 +224,22 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), 
     let mut values = faer::diag::Diag::zeros(n);
     let mut vectors = Mat::zeros(n, n);
     let compute = faer::linalg::evd::ComputeEigenvectors::Yes;
-    let mut memory = MemBuffer::try_new(faer::linalg::evd::self_adjoint_evd_scratch::<f64>(n, compute, Par::Seq, Default::default()))
-        .map_err(|_| failed("out of memory".to_owned()))?;
-    faer::linalg::evd::self_adjoint_evd(matrix, values.as_mut(), Some(vectors.as_mut()), Par::Seq, MemStack::new(&mut memory), Default::default())
-        .map_err(|error| failed(format!("{error:?}")))?;
+    let mut memory = MemBuffer::try_new(faer::linalg::evd::self_adjoint_evd_scratch::<f64>(
+        n,
+        compute,
+        Par::Seq,
+        Default::default(),
+    ))
+    .map_err(|_| failed("out of memory".to_owned()))?;
+    faer::linalg::evd::self_adjoint_evd(
+        matrix,
+        values.as_mut(),
+        Some(vectors.as_mut()),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Default::default(),
+    )
+    .map_err(|error| failed(format!("{error:?}")))?;
     Ok((values.column_vector().iter().copied().collect(), vectors))
 }
 
@@ -191,7 +255,8 @@ fn starting_block(n: usize) -> Mat<f64> {
     })
 }
 
-/// M-orthonormalises the columns of `block` (with `weighted` = M block kept in step) and returns R of block = Q R.
+/// M-orthonormalises the columns of `block` (with `weighted` = M block kept in step) and returns R of block =
+/// Q R.
 fn orthonormalise(block: &mut Mat<f64>, weighted: &mut Mat<f64>) -> Mat<f64> {
     let columns = block.ncols();
     let mut r: Mat<f64> = Mat::zeros(columns, columns);
@@ -230,7 +295,9 @@ fn column_mut(matrix: &mut Mat<f64>, j: usize) -> &mut [f64] {
 /// column j −= share × column i, i < j.
 fn subtract(matrix: &mut Mat<f64>, i: usize, j: usize, share: f64) {
     let (left, mut right) = matrix.as_mut().split_at_col_mut(j);
-    let (Some(from), Some(to)) = (left.col(i).try_as_col_major(), right.as_mut().col_mut(0).try_as_col_major_mut()) else {
+    let (Some(from), Some(to)) =
+        (left.col(i).try_as_col_major(), right.as_mut().col_mut(0).try_as_col_major_mut())
+    else {
         unreachable!("an owned matrix is column-major");
     };
     to.as_slice_mut().iter_mut().zip(from.as_slice()).for_each(|(t, f)| *t -= share * f);

@@ -2,9 +2,11 @@ use super::elements::{physical_gradient_t6, physical_gradient_tet10};
 use super::{DiscModel, ElementKind};
 
 impl DiscModel {
-    /// Von Mises stress at every node in Pa: element stresses at the nodes, averaged over the elements that meet there.
+    /// Von Mises stress at every node in Pa: element stresses at the nodes, averaged over the elements that
+    /// meet there.
     ///
-    /// Under the loaded patch the value depends on the mesh: the Hertz pressure of the contact law is the number to use there.
+    /// Under the loaded patch the value depends on the mesh: the Hertz pressure of the contact law is the
+    /// number to use there.
     pub fn von_mises(&self, unknowns: &[f64]) -> Vec<f64> {
         let displacement = self.nodal_displacement(unknowns);
         let (e, nu) = (self.shape.material.youngs_modulus, self.shape.material.poisson_ratio);
@@ -18,7 +20,8 @@ impl DiscModel {
                 let mut strain = [[0.0; 3]; 3];
                 match self.mesh.kind {
                     ElementKind::T6 => {
-                        let (gradient, _) = physical_gradient_t6(&self.mesh.element_nodes(element), triangle[k]);
+                        let (gradient, _) =
+                            physical_gradient_t6(&self.mesh.element_nodes(element), triangle[k]);
                         add_gradient(&mut strain, nodes, &displacement, &gradient);
                     }
                     ElementKind::Tet10 => {
@@ -34,7 +37,11 @@ impl DiscModel {
                 }
                 let (xx, yy) = (strain[0][0], strain[1][1]);
                 // Plane stress: ε_z follows from σ_z = 0.
-                let zz = if self.mesh.kind == ElementKind::T6 { -nu / (1.0 - nu) * (xx + yy) } else { strain[2][2] };
+                let zz = if self.mesh.kind == ElementKind::T6 {
+                    -nu / (1.0 - nu) * (xx + yy)
+                } else {
+                    strain[2][2]
+                };
                 let dilation = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) * (xx + yy + zz);
                 let stress = [
                     dilation + 2.0 * mu * xx,
@@ -53,14 +60,21 @@ impl DiscModel {
         sum.iter()
             .map(|s| {
                 let [x, y, z, xy, yz, zx] = [0, 1, 2, 3, 4, 5].map(|i| s[i] / s[6].max(1.0));
-                (0.5 * ((x - y).powi(2) + (y - z).powi(2) + (z - x).powi(2)) + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt()
+                (0.5 * ((x - y).powi(2) + (y - z).powi(2) + (z - x).powi(2))
+                    + 3.0 * (xy * xy + yz * yz + zx * zx))
+                    .sqrt()
             })
             .collect()
     }
 }
 
 /// Adds ∂u_i/∂x_j of one element at one point.
-fn add_gradient<const D: usize>(strain: &mut [[f64; 3]; 3], nodes: &[usize], displacement: &[[f64; 3]], gradient: &[[f64; D]]) {
+fn add_gradient<const D: usize>(
+    strain: &mut [[f64; 3]; 3],
+    nodes: &[usize],
+    displacement: &[[f64; 3]],
+    gradient: &[[f64; D]],
+) {
     for (node, g) in nodes.iter().zip(gradient) {
         for i in 0..D {
             for j in 0..D {

@@ -13,7 +13,8 @@ use crate::units::ARCMIN;
 /// Plane stress on a mesh coarse enough for tests: half as long again at the edges.
 fn coarse(shape: &DiscShape) -> FlexibleSettings {
     let fine = FlexibleSettings::plane_stress(shape);
-    let sizes = MeshSizes { flank: 1.5 * fine.sizes.flank, flank_rows: 2, bore: 1.5 * fine.sizes.bore, ..fine.sizes };
+    let sizes =
+        MeshSizes { flank: 1.5 * fine.sizes.flank, flank_rows: 2, bore: 1.5 * fine.sizes.bore, ..fine.sizes };
     FlexibleSettings { sizes, ..fine }
 }
 
@@ -61,13 +62,20 @@ fn free_frequencies_of_the_reduced_disc_are_those_of_the_mesh() {
         assert!(found[k] < 1.0, "three rigid motions: {found:?}");
     }
     for k in 3..8 {
-        // Rayleigh–Ritz from above; nine normal modes up to 40 kHz carry the first five elastic ones to a few per cent.
-        assert!(found[k] >= exact[k] * (1.0 - 1e-9) && found[k] < 1.02 * exact[k], "{} {}", found[k], exact[k]);
+        // Rayleigh–Ritz from above; nine normal modes up to 40 kHz carry the first five elastic ones to a few
+        // per cent.
+        assert!(
+            found[k] >= exact[k] * (1.0 - 1e-9) && found[k] < 1.02 * exact[k],
+            "{} {}",
+            found[k],
+            exact[k]
+        );
     }
 }
 
-/// A disc on springs at its bore centres, loaded on the flank: rigid motions, elastic modes of the free disc and the residual compliance give the displacements of the full
-/// mesh, factorised with these springs. Any number of held modes will do, for what they leave the residual holds.
+/// A disc on springs at its bore centres, loaded on the flank: rigid motions, elastic modes of the free disc
+/// and the residual compliance give the displacements of the full mesh, factorised with these springs. Any
+/// number of held modes will do, for what they leave the residual holds.
 #[test]
 fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() {
     use nalgebra::{DMatrix, DVector};
@@ -76,13 +84,16 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
     let inner = model.inner_unknowns();
     let mut sprung = model.stiffness.clone();
     for column in inner..model.map.count {
-        let diagonal = (sprung.column_start[column]..sprung.column_start[column + 1]).find(|k| sprung.rows[*k] == column).unwrap();
+        let diagonal = (sprung.column_start[column]..sprung.column_start[column + 1])
+            .find(|k| sprung.rows[*k] == column)
+            .unwrap();
         sprung.values[diagonal] += spring;
     }
     let factor = solve::Cholesky::new(&sprung).unwrap();
     let stations = &reduced.stations;
     // On the loaded flank of three lobes: far from the bores, over a bore, between.
-    let places: Vec<f64> = [0usize, 10, 23].map(|lobe| stations.parameter((lobe * stations.per_lobe()) as f64 + 3.4)).to_vec();
+    let places: Vec<f64> =
+        [0usize, 10, 23].map(|lobe| stations.parameter((lobe * stations.per_lobe()) as f64 + 3.4)).to_vec();
     let bores: Vec<_> = model.shape.bores.iter().map(|bore| bore.centre).collect();
     for held in [0, 3, 9] {
         let free = reduced.free_modes(held).unwrap();
@@ -90,7 +101,9 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
         let n = 3 + free.flank.count();
         assert_eq!(free.flank.count(), 1 + held);
         // Displacement of a place along a direction by the rigid motions.
-        let rigid = |place: crate::geometry::Vec2, along: crate::geometry::Vec2| [along.x, along.y, along.dot(&crate::geometry::quarter_turn(place))];
+        let rigid = |place: crate::geometry::Vec2, along: crate::geometry::Vec2| {
+            [along.x, along.y, along.dot(&crate::geometry::quarter_turn(place))]
+        };
         let mut stiffness = DMatrix::<f64>::zeros(n, n);
         for (m, square) in free.flank.eigenvalues.iter().enumerate() {
             stiffness[(3 + m, 3 + m)] = *square;
@@ -109,7 +122,12 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
         let flank_row = |tau: f64| {
             let at = stations.stencil(tau);
             let modes = (0..free.flank.count()).map(|m| free.flank.at(m, &at)).collect::<Vec<_>>();
-            DVector::from_iterator(n, rigid(model.shape.profile.flank_point(tau), -model.shape.profile.outward_normal(tau)).into_iter().chain(modes))
+            DVector::from_iterator(
+                n,
+                rigid(model.shape.profile.flank_point(tau), -model.shape.profile.outward_normal(tau))
+                    .into_iter()
+                    .chain(modes),
+            )
         };
         for tau in &places {
             let mut force = vec![0.0; model.map.count];
@@ -121,7 +139,8 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
             let at = stations.stencil(*tau);
             let own = model.read_at_depth(exact, *tau, reduced.reading_depth).unwrap();
             let mine = flank_row(*tau).dot(&found) + residual.own(&at);
-            // Surface and reading depth move alike under far forces, within the Poisson strain between them; splines between stations.
+            // Surface and reading depth move alike under far forces, within the Poisson strain between them;
+            // splines between stations.
             assert!((mine / own - 1.0).abs() < 0.01, "{held} own: {mine:e} {own:e}");
             for other in places.iter().filter(|other| *other != tau) {
                 let exact = model.read_surface(exact, *other);
@@ -131,7 +150,10 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
             for k in 0..bores.len() {
                 for (axis, along) in axes.into_iter().enumerate() {
                     let (mine, exact) = (bore_row(k, along).dot(&found), exact[inner + 2 * k + axis]);
-                    assert!((mine - exact).abs() < 2e-3 * own, "{held} bore {k}: {mine:e} {exact:e} of {own:e}");
+                    assert!(
+                        (mine - exact).abs() < 2e-3 * own,
+                        "{held} bore {k}: {mine:e} {exact:e} of {own:e}"
+                    );
                 }
             }
         }
@@ -161,8 +183,11 @@ fn modes_and_residual_compliance_add_up_to_the_static_compliance() {
     let (a, b) = (reduced.stations.stencil(0.012), reduced.stations.stencil(1.7));
     for modes in [0, 3, 9, reduced.eigenvalues.len()] {
         let residual = reduced.residual_compliance(modes);
-        let modal =
-            |p: &Stencil, q: &Stencil| (0..modes).map(|m| reduced.mode_at(m, p) * reduced.mode_at(m, q) / reduced.eigenvalues[m]).sum::<f64>();
+        let modal = |p: &Stencil, q: &Stencil| {
+            (0..modes)
+                .map(|m| reduced.mode_at(m, p) * reduced.mode_at(m, q) / reduced.eigenvalues[m])
+                .sum::<f64>()
+        };
         let cross = residual.cross(&a, &b) + modal(&a, &b);
         assert!((cross - reduced.compliance.cross(&a, &b)).abs() < 1e-9 * reduced.compliance.own(&a));
         // φ² and its spline differ between stations.
@@ -171,8 +196,9 @@ fn modes_and_residual_compliance_add_up_to_the_static_compliance() {
     }
 }
 
-/// The displacement a place sees under its own load, plus the half-space down to where it was read, is the same for any reading depth:
-/// nothing is counted twice or left out. Plane stress inside, plane strain in the logarithm: they differ by ν² of the change.
+/// The displacement a place sees under its own load, plus the half-space down to where it was read, is the
+/// same for any reading depth: nothing is counted twice or left out. Plane stress inside, plane strain in the
+/// logarithm: they differ by ν² of the change.
 #[test]
 fn total_compliance_does_not_depend_on_the_reading_depth() {
     let Fixture { model, reduced, .. } = fixture();
@@ -182,14 +208,22 @@ fn total_compliance_does_not_depend_on_the_reading_depth() {
         let unknowns = model.deflect(&[FlankLoad { tau, force: 1.0 }]);
         let total = |depth: f64| {
             let inside = model.read_at_depth(&unknowns, tau, depth).unwrap();
-            inside + 2.0 * material.plane_strain_compliance() / (std::f64::consts::PI * model.shape.width) * depth.ln()
+            inside
+                + 2.0 * material.plane_strain_compliance() / (std::f64::consts::PI * model.shape.width)
+                    * depth.ln()
         };
         let own = model.read_at_depth(&unknowns, tau, 1e-3).unwrap();
         for depth in [1.25e-3, 1.5e-3, 2e-3] {
-            assert!((total(depth) - total(1e-3)).abs() < 0.03 * own, "{depth}: {} of {own}", total(depth) - total(1e-3));
+            assert!(
+                (total(depth) - total(1e-3)).abs() < 0.03 * own,
+                "{depth}: {} of {own}",
+                total(depth) - total(1e-3)
+            );
         }
-        // The trap: the whole Johnson formula down to 2 r_p on top of the mesh counts 1–6 mm twice, a quarter of the compliance.
-        let twice = 2.0 * material.plane_strain_compliance() / (std::f64::consts::PI * model.shape.width) * 6.0_f64.ln();
+        // The trap: the whole Johnson formula down to 2 r_p on top of the mesh counts 1–6 mm twice, a quarter
+        // of the compliance.
+        let twice = 2.0 * material.plane_strain_compliance() / (std::f64::consts::PI * model.shape.width)
+            * 6.0_f64.ln();
         assert!(twice > 0.2 * own);
     }
 }
@@ -227,7 +261,8 @@ fn at_vanishing_torque_elastic_and_rigid_discs_touch_alike() {
     }
 }
 
-/// 412 N·m: the excess over rigid discs equals what the full mesh gives way under the forces found, by virtual work.
+/// 412 N·m: the excess over rigid discs equals what the full mesh gives way under the forces found, by
+/// virtual work.
 #[test]
 fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
     let machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..rv_40e_81() };
@@ -235,8 +270,11 @@ fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
     let at = CrankAngle::from_radians(0.7);
     let sharing = meshing.load_sharing(at, 412.0).unwrap();
     let model = &fixture().model;
-    let loads: Vec<(f64, FlankLoad)> =
-        sharing.discs[0].iter().filter(|c| c.force > 0.0).map(|c| (c.gap, FlankLoad { tau: c.tau, force: c.force })).collect();
+    let loads: Vec<(f64, FlankLoad)> = sharing.discs[0]
+        .iter()
+        .filter(|c| c.force > 0.0)
+        .map(|c| (c.gap, FlankLoad { tau: c.tau, force: c.force }))
+        .collect();
     let unknowns = model.deflect(&loads.iter().map(|(_, load)| *load).collect::<Vec<_>>());
     let rigid = machine.meshing(&Relief::uniform(10e-6));
     let k = rigid.kinematics();
@@ -247,9 +285,13 @@ fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
     for (local, load) in &loads {
         let own = |h: f64| model.read_at_depth(&model.deflect(&[*load]), load.tau, h).unwrap();
         // Everything by the mesh: the surface under all forces, its own part read at depth instead.
-        let surface =
-            model.read_surface(&unknowns, load.tau) - model.read_surface(&model.deflect(&[*load]), load.tau) + own(fixture().reduced.reading_depth);
-        let contact = geometric.iter().min_by(|a, b| (a.tau - load.tau).abs().total_cmp(&(b.tau - load.tau).abs())).unwrap();
+        let surface = model.read_surface(&unknowns, load.tau)
+            - model.read_surface(&model.deflect(&[*load]), load.tau)
+            + own(fixture().reduced.reading_depth);
+        let contact = geometric
+            .iter()
+            .min_by(|a, b| (a.tau - load.tau).abs().total_cmp(&(b.tau - load.tau).abs()))
+            .unwrap();
         let reduced = -contact.gap + local;
         assert!((reduced / surface - 1.0).abs() < 0.02, "τ {}: {reduced:e} {surface:e}", load.tau);
     }
@@ -282,7 +324,10 @@ fn cache_returns_the_same_disc_and_refuses_everything_else() {
         damaged[place] ^= 1;
         assert!(ReducedDisc::from_bytes(&damaged, &model.shape, &model.settings).is_err(), "{place}");
     }
-    assert_eq!(ReducedDisc::from_bytes(&bytes[..bytes.len() - 8], &model.shape, &model.settings).err(), Some(CacheError::Damaged));
+    assert_eq!(
+        ReducedDisc::from_bytes(&bytes[..bytes.len() - 8], &model.shape, &model.settings).err(),
+        Some(CacheError::Damaged)
+    );
     assert_eq!(ReducedDisc::from_bytes(b"", &model.shape, &model.settings).err(), Some(CacheError::Foreign));
     let other = FlexibleSettings { reading_depth: 1.1e-3, ..model.settings };
     assert_eq!(ReducedDisc::from_bytes(&bytes, &model.shape, &other).err(), Some(CacheError::OtherKey));
@@ -292,11 +337,16 @@ fn cache_returns_the_same_disc_and_refuses_everything_else() {
 fn vtu_holds_every_node_and_element() {
     let model = &fixture().model;
     let text = model.vtu(&[FlankLoad { tau: 0.05, force: 100.0 }], 2).unwrap();
-    assert!(text.contains(&format!("NumberOfPoints=\"{}\" NumberOfCells=\"{}\"", model.mesh.nodes.len(), model.mesh.element_count())));
+    assert!(text.contains(&format!(
+        "NumberOfPoints=\"{}\" NumberOfCells=\"{}\"",
+        model.mesh.nodes.len(),
+        model.mesh.element_count()
+    )));
     assert!(text.trim_end().ends_with("</VTKFile>") && !text.contains("NaN"));
 }
 
-/// Plane stress and tetrahedra through the width: eight held modes and the torsion of the disc between bores and teeth.
+/// Plane stress and tetrahedra through the width: eight held modes and the torsion of the disc between bores
+/// and teeth.
 #[test]
 fn val_tetrahedra_agree_with_plane_stress() {
     let shape = DiscShape::of(&rv_40e_81(), 0);
@@ -310,7 +360,9 @@ fn val_tetrahedra_agree_with_plane_stress() {
     }
     // One newton at the same meshing angle on every tooth turns the disc about its bores.
     let pitch = std::f64::consts::TAU / shape.profile.lobe_count() as f64;
-    let loads: Vec<FlankLoad> = (0..shape.profile.lobe_count()).map(|lobe| FlankLoad { tau: (lobe as f64 + 0.2) * pitch, force: 1.0 }).collect();
+    let loads: Vec<FlankLoad> = (0..shape.profile.lobe_count())
+        .map(|lobe| FlankLoad { tau: (lobe as f64 + 0.2) * pitch, force: 1.0 })
+        .collect();
     let twist = |model: &DiscModel| {
         let unknowns = model.deflect(&loads);
         loads.iter().map(|load| model.read_at_depth(&unknowns, load.tau, 3e-3).unwrap()).sum::<f64>()

@@ -45,7 +45,8 @@ fn solve_with_given(stiffness: &SymmetricMatrix, force: &[f64], given: &[Option<
     let free: Vec<usize> = (0..given.len()).filter(|i| given[*i].is_none()).collect();
     let mut place = vec![usize::MAX; given.len()];
     free.iter().enumerate().for_each(|(k, i)| place[*i] = k);
-    let mut block = SymmetricMatrix { order: free.len(), column_start: vec![0], rows: Vec::new(), values: Vec::new() };
+    let mut block =
+        SymmetricMatrix { order: free.len(), column_start: vec![0], rows: Vec::new(), values: Vec::new() };
     for column in &free {
         for k in stiffness.column_start[*column]..stiffness.column_start[*column + 1] {
             if place[stiffness.rows[k]] != usize::MAX {
@@ -76,11 +77,17 @@ fn given_on(mesh: &Mesh, map: &DofMap, field: impl Fn([f64; 3]) -> [Option<f64>;
 }
 
 fn square(side: f64, size: f64) -> PlaneMesh {
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec2::new(x * side, y * side)).to_vec();
-    PlaneMesh::triangulate(&PlaneDomain { boundaries: vec![(Boundary::Polygon(corners), size, 0)], interior_size: size }).unwrap()
+    let corners =
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec2::new(x * side, y * side)).to_vec();
+    PlaneMesh::triangulate(&PlaneDomain {
+        boundaries: vec![(Boundary::Polygon(corners), size, 0)],
+        interior_size: size,
+    })
+    .unwrap()
 }
 
-/// A linear displacement field given on the surface of an irregular patch is reproduced inside to rounding, and needs no inner force.
+/// A linear displacement field given on the surface of an irregular patch is reproduced inside to rounding,
+/// and needs no inner force.
 #[test]
 fn patch_test_for_both_elements() {
     let plane = square(10e-3, 2.5e-3);
@@ -115,7 +122,8 @@ fn traction(mesh: &Mesh, map: &DofMap, boundary: usize, load: impl Fn(Vec2, Vec2
             let slope = [4.0 * s - 3.0, 4.0 * s - 1.0, 4.0 - 8.0 * s];
             let point = shape[0] * a + shape[1] * b + shape[2] * m;
             let tangent = slope[0] * a + slope[1] * b + slope[2] * m;
-            let outward = if boundary == 0 { 1.0 } else { -1.0 } * Vec2::new(tangent.y, -tangent.x).normalize();
+            let outward =
+                if boundary == 0 { 1.0 } else { -1.0 } * Vec2::new(tangent.y, -tangent.x).normalize();
             let t = load(point, outward) * (weight * tangent.norm() * mesh.thickness);
             for (node, n) in edge.nodes.into_iter().zip(shape) {
                 map.add_force(&mut force, node, 0, n * t.x);
@@ -130,7 +138,11 @@ fn traction(mesh: &Mesh, map: &DofMap, boundary: usize, load: impl Fn(Vec2, Vec2
 fn held_at_two_nodes(mesh: &Mesh, map: &DofMap, exact: impl Fn(Vec2) -> Vec2) -> Vec<Option<f64>> {
     let mut given = vec![None; map.count];
     let far = |direction: Vec2| {
-        (0..mesh.plane.corner_count).max_by(|a, b| mesh.plane.nodes[*a].dot(&direction).total_cmp(&mesh.plane.nodes[*b].dot(&direction))).unwrap()
+        (0..mesh.plane.corner_count)
+            .max_by(|a, b| {
+                mesh.plane.nodes[*a].dot(&direction).total_cmp(&mesh.plane.nodes[*b].dot(&direction))
+            })
+            .unwrap()
     };
     let (a, b) = (far(Vec2::new(1.0, 1e-3)), far(Vec2::new(-1.0, 1e-3)));
     for (node, component) in [(a, 0), (a, 1), (b, 1)] {
@@ -160,7 +172,8 @@ fn l2_error(mesh: &Mesh, map: &DofMap, unknowns: &[f64], exact: impl Fn(Vec2) ->
     (error / norm).sqrt()
 }
 
-/// Observed order between successive halvings of the edge length; displacements of quadratic elements converge with order 3 in L2.
+/// Observed order between successive halvings of the edge length; displacements of quadratic elements
+/// converge with order 3 in L2.
 fn order_of(error: impl Fn(f64) -> f64, size: f64) -> (f64, f64) {
     let (coarse, fine) = (error(size), error(0.5 * size));
     ((coarse / fine).log2(), fine)
@@ -176,7 +189,10 @@ fn val_lame_ring_converges_with_order_three() {
         x / r * (p * a * a / (e * (b * b - a * a)) * ((1.0 - nu) * r + (1.0 + nu) * b * b / r))
     };
     let error = |size: f64| {
-        let domain = PlaneDomain { boundaries: vec![(circle(0.0, 0.0, b), size, 0), (circle(0.0, 0.0, a), size, 0)], interior_size: size };
+        let domain = PlaneDomain {
+            boundaries: vec![(circle(0.0, 0.0, b), size, 0), (circle(0.0, 0.0, a), size, 0)],
+            interior_size: size,
+        };
         let mesh = Mesh::plane_stress(PlaneMesh::triangulate(&domain).unwrap(), 5e-3);
         let map = DofMap::new(&mesh, &[]);
         let (stiffness, _) = assemble(&mesh, &steel(), &map).unwrap();
@@ -188,7 +204,8 @@ fn val_lame_ring_converges_with_order_three() {
     assert!(order > 2.7 && fine < 1e-4, "order {order}, error {fine:e}");
 }
 
-/// Kirsch: a hole of radius a in an infinite sheet under σ in x. The exact tractions act on a square cut around the hole.
+/// Kirsch: a hole of radius a in an infinite sheet under σ in x. The exact tractions act on a square cut
+/// around the hole.
 #[test]
 fn val_kirsch_hole_converges_with_order_three() {
     let (a, half, sigma) = (5e-3, 15e-3, 100e6);
@@ -199,8 +216,12 @@ fn val_kirsch_hole_converges_with_order_three() {
         let (q, q3) = (a / r, (a / r).powi(3));
         let factor = sigma * a / (8.0 * mu);
         Vec2::new(
-            factor * ((kappa + 1.0) / q * t.cos() + 2.0 * q * ((1.0 + kappa) * t.cos() + (3.0 * t).cos()) - 2.0 * q3 * (3.0 * t).cos()),
-            factor * ((kappa - 3.0) / q * t.sin() + 2.0 * q * ((1.0 - kappa) * t.sin() + (3.0 * t).sin()) - 2.0 * q3 * (3.0 * t).sin()),
+            factor
+                * ((kappa + 1.0) / q * t.cos() + 2.0 * q * ((1.0 + kappa) * t.cos() + (3.0 * t).cos())
+                    - 2.0 * q3 * (3.0 * t).cos()),
+            factor
+                * ((kappa - 3.0) / q * t.sin() + 2.0 * q * ((1.0 - kappa) * t.sin() + (3.0 * t).sin())
+                    - 2.0 * q3 * (3.0 * t).sin()),
         )
     };
     let stress_times = |x: Vec2, n: Vec2| {
@@ -213,9 +234,13 @@ fn val_kirsch_hole_converges_with_order_three() {
         Vec2::new(xx * n.x + xy * n.y, xy * n.x + yy * n.y)
     };
     let error = |size: f64| {
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| half * Vec2::new(x, y)).to_vec();
-        let domain =
-            PlaneDomain { boundaries: vec![(Boundary::Polygon(corners), size, 0), (circle(0.0, 0.0, a), 0.5 * size, 0)], interior_size: size };
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+            .map(|[x, y]| half * Vec2::new(x, y))
+            .to_vec();
+        let domain = PlaneDomain {
+            boundaries: vec![(Boundary::Polygon(corners), size, 0), (circle(0.0, 0.0, a), 0.5 * size, 0)],
+            interior_size: size,
+        };
         let mesh = Mesh::plane_stress(PlaneMesh::triangulate(&domain).unwrap(), 5e-3);
         let map = DofMap::new(&mesh, &[]);
         let (stiffness, _) = assemble(&mesh, &steel(), &map).unwrap();
@@ -227,7 +252,8 @@ fn val_kirsch_hole_converges_with_order_three() {
     assert!(order > 2.7 && fine < 1e-4, "order {order}, error {fine:e}");
 }
 
-/// Timoshenko's cantilever under an end shear P: the exact field given at the root, the parabolic shear at the end.
+/// Timoshenko's cantilever under an end shear P: the exact field given at the root, the parabolic shear at
+/// the end.
 #[test]
 fn val_cantilever_converges_with_order_three() {
     let (l, c, p, thickness) = (40e-3, 5e-3, 1000.0, 5e-3);
@@ -244,11 +270,14 @@ fn val_cantilever_converges_with_order_three() {
     };
     let error = |size: f64| {
         let corners = [[0.0, -c], [l, -c], [l, c], [0.0, c]].map(|[x, y]| Vec2::new(x, y)).to_vec();
-        let domain = PlaneDomain { boundaries: vec![(Boundary::Polygon(corners), size, 0)], interior_size: size };
+        let domain =
+            PlaneDomain { boundaries: vec![(Boundary::Polygon(corners), size, 0)], interior_size: size };
         let mesh = Mesh::plane_stress(PlaneMesh::triangulate(&domain).unwrap(), thickness);
         let map = DofMap::new(&mesh, &[]);
         let (stiffness, _) = assemble(&mesh, &steel(), &map).unwrap();
-        let force = traction(&mesh, &map, 0, |x, n| if n.x > 0.5 { Vec2::new(0.0, 0.5 * p / inertia * (c * c - x.y * x.y)) } else { Vec2::zeros() });
+        let force = traction(&mesh, &map, 0, |x, n| {
+            if n.x > 0.5 { Vec2::new(0.0, 0.5 * p / inertia * (c * c - x.y * x.y)) } else { Vec2::zeros() }
+        });
         let given = given_on(&mesh, &map, |q| {
             if q[0] < 1e-9 {
                 let u = exact(Vec2::new(q[0], q[1]));
@@ -267,7 +296,8 @@ fn val_cantilever_converges_with_order_three() {
 /// Area and polar moment of area of a closed curve by Green's theorem on a fine polygon.
 fn area_and_polar_moment(boundary: &Boundary) -> (f64, f64) {
     let count = 200_000;
-    let points: Vec<Vec2> = (0..=count).map(|i| boundary.point(boundary.period() * i as f64 / count as f64)).collect();
+    let points: Vec<Vec2> =
+        (0..=count).map(|i| boundary.point(boundary.period() * i as f64 / count as f64)).collect();
     points.windows(2).fold((0.0, 0.0), |(area, moment), pair| {
         let (p, q) = (pair[0], pair[1]);
         let cross = crate::geometry::cross(p, q);
@@ -278,7 +308,12 @@ fn area_and_polar_moment(boundary: &Boundary) -> (f64, f64) {
 /// K u = 0 for rigid motions, and uᵀ M u is the mass and the inertia of the solid between its outlines.
 #[test]
 fn rigid_motions_cost_no_energy_and_carry_the_mass_of_the_solid() {
-    let outlines = [Boundary::Flank(paper_profile()), circle(0.0, 40.5e-3, 13.5e-3), circle(0.0, -40.5e-3, 13.5e-3), circle(0.0, 0.0, 20e-3)];
+    let outlines = [
+        Boundary::Flank(paper_profile()),
+        circle(0.0, 40.5e-3, 13.5e-3),
+        circle(0.0, -40.5e-3, 13.5e-3),
+        circle(0.0, 0.0, 20e-3),
+    ];
     let (mut solid, mut moment) = area_and_polar_moment(&outlines[0]);
     for hole in &outlines[1..] {
         let (a, j) = area_and_polar_moment(hole);
@@ -290,29 +325,35 @@ fn rigid_motions_cost_no_energy_and_carry_the_mass_of_the_solid() {
     // 0.6366 kg is the accepted value; the inertia that goes with it is 1.3394e-3 kg·m².
     assert!((solid / 0.6366 - 1.0).abs() < 1e-4);
     let plane = disc_mesh(0.8e-3, 2, 2e-3, 4e-3);
-    for mesh in [Mesh::plane_stress(plane.clone(), 8.75e-3), Mesh::extruded(plane.clone(), 8.75e-3, 1, false)] {
+    for mesh in [Mesh::plane_stress(plane.clone(), 8.75e-3), Mesh::extruded(plane.clone(), 8.75e-3, 1, false)]
+    {
         mesh.check().unwrap();
         let map = DofMap::new(&mesh, &[]);
         let (stiffness, mass) = assemble(&mesh, &steel(), &map).unwrap();
         let scale = stiffness.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let motions: [fn([f64; 3]) -> [f64; 3]; 3] = [|_| [1.0, 0.0, 0.0], |_| [0.0, 1.0, 0.0], |p| [-p[1], p[0], 0.0]];
+        let motions: [fn([f64; 3]) -> [f64; 3]; 3] =
+            [|_| [1.0, 0.0, 0.0], |_| [0.0, 1.0, 0.0], |p| [-p[1], p[0], 0.0]];
         for (motion, expected) in motions.into_iter().zip([solid, solid, moment]) {
             let u = map.sample(&mesh, motion);
             let residual = stiffness.product(&u).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
             assert!(residual < 1e-11 * scale, "{residual:e}");
             let inertia: f64 = mass.product(&u).iter().zip(&u).map(|(a, b)| a * b).sum();
-            // Parabolic edges leave an error of fourth order in edge length over curvature radius: (0.8/1.6)⁴ of a sliver at the flank.
+            // Parabolic edges leave an error of fourth order in edge length over curvature radius: (0.8/1.6)⁴
+            // of a sliver at the flank.
             assert!((inertia / expected - 1.0).abs() < 2e-5, "{inertia} {expected}");
         }
     }
 }
 
-/// In-plane modes of a free thin ring: ω_n² = E I n²(n²−1)²/(ρ A R⁴ (n²+1)) in pairs, after three rigid-body modes.
+/// In-plane modes of a free thin ring: ω_n² = E I n²(n²−1)²/(ρ A R⁴ (n²+1)) in pairs, after three rigid-body
+/// modes.
 #[test]
 fn val_free_ring_modes_come_in_pairs_after_three_rigid_ones() {
     let (r, h) = (50e-3, 1e-3);
-    let domain =
-        PlaneDomain { boundaries: vec![(circle(0.0, 0.0, r + 0.5 * h), 1e-3, 0), (circle(0.0, 0.0, r - 0.5 * h), 1e-3, 0)], interior_size: 1e-3 };
+    let domain = PlaneDomain {
+        boundaries: vec![(circle(0.0, 0.0, r + 0.5 * h), 1e-3, 0), (circle(0.0, 0.0, r - 0.5 * h), 1e-3, 0)],
+        interior_size: 1e-3,
+    };
     let mesh = Mesh::plane_stress(PlaneMesh::triangulate(&domain).unwrap(), 5e-3);
     let map = DofMap::new(&mesh, &[]);
     let (stiffness, mass) = assemble(&mesh, &steel(), &map).unwrap();
@@ -322,10 +363,14 @@ fn val_free_ring_modes_come_in_pairs_after_three_rigid_ones() {
     let frequencies = modes.frequencies();
     assert!(frequencies[2] < 0.05, "{frequencies:?}");
     for (pair, n) in [(3, 2.0_f64), (5, 3.0), (7, 4.0)] {
-        let expected =
-            (steel().youngs_modulus * h * h / 12.0 / (steel().density * r.powi(4))).sqrt() * n * (n * n - 1.0) / (n * n + 1.0).sqrt() / TAU;
+        let expected = (steel().youngs_modulus * h * h / 12.0 / (steel().density * r.powi(4))).sqrt()
+            * n
+            * (n * n - 1.0)
+            / (n * n + 1.0).sqrt()
+            / TAU;
         for f in &frequencies[pair..pair + 2] {
-            // A thin ring of h/R = 1/50: shear and rotatory inertia lower the frequency by about (n h/R)²/3, 0.2 % for n = 4.
+            // A thin ring of h/R = 1/50: shear and rotatory inertia lower the frequency by about (n h/R)²/3,
+            // 0.2 % for n = 4.
             assert!((f / expected - 1.0).abs() < 4e-3, "n = {n}: {f} {expected}");
         }
     }
@@ -358,7 +403,10 @@ fn a_free_body_is_not_factorised() {
 
 #[test]
 fn crossing_boundaries_are_refused() {
-    let domain = PlaneDomain { boundaries: vec![(circle(0.0, 0.0, 10e-3), 1e-3, 0), (circle(8e-3, 0.0, 4e-3), 1e-3, 0)], interior_size: 2e-3 };
+    let domain = PlaneDomain {
+        boundaries: vec![(circle(0.0, 0.0, 10e-3), 1e-3, 0), (circle(8e-3, 0.0, 4e-3), 1e-3, 0)],
+        interior_size: 2e-3,
+    };
     assert!(matches!(PlaneMesh::triangulate(&domain), Err(super::FemError::Mesh { .. })));
 }
 

@@ -22,12 +22,21 @@ pub fn render(mesh: &Mesh, fields: &[NodeField<'_>]) -> String {
         text,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>"
     );
-    let _ = writeln!(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", mesh.nodes.len(), mesh.element_count());
-    let _ = writeln!(text, "<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">");
+    let _ = writeln!(
+        text,
+        "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
+        mesh.nodes.len(),
+        mesh.element_count()
+    );
+    let _ =
+        writeln!(text, "<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">");
     for [x, y, z] in &mesh.nodes {
         let _ = writeln!(text, "{x:.9e} {y:.9e} {z:.9e}");
     }
-    let _ = writeln!(text, "</DataArray>\n</Points>\n<Cells>\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">");
+    let _ = writeln!(
+        text,
+        "</DataArray>\n</Points>\n<Cells>\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">"
+    );
     for element in mesh.elements() {
         let row: Vec<String> = element.iter().map(usize::to_string).collect();
         let _ = writeln!(text, "{}", row.join(" "));
@@ -47,9 +56,17 @@ pub fn render(mesh: &Mesh, fields: &[NodeField<'_>]) -> String {
     let _ = writeln!(text, "</DataArray>\n</Cells>\n<PointData>");
     for field in fields {
         let components = if field.is_vector { 3 } else { 1 };
-        let _ = writeln!(text, "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{components}\" format=\"ascii\">", escaped(field.name));
+        let _ = writeln!(
+            text,
+            "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{components}\" format=\"ascii\">",
+            escaped(field.name)
+        );
         for [x, y, z] in field.values {
-            let _ = if field.is_vector { writeln!(text, "{x:.9e} {y:.9e} {z:.9e}") } else { writeln!(text, "{x:.9e}") };
+            let _ = if field.is_vector {
+                writeln!(text, "{x:.9e} {y:.9e} {z:.9e}")
+            } else {
+                writeln!(text, "{x:.9e}")
+            };
         }
         let _ = writeln!(text, "</DataArray>");
     }
@@ -88,7 +105,10 @@ impl DiscModel {
         let curves = 1 + self.shape.bores.len() + self.shape.holes.len();
         DeformedPicture {
             nodes_mm: plane.nodes.iter().map(|p| [p.x * 1e3, p.y * 1e3]).collect(),
-            displacement_um: displacement[..plane.nodes.len()].iter().map(|u| [u[0] * 1e6, u[1] * 1e6]).collect(),
+            displacement_um: displacement[..plane.nodes.len()]
+                .iter()
+                .map(|u| [u[0] * 1e6, u[1] * 1e6])
+                .collect(),
             von_mises_mpa: stress[..plane.nodes.len()].iter().map(|s| s * 1e-6).collect(),
             triangles: plane.triangles.iter().map(|t| [t[0], t[1], t[2]]).collect(),
             outlines: (0..curves).map(|curve| plane.nodes_of(curve)).collect(),
@@ -103,7 +123,8 @@ impl DiscModel {
         }
     }
 
-    /// The mesh with displacement and von Mises stress under flank loads, and the first held modes, for ParaView.
+    /// The mesh with displacement and von Mises stress under flank loads, and the first held modes, for
+    /// ParaView.
     ///
     /// # Errors
     /// [`super::FemError`] if the modes do not converge.
@@ -116,7 +137,12 @@ impl DiscModel {
             .frequencies()
             .iter()
             .enumerate()
-            .map(|(m, f)| (format!("mode {} ({f:.0} Hz)", m + 1), self.nodal_displacement(shapes.shapes.col_as_slice(m))))
+            .map(|(m, f)| {
+                (
+                    format!("mode {} ({f:.0} Hz)", m + 1),
+                    self.nodal_displacement(shapes.shapes.col_as_slice(m)),
+                )
+            })
             .collect();
         let mut fields = vec![
             NodeField { name: "displacement (m)", values: &displacement, is_vector: true },

@@ -11,7 +11,8 @@ pub struct Closest {
     pub(crate) meshing_unit: Vec2,
     /// Gap in m.
     pub gap: f64,
-    /// Gradient of the gap with respect to the pin centre (disc frame): the line of action, from flank to pin.
+    /// Gradient of the gap with respect to the pin centre (disc frame): the line of action, from flank to
+    /// pin.
     pub normal: Vec2,
     /// Curvature of the worn flank in 1/m, positive where concave.
     pub flank_curvature: f64,
@@ -23,21 +24,25 @@ pub struct Closest {
 struct Station {
     /// Vector from the worn flank point to the pin centre.
     reach: Vec2,
-    /// Half derivative of the squared distance along the flank, over the distance: zero at the closest point; in m per m.
+    /// Half derivative of the squared distance along the flank, over the distance: zero at the closest point;
+    /// in m per m.
     slope: f64,
     /// Its derivative with respect to τ in 1/rad.
     slope_by_tau: f64,
     course: Course,
 }
 
-/// The last step (rad of φ) when the iteration stops: convergence is quadratic, so that the error left is of order 1e-12.
+/// The last step (rad of φ) when the iteration stops: convergence is quadratic, so that the error left is of
+/// order 1e-12.
 const LAST_STEP: f64 = 1e-6;
 
 impl Profile {
-    /// Closest point of the flank f(τ) − w(τ) n(τ) to a pin of radius `pin_radius` at `p`, started at the foot on the unworn flank.
+    /// Closest point of the flank f(τ) − w(τ) n(τ) to a pin of radius `pin_radius` at `p`, started at the
+    /// foot on the unworn flank.
     ///
-    /// With q = c − (r + w) n the distance |p − q| is stationary where off·t = w_s (off·n + r + w), off = p − c, t the tangent and w_s the slope of the depth
-    /// along the flank. Newton's method; where the depth is so wavy that it does not settle, golden section within ±0.3 rad of φ.
+    /// With q = c − (r + w) n the distance |p − q| is stationary where off·t = w_s (off·n + r + w), off = p −
+    /// c, t the tangent and w_s the slope of the depth along the flank. Newton's method; where the depth is
+    /// so wavy that it does not settle, golden section within ±0.3 rad of φ.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
         let mut place = foot.place;
@@ -78,14 +83,21 @@ impl Profile {
     }
 
     /// How the worn flank runs at τ, where `meshing` is e(φ).
-    pub(crate) fn worn_course(&self, tau: f64, meshing: Vec2, relief: &Relief, pin_radius: f64) -> WornCourse {
+    pub(crate) fn worn_course(
+        &self,
+        tau: f64,
+        meshing: Vec2,
+        relief: &Relief,
+        pin_radius: f64,
+    ) -> WornCourse {
         if relief.is_uniform() {
             let (z, k1) = (self.pin_count as f64, self.short_width_coefficient());
             let factor = self.speed_factor(meshing.x);
             let speed = self.pin_circle_radius * factor;
             let trace = self.trace_curvature(meshing.x);
             let stretch = 1.0 + (self.pin_radius + relief.samples()[0]) * trace;
-            let trace_rate = self.lobe_count() as f64 * k1 * meshing.y * ((1.0 + z) / speed + 3.0 * trace) / (factor * factor);
+            let trace_rate = self.lobe_count() as f64 * k1 * meshing.y * ((1.0 + z) / speed + 3.0 * trace)
+                / (factor * factor);
             return WornCourse {
                 curvature: trace / stretch,
                 length: speed * stretch.abs(),
@@ -95,7 +107,8 @@ impl Profile {
         let z = self.pin_count as f64;
         let here = Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
         let course = self.course(here, relief);
-        // So short that it seldom leaves a cell of the depth's spline, whose third derivative jumps between cells.
+        // So short that it seldom leaves a cell of the depth's spline, whose third derivative jumps between
+        // cells.
         let step = 1e-5 / self.lobe_count() as f64;
         let relative = |step: f64| self.course(here.moved(step, z), relief).relative_curvature(pin_radius);
         WornCourse {
@@ -114,7 +127,8 @@ impl Profile {
         let per_speed3 = per_speed * per_speed * per_speed;
         let trace_curvature = -cross(c1, c2) * per_speed3;
         let speed_rate = c1.dot(&c2) * per_speed;
-        let trace_curvature_rate = -cross(c1, c3) * per_speed3 - 3.0 * trace_curvature * speed_rate * per_speed;
+        let trace_curvature_rate =
+            -cross(c1, c3) * per_speed3 - 3.0 * trace_curvature * speed_rate * per_speed;
         let lobes = self.lobe_count() as f64;
         let meshing_angle = self.meshing_angle(place.tau);
         let worn = relief.at(meshing_angle);
@@ -152,8 +166,8 @@ impl Profile {
         // The tangent turns by κ0 |c′| per τ towards the normal, the normal as much against the tangent.
         let along_rate = turning * (height - depth_below_trace) - speed;
         let height_rate = depth_rate - turning * along;
-        let slope_by_tau =
-            (along_rate - along * per_height * height_rate) * per_height - (course.depth_bend - depth_slope * course.length_rate) * per_length;
+        let slope_by_tau = (along_rate - along * per_height * height_rate) * per_height
+            - (course.depth_bend - depth_slope * course.length_rate) * per_length;
         Station { reach: height * normal + along * tangent, slope, slope_by_tau, course }
     }
 }
@@ -169,12 +183,14 @@ pub(crate) struct WornCourse {
 }
 
 impl Course {
-    /// 1/R_eq in 1/m against a pin. A hollow sharper than the pin would touch at two places; a tenth of the relative curvature without the waves of
-    /// the depth keeps the single contact that this model has (it enters the force only under a logarithm).
+    /// 1/R_eq in 1/m against a pin. A hollow sharper than the pin would touch at two places; a tenth of the
+    /// relative curvature without the waves of the depth keeps the single contact that this model has (it
+    /// enters the force only under a logarithm).
     fn relative_curvature(&self, pin_radius: f64) -> f64 {
         let Course { turning, length, length_rate, depth_rate, depth_bend, .. } = self;
         let square = length * length + depth_rate * depth_rate;
-        let bends = length * (length * turning - depth_bend) + depth_rate * (length_rate + depth_rate * turning);
+        let bends =
+            length * (length * turning - depth_bend) + depth_rate * (length_rate + depth_rate * turning);
         let curvature = bends / (square * square.sqrt());
         (1.0 / pin_radius - curvature).max(0.1 * (1.0 / pin_radius - self.flank_curvature))
     }
@@ -228,8 +244,11 @@ mod tests {
 
     #[test]
     fn slope_along_the_flank_has_the_derivative_that_newton_uses() {
-        let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
-        let relief = Relief::from_samples(Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect());
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let relief = Relief::from_samples(
+            Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect(),
+        );
         let at = |tau: f64| Place { tau, e: unit(tau), ez: unit(40.0 * tau) };
         for i in 0..60 {
             let tau = 0.4 + 0.0027 * i as f64;

@@ -3,7 +3,8 @@
 use super::foot::{LAST_STEP, Place, ROOT_ZONE_COS};
 use super::{Foot, Profile, Vec2};
 
-/// Pins searched at a time. The compiler keeps them in wide registers: two to a register on the baseline of x86-64, four with AVX.
+/// Pins searched at a time. The compiler keeps them in wide registers: two to a register on the baseline of
+/// x86-64, four with AVX.
 pub const LANES: usize = 4;
 
 type Lanes = [f64; LANES];
@@ -31,10 +32,22 @@ impl Vectors {
     #[inline(always)]
     fn turned(&self, x: &Lanes) -> Vectors {
         let q = lanes(|l| x[l] * x[l]);
-        let sin = lanes(|l| x[l] * (1.0 + q[l] * (-1.0 / 6.0 + q[l] * (1.0 / 120.0 + q[l] * (-1.0 / 5040.0 + q[l] * (1.0 / 362_880.0))))));
-        let cos =
-            lanes(|l| 1.0 + q[l] * (-0.5 + q[l] * (1.0 / 24.0 + q[l] * (-1.0 / 720.0 + q[l] * (1.0 / 40_320.0 + q[l] * (-1.0 / 3_628_800.0))))));
-        Vectors { x: lanes(|l| self.x[l] * cos[l] - self.y[l] * sin[l]), y: lanes(|l| self.x[l] * sin[l] + self.y[l] * cos[l]) }
+        let sin = lanes(|l| {
+            x[l] * (1.0
+                + q[l]
+                    * (-1.0 / 6.0 + q[l] * (1.0 / 120.0 + q[l] * (-1.0 / 5040.0 + q[l] * (1.0 / 362_880.0)))))
+        });
+        let cos = lanes(|l| {
+            1.0 + q[l]
+                * (-0.5
+                    + q[l]
+                        * (1.0 / 24.0
+                            + q[l] * (-1.0 / 720.0 + q[l] * (1.0 / 40_320.0 + q[l] * (-1.0 / 3_628_800.0)))))
+        });
+        Vectors {
+            x: lanes(|l| self.x[l] * cos[l] - self.y[l] * sin[l]),
+            y: lanes(|l| self.x[l] * sin[l] + self.y[l] * cos[l]),
+        }
     }
 }
 
@@ -63,8 +76,9 @@ struct Step {
 }
 
 impl Profile {
-    /// [`Profile::foot_from`] for several pins that share e(z·guess): two steps of Chebyshev's method for all of them at once. A pin that these do not
-    /// bring home, or that stands near a root, is sought alone. `visit` sees the feet of the first `count` pins in turn.
+    /// [`Profile::foot_from`] for several pins that share e(z·guess): two steps of Chebyshev's method for all
+    /// of them at once. A pin that these do not bring home, or that stands near a root, is sought alone.
+    /// `visit` sees the feet of the first `count` pins in turn.
     #[inline]
     pub(crate) fn feet_from(
         &self,
@@ -74,7 +88,8 @@ impl Profile {
         mut visit: impl FnMut(usize, &Foot),
     ) {
         let pins = Vectors::of(p);
-        let start = Places { tau: *guess, e: Vectors::of(e), ez: Vectors { x: [ez.x; LANES], y: [ez.y; LANES] } };
+        let start =
+            Places { tau: *guess, e: Vectors::of(e), ez: Vectors { x: [ez.x; LANES], y: [ez.y; LANES] } };
         let first = self.steps(&pins, &start);
         let second = self.steps(&pins, &first.places);
         let Places { tau, e: at, ez: at_z } = &second.places;
@@ -84,9 +99,13 @@ impl Profile {
         let distance = lanes(|l| off.x[l] * normal.x[l] + off.y[l] * normal.y[l]);
         let cos = lanes(|l| at.x[l] * at_z.x[l] + at.y[l] * at_z.y[l]);
         let sin = lanes(|l| at.y[l] * at_z.x[l] - at.x[l] * at_z.y[l]);
-        let curvature = lanes(|l| (c1.y[l] * c2.x[l] - c1.x[l] * c2.y[l]) * per_speed[l] * per_speed[l] * per_speed[l]);
+        let curvature =
+            lanes(|l| (c1.y[l] * c2.x[l] - c1.x[l] * c2.y[l]) * per_speed[l] * per_speed[l] * per_speed[l]);
         for l in 0..LANES.min(count) {
-            let home = first.good[l] && second.good[l] && second.size[l].abs() < LAST_STEP && cos[l] <= ROOT_ZONE_COS;
+            let home = first.good[l]
+                && second.good[l]
+                && second.size[l].abs() < LAST_STEP
+                && cos[l] <= ROOT_ZONE_COS;
             if home {
                 let foot = Foot {
                     tau: tau[l],
@@ -95,7 +114,11 @@ impl Profile {
                     cos_meshing: cos[l],
                     sin_meshing: sin[l],
                     trace_curvature: curvature[l],
-                    place: Place { tau: tau[l], e: Vec2::new(at.x[l], at.y[l]), ez: Vec2::new(at_z.x[l], at_z.y[l]) },
+                    place: Place {
+                        tau: tau[l],
+                        e: Vec2::new(at.x[l], at.y[l]),
+                        ez: Vec2::new(at_z.x[l], at_z.y[l]),
+                    },
                 };
                 visit(l, &foot);
             } else {
@@ -111,9 +134,15 @@ impl Profile {
         let (az, azz) = (a * z, a * z * z);
         let Places { e, ez, .. } = at;
         Trace {
-            off: Vectors { x: lanes(|l| p.x[l] - (r * e.x[l] - a * ez.x[l])), y: lanes(|l| p.y[l] - (r * e.y[l] - a * ez.y[l])) },
+            off: Vectors {
+                x: lanes(|l| p.x[l] - (r * e.x[l] - a * ez.x[l])),
+                y: lanes(|l| p.y[l] - (r * e.y[l] - a * ez.y[l])),
+            },
             c1: Vectors { x: lanes(|l| az * ez.y[l] - r * e.y[l]), y: lanes(|l| r * e.x[l] - az * ez.x[l]) },
-            c2: Vectors { x: lanes(|l| azz * ez.x[l] - r * e.x[l]), y: lanes(|l| azz * ez.y[l] - r * e.y[l]) },
+            c2: Vectors {
+                x: lanes(|l| azz * ez.x[l] - r * e.x[l]),
+                y: lanes(|l| azz * ez.y[l] - r * e.y[l]),
+            },
         }
     }
 
@@ -123,18 +152,28 @@ impl Profile {
         let azzz = self.eccentricity * z * z * z;
         let Places { tau, e, ez } = at;
         let Trace { off, c1, c2 } = self.trace_under(p, at);
-        let c3 = Vectors { x: lanes(|l| r * e.y[l] - azzz * ez.y[l]), y: lanes(|l| azzz * ez.x[l] - r * e.x[l]) };
+        let c3 =
+            Vectors { x: lanes(|l| r * e.y[l] - azzz * ez.y[l]), y: lanes(|l| azzz * ez.x[l] - r * e.x[l]) };
         let value = lanes(|l| off.x[l] * c1.x[l] + off.y[l] * c1.y[l]);
-        let slope = lanes(|l| off.x[l] * c2.x[l] + off.y[l] * c2.y[l] - (c1.x[l] * c1.x[l] + c1.y[l] * c1.y[l]));
-        let bend = lanes(|l| off.x[l] * c3.x[l] + off.y[l] * c3.y[l] - 3.0 * (c1.x[l] * c2.x[l] + c1.y[l] * c2.y[l]));
+        let slope =
+            lanes(|l| off.x[l] * c2.x[l] + off.y[l] * c2.y[l] - (c1.x[l] * c1.x[l] + c1.y[l] * c1.y[l]));
+        let bend = lanes(|l| {
+            off.x[l] * c3.x[l] + off.y[l] * c3.y[l] - 3.0 * (c1.x[l] * c2.x[l] + c1.y[l] * c2.y[l])
+        });
         let per_slope = lanes(|l| 1.0 / slope[l]);
         let newton = lanes(|l| -value[l] * per_slope[l]);
         let correction = lanes(|l| 0.5 * newton[l] * bend[l] * per_slope[l]);
         let step = lanes(|l| newton[l] * (1.0 - correction[l]));
         let size = lanes(|l| z * step[l]);
-        // As for a single pin, but for 0.1 rad: so far the series of sine and cosine reach. False for NaN, too.
-        let good = [0, 1, 2, 3].map(|l: usize| slope[l] < 0.0 && size[l].abs() < 0.1 && correction[l].abs() <= 0.35);
-        Step { places: Places { tau: lanes(|l| tau[l] + step[l]), e: e.turned(&step), ez: ez.turned(&size) }, size, good }
+        // As for a single pin, but for 0.1 rad: so far the series of sine and cosine reach. False for NaN,
+        // too.
+        let good =
+            [0, 1, 2, 3].map(|l: usize| slope[l] < 0.0 && size[l].abs() < 0.1 && correction[l].abs() <= 0.35);
+        Step {
+            places: Places { tau: lanes(|l| tau[l] + step[l]), e: e.turned(&step), ez: ez.turned(&size) },
+            size,
+            good,
+        }
     }
 }
 
@@ -143,26 +182,45 @@ mod tests {
     use super::*;
     use crate::geometry::unit;
 
-    /// Any four neighbouring pins of a ring, near their places and away from them, roots and tips included: what the search of single pins finds.
+    /// Any four neighbouring pins of a ring, near their places and away from them, roots and tips included:
+    /// what the search of single pins finds.
     #[test]
     fn pins_side_by_side_are_found_like_single_ones() {
-        let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
         for off in [0.0, 1e-7, 3e-6, 60e-6, 5e-4] {
             for index in 0..200 {
                 let turn = 0.31 * index as f64;
                 let ez = unit(-40.0 * turn);
-                let guess: [f64; LANES] = std::array::from_fn(|l| std::f64::consts::TAU * (index + l) as f64 / 40.0 - turn);
+                let guess: [f64; LANES] =
+                    std::array::from_fn(|l| std::f64::consts::TAU * (index + l) as f64 / 40.0 - turn);
                 let e = guess.map(unit);
-                let p: [Vec2; LANES] = std::array::from_fn(|l| profile.trace(guess[l]) + off * unit(0.7 * (index + 3 * l) as f64));
+                let p: [Vec2; LANES] = std::array::from_fn(|l| {
+                    profile.trace(guess[l]) + off * unit(0.7 * (index + 3 * l) as f64)
+                });
                 profile.feet_from((&p, &guess, &e), ez, LANES, |l, foot| {
                     let alone = profile.foot_from(p[l], guess[l], e[l], ez);
-                    assert!((foot.tau - alone.tau).abs() < 1e-12, "{off} {index} {l}: {} {}", foot.tau, alone.tau);
-                    assert!((foot.distance - alone.distance).abs() < 1e-15, "{off} {index} {l}: {} {}", foot.distance, alone.distance);
-                    // What the same dτ makes of the rest: normals turn by κ |c′| dτ; the curvature rises from nothing to 14/mm within some 0.01 rad.
+                    assert!(
+                        (foot.tau - alone.tau).abs() < 1e-12,
+                        "{off} {index} {l}: {} {}",
+                        foot.tau,
+                        alone.tau
+                    );
+                    assert!(
+                        (foot.distance - alone.distance).abs() < 1e-15,
+                        "{off} {index} {l}: {} {}",
+                        foot.distance,
+                        alone.distance
+                    );
+                    // What the same dτ makes of the rest: normals turn by κ |c′| dτ; the curvature rises from
+                    // nothing to 14/mm within some 0.01 rad.
                     let turn = 1e-12 * (1.0 + 0.12 * alone.trace_curvature.abs());
                     assert!((foot.normal - alone.normal).norm() < turn, "{off} {index} {l}");
                     assert!((foot.trace_curvature - alone.trace_curvature).abs() < 1e-6, "{off} {index} {l}");
-                    assert!((foot.sin_meshing - alone.sin_meshing).abs() < 1e-10 && (foot.cos_meshing - alone.cos_meshing).abs() < 1e-10);
+                    assert!(
+                        (foot.sin_meshing - alone.sin_meshing).abs() < 1e-10
+                            && (foot.cos_meshing - alone.cos_meshing).abs() < 1e-10
+                    );
                 });
             }
         }

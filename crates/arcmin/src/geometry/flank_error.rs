@@ -48,13 +48,16 @@ pub enum FlankDataError {
 const POINTS_PER_LOBE: usize = 32;
 
 impl FlankError {
-    /// From measured depths along the normal, as (angle τ on the disc in rad, depth of missing metal in m), around the whole disc.
+    /// From measured depths along the normal, as (angle τ on the disc in rad, depth of missing metal in m),
+    /// around the whole disc.
     ///
-    /// Resampling: between its points the measurement is taken as straight lines that close around the disc; a grid of 32 points per lobe holds
-    /// the mean of these lines over one grid step each, which filters what is finer; a periodic cubic spline runs through the grid.
+    /// Resampling: between its points the measurement is taken as straight lines that close around the disc;
+    /// a grid of 32 points per lobe holds the mean of these lines over one grid step each, which filters what
+    /// is finer; a periodic cubic spline runs through the grid.
     ///
     /// # Errors
-    /// [`FlankDataError`] if the angles do not rise, cover more than a turn, or leave a gap wider than a quarter of a lobe.
+    /// [`FlankDataError`] if the angles do not rise, cover more than a turn, or leave a gap wider than a
+    /// quarter of a lobe.
     pub fn from_measured(points: &[(f64, f64)], lobe_count: usize) -> Result<FlankError, FlankDataError> {
         let coarsest = TAU / (4 * lobe_count) as f64;
         let Some(first) = points.first() else { return Err(FlankDataError::TooCoarse(0, TAU, lobe_count)) };
@@ -67,9 +70,12 @@ impl FlankError {
                 return Err(FlankDataError::MoreThanATurn(index + 1));
             }
         }
-        let mut nodes: Vec<(f64, f64)> = points.iter().filter(|p| p.0 < first.0 + TAU * (1.0 - 1e-9)).copied().collect();
+        let mut nodes: Vec<(f64, f64)> =
+            points.iter().filter(|p| p.0 < first.0 + TAU * (1.0 - 1e-9)).copied().collect();
         nodes.push((first.0 + TAU, first.1));
-        if let Some((index, pair)) = nodes.windows(2).enumerate().find(|(_, pair)| pair[1].0 - pair[0].0 > coarsest * (1.0 + 1e-9)) {
+        if let Some((index, pair)) =
+            nodes.windows(2).enumerate().find(|(_, pair)| pair[1].0 - pair[0].0 > coarsest * (1.0 + 1e-9))
+        {
             return Err(FlankDataError::TooCoarse(index, pair[1].0 - pair[0].0, lobe_count));
         }
         // Integral of the straight lines from the first node on.
@@ -88,7 +94,9 @@ impl FlankError {
         };
         let count = POINTS_PER_LOBE * lobe_count;
         let step = TAU / count as f64;
-        let depths = Relief::grid(count).map(|angle| (integral(angle + 0.5 * step) - integral(angle - 0.5 * step)) / step).collect();
+        let depths = Relief::grid(count)
+            .map(|angle| (integral(angle + 0.5 * step) - integral(angle - 0.5 * step)) / step)
+            .collect();
         Ok(FlankError { harmonics: Vec::new(), measured: Some(Relief::from_samples(depths)) })
     }
 
@@ -103,12 +111,17 @@ impl FlankError {
             };
             depth += along * h.amplitude * (h.order as f64 * (tau - h.phase)).cos();
         }
-        depth + self.measured.as_ref().map_or(0.0, |measured| measured.at((tau + PI).rem_euclid(TAU) - PI).depth)
+        depth
+            + self
+                .measured
+                .as_ref()
+                .map_or(0.0, |measured| measured.at((tau + PI).rem_euclid(TAU) - PI).depth)
     }
 
     /// Derivative of the depth along the flank, m/rad.
     pub fn slope(&self, tau: f64, profile: &Profile) -> f64 {
-        // A central difference: the normal turns with τ as well. Harmonics stay below some hundred waves, so 1e-5 rad is exact to 1e-6.
+        // A central difference: the normal turns with τ as well. Harmonics stay below some hundred waves, so
+        // 1e-5 rad is exact to 1e-6.
         const STEP: f64 = 1e-5;
         let at = |tau: f64| self.depth(tau, profile.outward_normal(tau));
         (at(tau + STEP) - at(tau - STEP)) / (2.0 * STEP)
@@ -117,7 +130,10 @@ impl FlankError {
     /// A bound from below in m.
     pub fn shallowest(&self) -> f64 {
         let measured = self.measured.as_ref().map_or(0.0, |relief| {
-            let (low, high) = relief.samples().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
+            let (low, high) = relief
+                .samples()
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
             // The spline may undershoot its points a little.
             low - 0.5 * (high - low)
         });
@@ -125,7 +141,8 @@ impl FlankError {
     }
 
     pub fn is_zero(&self) -> bool {
-        self.harmonics.iter().all(|h| h.amplitude == 0.0) && self.measured.as_ref().is_none_or(Relief::is_zero)
+        self.harmonics.iter().all(|h| h.amplitude == 0.0)
+            && self.measured.as_ref().is_none_or(Relief::is_zero)
     }
 }
 
@@ -147,7 +164,8 @@ mod tests {
             let error = FlankError::from_measured(&points, 39).unwrap();
             for i in 0..500 {
                 let x = -4.0 + 0.017 * f64::from(i);
-                // Straight lines over 1.3/16 of a wave are off by (1.3 π/16)²/2 = 3.3 % of its amplitude, the mean over 1/32 by 0.2 %.
+                // Straight lines over 1.3/16 of a wave are off by (1.3 π/16)²/2 = 3.3 % of its amplitude, the
+                // mean over 1/32 by 0.2 %.
                 assert!((error.depth(x, unit(x)) - wave(x)).abs() < 0.04 * 2e-6, "{count} {x}");
             }
         }
@@ -155,7 +173,9 @@ mod tests {
 
     #[test]
     fn unusable_measurements_are_named() {
-        let even = |count: usize| -> Vec<(f64, f64)> { (0..count).map(|i| (TAU * i as f64 / count as f64, 1e-6)).collect() };
+        let even = |count: usize| -> Vec<(f64, f64)> {
+            (0..count).map(|i| (TAU * i as f64 / count as f64, 1e-6)).collect()
+        };
         assert!(FlankError::from_measured(&even(156), 39).is_ok());
         assert!(matches!(FlankError::from_measured(&even(100), 39), Err(FlankDataError::TooCoarse(0, ..))));
         assert!(matches!(FlankError::from_measured(&[], 39), Err(FlankDataError::TooCoarse(..))));
@@ -169,14 +189,19 @@ mod tests {
         assert_eq!(FlankError::from_measured(&points, 39), Err(FlankDataError::MoreThanATurn(401)));
     }
 
-    /// A flank that is off its centre by d: inwards −d·e(τ), around d·e'(τ) together are the translation, whose depth is −d·n.
+    /// A flank that is off its centre by d: inwards −d·e(τ), around d·e'(τ) together are the translation,
+    /// whose depth is −d·n.
     #[test]
     fn run_out_with_its_pitch_is_a_translation() {
-        let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
         let (size, towards) = (1e-6, 0.7);
         let harmonic = |phase, direction| FlankHarmonic { order: 1, amplitude: size, phase, direction };
         // d·e(τ) = size cos(τ − towards); d·e'(τ) = −size sin(τ − towards) = size cos(τ − towards + π/2).
-        let harmonics = vec![harmonic(towards + PI, FlankDirection::Inwards), harmonic(towards - PI / 2.0, FlankDirection::Around)];
+        let harmonics = vec![
+            harmonic(towards + PI, FlankDirection::Inwards),
+            harmonic(towards - PI / 2.0, FlankDirection::Around),
+        ];
         let error = FlankError { harmonics, measured: None };
         for i in 0..200 {
             let tau = 0.0314 * f64::from(i);
@@ -186,6 +211,8 @@ mod tests {
         // Its slope along the flank is that of the normal alone.
         let (tau, h) = (0.9, 1e-4);
         let turn = (profile.outward_normal(tau + h) - profile.outward_normal(tau - h)) / (2.0 * h);
-        assert!((error.slope(tau, &profile) + size * turn.dot(&unit(towards))).abs() < 1e-4 * size * turn.norm());
+        assert!(
+            (error.slope(tau, &profile) + size * turn.dot(&unit(towards))).abs() < 1e-4 * size * turn.norm()
+        );
     }
 }

@@ -18,13 +18,16 @@ pub struct Foot {
     pub(super) place: Place,
 }
 
-/// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10 µm off
-/// its nominal place sees two flanks, and Newton's method may settle on the far one. There the search brackets.
+/// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10
+/// µm off its nominal place sees two flanks, and Newton's method may settle on the far one. There the search
+/// brackets.
 pub(super) const ROOT_ZONE_COS: f64 = 0.94;
-/// The last step (rad of z τ) when the iteration stops: convergence is cubic, so the error left is of order step³ ≲ 1e-12. A laxer bound
-/// would do for the distance, which is stationary in τ, but the depth of a worn flank is read at τ and must not jump.
+/// The last step (rad of z τ) when the iteration stops: convergence is cubic, so the error left is of order
+/// step³ ≲ 1e-12. A laxer bound would do for the distance, which is stationary in τ, but the depth of a worn
+/// flank is read at τ and must not jump.
 pub(super) const LAST_STEP: f64 = 1e-4;
-/// The same for a step of Newton's method, whose error is of order step² times the ratio of the flank's size to its sharpest bend.
+/// The same for a step of Newton's method, whose error is of order step² times the ratio of the flank's size
+/// to its sharpest bend.
 const LAST_NEWTON_STEP: f64 = 1e-8;
 
 /// Unit vectors e(τ), e(z τ), carried along so that small steps need no new sine or cosine.
@@ -38,7 +41,11 @@ pub(super) struct Place {
 impl Place {
     #[inline]
     pub fn moved(self, step: f64, z: f64) -> Place {
-        Place { tau: self.tau + step, e: super::turned(self.e, small_unit(step)), ez: super::turned(self.ez, small_unit(z * step)) }
+        Place {
+            tau: self.tau + step,
+            e: super::turned(self.e, small_unit(step)),
+            ez: super::turned(self.ez, small_unit(z * step)),
+        }
     }
 }
 
@@ -47,13 +54,18 @@ impl Place {
 fn small_unit(x: f64) -> Vec2 {
     let q = x * x;
     if q < 1e-6 {
-        return Vec2::new(1.0 + q * (-0.5 + q * (1.0 / 24.0)), x * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0))));
+        return Vec2::new(
+            1.0 + q * (-0.5 + q * (1.0 / 24.0)),
+            x * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0))),
+        );
     }
     if q > 0.01 {
         return unit(x);
     }
     let sin = x * (1.0 + q * (-1.0 / 6.0 + q * (1.0 / 120.0 + q * (-1.0 / 5040.0 + q * (1.0 / 362_880.0)))));
-    let cos = 1.0 + q * (-0.5 + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40_320.0 + q * (-1.0 / 3_628_800.0)))));
+    let cos = 1.0
+        + q * (-0.5
+            + q * (1.0 / 24.0 + q * (-1.0 / 720.0 + q * (1.0 / 40_320.0 + q * (-1.0 / 3_628_800.0)))));
     Vec2::new(cos, sin)
 }
 
@@ -67,10 +79,11 @@ struct Slopes {
 impl Profile {
     /// Foot of the pin centre `p` (disc frame, m) on the trace, started at parameter `guess`.
     ///
-    /// Solves D = (p − c(τ))·c′(τ) = 0. Away from the roots this is Chebyshev's method, −D/D′ (1 + D D″/2D′²) per step; near a root, and
-    /// wherever it does not contract, the foot is bracketed on the half lobe on whose side of the root's axis the pin stands. On that half lobe the
-    /// solution is unique: the evolute of its concave part lies on the other side of the axis, that of its convex part
-    /// millimetres deep in the metal.
+    /// Solves D = (p − c(τ))·c′(τ) = 0. Away from the roots this is Chebyshev's method, −D/D′ (1 + D D″/2D′²)
+    /// per step; near a root, and wherever it does not contract, the foot is bracketed on the half lobe on
+    /// whose side of the root's axis the pin stands. On that half lobe the solution is unique: the evolute of
+    /// its concave part lies on the other side of the axis, that of its convex part millimetres deep in the
+    /// metal.
     pub fn foot(&self, p: Vec2, guess: f64) -> Foot {
         self.foot_from(p, guess, unit(guess), unit(self.pin_count as f64 * guess))
     }
@@ -88,14 +101,19 @@ impl Profile {
             let per_slope = 1.0 / slope;
             let newton = -value * per_slope;
             let step = newton * (1.0 - 0.5 * newton * bend * per_slope);
-            // `slope` is negative at every minimum of the distance; a third of the angle between inflection and tip: larger first steps are not
-            // to be trusted, nor those that the bend changes by a third. The comparisons are false for NaN, too.
+            // `slope` is negative at every minimum of the distance; a third of the angle between inflection
+            // and tip: larger first steps are not to be trusted, nor those that the bend changes by a third.
+            // The comparisons are false for NaN, too.
             if !(slope < 0.0 && (z * newton).abs() < 0.35 && (step - newton).abs() <= 0.35 * newton.abs()) {
                 break;
             }
             place = place.moved(step, z);
             if (z * step).abs() < LAST_STEP {
-                return if e_dot(&place) > ROOT_ZONE_COS { self.bracketed_foot(p, place) } else { self.foot_at(p, place) };
+                return if e_dot(&place) > ROOT_ZONE_COS {
+                    self.bracketed_foot(p, place)
+                } else {
+                    self.foot_at(p, place)
+                };
             }
         }
         self.bracketed_foot(p, place)
@@ -115,8 +133,13 @@ impl Profile {
             return self.foot_at(p, root_place);
         }
         // `low` holds a positive derivative, `high` a negative one.
-        let (mut low, mut high) = if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
-        let mut place = if guess.tau > low && guess.tau < high { guess } else { root_place.moved(0.5 * (low + high) - root, z) };
+        let (mut low, mut high) =
+            if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
+        let mut place = if guess.tau > low && guess.tau < high {
+            guess
+        } else {
+            root_place.moved(0.5 * (low + high) - root, z)
+        };
         let mut tau = place.tau;
         for _ in 0..80 {
             let Slopes { value, slope, bend } = self.slopes(p, place);
@@ -127,10 +150,19 @@ impl Profile {
             }
             let newton = -value / slope;
             let correction = 0.5 * newton * bend / slope;
-            let (step, last_step) = if correction.abs() < 0.35 { (newton * (1.0 - correction), LAST_STEP) } else { (newton, LAST_NEWTON_STEP) };
-            // An end of the bracket may be the solution itself to rounding: a step that misses it by less than 1e-7 rad is good.
+            let (step, last_step) = if correction.abs() < 0.35 {
+                (newton * (1.0 - correction), LAST_STEP)
+            } else {
+                (newton, LAST_NEWTON_STEP)
+            };
+            // An end of the bracket may be the solution itself to rounding: a step that misses it by less
+            // than 1e-7 rad is good.
             let inside = tau + step > low - 1e-7 && tau + step < high + 1e-7;
-            let (next, last_step) = if slope < 0.0 && inside { (tau + step, 0.1 * last_step) } else { (0.5 * (low + high), 1e-10) };
+            let (next, last_step) = if slope < 0.0 && inside {
+                (tau + step, 0.1 * last_step)
+            } else {
+                (0.5 * (low + high), 1e-10)
+            };
             let step = next - tau;
             place = place.moved(step, z);
             if (z * step).abs() < last_step {
@@ -146,7 +178,11 @@ impl Profile {
         let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
         let c3 = self.trace_third_derivative(place.e, place.ez);
         let off = p - c;
-        Slopes { value: off.dot(&c1), slope: off.dot(&c2) - c1.norm_squared(), bend: off.dot(&c3) - 3.0 * c1.dot(&c2) }
+        Slopes {
+            value: off.dot(&c1),
+            slope: off.dot(&c2) - c1.norm_squared(),
+            bend: off.dot(&c3) - 3.0 * c1.dot(&c2),
+        }
     }
 
     #[inline]
@@ -179,11 +215,15 @@ mod tests {
         Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
     }
 
-    /// Smallest |p − c(τ)| over the half lobe on the pin's side, by dense sampling and golden section: slow and independent.
+    /// Smallest |p − c(τ)| over the half lobe on the pin's side, by dense sampling and golden section: slow
+    /// and independent.
     fn nearest_by_sampling(profile: &Profile, p: Vec2, root: f64, side: f64) -> f64 {
         let half = std::f64::consts::PI / 39.0;
         let distance = |tau: f64| (p - profile.trace(tau)).norm();
-        let best = (0..=4000).map(|i| root + side * half * i as f64 / 4000.0).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap();
+        let best = (0..=4000)
+            .map(|i| root + side * half * i as f64 / 4000.0)
+            .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+            .unwrap();
         let (mut a, mut b) = (best - half / 4000.0, best + half / 4000.0);
         for _ in 0..100 {
             let (c, d) = (b - 0.618 * (b - a), a + 0.618 * (b - a));
@@ -201,15 +241,20 @@ mod tests {
                 let p = profile.trace(tau) + distance * profile.outward_normal(tau);
                 for error in [-0.008, -0.003, 0.0, 0.004, 0.008] {
                     let foot = profile.foot(p, tau + error);
-                    assert!((foot.distance - distance).abs() < 1e-13, "{tau} {distance} {error}: {}", foot.distance);
+                    assert!(
+                        (foot.distance - distance).abs() < 1e-13,
+                        "{tau} {distance} {error}: {}",
+                        foot.distance
+                    );
                 }
             }
         }
     }
 
-    /// At no load with 60 µm of wear the disc floats by ±3.9′, which moves a pin by ±73 µm along the ring, while the trace's curvature
-    /// radius at the root is 71 µm. Where clearances let the disc recede by some 10 µm as well, the pin sees two flanks: plain Newton from
-    /// the nominal foot settles on the far one, on the ridge between them, or wanders off to another lobe. The safe search agrees with sampling.
+    /// At no load with 60 µm of wear the disc floats by ±3.9′, which moves a pin by ±73 µm along the ring,
+    /// while the trace's curvature radius at the root is 71 µm. Where clearances let the disc recede by some
+    /// 10 µm as well, the pin sees two flanks: plain Newton from the nominal foot settles on the far one, on
+    /// the ridge between them, or wanders off to another lobe. The safe search agrees with sampling.
     #[test]
     fn trap_plain_newton_takes_the_wrong_flank_at_the_root() {
         let profile = rv_40e();
@@ -222,7 +267,9 @@ mod tests {
             let tau = root + (i as f64 - 60.0) / 60.0 * 20.0 * crate::units::DEG / 39.0;
             for along in [-73e-6, -60e-6, 60e-6, 73e-6] {
                 for outward in [-20e-6, 0.0, 20e-6, 40e-6, 60e-6] {
-                    let p = profile.trace(tau) + along * super::super::quarter_turn(unit(tau)) + outward * unit(tau);
+                    let p = profile.trace(tau)
+                        + along * super::super::quarter_turn(unit(tau))
+                        + outward * unit(tau);
                     let side = (p - profile.trace(root)).dot(&axis).signum();
                     let nearest = (p - profile.trace(nearest_by_sampling(&profile, p, root, side))).norm();
                     let foot = profile.foot(p, tau);

@@ -1,7 +1,8 @@
 //! Tooth geometry of the cycloid disc: the exact flank, its foot points, and metal removed from it.
 //!
-//! Frame of this module: the disc's own, origin at the disc centre, angles counter-clockwise. The flank is described by the
-//! path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin radius.
+//! Frame of this module: the disc's own, origin at the disc centre, angles counter-clockwise. The flank is
+//! described by the path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin
+//! radius.
 
 mod closest;
 mod feet;

@@ -3,9 +3,9 @@ use crate::units::wrap_angle;
 
 /// The flank of a cycloid disc *as cut*: what the generating pins leave of the blank.
 ///
-/// With the trace c(τ) = R e(τ) − a e(z τ), e(x) = (cos x, sin x), the flank is f(τ) = c(τ) + r n(τ) with the inward normal n.
-/// R, r are the generating pin circle and pin radius: those of the installed ring plus the radial and the equidistant offset.
-/// τ runs over [0, 2π) once around the disc; a lobe spans 2π/(z − 1).
+/// With the trace c(τ) = R e(τ) − a e(z τ), e(x) = (cos x, sin x), the flank is f(τ) = c(τ) + r n(τ) with the
+/// inward normal n. R, r are the generating pin circle and pin radius: those of the installed ring plus the
+/// radial and the equidistant offset. τ runs over [0, 2π) once around the disc; a lobe spans 2π/(z − 1).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Number of pins z (one more than the lobes of the disc).
@@ -31,7 +31,8 @@ impl Profile {
         self.eccentricity * self.pin_count as f64 / self.pin_circle_radius
     }
 
-    /// Meshing angle φ = −z_c τ in (−π, π]: the angle of the touching pin from the direction of the eccentric.
+    /// Meshing angle φ = −z_c τ in (−π, π]: the angle of the touching pin from the direction of the
+    /// eccentric.
     #[inline]
     pub fn meshing_angle(&self, tau: f64) -> f64 {
         wrap_angle(-(self.lobe_count() as f64) * tau)
@@ -52,11 +53,13 @@ impl Profile {
     /// Outward unit normal at τ (shared by trace and flank).
     pub fn outward_normal(&self, tau: f64) -> Vec2 {
         let z = self.pin_count as f64;
-        let tangent = quarter_turn(self.pin_circle_radius * unit(tau) - self.eccentricity * z * unit(z * tau));
+        let tangent =
+            quarter_turn(self.pin_circle_radius * unit(tau) - self.eccentricity * z * unit(z * tau));
         -quarter_turn(tangent).normalize()
     }
 
-    /// Angle ψ on a nominally placed pin at which the contact of meshing angle φ lies: from the pin's place on the ring to the normal of the flank, in rad.
+    /// Angle ψ on a nominally placed pin at which the contact of meshing angle φ lies: from the pin's place
+    /// on the ring to the normal of the flank, in rad.
     pub fn pin_angle(&self, meshing_angle: f64) -> f64 {
         let tau = -meshing_angle / self.lobe_count() as f64;
         let (place, normal) = (unit(tau), self.outward_normal(tau));
@@ -94,7 +97,8 @@ impl Profile {
         1.0 / self.flank_curvature(cos_meshing_angle)
     }
 
-    /// Meshing angle of the inflection, cos φ = (1 + z_p K1²)/(K1 (1 + z_p)), or `None` if the flank has none.
+    /// Meshing angle of the inflection, cos φ = (1 + z_p K1²)/(K1 (1 + z_p)), or `None` if the flank has
+    /// none.
     pub fn inflection(&self) -> Option<f64> {
         let k1 = self.short_width_coefficient();
         let z = self.pin_count as f64;
@@ -129,25 +133,28 @@ impl Profile {
 
     /// Relative curvature 1/R_eq = 1/r − 1/ρ in 1/m of the flank and an installed pin of radius r.
     ///
-    /// The pin is convex; the flank subtracts where it is concave (ρ > 0) and adds where it is convex (ρ < 0).
-    /// For r equal to the generating radius this is R_eq = r |ρ0 + r| / |ρ0|.
+    /// The pin is convex; the flank subtracts where it is concave (ρ > 0) and adds where it is convex (ρ <
+    /// 0). For r equal to the generating radius this is R_eq = r |ρ0 + r| / |ρ0|.
     pub fn relative_curvature(&self, cos_meshing_angle: f64, installed_pin_radius: f64) -> f64 {
         1.0 / installed_pin_radius - self.flank_curvature(cos_meshing_angle)
     }
 
-    /// Specific sliding of the disc flank, ξ = |v_s|/|v_c|: sliding speed over the speed of the contact along the flank.
+    /// Specific sliding of the disc flank, ξ = |v_s|/|v_c|: sliding speed over the speed of the contact along
+    /// the flank.
     ///
     /// v_s = (R S − r) ω, v_c = R S |1 + r/ρ0| ω. At an undercut-free flank v_c never vanishes.
     pub fn specific_sliding(&self, cos_meshing_angle: f64) -> f64 {
         let rs = self.pin_circle_radius * self.speed_factor(cos_meshing_angle);
-        (rs - self.pin_radius).abs() / (rs * (1.0 + self.pin_radius * self.trace_curvature(cos_meshing_angle)).abs())
+        (rs - self.pin_radius).abs()
+            / (rs * (1.0 + self.pin_radius * self.trace_curvature(cos_meshing_angle)).abs())
     }
 
     /// Arc length of the flank per radian of meshing angle, |df/dφ| in m/rad.
     #[inline]
     pub fn flank_length_per_meshing_angle(&self, cos_meshing_angle: f64) -> f64 {
         let rs = self.pin_circle_radius * self.speed_factor(cos_meshing_angle);
-        rs * (1.0 + self.pin_radius * self.trace_curvature(cos_meshing_angle)).abs() / self.lobe_count() as f64
+        rs * (1.0 + self.pin_radius * self.trace_curvature(cos_meshing_angle)).abs()
+            / self.lobe_count() as f64
     }
 
     /// c, c′ and c″ of the trace from the unit vectors e(τ), e(z τ): the fast path of the foot-point search.
@@ -183,7 +190,8 @@ mod tests {
         Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
     }
 
-    /// Closed forms of the RV-40E, computed beforehand by two independent programs; tolerance: the printed digits.
+    /// Closed forms of the RV-40E, computed beforehand by two independent programs; tolerance: the printed
+    /// digits.
     #[test]
     fn val_key_figures_of_the_flank() {
         let p = rv_40e();
@@ -194,7 +202,9 @@ mod tests {
         let (radius, angle) = p.sharpest_convex_trace();
         assert!((radius * 1e3 - 4.6117).abs() < 5e-5 && (angle / DEG - 64.86).abs() < 5e-3);
         assert!((1e3 / p.trace_curvature(1.0) - 0.0714).abs() < 5e-5);
-        for (degrees, expected) in [(10.0, 0.044), (34.65, 0.918), (60.0, 2.679), (100.0, 2.272), (150.0, 1.911)] {
+        for (degrees, expected) in
+            [(10.0, 0.044), (34.65, 0.918), (60.0, 2.679), (100.0, 2.272), (150.0, 1.911)]
+        {
             let xi = p.specific_sliding((degrees * DEG).cos());
             assert!((xi - expected).abs() < 6e-4, "{degrees}: {xi}");
         }
@@ -219,8 +229,8 @@ mod tests {
         }
     }
 
-    /// Several public codes subtract the flank's curvature on the convex side as well. That would make the contact at
-    /// 60° conformal instead of sharp: 8.5 mm instead of 1.06 mm.
+    /// Several public codes subtract the flank's curvature on the convex side as well. That would make the
+    /// contact at 60° conformal instead of sharp: 8.5 mm instead of 1.06 mm.
     #[test]
     fn trap_sign_of_curvature_on_the_convex_side() {
         let p = rv_40e();

@@ -11,10 +11,12 @@ pub struct DepthSample {
     pub bend: f64,
 }
 
-/// Metal removed from the flank by wear or on purpose, the same on every lobe, as a function of the signed meshing angle φ ∈ (−π, π].
+/// Metal removed from the flank by wear or on purpose, the same on every lobe, as a function of the signed
+/// meshing angle φ ∈ (−π, π].
 ///
-/// Stored at equidistant angles and interpolated by a periodic cubic spline, so that depth, slope and bend are continuous.
-/// Positive φ and negative φ are the two flanks of a tooth space; they meet at the root (φ = 0) and at the tip (φ = ±π).
+/// Stored at equidistant angles and interpolated by a periodic cubic spline, so that depth, slope and bend
+/// are continuous. Positive φ and negative φ are the two flanks of a tooth space; they meet at the root (φ =
+/// 0) and at the tip (φ = ±π).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relief {
     values: Vec<f64>,
@@ -67,15 +69,24 @@ impl Relief {
 
     /// Largest depth at a grid point and the meshing angle there.
     pub fn deepest(&self) -> (f64, f64) {
-        let (index, depth) =
-            self.values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(index, depth)| (index, *depth)).unwrap_or((0, 0.0));
+        let (index, depth) = self
+            .values
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(b.1))
+            .map(|(index, depth)| (index, *depth))
+            .unwrap_or((0, 0.0));
         (depth, -PI + TAU * index as f64 / self.values.len() as f64)
     }
 
     /// Sum of two reliefs on the finer of the two grids.
     pub fn plus(&self, other: &Relief) -> Relief {
-        let (fine, coarse) = if self.values.len() >= other.values.len() { (self, other) } else { (other, self) };
-        let sum = Relief::grid(fine.values.len()).zip(&fine.values).map(|(phi, depth)| depth + coarse.at(phi).depth).collect::<Vec<_>>();
+        let (fine, coarse) =
+            if self.values.len() >= other.values.len() { (self, other) } else { (other, self) };
+        let sum = Relief::grid(fine.values.len())
+            .zip(&fine.values)
+            .map(|(phi, depth)| depth + coarse.at(phi).depth)
+            .collect::<Vec<_>>();
         Relief::from_samples(sum)
     }
 
@@ -97,20 +108,22 @@ impl Relief {
         let s = 1.0 - t;
         DepthSample {
             depth: s * y0 + t * y1 + h * h / 6.0 * ((s * s * s - s) * m0 + (t * t * t - t) * m1),
-            slope: (y1 - y0) * self.per_step + h / 6.0 * ((3.0 * t * t - 1.0) * m1 - (3.0 * s * s - 1.0) * m0),
+            slope: (y1 - y0) * self.per_step
+                + h / 6.0 * ((3.0 * t * t - 1.0) * m1 - (3.0 * s * s - 1.0) * m0),
             bend: s * m0 + t * m1,
         }
     }
 }
 
-/// Second derivatives of the periodic cubic spline through equidistant values: m_{i−1} + 4 m_i + m_{i+1} = 6 Δ²y/h², solved by the
-/// Sherman–Morrison form of the cyclic Thomas algorithm.
+/// Second derivatives of the periodic cubic spline through equidistant values: m_{i−1} + 4 m_i + m_{i+1} = 6
+/// Δ²y/h², solved by the Sherman–Morrison form of the cyclic Thomas algorithm.
 fn periodic_spline_bends(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let h = TAU / n as f64;
     let right = |i: usize| if i + 1 == n { 0 } else { i + 1 };
     let left = |i: usize| if i == 0 { n - 1 } else { i - 1 };
-    let load: Vec<f64> = (0..n).map(|i| 6.0 * (values[right(i)] - 2.0 * values[i] + values[left(i)]) / (h * h)).collect();
+    let load: Vec<f64> =
+        (0..n).map(|i| 6.0 * (values[right(i)] - 2.0 * values[i] + values[left(i)]) / (h * h)).collect();
     // Cyclic system = tridiagonal (corners moved into the ends with γ = −4) + rank one.
     let gamma = -4.0;
     let diagonal = |i: usize| match i {
@@ -151,7 +164,10 @@ mod tests {
         let exact = |phi: f64| 1e-5 * (1.0 + (phi).sin() + 0.3 * (3.0 * phi).cos());
         let error = |n: usize| {
             let relief = Relief::from_samples(Relief::grid(n).map(exact).collect());
-            (0..997).map(|i| -PI + TAU * (i as f64 + 0.37) / 997.0).map(|phi| (relief.at(phi).depth - exact(phi)).abs()).fold(0.0, f64::max)
+            (0..997)
+                .map(|i| -PI + TAU * (i as f64 + 0.37) / 997.0)
+                .map(|phi| (relief.at(phi).depth - exact(phi)).abs())
+                .fold(0.0, f64::max)
         };
         let order = (error(40) / error(80)).log2();
         assert!((order - 4.0).abs() < 0.2, "order {order}");

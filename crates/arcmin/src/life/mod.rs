@@ -36,7 +36,8 @@ pub struct LifePoint {
     pub loaded_error: OutputAngle,
     /// Peak-to-peak output error under rated torque over the cycle.
     pub loaded_peak_to_peak: OutputAngle,
-    /// Between −3 % and +3 % of rated torque: of the contacts alone with ideal joints, of the machine with bearings.
+    /// Between −3 % and +3 % of rated torque: of the contacts alone with ideal joints, of the machine with
+    /// bearings.
     pub lost_motion: OutputAngle,
     /// N, Pa, pairs of one disc.
     pub max_force: f64,
@@ -44,7 +45,8 @@ pub struct LifePoint {
     pub loaded_pairs: f64,
     /// Load sharing at rated torque over one pin pitch of crank angle.
     pub cycle: Cycle,
-    /// Forces on the flank by meshing angle: of all discs, or per disc the mean of all pins over everything that repeats.
+    /// Forces on the flank by meshing angle: of all discs, or per disc the mean of all pins over everything
+    /// that repeats.
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
@@ -52,14 +54,18 @@ pub struct LifePoint {
     pub pin_loads: Vec<PinLoad>,
     /// Worn surfaces.
     pub flank: Relief,
-    /// Lost motion of the machine with bearings by cause; only in a prediction of a machine that is modelled with bearings.
+    /// Lost motion of the machine with bearings by cause; only in a prediction of a machine that is modelled
+    /// with bearings.
     pub parts: Option<PartsPoint>,
 }
 
 impl LifePoint {
-    /// What a user of the machine feels and its limit is about: with the bearings where they are modelled, else of the contacts alone.
+    /// What a user of the machine feels and its limit is about: with the bearings where they are modelled,
+    /// else of the contacts alone.
     pub fn machine_lost_motion(&self) -> OutputAngle {
-        self.parts.as_ref().map_or(self.lost_motion, |parts| OutputAngle::from_radians(parts.lost_motion.whole))
+        self.parts
+            .as_ref()
+            .map_or(self.lost_motion, |parts| OutputAngle::from_radians(parts.lost_motion.whole))
     }
 }
 
@@ -73,8 +79,8 @@ pub struct Prediction {
     pub exposure: Exposure,
     /// Updates of the flank over the service life.
     pub updates: usize,
-    /// Hours until the lost motion of the whole machine ([`LifePoint::machine_lost_motion`]) reaches the design's limit; `None` if it does not within
-    /// [`Prediction::searched_hours`].
+    /// Hours until the lost motion of the whole machine ([`LifePoint::machine_lost_motion`]) reaches the
+    /// design's limit; `None` if it does not within [`Prediction::searched_hours`].
     pub hours_to_limit: Option<f64>,
     /// How far the limit was looked for.
     pub searched_hours: f64,
@@ -102,7 +108,12 @@ pub struct LifeOptions {
 
 impl Default for LifeOptions {
     fn default() -> LifeOptions {
-        LifeOptions { wear: CoupledOptions::default(), intervals: 30, crank_positions: 36, search_factor: 4.0 }
+        LifeOptions {
+            wear: CoupledOptions::default(),
+            intervals: 30,
+            crank_positions: 36,
+            search_factor: 4.0,
+        }
     }
 }
 
@@ -115,8 +126,11 @@ const FLANK_CELLS: usize = 72;
 fn highest(discs: &[Vec<FlankForce>]) -> Vec<FlankForce> {
     let mut all: Vec<FlankForce> = discs.iter().flatten().copied().collect();
     all.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
-    let cell = |force: &FlankForce| (force.meshing_angle / std::f64::consts::TAU * FLANK_CELLS as f64).floor();
-    all.chunk_by(|a, b| cell(a) == cell(b)).filter_map(|cell| cell.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force))).collect()
+    let cell =
+        |force: &FlankForce| (force.meshing_angle / std::f64::consts::TAU * FLANK_CELLS as f64).floor();
+    all.chunk_by(|a, b| cell(a) == cell(b))
+        .filter_map(|cell| cell.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force)))
+        .collect()
 }
 
 /// Accuracy of one state of wear.
@@ -131,12 +145,20 @@ pub fn accuracy<S: ShareLoad>(
     crank_positions: usize,
 ) -> Result<LifePoint, WearError> {
     let alike = meshing.discs_alike();
-    let cycle = meshing.whole_cycle(machine.rated.torque, if alike { crank_positions } else { RING_POSITIONS * crank_positions })?;
-    let pitch = if meshing.pitches() == 1 { cycle.clone() } else { meshing.pitch_cycle(machine.rated.torque, crank_positions)? };
+    let cycle = meshing.whole_cycle(
+        machine.rated.torque,
+        if alike { crank_positions } else { RING_POSITIONS * crank_positions },
+    )?;
+    let pitch = if meshing.pitches() == 1 {
+        cycle.clone()
+    } else {
+        meshing.pitch_cycle(machine.rated.torque, crank_positions)?
+    };
     let (flank_forces, flank_peaks) = if alike {
         (vec![pitch.flank_forces()], pitch.flank_forces())
     } else {
-        let (means, peaks): (Vec<_>, Vec<_>) = (0..machine.disc_count).map(|disc| cycle.flank_cells(disc, FLANK_CELLS)).unzip();
+        let (means, peaks): (Vec<_>, Vec<_>) =
+            (0..machine.disc_count).map(|disc| cycle.flank_cells(disc, FLANK_CELLS)).unzip();
         (means, highest(&peaks))
     };
     let pin_loads = if alike { Vec::new() } else { cycle.pin_loads() };
@@ -165,16 +187,27 @@ pub fn accuracy<S: ShareLoad>(
     })
 }
 
-/// Follows the coupled wear with ideal joints over the service life and on until the limit of the lost motion is reached or `search_factor` service lives are over.
+/// Follows the coupled wear with ideal joints over the service life and on until the limit of the lost motion
+/// is reached or `search_factor` service lives are over.
 ///
 /// # Errors
 /// [`WearError`]; `Stopped` when `progress` was cancelled.
-pub fn predict(machine: &Machine, options: LifeOptions, progress: &dyn Progress) -> Result<Prediction, WearError> {
-    predict_with(machine, machine.meshing(&Relief::uniform(0.0)), &JointSettings::default(), options, progress)
+pub fn predict(
+    machine: &Machine,
+    options: LifeOptions,
+    progress: &dyn Progress,
+) -> Result<Prediction, WearError> {
+    predict_with(
+        machine,
+        machine.meshing(&Relief::uniform(0.0)),
+        &JointSettings::default(),
+        options,
+        progress,
+    )
 }
 
-/// [`predict`] with the joints of `meshing`; `whole` gives the model with bearings, which lost motion by cause and the wear of bearings and gears come from, its errors
-/// and elastic discs.
+/// [`predict`] with the joints of `meshing`; `whole` gives the model with bearings, which lost motion by
+/// cause and the wear of bearings and gears come from, its errors and elastic discs.
 ///
 /// # Errors
 /// As [`predict`].
@@ -186,10 +219,12 @@ pub fn predict_with<S: ShareLoad + Clone + Send + Sync>(
     progress: &dyn Progress,
 ) -> Result<Prediction, WearError> {
     let exposure = coupled_exposure(machine, meshing.clone(), options.wear)?;
-    Course { machine, parts: PartsFollower::new(machine, whole), exposure, options, progress }.predict(meshing)
+    Course { machine, parts: PartsFollower::new(machine, whole), exposure, options, progress }
+        .predict(meshing)
 }
 
-/// [`predict`] of one real machine in its bearings. The wear coefficient belongs to the design: where it is to be calibrated, the `nominal` machine is.
+/// [`predict`] of one real machine in its bearings. The wear coefficient belongs to the design: where it is
+/// to be calibrated, the `nominal` machine is.
 ///
 /// # Errors
 /// As [`predict`].
@@ -201,7 +236,8 @@ pub fn predict_made(
     progress: &dyn Progress,
 ) -> Result<Prediction, WearError> {
     let exposure = coupled_exposure(machine, nominal, options.wear)?;
-    Course { machine, parts: Some(PartsFollower::with(machine, made.clone())), exposure, options, progress }.predict(made)
+    Course { machine, parts: Some(PartsFollower::with(machine, made.clone())), exposure, options, progress }
+        .predict(made)
 }
 
 /// What a prediction follows, whatever the joints.
@@ -246,19 +282,29 @@ impl Course<'_> {
                 let mut joints = joints.clone();
                 worn.put_on(&designed, &mut joints);
                 joints.set_part_wear(part_wear);
-                let mut point = accuracy(machine, &mut joints, worn.flank(), hours_of(interval), options.crank_positions)?;
-                point.parts = parts.as_ref().map(|parts| parts.lost_motion_causes(worn, *part_wear)).transpose()?;
+                let mut point = accuracy(
+                    machine,
+                    &mut joints,
+                    worn.flank(),
+                    hours_of(interval),
+                    options.crank_positions,
+                )?;
+                point.parts =
+                    parts.as_ref().map(|parts| parts.lost_motion_causes(worn, *part_wear)).transpose()?;
                 Ok(point)
             })
             .collect::<Result<Vec<LifePoint>, WearError>>()?;
         let updates = wear.updates();
-        let history = points.iter().map(|point| (point.hours, point.machine_lost_motion().radians())).collect();
-        let (hours_to_limit, searched_hours) = search_limit(machine, &mut wear, &mut parts, &exposure, options, history, progress)?;
+        let history =
+            points.iter().map(|point| (point.hours, point.machine_lost_motion().radians())).collect();
+        let (hours_to_limit, searched_hours) =
+            search_limit(machine, &mut wear, &mut parts, &exposure, options, history, progress)?;
         Ok(Prediction { points, surfaces, exposure, updates, hours_to_limit, searched_hours })
     }
 }
 
-/// Goes on beyond the service life until the lost motion reaches its limit: hours to there, and how far was looked. `history` holds (h, rad) over the service life.
+/// Goes on beyond the service life until the lost motion reaches its limit: hours to there, and how far was
+/// looked. `history` holds (h, rad) over the service life.
 fn search_limit<S: ShareLoad>(
     machine: &Machine,
     wear: &mut CoupledWear<'_, S>,
@@ -289,7 +335,8 @@ fn search_limit<S: ShareLoad>(
         });
         match lost {
             Ok(lost) => history.push((hours, lost)),
-            // Far beyond the service life a flank may be worn out of the model's reach; the search ends where it still held.
+            // Far beyond the service life a flank may be worn out of the model's reach; the search ends where
+            // it still held.
             Err(WearError::Load(_)) => break,
             Err(error) => return Err(error),
         }
@@ -299,7 +346,11 @@ fn search_limit<S: ShareLoad>(
     Ok((hours_to_limit, searched_hours))
 }
 
-fn advance<S: ShareLoad>(wear: &mut CoupledWear<'_, S>, target: f64, progress: &dyn Progress) -> Result<(), WearError> {
+fn advance<S: ShareLoad>(
+    wear: &mut CoupledWear<'_, S>,
+    target: f64,
+    progress: &dyn Progress,
+) -> Result<(), WearError> {
     let mut stopped = false;
     wear.advance_until(target, |_| {
         stopped = progress.is_cancelled();
@@ -334,9 +385,16 @@ pub fn paper_study(machine: &Machine, depths: &[f64], options: LifeOptions) -> R
     let mut points = Vec::with_capacity(depths.len());
     for depth in depths {
         let flank = Relief::uniform(*depth);
-        points.push(accuracy(machine, &mut machine.meshing(&flank), &flank, wear.hours_at(*depth), options.crank_positions)?);
+        points.push(accuracy(
+            machine,
+            &mut machine.meshing(&flank),
+            &flank,
+            wear.hours_at(*depth),
+            options.crank_positions,
+        )?);
     }
-    let history: Vec<(f64, f64)> = points.iter().map(|point| (point.hours, point.lost_motion.radians())).collect();
+    let history: Vec<(f64, f64)> =
+        points.iter().map(|point| (point.hours, point.lost_motion.radians())).collect();
     Ok(PaperStudy { hours_to_limit: crossing(&history, machine.limits.lost_motion), points, wear })
 }
 
@@ -353,7 +411,12 @@ mod tests {
         assert_eq!(prediction.points.len(), 6);
         assert_eq!(prediction.points[0].max_depth, 0.0);
         assert!(prediction.points[0].play.arcmin().abs() < 1e-9);
-        assert!(prediction.points.windows(2).all(|p| p[1].lost_motion > p[0].lost_motion && p[1].max_depth > p[0].max_depth));
+        assert!(
+            prediction
+                .points
+                .windows(2)
+                .all(|p| p[1].lost_motion > p[0].lost_motion && p[1].max_depth > p[0].max_depth)
+        );
         assert!(prediction.updates >= 100);
     }
 
@@ -381,7 +444,12 @@ mod tests {
     #[test]
     fn val_study_at_ten_and_sixty_micrometres() {
         let machine = crate::templates::rv_40e_81();
-        let study = paper_study(&machine, &paper_depths(), LifeOptions { crank_positions: 72, ..LifeOptions::default() }).unwrap();
+        let study = paper_study(
+            &machine,
+            &paper_depths(),
+            LifeOptions { crank_positions: 72, ..LifeOptions::default() },
+        )
+        .unwrap();
         assert!((study.points[1].play.arcmin() - 0.6536).abs() < 1e-4);
         assert!((study.points[6].play.arcmin() - 3.9218).abs() < 1e-4);
         assert!((study.points[6].hours - 7500.0).abs() < 1e-6);

@@ -1,4 +1,5 @@
-//! What the whole machine with its bearings makes of worn surfaces: lost motion by cause, and the wear of bearings and gears.
+//! What the whole machine with its bearings makes of worn surfaces: lost motion by cause, and the wear of
+//! bearings and gears.
 
 use crate::dynamics::{BearingMeshing, JointSettings, LostMotionSplit};
 use crate::geometry::Relief;
@@ -16,10 +17,11 @@ pub struct PartsPoint {
     pub lost_motion: LostMotionSplit,
 }
 
-/// Follows bearings and gears beside the wear of flanks and pins; `None` in place of it for a machine that is not modelled with bearings (fixed carrier).
+/// Follows bearings and gears beside the wear of flanks and pins; `None` in place of it for a machine that is
+/// not modelled with bearings (fixed carrier).
 ///
-/// Their clearance grows at the rate found at the beginning of each interval: loads on rollers hardly depend on some micrometres of clearance, so halving the
-/// intervals changes little (a test shows it).
+/// Their clearance grows at the rate found at the beginning of each interval: loads on rollers hardly depend
+/// on some micrometres of clearance, so halving the intervals changes little (a test shows it).
 #[derive(Debug)]
 pub struct PartsFollower<'a> {
     machine: &'a Machine,
@@ -31,7 +33,8 @@ pub struct PartsFollower<'a> {
 /// Crank positions over a turn of the crankshafts for lost motion and for rates.
 const POSITIONS: usize = 12;
 
-/// Crank positions of the mean lost motion: more of them where it takes the whole ring to repeat (a test shows what is left).
+/// Crank positions of the mean lost motion: more of them where it takes the whole ring to repeat (a test
+/// shows what is left).
 pub(super) fn lost_motion_positions<S: ShareLoad>(meshing: &S) -> usize {
     if meshing.discs_alike() { POSITIONS } else { 4 * POSITIONS }
 }
@@ -60,7 +63,11 @@ impl<'a> PartsFollower<'a> {
     ///
     /// # Errors
     /// [`WearError::Load`] where no balance is found.
-    pub fn lost_motion_causes(&self, surfaces: &WearSnapshot, wear: PartWear) -> Result<PartsPoint, WearError> {
+    pub fn lost_motion_causes(
+        &self,
+        surfaces: &WearSnapshot,
+        wear: PartWear,
+    ) -> Result<PartsPoint, WearError> {
         let mut meshing = self.meshing.clone();
         surfaces.put_on(&self.designed, &mut meshing);
         meshing.set_part_wear(&wear);
@@ -80,7 +87,8 @@ impl<'a> PartsFollower<'a> {
     }
 }
 
-/// Settings of the model with bearings after some hours at the duty: surfaces worn with ideal joints, bearings and gears worn beside them.
+/// Settings of the model with bearings after some hours at the duty: surfaces worn with ideal joints,
+/// bearings and gears worn beside them.
 ///
 /// # Errors
 /// [`WearError`] when the prediction fails.
@@ -88,7 +96,8 @@ pub fn worn_settings(machine: &Machine, hours: f64) -> Result<JointSettings, Wea
     let options = CoupledOptions::default();
     let exposure = machine.coupled_exposure(options)?;
     let mut wear = CoupledWear::new(machine, options);
-    let mut parts = PartsFollower::new(machine, &JointSettings::default()).filter(|_| machine.wear.parts.any());
+    let mut parts =
+        PartsFollower::new(machine, &JointSettings::default()).filter(|_| machine.wear.parts.any());
     for step in 1..=STEPS {
         if let Some(parts) = &mut parts {
             parts.see(wear.state());
@@ -112,10 +121,16 @@ const STEPS: usize = 8;
 ///
 /// # Errors
 /// [`WearError::Load`] where no balance is found; `None` for a machine that is not modelled with bearings.
-pub fn lost_motion_causes(machine: &Machine, settings: &JointSettings) -> Result<Option<PartsPoint>, WearError> {
+pub fn lost_motion_causes(
+    machine: &Machine,
+    settings: &JointSettings,
+) -> Result<Option<PartsPoint>, WearError> {
     let Ok(mut meshing) = BearingMeshing::new(machine, settings) else { return Ok(None) };
     let positions = lost_motion_positions(&meshing);
-    Ok(Some(PartsPoint { wear: settings.part_wear, lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())? }))
+    Ok(Some(PartsPoint {
+        wear: settings.part_wear,
+        lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())?,
+    }))
 }
 
 #[cfg(test)]
@@ -125,34 +140,50 @@ mod tests {
     use crate::machine::{ManufacturingErrors, RollingWear, RunOut, Tolerances};
     use crate::units::UM;
 
-    /// New, after 7500 h with pins that last and with pins that wear like the discs, with 10 µm taken off everywhere, and with worn bearings and gears: the
-    /// causes leave at most 1 % of the whole. What is left is of second order in the displacements of the bearings.
+    /// New, after 7500 h with pins that last and with pins that wear like the discs, with 10 µm taken off
+    /// everywhere, and with worn bearings and gears: the causes leave at most 1 % of the whole. What is left
+    /// is of second order in the displacements of the bearings.
     #[test]
     fn causes_add_up_to_the_lost_motion() {
         let machine = crate::templates::rv_40e_81();
         let mut worn_pins = machine.clone();
         worn_pins.wear.pin_ratio = 1.0;
         let new = JointSettings::default();
-        let part_wear = PartWear { turning_arm: 6.0 * UM, crank_support: 4.0 * UM, gears: [5.0 * UM, 2.0 * UM] };
+        let part_wear =
+            PartWear { turning_arm: 6.0 * UM, crank_support: 4.0 * UM, gears: [5.0 * UM, 2.0 * UM] };
         let states = [
             (new.clone(), Cause::TurningArmClearance),
             (worn_settings(&machine, 7500.0).unwrap(), Cause::FlankWear),
             (worn_settings(&worn_pins, 7500.0).unwrap(), Cause::PinWear),
             (JointSettings { flank_wear: Relief::uniform(10.0 * UM), ..new.clone() }, Cause::FlankWear),
             (JointSettings { part_wear, ..new.clone() }, Cause::TurningArmWear),
-            (JointSettings { errors: Default::default(), pin_wear: Relief::uniform(3.0 * UM), ..new.clone() }, Cause::PinWear),
+            (
+                JointSettings {
+                    errors: Default::default(),
+                    pin_wear: Relief::uniform(3.0 * UM),
+                    ..new.clone()
+                },
+                Cause::PinWear,
+            ),
         ];
         for (settings, cause) in states {
             let split = lost_motion_causes(&machine, &settings).unwrap().unwrap().lost_motion;
-            assert!(split.residual().abs() < 0.01 * split.whole, "{cause:?}: {} of {}", split.residual(), split.whole);
+            assert!(
+                split.residual().abs() < 0.01 * split.whole,
+                "{cause:?}: {} of {}",
+                split.residual(),
+                split.whole
+            );
             assert!(split.of(cause) > 0.1 * split.whole, "{cause:?}: {split:?}");
-            let signed = Cause::ALL.iter().zip(&split.causes).filter(|(cause, _)| **cause != Cause::FlankCurvature);
+            let signed =
+                Cause::ALL.iter().zip(&split.causes).filter(|(cause, _)| **cause != Cause::FlankCurvature);
             assert!(signed.into_iter().all(|(_, share)| *share > -1e-9), "{split:?}");
         }
     }
 
-    /// Machines drawn from every tolerance of the shipped design, and one error of each kind alone: the causes, errors among them, leave at most 3 % of the
-    /// lost motion. Without the errors as a cause they would leave many times the whole: tight machines press their parts together without load.
+    /// Machines drawn from every tolerance of the shipped design, and one error of each kind alone: the
+    /// causes, errors among them, leave at most 3 % of the lost motion. Without the errors as a cause they
+    /// would leave many times the whole: tight machines press their parts together without load.
     #[test]
     fn manufacturing_errors_are_a_cause_of_their_own() {
         let machine = crate::templates::rv_40e_81();
@@ -179,20 +210,27 @@ mod tests {
             ManufacturingErrors::draw(&machine, &tolerances, 1),
             ManufacturingErrors::draw(&machine, &tolerances, 7),
             ManufacturingErrors { pin_circle_radius: 2.0 * UM, ..nothing.clone() },
-            ManufacturingErrors { planets: vec![run_out; 2], sun: run_out, carrier: run_out, ..nothing.clone() },
+            ManufacturingErrors {
+                planets: vec![run_out; 2],
+                sun: run_out,
+                carrier: run_out,
+                ..nothing.clone()
+            },
             ManufacturingErrors { journals: vec![run_out], pin_circle_offset: run_out, ..nothing.clone() },
         ];
         for errors in cases {
             let settings = JointSettings { errors, ..JointSettings::default() };
             let split = lost_motion_causes(&machine, &settings).unwrap().unwrap().lost_motion;
-            let (left, errors) = (split.residual() / split.whole, split.of(Cause::ManufacturingErrors) / split.whole);
+            let (left, errors) =
+                (split.residual() / split.whole, split.of(Cause::ManufacturingErrors) / split.whole);
             assert!(left.abs() < 0.03, "{left} {errors} {split:?}");
             assert!(errors.abs() > 0.1, "{errors}");
         }
     }
 
-    /// A gap g on the driving sides of all sun–planet meshes turns the output by g/(r_b2 z_c + r_b1 + r_b2), whatever the bearings: cause and growth of the
-    /// whole are that within 1 % and 2 % (the whole sees the bearings loaded at a slightly other place).
+    /// A gap g on the driving sides of all sun–planet meshes turns the output by g/(r_b2 z_c + r_b1 + r_b2),
+    /// whatever the bearings: cause and growth of the whole are that within 1 % and 2 % (the whole sees the
+    /// bearings loaded at a slightly other place).
     #[test]
     fn val_gear_wear_opens_the_lost_motion_by_its_closed_form() {
         let machine = crate::templates::rv_40e_81();
@@ -200,11 +238,23 @@ mod tests {
         let (r1, r2) = (machine.gear_stage.sun_base_radius(), machine.gear_stage.planet_base_radius());
         let expected = gap / (r2 * 39.0 + r1 + r2);
         let of = |part_wear: PartWear| {
-            lost_motion_causes(&machine, &JointSettings { part_wear, ..JointSettings::default() }).unwrap().unwrap().lost_motion
+            lost_motion_causes(&machine, &JointSettings { part_wear, ..JointSettings::default() })
+                .unwrap()
+                .unwrap()
+                .lost_motion
         };
-        let (new, worn) = (of(PartWear::default()), of(PartWear { gears: [gap, 0.0], ..PartWear::default() }));
-        assert!((worn.of(Cause::GearWear) / expected - 1.0).abs() < 0.01, "{} {expected}", worn.of(Cause::GearWear));
-        assert!(((worn.whole - new.whole) / expected - 1.0).abs() < 0.02, "{} {expected}", worn.whole - new.whole);
+        let (new, worn) =
+            (of(PartWear::default()), of(PartWear { gears: [gap, 0.0], ..PartWear::default() }));
+        assert!(
+            (worn.of(Cause::GearWear) / expected - 1.0).abs() < 0.01,
+            "{} {expected}",
+            worn.of(Cause::GearWear)
+        );
+        assert!(
+            ((worn.whole - new.whole) / expected - 1.0).abs() < 0.02,
+            "{} {expected}",
+            worn.whole - new.whole
+        );
     }
 
     fn with_laws() -> Machine {
@@ -216,8 +266,9 @@ mod tests {
         machine
     }
 
-    /// Support bearings without clearance: ΣQ follows from the radial force by the load integrals of the line contact (exponent 10/9), ΣQ/F = ∫cos^n/∫cos^(n+1)
-    /// over the loaded half, within 2 % (15 rollers in place of a continuum). The growth per hour follows from the closed form.
+    /// Support bearings without clearance: ΣQ follows from the radial force by the load integrals of the line
+    /// contact (exponent 10/9), ΣQ/F = ∫cos^n/∫cos^(n+1) over the loaded half, within 2 % (15 rollers in
+    /// place of a continuum). The growth per hour follows from the closed form.
     #[test]
     fn support_wear_follows_from_the_radial_force() {
         let machine = with_laws();
@@ -225,10 +276,15 @@ mod tests {
         let mut meshing = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
         let rates = meshing.part_wear_rates(&machine, positions).unwrap();
         let loads = crate::rig::bearing_loads(&machine, &JointSettings::default(), 72).unwrap();
-        let supports: Vec<f64> = loads.iter().filter(|load| load.name.contains("support")).map(|load| load.mean_force()).collect();
+        let supports: Vec<f64> =
+            loads.iter().filter(|load| load.name.contains("support")).map(|load| load.mean_force()).collect();
         let radial = supports.iter().sum::<f64>() / supports.len() as f64;
         let n = 10.0 / 9.0;
-        let integral = |power: f64| (0..2000).map(|i| ((f64::from(i) + 0.5) / 2000.0 * std::f64::consts::FRAC_PI_2).cos().powf(power)).sum::<f64>();
+        let integral = |power: f64| {
+            (0..2000)
+                .map(|i| ((f64::from(i) + 0.5) / 2000.0 * std::f64::consts::FRAC_PI_2).cos().powf(power))
+                .sum::<f64>()
+        };
         let bearing = &machine.bearings.crank_support;
         let forces = radial / bearing.contact_angle.cos() * integral(n) / integral(n + 1.0);
         let relative = machine.kinematics().speeds(machine.rated.input_speed).2;
@@ -256,8 +312,9 @@ mod tests {
         assert!((coarse.crank_support / fine.crank_support - 1.0).abs() < 0.01, "{coarse:?} {fine:?}");
     }
 
-    /// Pins that wear like the discs, bearings and gears that wear as well, and the flank's wear with the machine in these bearings: a balance is found at every
-    /// step to 5000 h and over a whole turn of the crankshafts there, at rated torque to 1e-6 of it, and at no load.
+    /// Pins that wear like the discs, bearings and gears that wear as well, and the flank's wear with the
+    /// machine in these bearings: a balance is found at every step to 5000 h and over a whole turn of the
+    /// crankshafts there, at rated torque to 1e-6 of it, and at no load.
     #[test]
     fn worn_pins_and_parts_leave_every_balance_exact() {
         let mut machine = with_laws();
@@ -265,7 +322,11 @@ mod tests {
         let options = CoupledOptions { depth_increment: 0.25 * UM, ..CoupledOptions::default() };
         let exposure = machine.coupled_exposure(options).unwrap();
         let mut parts = PartsFollower::new(&machine, &JointSettings::default()).unwrap();
-        let mut wear = CoupledWear::with(&machine, BearingMeshing::new(&machine, &JointSettings::default()).unwrap(), options);
+        let mut wear = CoupledWear::with(
+            &machine,
+            BearingMeshing::new(&machine, &JointSettings::default()).unwrap(),
+            options,
+        );
         for step in 1..=4 {
             let time = 1250.0 * HOUR;
             parts.see(wear.state());
@@ -273,7 +334,11 @@ mod tests {
             wear.set_part_wear(parts.wear());
             wear.advance_to(exposure.at(time * f64::from(step))).unwrap();
         }
-        assert!(wear.state().pin().deepest().0 > 8.0 * UM && parts.wear().turning_arm > UM, "{:?}", parts.wear());
+        assert!(
+            wear.state().pin().deepest().0 > 8.0 * UM && parts.wear().turning_arm > UM,
+            "{:?}",
+            parts.wear()
+        );
         let cycle = wear.meshing_mut().whole_cycle(machine.rated.torque, 24).unwrap();
         let largest = cycle.positions.iter().map(|position| position.residual.abs()).fold(0.0, f64::max);
         assert!(largest < 1e-6 * machine.rated.torque, "{largest}");

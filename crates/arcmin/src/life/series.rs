@@ -40,7 +40,8 @@ pub struct Series {
 pub struct Quantiles(pub [f64; 5]);
 
 impl Quantiles {
-    /// Of values in any order, between them by straight lines; infinite ones (never) are larger than all. `None` of nothing.
+    /// Of values in any order, between them by straight lines; infinite ones (never) are larger than all.
+    /// `None` of nothing.
     pub fn of(values: impl Iterator<Item = f64>) -> Option<Quantiles> {
         let mut sorted: Vec<f64> = values.collect();
         sorted.sort_by(f64::total_cmp);
@@ -72,8 +73,9 @@ impl Series {
     }
 }
 
-/// Follows machines of one design over their service life and on to their limit, side by side; each as [`predict_made`](super::predict_made) does. The wear
-/// coefficient is one for all: where it is to be calibrated, the `nominal` machine is.
+/// Follows machines of one design over their service life and on to their limit, side by side; each as
+/// [`predict_made`](super::predict_made) does. The wear coefficient is one for all: where it is to be
+/// calibrated, the `nominal` machine is.
 ///
 /// # Errors
 /// [`WearError`] of the nominal machine; `Stopped` when `progress` was cancelled.
@@ -99,7 +101,9 @@ pub fn predict_series(
     }
     let Some(nominal) = lives.next() else { unreachable!("the nominal machine is one of them") };
     let service_hours = machine.limits.service_life / HOUR;
-    let hours = (0..=options.intervals).map(|interval| service_hours * interval as f64 / options.intervals as f64).collect();
+    let hours = (0..=options.intervals)
+        .map(|interval| service_hours * interval as f64 / options.intervals as f64)
+        .collect();
     Ok(Series { hours, nominal: nominal?, machines: lives.collect() })
 }
 
@@ -128,7 +132,8 @@ fn follow(
     let lost_motion = history.iter().map(|(_, lost)| *lost).collect();
     let max_depth = wear.state().flank().deepest().0;
     let worn = parts.as_ref().map_or_else(PartWear::default, |parts| *parts.wear());
-    let (hours_to_limit, searched_hours) = search_limit(machine, &mut wear, &mut parts, exposure, options, history, progress)?;
+    let (hours_to_limit, searched_hours) =
+        search_limit(machine, &mut wear, &mut parts, exposure, options, history, progress)?;
     Ok(MachineLife { lost_motion, hours_to_limit, searched_hours, max_depth, wear: worn })
 }
 
@@ -147,28 +152,40 @@ mod tests {
         assert_eq!(Quantiles::of([7.0].into_iter()).unwrap(), Quantiles([7.0; 5]));
         assert_eq!(Quantiles::of([f64::INFINITY; 3].into_iter()).unwrap(), Quantiles([f64::INFINITY; 5]));
         let some = Quantiles::of([1.0, f64::INFINITY, 2.0, f64::INFINITY].into_iter()).unwrap();
-        assert!(some.0[1] > 1.0 && some.0[1] < 2.0 && some.0[2..].iter().all(|x| *x == f64::INFINITY), "{some:?}");
+        assert!(
+            some.0[1] > 1.0 && some.0[1] < 2.0 && some.0[2..].iter().all(|x| *x == f64::INFINITY),
+            "{some:?}"
+        );
         assert!(Quantiles::of([].into_iter()).is_none());
     }
 
-    /// A machine of the series is the machine followed alone, to the last digit; and on any number of threads.
+    /// A machine of the series is the machine followed alone, to the last digit; and on any number of
+    /// threads.
     #[test]
     fn a_machine_of_a_series_is_that_machine() {
         let mut machine = crate::templates::rv_40e_81();
         machine.limits.service_life = 300.0 * HOUR;
         // Reached soon after, so that the search is part of the comparison.
         machine.limits.lost_motion = 0.75 * crate::units::ARCMIN;
-        let tolerances = Tolerances { pin_position: 3.0 * UM, eccentricity: 2.0 * UM, bore_position: 3.0 * UM, ..Tolerances::default() };
+        let tolerances = Tolerances {
+            pin_position: 3.0 * UM,
+            eccentricity: 2.0 * UM,
+            bore_position: 3.0 * UM,
+            ..Tolerances::default()
+        };
         let joints = |seed: u64| {
             let errors = ManufacturingErrors::draw(&machine, &tolerances, seed);
             BearingMeshing::new(&machine, &JointSettings { errors, ..JointSettings::default() }).unwrap()
         };
         let nominal = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
-        let mut options = LifeOptions { intervals: 2, crank_positions: 6, search_factor: 4.0, ..LifeOptions::default() };
+        let mut options =
+            LifeOptions { intervals: 2, crank_positions: 6, search_factor: 4.0, ..LifeOptions::default() };
         options.wear.depth_increment = 0.3 * UM;
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| predict_series(&machine, nominal.clone(), &[joints(1), joints(2)], options, &Silent).unwrap())
+            pool.install(|| {
+                predict_series(&machine, nominal.clone(), &[joints(1), joints(2)], options, &Silent).unwrap()
+            })
         };
         let (one, two) = (on(1), on(2));
         assert_eq!((&one.machines, &one.nominal), (&two.machines, &two.nominal));

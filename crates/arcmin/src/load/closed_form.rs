@@ -1,6 +1,8 @@
-//! The handbook method as Tao2024 uses it (eqs. 5–10): forces in proportion to rigid approach, reduced by the initial gaps.
+//! The handbook method as Tao2024 uses it (eqs. 5–10): forces in proportion to rigid approach, reduced by the
+//! initial gaps.
 //!
-//! Valid while the rotation to first contact leaves no negative gap; [`ClosedForm::smallest_gap`] tells. Angles here are |φ|.
+//! Valid while the rotation to first contact leaves no negative gap; [`ClosedForm::smallest_gap`] tells.
+//! Angles here are |φ|.
 
 use crate::contact::{ContactLaw, LineContact};
 use crate::machine::Machine;
@@ -36,29 +38,40 @@ pub enum ClosedFormError {
     NotConverged { iterations: usize, max_force: f64 },
     #[error("the closed form needs a positive torque, not {0} N·m")]
     BadTorque(f64),
-    #[error("the closed form needs a curtate flank, K1 = a z_p/R_p below 1, not {0:.4}; use a smaller eccentricity or a larger pin circle")]
+    #[error(
+        "the closed form needs a curtate flank, K1 = a z_p/R_p below 1, not {0:.4}; use a smaller eccentricity or a larger pin circle"
+    )]
     NotCurtate(f64),
 }
 
-/// F_max0 = 2.2 T/(K1 z_c R_p), the first guess of the handbook for two discs. The paper prints the pin radius for R_p, which gives 21 times more.
+/// F_max0 = 2.2 T/(K1 z_c R_p), the first guess of the handbook for two discs. The paper prints the pin
+/// radius for R_p, which gives 21 times more.
 pub fn first_max_force(machine: &Machine, torque: f64) -> f64 {
     let profile = machine.profile();
-    2.2 * torque / (profile.short_width_coefficient() * profile.lobe_count() as f64 * machine.ring.pin_circle_radius)
+    2.2 * torque
+        / (profile.short_width_coefficient() * profile.lobe_count() as f64 * machine.ring.pin_circle_radius)
 }
 
-/// Gap after rotation to first contact of a disc cut with both offsets, in m:
-/// Δ(φ) = Δr_p (1 − sin φ/S) − ΔR_p (1 − K1 cos φ − √(1−K1²) sin φ)/S. First order in the offsets; for curtate flanks, K1 < 1.
-pub fn initial_gap(short_width_coefficient: f64, equidistant_offset: f64, radial_offset: f64, meshing_angle: f64) -> f64 {
+/// Gap after rotation to first contact of a disc cut with both offsets, in m: Δ(φ) = Δr_p (1 − sin φ/S) −
+/// ΔR_p (1 − K1 cos φ − √(1−K1²) sin φ)/S. First order in the offsets; for curtate flanks, K1 < 1.
+pub fn initial_gap(
+    short_width_coefficient: f64,
+    equidistant_offset: f64,
+    radial_offset: f64,
+    meshing_angle: f64,
+) -> f64 {
     let k1 = short_width_coefficient;
     let (sin, cos) = meshing_angle.sin_cos();
     let s = (1.0 + k1 * k1 - 2.0 * k1 * cos).sqrt();
     equidistant_offset * (1.0 - sin / s) - radial_offset * (1.0 - k1 * cos - (1.0 - k1 * k1).sqrt() * sin) / s
 }
 
-/// Solves the closed form for the output torque T in N·m, uniform wear `depth` (m) on top of the modification.
+/// Solves the closed form for the output torque T in N·m, uniform wear `depth` (m) on top of the
+/// modification.
 ///
-/// T_c = 0.55 T per disc (for two discs; 1.1 T/n in general), F_max = T_c / Σ (l_i/l_max − Δ_i/δ_max) l_i over the pairs where the bracket is positive,
-/// iterated with δ_max(F_max) from the paper's eq. (6) (with the Hertz half-width for R_eq = r_p) until F_max settles to 1e-12.
+/// T_c = 0.55 T per disc (for two discs; 1.1 T/n in general), F_max = T_c / Σ (l_i/l_max − Δ_i/δ_max) l_i
+/// over the pairs where the bracket is positive, iterated with δ_max(F_max) from the paper's eq. (6) (with
+/// the Hertz half-width for R_eq = r_p) until F_max settles to 1e-12.
 ///
 /// # Errors
 /// [`ClosedFormError`] when the torque is not positive or F_max does not settle.
@@ -74,20 +87,35 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
         return Err(ClosedFormError::NotCurtate(k1));
     }
     let cut = &machine.disc.modification;
-    let law = LineContact::new(ContactLaw::Tao2024, &machine.disc.material, &machine.ring.material, machine.disc.width, machine.ring.pin_radius);
+    let law = LineContact::new(
+        ContactLaw::Tao2024,
+        &machine.disc.material,
+        &machine.ring.material,
+        machine.disc.width,
+        machine.ring.pin_radius,
+    );
     let disc_torque = 1.1 * torque / machine.disc_count as f64;
     let count = machine.ring.pin_count;
-    let angles: Vec<f64> =
-        (1..).map(|i| std::f64::consts::TAU * i as f64 / count as f64).take_while(|phi| *phi < std::f64::consts::PI - 1e-9).collect();
+    let angles: Vec<f64> = (1..)
+        .map(|i| std::f64::consts::TAU * i as f64 / count as f64)
+        .take_while(|phi| *phi < std::f64::consts::PI - 1e-9)
+        .collect();
     let levers: Vec<f64> = angles.iter().map(|phi| profile.lever_arm(*phi)).collect();
-    let gaps: Vec<f64> = angles.iter().map(|phi| initial_gap(k1, cut.equidistant_offset + depth, cut.radial_offset, *phi)).collect();
+    let gaps: Vec<f64> = angles
+        .iter()
+        .map(|phi| initial_gap(k1, cut.equidistant_offset + depth, cut.radial_offset, *phi))
+        .collect();
     let longest = profile.largest_lever_arm();
 
     const ITERATIONS: usize = 500;
     let mut max_force = first_max_force(machine, torque);
     for _ in 0..ITERATIONS {
         let max_approach = law.approach(max_force, machine.ring.pin_radius);
-        let shares: Vec<f64> = levers.iter().zip(&gaps).map(|(lever, gap)| (lever / longest - gap / max_approach).max(0.0)).collect();
+        let shares: Vec<f64> = levers
+            .iter()
+            .zip(&gaps)
+            .map(|(lever, gap)| (lever / longest - gap / max_approach).max(0.0))
+            .collect();
         let sum: f64 = shares.iter().zip(&levers).map(|(share, lever)| share * lever).sum();
         if sum <= 0.0 {
             // The approach guessed closes no gap at all: more force is needed.
@@ -102,7 +130,11 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
             let pairs = angles
                 .iter()
                 .zip(shares.iter().zip(&gaps))
-                .map(|(angle, (share, gap))| ClosedFormPair { meshing_angle: *angle, force: max_force * share, initial_gap: *gap })
+                .map(|(angle, (share, gap))| ClosedFormPair {
+                    meshing_angle: *angle,
+                    force: max_force * share,
+                    initial_gap: *gap,
+                })
                 .collect();
             return Ok(ClosedForm { pairs, max_force, max_approach });
         }

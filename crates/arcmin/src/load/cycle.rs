@@ -4,12 +4,14 @@ use super::{LoadError, LoadSharing, Meshing};
 use crate::contact::{LineContact, PinContact};
 use crate::machine::{CrankAngle, OutputAngle};
 
-/// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads from it.
+/// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads
+/// from it.
 #[derive(Debug, Clone)]
 pub struct Cycle {
     /// Solutions at equidistant crank angles in [0, pattern period).
     pub positions: Vec<LoadSharing>,
-    /// One-sided play of the output at no load with the input locked towards the flank of the torque, per position: positive.
+    /// One-sided play of the output at no load with the input locked towards the flank of the torque, per
+    /// position: positive.
     pub play: Vec<OutputAngle>,
     /// Total free travel of the output, per position.
     pub free_travel: Vec<OutputAngle>,
@@ -54,13 +56,15 @@ pub struct HarmonicError {
 }
 
 impl Meshing {
-    /// Solves the load sharing at `count` crank angles over one turn of the pattern (2π/z_p of the crankshaft).
+    /// Solves the load sharing at `count` crank angles over one turn of the pattern (2π/z_p of the
+    /// crankshaft).
     ///
     /// # Errors
     /// [`LoadError`] of the first position that has no solution.
     pub fn cycle(&self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let period = self.kinematics().pattern_period();
-        let mut cycle = Cycle { positions: Vec::with_capacity(count), play: Vec::new(), free_travel: Vec::new(), period };
+        let mut cycle =
+            Cycle { positions: Vec::with_capacity(count), play: Vec::new(), free_travel: Vec::new(), period };
         for index in 0..count {
             let crank = CrankAngle::from_radians(period * index as f64 / count as f64);
             let travel = self.free_travel(crank)?;
@@ -77,8 +81,13 @@ impl Meshing {
 }
 
 fn sorted<'a>(contacts: impl Iterator<Item = &'a PinContact>) -> Vec<FlankForce> {
-    let mut forces: Vec<FlankForce> =
-        contacts.map(|c| FlankForce { meshing_angle: c.meshing_angle, force: c.force, relative_curvature: c.relative_curvature }).collect();
+    let mut forces: Vec<FlankForce> = contacts
+        .map(|c| FlankForce {
+            meshing_angle: c.meshing_angle,
+            force: c.force,
+            relative_curvature: c.relative_curvature,
+        })
+        .collect();
     forces.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
     forces
 }
@@ -96,7 +105,11 @@ impl Cycle {
 
     /// Largest Hertz pressure in Pa under the contact law.
     pub fn max_pressure(&self, contact: &LineContact) -> f64 {
-        self.positions.iter().flat_map(LoadSharing::contacts).map(|c| contact.pressure(c.force, 1.0 / c.relative_curvature)).fold(0.0, f64::max)
+        self.positions
+            .iter()
+            .flat_map(LoadSharing::contacts)
+            .map(|c| contact.pressure(c.force, 1.0 / c.relative_curvature))
+            .fold(0.0, f64::max)
     }
 
     /// Mean number of loaded pairs of one disc.
@@ -112,7 +125,9 @@ impl Cycle {
     /// Peak-to-peak output error under load.
     pub fn peak_to_peak_error(&self) -> OutputAngle {
         let errors = || self.positions.iter().map(|position| position.output_error.radians());
-        OutputAngle::from_radians(errors().fold(f64::NEG_INFINITY, f64::max) - errors().fold(f64::INFINITY, f64::min))
+        OutputAngle::from_radians(
+            errors().fold(f64::NEG_INFINITY, f64::max) - errors().fold(f64::INFINITY, f64::min),
+        )
     }
 
     /// Mean one-sided play.
@@ -125,21 +140,29 @@ impl Cycle {
         mean(self.free_travel.iter().copied())
     }
 
-    /// Forces on one flank of a tooth as it passes through the mesh, sorted by meshing angle, from all positions and discs.
+    /// Forces on one flank of a tooth as it passes through the mesh, sorted by meshing angle, from all
+    /// positions and discs.
     pub fn flank_forces(&self) -> Vec<FlankForce> {
         sorted(self.positions.iter().flat_map(LoadSharing::contacts))
     }
 
-    /// The same where every pin bears differently: of each of `cells` equal steps of the meshing angle the mean over all pins that were met in it, and the
-    /// contact of the largest force. Of one disc; steps that were not met are left out.
+    /// The same where every pin bears differently: of each of `cells` equal steps of the meshing angle the
+    /// mean over all pins that were met in it, and the contact of the largest force. Of one disc; steps that
+    /// were not met are left out.
     pub fn flank_cells(&self, disc: usize, cells: usize) -> (Vec<FlankForce>, Vec<FlankForce>) {
         let all = sorted(self.positions.iter().filter_map(|position| position.discs.get(disc)).flatten());
         let cell = |force: &FlankForce| ((force.meshing_angle / TAU + 0.5) * cells as f64).floor();
         let mean = |forces: &[FlankForce]| {
-            let mean = |value: fn(&FlankForce) -> f64| forces.iter().map(value).sum::<f64>() / forces.len() as f64;
-            FlankForce { meshing_angle: mean(|f| f.meshing_angle), force: mean(|f| f.force), relative_curvature: mean(|f| f.relative_curvature) }
+            let mean =
+                |value: fn(&FlankForce) -> f64| forces.iter().map(value).sum::<f64>() / forces.len() as f64;
+            FlankForce {
+                meshing_angle: mean(|f| f.meshing_angle),
+                force: mean(|f| f.force),
+                relative_curvature: mean(|f| f.relative_curvature),
+            }
         };
-        let largest = |forces: &[FlankForce]| forces.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force));
+        let largest =
+            |forces: &[FlankForce]| forces.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force));
         let cells = || all.chunk_by(|a, b| cell(a) == cell(b));
         (cells().map(mean).collect(), cells().filter_map(largest).collect())
     }
@@ -154,7 +177,14 @@ impl Cycle {
             for contact in self.positions.iter().flat_map(|position| &position.discs[disc]) {
                 while loads.len() <= first + contact.pin {
                     let pin = loads.len() - first;
-                    loads.push(PinLoad { disc, pin, max_force: 0.0, max_force_at: 0.0, mean_force: 0.0, loaded_share: 0.0 });
+                    loads.push(PinLoad {
+                        disc,
+                        pin,
+                        max_force: 0.0,
+                        max_force_at: 0.0,
+                        mean_force: 0.0,
+                        loaded_share: 0.0,
+                    });
                 }
                 let load = &mut loads[first + contact.pin];
                 load.mean_force += share * contact.force;
@@ -169,7 +199,8 @@ impl Cycle {
         loads
     }
 
-    /// Harmonics of the loaded transmission error within the pattern: order per output turn is z_c z_p times the harmonic.
+    /// Harmonics of the loaded transmission error within the pattern: order per output turn is z_c z_p times
+    /// the harmonic.
     pub fn harmonics(&self, lobe_count: f64, pin_count: f64) -> Vec<HarmonicError> {
         let n = self.positions.len();
         (1..n.div_ceil(2))
@@ -180,7 +211,10 @@ impl Cycle {
                     real += position.output_error.radians() * cos;
                     imaginary += position.output_error.radians() * sin;
                 }
-                HarmonicError { order: harmonic as f64 * lobe_count * pin_count, amplitude: 2.0 / n as f64 * real.hypot(imaginary) }
+                HarmonicError {
+                    order: harmonic as f64 * lobe_count * pin_count,
+                    amplitude: 2.0 / n as f64 * real.hypot(imaginary),
+                }
             })
             .collect()
     }

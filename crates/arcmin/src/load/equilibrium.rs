@@ -11,7 +11,9 @@ pub enum LoadError {
         "load sharing did not converge at crank angle {crank_angle_deg:.4}°: torque residual {residual:.3e} N·m of {torque} N·m after {iterations} iterations"
     )]
     NotConverged { crank_angle_deg: f64, torque: f64, residual: f64, iterations: usize },
-    #[error("no pin can touch the disc within half a tooth pitch at crank angle {crank_angle_deg:.4}° (gap too large)")]
+    #[error(
+        "no pin can touch the disc within half a tooth pitch at crank angle {crank_angle_deg:.4}° (gap too large)"
+    )]
     NoContact { crank_angle_deg: f64 },
     #[error("the torque must be a finite number, not {0} N·m")]
     BadTorque(f64),
@@ -19,10 +21,12 @@ pub enum LoadError {
 
 /// Cycloid discs and pins with ideal crank joints and the input locked.
 ///
-/// One coordinate is left: the output error ε = θ_out − θ_s/i. It turns the discs by s ε and the crankshafts by c ε against the ring, so that the
-/// contact forces (F_j, M_j) on the discs do the work Q δε with Q = Σ_j [s M_j + c F_j·∂C_j/∂θ_k]. Equilibrium is Q(ε) = T. With the housing at rest
-/// s = 1 and c = (z_1+z_2)/z_2: two equal discs carry 0.4815 T each of an RV-40E-81, the rest goes through the gear stage. With the carrier at rest
-/// s = c = −1: it is the ring that turns, around discs and crankshafts that stand still, and each disc carries 0.4875 T.
+/// One coordinate is left: the output error ε = θ_out − θ_s/i. It turns the discs by s ε and the crankshafts
+/// by c ε against the ring, so that the contact forces (F_j, M_j) on the discs do the work Q δε with Q = Σ_j
+/// [s M_j + c F_j·∂C_j/∂θ_k]. Equilibrium is Q(ε) = T. With the housing at rest s = 1 and c = (z_1+z_2)/z_2:
+/// two equal discs carry 0.4815 T each of an RV-40E-81, the rest goes through the gear stage. With the
+/// carrier at rest s = c = −1: it is the ring that turns, around discs and crankshafts that stand still, and
+/// each disc carries 0.4875 T.
 #[derive(Debug, Clone)]
 pub struct Meshing {
     kinematics: Kinematics,
@@ -32,7 +36,8 @@ pub struct Meshing {
 /// Play of the output with the input locked at no load, from the nominal position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeTravel {
-    /// Output error at which the flank that carries positive torque touches first: zero or negative (lagging) for a disc with clearance.
+    /// Output error at which the flank that carries positive torque touches first: zero or negative (lagging)
+    /// for a disc with clearance.
     pub lag: OutputAngle,
     /// The same for negative torque: zero or positive.
     pub lead: OutputAngle,
@@ -88,19 +93,24 @@ enum Scope {
 }
 
 const MAX_ITERATIONS: usize = 60;
-/// Largest Newton step of the output error in rad: some wind-ups. Further away other lobes would come into reach.
+/// Largest Newton step of the output error in rad: some wind-ups. Further away other lobes would come into
+/// reach.
 const LARGEST_STEP: f64 = 1.0 * crate::units::ARCMIN;
-/// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls reliably below, which is 1e-9 relative from 5 N·m on.
+/// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls reliably below,
+/// which is 1e-9 relative from 5 N·m on.
 const RESIDUAL_FLOOR: f64 = 5e-9;
-/// From a step of the output error (rad) below this on, the model of the gaps is expected to lead to the solution.
+/// From a step of the output error (rad) below this on, the model of the gaps is expected to lead to the
+/// solution.
 const NEAR_THE_SOLUTION: f64 = 1e-6;
-/// Residual over torque below which one step in proportion ends the iteration: dF/F is as small, and its square below the rounding of a gap.
+/// Residual over torque below which one step in proportion ends the iteration: dF/F is as small, and its
+/// square below the rounding of a gap.
 const LAST_RESIDUAL: f64 = 1e-7;
 /// Up to this gap in m the model of a contact knows how its curvature changes.
 const CURVATURE_REACH: f64 = 2e-6;
 /// The last step of the free travel in rad.
 const LAST_TRAVEL: f64 = 1e-13;
-/// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the wind-up, N·m/rad.
+/// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the
+/// wind-up, N·m/rad.
 const EXPECTED_STIFFNESS: f64 = 5000.0 / crate::units::ARCMIN;
 
 impl Machine {
@@ -148,7 +158,14 @@ impl Meshing {
     }
 
     /// Gaps and forces at the output error ε with their changes along ε; `visit` sees every contact.
-    fn survey(&self, nominal_crank: f64, error: f64, scope: Scope, model: &mut GapModel, mut visit: impl FnMut(usize, &PinContact)) {
+    fn survey(
+        &self,
+        nominal_crank: f64,
+        error: f64,
+        scope: Scope,
+        model: &mut GapModel,
+        mut visit: impl FnMut(usize, &PinContact),
+    ) {
         let k = &self.kinematics;
         let crank = self.crank_angle_at(nominal_crank, error);
         let turn = k.disc_per_output_locked();
@@ -167,7 +184,9 @@ impl Meshing {
                 let bend = contact.gap_bend(radius, turn * motion) + g[0] * path_bend.x + g[1] * path_bend.y;
                 // Further off the curvature will have to be found anew.
                 let curvature_slope = if scope != Scope::Last && contact.gap < CURVATURE_REACH {
-                    self.contacts.rolling(contact).relative_curvature_change(contact, [motion.x, motion.y, turn])
+                    self.contacts
+                        .rolling(contact)
+                        .relative_curvature_change(contact, [motion.x, motion.y, turn])
                 } else {
                     0.0
                 };
@@ -176,16 +195,18 @@ impl Meshing {
         }
     }
 
-    /// Output error at which the first pin touches when the output turns in `direction` (−1 lag, +1 lead) from ε = `from`.
+    /// Output error at which the first pin touches when the output turns in `direction` (−1 lag, +1 lead)
+    /// from ε = `from`.
     ///
-    /// Each step goes to the first contact predicted by gaps, their slopes and bends; gaps are smooth in ε, so this converges at least like Newton's method.
-    /// A bracket keeps it from cycling between two pins.
+    /// Each step goes to the first contact predicted by gaps, their slopes and bends; gaps are smooth in ε,
+    /// so this converges at least like Newton's method. A bracket keeps it from cycling between two pins.
     fn first_touch(&self, nominal_crank: f64, direction: f64, from: f64) -> Result<f64, LoadError> {
         let k = &self.kinematics;
-        let no_contact = || LoadError::NoContact { crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees() };
+        let no_contact =
+            || LoadError::NoContact { crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees() };
         let half_pitch = std::f64::consts::PI / k.lobe_count;
-        // Pins within 0.1° of root or tip have no lever to speak of: they close too slowly to be first, and rounding of their gaps would be
-        // magnified.
+        // Pins within 0.1° of root or tip have no lever to speak of: they close too slowly to be first, and
+        // rounding of their gaps would be magnified.
         let least_closing = 1e-2 * k.eccentricity * k.lobe_count;
         let mut error = from;
         let (mut free, mut touching) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -226,13 +247,15 @@ impl Meshing {
         })
     }
 
-    /// Finds ε with Q(ε) = T at the nominal crank angle given; torque T in N·m, positive against positive output motion.
+    /// Finds ε with Q(ε) = T at the nominal crank angle given; torque T in N·m, positive against positive
+    /// output motion.
     ///
-    /// Q falls monotonically with ε, so a Newton iteration kept in a bracket is safe. At T = 0 the output rests where the flank of positive
-    /// torque just touches.
+    /// Q falls monotonically with ε, so a Newton iteration kept in a bracket is safe. At T = 0 the output
+    /// rests where the flank of positive torque just touches.
     ///
     /// # Errors
-    /// [`LoadError`] when no pin can touch, the torque is not finite, or the residual does not fall below 1e-9 T (5e-9 N·m).
+    /// [`LoadError`] when no pin can touch, the torque is not finite, or the residual does not fall below
+    /// 1e-9 T (5e-9 N·m).
     pub fn load_sharing(&self, crank_angle: CrankAngle, torque: f64) -> Result<LoadSharing, LoadError> {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
@@ -240,26 +263,52 @@ impl Meshing {
         if torque == 0.0 {
             let touch = self.first_touch(crank_angle.radians(), -1.0, 0.0)?;
             let mut discs = self.no_contacts();
-            self.survey(crank_angle.radians(), touch, Scope::Last, &mut self.empty_model(), |disc, contact| discs[disc].push(*contact));
+            self.survey(
+                crank_angle.radians(),
+                touch,
+                Scope::Last,
+                &mut self.empty_model(),
+                |disc, contact| discs[disc].push(*contact),
+            );
             let output_error = OutputAngle::from_radians(touch);
-            return Ok(LoadSharing { crank_angle, torque, output_error, residual: 0.0, stiffness: 0.0, discs });
+            return Ok(LoadSharing {
+                crank_angle,
+                torque,
+                output_error,
+                residual: 0.0,
+                stiffness: 0.0,
+                discs,
+            });
         }
         self.solve(crank_angle, torque, 0.0, Scope::All)
     }
 
-    /// [`Meshing::load_sharing`] started from a known output error, such as that of the neighbouring crank angle.
+    /// [`Meshing::load_sharing`] started from a known output error, such as that of the neighbouring crank
+    /// angle.
     ///
     /// # Errors
     /// As [`Meshing::load_sharing`].
-    pub fn load_sharing_near(&self, crank_angle: CrankAngle, torque: f64, start: OutputAngle) -> Result<LoadSharing, LoadError> {
+    pub fn load_sharing_near(
+        &self,
+        crank_angle: CrankAngle,
+        torque: f64,
+        start: OutputAngle,
+    ) -> Result<LoadSharing, LoadError> {
         if !torque.is_finite() || torque == 0.0 {
             return self.load_sharing(crank_angle, torque);
         }
         self.solve(crank_angle, torque, start.radians(), Scope::MayTouch)
     }
 
-    /// Newton's method kept in a bracket, its steps taken on the second-order model of all gaps at the last place. `scope` is that of the first look.
-    fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64, mut scope: Scope) -> Result<LoadSharing, LoadError> {
+    /// Newton's method kept in a bracket, its steps taken on the second-order model of all gaps at the last
+    /// place. `scope` is that of the first look.
+    fn solve(
+        &self,
+        crank_angle: CrankAngle,
+        torque: f64,
+        start: f64,
+        mut scope: Scope,
+    ) -> Result<LoadSharing, LoadError> {
         let nominal = crank_angle.radians();
         let law = self.contacts.contact();
         let wind_up = (torque.abs() / EXPECTED_STIFFNESS).min(LARGEST_STEP);
@@ -277,12 +326,20 @@ impl Meshing {
             residual = model.torque - torque;
             let is_clear = model.torque == 0.0;
             if scope != Scope::MayTouch && residual.abs() <= LAST_RESIDUAL * torque.abs() {
-                // What is left of the way is so short that the forces change in proportion: the square of the residual is below rounding.
+                // What is left of the way is so short that the forces change in proportion: the square of the
+                // residual is below rounding.
                 let change = residual / model.stiffness;
                 residual = model.carry_over(discs.iter_mut().flatten(), change) - torque;
                 if residual.abs() <= tolerance {
                     let output_error = OutputAngle::from_radians(error + change);
-                    return Ok(LoadSharing { crank_angle, torque, output_error, residual, stiffness: model.stiffness, discs });
+                    return Ok(LoadSharing {
+                        crank_angle,
+                        torque,
+                        output_error,
+                        residual,
+                        stiffness: model.stiffness,
+                        discs,
+                    });
                 }
             }
             if scope == Scope::MayTouch && (is_clear || residual.abs() <= LAST_RESIDUAL * torque.abs()) {
@@ -299,7 +356,9 @@ impl Meshing {
                 let direction = -torque.signum();
                 self.first_touch(nominal, direction, error)? + direction * wind_up
             } else {
-                let next = model.change_to(law, torque, wind_up, LARGEST_STEP).map_or(f64::NAN, |change| error + change);
+                let next = model
+                    .change_to(law, torque, wind_up, LARGEST_STEP)
+                    .map_or(f64::NAN, |change| error + change);
                 if next > low && next < high {
                     next
                 } else if low.is_finite() && high.is_finite() {
@@ -316,7 +375,12 @@ impl Meshing {
             };
             error = next;
         }
-        Err(LoadError::NotConverged { crank_angle_deg: crank_angle.degrees(), torque, residual: residual.abs(), iterations: MAX_ITERATIONS })
+        Err(LoadError::NotConverged {
+            crank_angle_deg: crank_angle.degrees(),
+            torque,
+            residual: residual.abs(),
+            iterations: MAX_ITERATIONS,
+        })
     }
 
     fn empty_model(&self) -> GapModel {

@@ -6,8 +6,9 @@ use crate::machine::{CrankAngle, Kinematics, Machine, OutputAngle};
 
 /// [`Meshing`] with elastic discs: ideal crank joints, input locked, each disc held at its bores.
 ///
-/// A flank gives way under its own and under all other forces on its disc, u_i = Σ_j C_ij F_j; the contact law bears what is left of the approach, down to
-/// the depth where C_ii was read. Inertia forces are left out. One output error ε is sought, as for rigid discs.
+/// A flank gives way under its own and under all other forces on its disc, u_i = Σ_j C_ij F_j; the contact
+/// law bears what is left of the approach, down to the depth where C_ii was read. Inertia forces are left
+/// out. One output error ε is sought, as for rigid discs.
 #[derive(Debug, Clone)]
 pub struct FlexibleMeshing {
     rigid: Meshing,
@@ -83,7 +84,8 @@ impl FlexibleMeshing {
                 iterations: MAX_ITERATIONS,
             });
         }
-        let motion = k.crank_per_output_locked() * k.eccentricity * quarter_turn(unit(crank + k.phases[disc]));
+        let motion =
+            k.crank_per_output_locked() * k.eccentricity * quarter_turn(unit(crank + k.phases[disc]));
         Ok((DiscState { contacts, forces }, motion))
     }
 
@@ -94,7 +96,11 @@ impl FlexibleMeshing {
         for disc in 0..self.discs.count() {
             let (state, motion) = self.state(disc, nominal_crank, error)?;
             let n = state.contacts.len();
-            let slope: Vec<f64> = state.contacts.iter().map(|c| c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2] * turn).collect();
+            let slope: Vec<f64> = state
+                .contacts
+                .iter()
+                .map(|c| c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2] * turn)
+                .collect();
             let mut response = slope.clone();
             state.forces.respond(&mut response, &mut Vec::with_capacity(n));
             for i in 0..n {
@@ -105,8 +111,9 @@ impl FlexibleMeshing {
         Ok((torque, stiffness))
     }
 
-    /// Finds ε with Q(ε) = T at the nominal crank angle; as [`Meshing::load_sharing`], with elastic discs. A contact's `gap` is what is left after the
-    /// flank has given way: minus the local approach where it touches.
+    /// Finds ε with Q(ε) = T at the nominal crank angle; as [`Meshing::load_sharing`], with elastic discs. A
+    /// contact's `gap` is what is left after the flank has given way: minus the local approach where it
+    /// touches.
     ///
     /// # Errors
     /// [`LoadError`] as for rigid discs.
@@ -122,11 +129,17 @@ impl FlexibleMeshing {
         self.solve(crank_angle, torque, touch - torque / EXPECTED_STIFFNESS)
     }
 
-    /// [`FlexibleMeshing::load_sharing`] started from a known output error, such as that of the neighbouring crank angle.
+    /// [`FlexibleMeshing::load_sharing`] started from a known output error, such as that of the neighbouring
+    /// crank angle.
     ///
     /// # Errors
     /// As there.
-    pub fn load_sharing_near(&self, crank_angle: CrankAngle, torque: f64, start: OutputAngle) -> Result<LoadSharing, LoadError> {
+    pub fn load_sharing_near(
+        &self,
+        crank_angle: CrankAngle,
+        torque: f64,
+        start: OutputAngle,
+    ) -> Result<LoadSharing, LoadError> {
         if !torque.is_finite() || torque == 0.0 {
             return self.load_sharing(crank_angle, torque);
         }
@@ -151,14 +164,28 @@ impl FlexibleMeshing {
             } else {
                 high = error;
             }
-            // In the clearance there is no stiffness; a start there goes on to where the torque's flank carries.
+            // In the clearance there is no stiffness; a start there goes on to where the torque's flank
+            // carries.
             let newton = error + residual / stiffness;
-            error = if stiffness > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            error =
+                if stiffness > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
         }
-        Err(LoadError::NotConverged { crank_angle_deg: crank_angle.degrees(), torque, residual: residual.abs(), iterations: MAX_ITERATIONS })
+        Err(LoadError::NotConverged {
+            crank_angle_deg: crank_angle.degrees(),
+            torque,
+            residual: residual.abs(),
+            iterations: MAX_ITERATIONS,
+        })
     }
 
-    fn sharing_at(&self, crank_angle: CrankAngle, torque: f64, error: f64, residual: f64, stiffness: f64) -> Result<LoadSharing, LoadError> {
+    fn sharing_at(
+        &self,
+        crank_angle: CrankAngle,
+        torque: f64,
+        error: f64,
+        residual: f64,
+        stiffness: f64,
+    ) -> Result<LoadSharing, LoadError> {
         let nominal = crank_angle.radians();
         let k = self.rigid.kinematics();
         let crank = nominal + k.crank_per_output_locked() * error;
@@ -166,7 +193,8 @@ impl FlexibleMeshing {
         let mut discs = Vec::with_capacity(self.discs.count());
         for disc in 0..self.discs.count() {
             let (state, _) = self.state(disc, nominal, error)?;
-            let mut all = self.rigid.contacts().contacts(k.disc_pose(disc, crank, output), DiscVelocity::REST);
+            let mut all =
+                self.rigid.contacts().contacts(k.disc_pose(disc, crank, output), DiscVelocity::REST);
             for contact in &mut all {
                 (contact.force, contact.stiffness) = (0.0, 0.0);
             }
@@ -179,7 +207,14 @@ impl FlexibleMeshing {
             }
             discs.push(all);
         }
-        Ok(LoadSharing { crank_angle, torque, output_error: OutputAngle::from_radians(error), residual, stiffness, discs })
+        Ok(LoadSharing {
+            crank_angle,
+            torque,
+            output_error: OutputAngle::from_radians(error),
+            residual,
+            stiffness,
+            discs,
+        })
     }
 }
 
@@ -202,12 +237,18 @@ impl ShareLoad for FlexibleMeshing {
         FlexibleMeshing::set_pin_relief(self, relief);
     }
 
-    /// The load goes once around the disc, past bores and walls, in z_c pin pitches: one turn of the crankshafts in the carrier.
+    /// The load goes once around the disc, past bores and walls, in z_c pin pitches: one turn of the
+    /// crankshafts in the carrier.
     fn pitches(&self) -> usize {
         self.rigid.contacts().profile().lobe_count()
     }
 
-    fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&OutputAngle>) -> Result<(LoadSharing, OutputAngle), LoadError> {
+    fn share(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&OutputAngle>,
+    ) -> Result<(LoadSharing, OutputAngle), LoadError> {
         let sharing = match start {
             Some(start) => self.load_sharing_near(crank, torque, *start)?,
             None => self.load_sharing(crank, torque)?,
@@ -227,7 +268,8 @@ mod tests {
     use crate::fem::{DiscModel, FemError, FlexibleSettings, MeshSizes};
     use crate::wear::{CoupledOptions, CoupledWear};
 
-    /// A stiff disc wears as a rigid one; the real one shares the load more evenly, so that its worst place wears less.
+    /// A stiff disc wears as a rigid one; the real one shares the load more evenly, so that its worst place
+    /// wears less.
     #[test]
     fn coupled_wear_on_elastic_discs() {
         let machine = crate::templates::rv_40e_81();
@@ -238,8 +280,10 @@ mod tests {
             DiscModel::new(shape, FlexibleSettings { sizes, ..fine }).unwrap().reduce().unwrap().0
         };
         // Contacts alike in all three: what differs is the disc.
-        let machine = Machine { contact_law: crate::contact::ContactLaw::Linear { stiffness: 2.85e8 }, ..machine };
-        let options = CoupledOptions { crank_positions: 13, depth_increment: 4e-7, ..CoupledOptions::default() };
+        let machine =
+            Machine { contact_law: crate::contact::ContactLaw::Linear { stiffness: 2.85e8 }, ..machine };
+        let options =
+            CoupledOptions { crank_positions: 13, depth_increment: 4e-7, ..CoupledOptions::default() };
         let exposure = machine.coupled_exposure(options).unwrap().at(1000.0 * crate::units::HOUR);
         let meshing = |factor: f64| {
             let stiff = reduced.stiffened(factor);
@@ -255,7 +299,9 @@ mod tests {
         let mut rigid = CoupledWear::new(&machine, options);
         rigid.advance_to(exposure).unwrap();
         let rigid = rigid.state().flank().clone();
-        let difference = |a: &Relief, b: &Relief| a.samples().iter().zip(b.samples()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let difference = |a: &Relief, b: &Relief| {
+            a.samples().iter().zip(b.samples()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
         let depth = rigid.deepest().0;
         // Both stop at the same exposure; crank positions are spread over one pitch there, over a turn here.
         assert!(difference(&stiff, &rigid) < 0.03 * depth, "{:e} of {depth:e}", difference(&stiff, &rigid));

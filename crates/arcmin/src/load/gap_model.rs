@@ -1,6 +1,7 @@
 use crate::contact::{LineContact, PinContact};
 
-/// One contact near an output error ε: its gap to second order, the relative curvature to first order in the change of ε.
+/// One contact near an output error ε: its gap to second order, the relative curvature to first order in the
+/// change of ε.
 #[derive(Debug, Clone, Copy)]
 struct NearbyContact {
     /// m, m/rad, m/rad².
@@ -12,8 +13,9 @@ struct NearbyContact {
     relative_curvature_slope: f64,
 }
 
-/// All contacts that carry force or may come to carry it, near an output error ε. Solving the equilibrium on this model costs a small part of
-/// finding the contacts anew, and its error is of third order in the change of ε.
+/// All contacts that carry force or may come to carry it, near an output error ε. Solving the equilibrium on
+/// this model costs a small part of finding the contacts anew, and its error is of third order in the change
+/// of ε.
 #[derive(Debug, Default)]
 pub(super) struct GapModel {
     contacts: Vec<NearbyContact>,
@@ -38,10 +40,17 @@ impl GapModel {
         self.torque += contact.force * slope;
         self.stiffness += contact.stiffness * slope * slope - contact.force * bend;
         let relative_curvature = contact.relative_curvature;
-        self.contacts.push(NearbyContact { gap: contact.gap, slope, bend, relative_curvature, relative_curvature_slope });
+        self.contacts.push(NearbyContact {
+            gap: contact.gap,
+            slope,
+            bend,
+            relative_curvature,
+            relative_curvature_slope,
+        });
     }
 
-    /// Moves the contacts, in the order in which they were added, by a small change of ε, in proportion to their slopes; returns Q there.
+    /// Moves the contacts, in the order in which they were added, by a small change of ε, in proportion to
+    /// their slopes; returns Q there.
     pub fn carry_over<'a>(&self, contacts: impl Iterator<Item = &'a mut PinContact>, change: f64) -> f64 {
         let mut torque = 0.0;
         for (contact, c) in contacts.zip(&self.contacts) {
@@ -64,7 +73,8 @@ impl GapModel {
             if gap < 0.0 {
                 let slope = c.slope + x * c.bend;
                 // The linear course of the curvature must not be followed beyond its use.
-                let curvature = (c.relative_curvature + x * c.relative_curvature_slope).max(0.5 * c.relative_curvature);
+                let curvature =
+                    (c.relative_curvature + x * c.relative_curvature_slope).max(0.5 * c.relative_curvature);
                 let (force, tangent) = law.force(-gap, 1.0 / curvature);
                 torque += force * slope;
                 stiffness += tangent * slope * slope - force * c.bend;
@@ -73,8 +83,8 @@ impl GapModel {
         (torque, stiffness)
     }
 
-    /// Change of ε in `direction` (±1) after which the first contact touches, among those that close faster than `least_closing` (m/rad);
-    /// against the direction where one has been passed.
+    /// Change of ε in `direction` (±1) after which the first contact touches, among those that close faster
+    /// than `least_closing` (m/rad); against the direction where one has been passed.
     pub fn first_touch(&self, direction: f64, least_closing: f64) -> Option<f64> {
         self.contacts
             .iter()
@@ -88,8 +98,8 @@ impl GapModel {
             .map(|change| direction * change)
     }
 
-    /// Change of ε that brings Q to `torque`: Newton's method with steps no larger than `largest`; out of the clearance it starts `wind_up` behind
-    /// the first touch. `None` where no contact closes.
+    /// Change of ε that brings Q to `torque`: Newton's method with steps no larger than `largest`; out of the
+    /// clearance it starts `wind_up` behind the first touch. `None` where no contact closes.
     pub fn change_to(&self, law: &LineContact, torque: f64, wind_up: f64, largest: f64) -> Option<f64> {
         let mut residual = self.torque - torque;
         let mut change = if self.stiffness > 0.0 {
@@ -98,7 +108,8 @@ impl GapModel {
             let direction = -torque.signum();
             self.first_touch(direction, 0.0)? + direction * wind_up
         };
-        // What one step leaves is the square of the residual: below 1e-4 that is less than the error of the model.
+        // What one step leaves is the square of the residual: below 1e-4 that is less than the error of the
+        // model.
         for _ in 0..8 {
             if residual.abs() < 1e-4 * torque.abs() {
                 break;

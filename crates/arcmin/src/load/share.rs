@@ -3,8 +3,9 @@ use crate::contact::PinContacts;
 use crate::geometry::Relief;
 use crate::machine::{CrankAngle, Kinematics, OutputAngle, PartWear};
 
-/// Whatever finds the forces of all pins at a crank position with the input locked: ideal joints ([`Meshing`]) or bearings
-/// ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over life are written against this.
+/// Whatever finds the forces of all pins at a crank position with the input locked: ideal joints
+/// ([`Meshing`]) or bearings ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over
+/// life are written against this.
 pub trait ShareLoad {
     /// A solution, kept for where a neighbouring one may start.
     type Start: Clone;
@@ -20,8 +21,8 @@ pub trait ShareLoad {
     /// Replaces the metal removed from the pins.
     fn set_pin_relief(&mut self, relief: Relief);
 
-    /// Replaces the metal removed from the flanks (designed relief included) and the pins: one relief for all, or one per disc and, pin by pin, per disc. Joints
-    /// without errors know one for all only.
+    /// Replaces the metal removed from the flanks (designed relief included) and the pins: one relief for
+    /// all, or one per disc and, pin by pin, per disc. Joints without errors know one for all only.
     fn set_surfaces(&mut self, mut flanks: Vec<Relief>, mut pins: Vec<Relief>) {
         self.set_relief(flanks.swap_remove(0));
         self.set_pin_relief(pins.swap_remove(0));
@@ -37,7 +38,12 @@ pub trait ShareLoad {
     ///
     /// # Errors
     /// [`LoadError`] where no equilibrium is found.
-    fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&Self::Start>) -> Result<(LoadSharing, Self::Start), LoadError>;
+    fn share(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&Self::Start>,
+    ) -> Result<(LoadSharing, Self::Start), LoadError>;
 
     /// How far the output can turn both ways at no load.
     ///
@@ -45,9 +51,10 @@ pub trait ShareLoad {
     /// [`LoadError`] where no pin touches.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError>;
 
-    /// Crank angle number `index` of `count`, for means over everything that repeats: the fractions of a pin pitch are equidistant, and so, within one
-    /// pitch, are the places on the whole period. `offset` (0 to 1) shifts the fractions, `shift` goes that many places on along the period with the same
-    /// fractions: one place for one fraction would be taken for a property of the flank.
+    /// Crank angle number `index` of `count`, for means over everything that repeats: the fractions of a pin
+    /// pitch are equidistant, and so, within one pitch, are the places on the whole period. `offset` (0 to 1)
+    /// shifts the fractions, `shift` goes that many places on along the period with the same fractions: one
+    /// place for one fraction would be taken for a property of the flank.
     fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
         turn_position(self.kinematics(), self.pitches(), index, count, offset, shift)
     }
@@ -73,15 +80,25 @@ pub trait ShareLoad {
     /// [`LoadError`] of the first position that has no solution.
     fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let period = self.kinematics().pattern_period() * self.pitches() as f64;
-        let angles: Vec<CrankAngle> = (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
+        let angles: Vec<CrankAngle> =
+            (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
         sample(self, torque, period, angles, 3)
     }
 }
 
 /// [`ShareLoad::crank_position`] for a period of `pitches` pin pitches.
-pub(crate) fn turn_position(kinematics: &Kinematics, pitches: usize, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
+pub(crate) fn turn_position(
+    kinematics: &Kinematics,
+    pitches: usize,
+    index: usize,
+    count: usize,
+    offset: f64,
+    shift: usize,
+) -> CrankAngle {
     let whole = (index + shift) % count * pitches / count;
-    CrankAngle::from_radians(kinematics.pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64))
+    CrankAngle::from_radians(
+        kinematics.pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64),
+    )
 }
 
 /// The play is read at every `stride`th position, with `usize::MAX` at none.
@@ -108,18 +125,26 @@ fn sample<S: ShareLoad + ?Sized>(
     Ok(cycle)
 }
 
-/// Output errors at −3 % minus those at +3 % of rated torque, mean over `positions` crank positions. Without friction both branches of the hysteresis loop
-/// coincide, so the mid-points are the branch itself.
+/// Output errors at −3 % minus those at +3 % of rated torque, mean over `positions` crank positions. Without
+/// friction both branches of the hysteresis loop coincide, so the mid-points are the branch itself.
 ///
 /// # Errors
 /// [`LoadError`] of the first position that has no solution.
-pub fn lost_motion<S: ShareLoad>(sharer: &mut S, rated_torque: f64, positions: usize) -> Result<OutputAngle, LoadError> {
+pub fn lost_motion<S: ShareLoad>(
+    sharer: &mut S,
+    rated_torque: f64,
+    positions: usize,
+) -> Result<OutputAngle, LoadError> {
     let small = 0.03 * rated_torque.abs();
     let mut sum = 0.0;
     for sign in [1.0, -1.0] {
         let mut start = None;
         for index in 0..positions {
-            let (sharing, found) = sharer.share(sharer.crank_position(index, positions, 0.0, 0), sign * small, start.as_ref())?;
+            let (sharing, found) = sharer.share(
+                sharer.crank_position(index, positions, 0.0, 0),
+                sign * small,
+                start.as_ref(),
+            )?;
             sum -= sign * sharing.output_error.radians();
             start = Some(found);
         }
@@ -150,7 +175,12 @@ impl ShareLoad for Meshing {
         1
     }
 
-    fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&OutputAngle>) -> Result<(LoadSharing, OutputAngle), LoadError> {
+    fn share(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&OutputAngle>,
+    ) -> Result<(LoadSharing, OutputAngle), LoadError> {
         let sharing = match start {
             Some(start) => self.load_sharing_near(crank, torque, *start)?,
             None => self.load_sharing(crank, torque)?,
@@ -175,15 +205,22 @@ impl ShareLoad for Meshing {
 impl LoadSharing {
     /// Moment of the pin forces on a disc about its own centre in N·m: what the disc carries of the torque.
     pub fn disc_moment(&self, disc: usize) -> f64 {
-        self.discs.get(disc).map_or(0.0, |pins| pins.iter().map(|contact| contact.force * contact.gradient[2]).sum())
+        self.discs
+            .get(disc)
+            .map_or(0.0, |pins| pins.iter().map(|contact| contact.force * contact.gradient[2]).sum())
     }
 }
 
 impl Cycle {
-    /// Mean share of a disc in the torque, moment of its pins about its centre over T. With ideal joints all shares are alike,
-    /// 1/(n (1 + (z_1+z_2)/(z_2 z_c))) or z_c/(n z_p) with the carrier at rest, as long as all discs are.
+    /// Mean share of a disc in the torque, moment of its pins about its centre over T. With ideal joints all
+    /// shares are alike, 1/(n (1 + (z_1+z_2)/(z_2 z_c))) or z_c/(n z_p) with the carrier at rest, as long as
+    /// all discs are.
     pub fn disc_share(&self, disc: usize) -> f64 {
         // With the carrier at rest the ring carries the torque and the discs its reaction.
-        self.positions.iter().map(|position| (position.disc_moment(disc) / position.torque).abs()).sum::<f64>() / self.positions.len().max(1) as f64
+        self.positions
+            .iter()
+            .map(|position| (position.disc_moment(disc) / position.torque).abs())
+            .sum::<f64>()
+            / self.positions.len().max(1) as f64
     }
 }

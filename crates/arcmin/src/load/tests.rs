@@ -31,8 +31,8 @@ fn val_each_disc_carries_its_share() {
     }
 }
 
-/// 0.4815/0.55 of the handbook's 446.94 N is 391 N: what equal springs at all pins give. The line contact is stiffer where flank and pin conform
-/// (small |φ|, R_eq up to 0.1 m) and concentrates the load there.
+/// 0.4815/0.55 of the handbook's 446.94 N is 391 N: what equal springs at all pins give. The line contact is
+/// stiffer where flank and pin conform (small |φ|, R_eq up to 0.1 m) and concentrates the load there.
 #[test]
 fn val_largest_force_of_equal_springs_is_391_n() {
     let largest = |law| {
@@ -45,14 +45,19 @@ fn val_largest_force_of_equal_springs_is_391_n() {
     assert!(hertz > 1.1 * springs && hertz < 1.2 * springs, "{hertz}");
 }
 
-/// Mean float over the cycle: ±0.6536′ at 10 µm and ±3.9218′ at 60 µm; computed beforehand by two independent programs.
+/// Mean float over the cycle: ±0.6536′ at 10 µm and ±3.9218′ at 60 µm; computed beforehand by two independent
+/// programs.
 #[test]
 fn val_play_of_a_uniformly_worn_disc() {
     for (depth, expected) in [(10.0, 0.6536), (60.0, 3.9218)] {
         let meshing = machine().meshing(&Relief::uniform(depth * UM));
         let plays: Vec<f64> = (0..72)
             .map(|i| {
-                let travel = meshing.free_travel(CrankAngle::from_radians(meshing.kinematics().pattern_period() * i as f64 / 72.0)).unwrap();
+                let travel = meshing
+                    .free_travel(CrankAngle::from_radians(
+                        meshing.kinematics().pattern_period() * i as f64 / 72.0,
+                    ))
+                    .unwrap();
                 0.5 * (travel.lead.arcmin() - travel.lag.arcmin())
             })
             .collect();
@@ -61,8 +66,9 @@ fn val_play_of_a_uniformly_worn_disc() {
     }
 }
 
-/// Play from the contact condition alone: the pin circles touch the sampled flank when the smallest distance of a pin centre from the flank equals
-/// the pin radius; bisection in ε, golden section along the flank. Shares nothing with the foot-point search.
+/// Play from the contact condition alone: the pin circles touch the sampled flank when the smallest distance
+/// of a pin centre from the flank equals the pin radius; bisection in ε, golden section along the flank.
+/// Shares nothing with the foot-point search.
 #[test]
 fn val_play_agrees_with_an_independent_solution_to_a_millionth_of_an_arcmin() {
     let m = machine();
@@ -78,11 +84,14 @@ fn val_play_agrees_with_an_independent_solution_to_a_millionth_of_an_arcmin() {
                 let pose = k.disc_pose(disc, crank + 1.5 * error, k.nominal_output_angle(crank) + error);
                 for pin in m.pins() {
                     let p = turned(pin.centre - pose.centre, unit(-pose.angle));
-                    let surface = |tau: f64| (p - profile.flank_point(tau) + depth * profile.outward_normal(tau)).norm();
+                    let surface = |tau: f64| {
+                        (p - profile.flank_point(tau) + depth * profile.outward_normal(tau)).norm()
+                    };
                     let start = p.y.atan2(p.x);
                     let (window, steps) = (0.06, 240);
                     let at = |i: i32| start + window * i as f64 / steps as f64;
-                    let coarse = (-steps..=steps).min_by(|a, b| surface(at(*a)).total_cmp(&surface(at(*b)))).unwrap();
+                    let coarse =
+                        (-steps..=steps).min_by(|a, b| surface(at(*a)).total_cmp(&surface(at(*b)))).unwrap();
                     let (mut a, mut b) = (at(coarse - 1), at(coarse + 1));
                     for _ in 0..60 {
                         let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
@@ -130,7 +139,10 @@ fn torque_balances_to_1e_9_for_every_law_on_both_flanks() {
                             work += moment + 1.5 * k.eccentricity * force.dot(&direction);
                         }
                     }
-                    assert!((work / torque - 1.0).abs() < 1e-9, "{contact_law:?} {disc_count} {depth} {torque}: {work}");
+                    assert!(
+                        (work / torque - 1.0).abs() < 1e-9,
+                        "{contact_law:?} {disc_count} {depth} {torque}: {work}"
+                    );
                     assert_eq!(sharing.output_error.radians() < 0.0, torque > 0.0);
                 }
             }
@@ -154,7 +166,8 @@ fn positive_torque_loads_negative_meshing_angles() {
     assert!(sharing.loaded_pairs() >= 15.0);
 }
 
-/// Closed form: Δ is the gap after rotation to first contact; the equilibrium's own gaps at first touch agree to first order.
+/// Closed form: Δ is the gap after rotation to first contact; the equilibrium's own gaps at first touch agree
+/// to first order.
 #[test]
 fn closed_form_gaps_agree_with_the_real_gaps_at_first_touch() {
     let mut m = machine();
@@ -196,14 +209,16 @@ fn val_wear_raises_the_largest_force_and_unloads_pairs() {
     for depth in [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0] {
         let solution = closed_form::solve(&m, 412.0, depth * UM).unwrap();
         assert!(solution.max_force > last.0 && solution.loaded_pairs() <= last.1);
-        let torque: f64 = solution.pairs.iter().map(|p| p.force * m.profile().lever_arm(p.meshing_angle)).sum();
+        let torque: f64 =
+            solution.pairs.iter().map(|p| p.force * m.profile().lever_arm(p.meshing_angle)).sum();
         assert!((torque / (0.55 * 412.0) - 1.0).abs() < 1e-9);
         last = (solution.max_force, solution.loaded_pairs());
     }
     assert!(last.1 < 8);
 }
 
-/// Hertz pressure is largest (1.316 GPa at 0.55·412 N·m on one disc) near φ = 61°, not where the force is largest.
+/// Hertz pressure is largest (1.316 GPa at 0.55·412 N·m on one disc) near φ = 61°, not where the force is
+/// largest.
 #[test]
 fn val_largest_pressure_is_not_where_the_force_is_largest() {
     let m = machine();

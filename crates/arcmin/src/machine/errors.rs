@@ -1,8 +1,8 @@
 use super::Machine;
 use crate::geometry::FlankError;
 
-/// Deviations of one real machine from its drawing; everything zero for the nominal machine. Lists may be shorter than the machine has
-/// parts: what is not listed has no error.
+/// Deviations of one real machine from its drawing; everything zero for the nominal machine. Lists may be
+/// shorter than the machine has parts: what is not listed has no error.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ManufacturingErrors {
     /// Added to every pin's distance from the centre, m.
@@ -34,7 +34,8 @@ impl ManufacturingErrors {
         self.only_sizes_of_the_ring() && self.pin_circle_radius == 0.0 && self.pin_radius == 0.0
     }
 
-    /// Whether all discs see the same, one after the other: there is nothing but a larger pin circle and larger pins.
+    /// Whether all discs see the same, one after the other: there is nothing but a larger pin circle and
+    /// larger pins.
     pub fn discs_alike(&self) -> bool {
         self.only_sizes_of_the_ring()
     }
@@ -42,7 +43,11 @@ impl ManufacturingErrors {
     fn only_sizes_of_the_ring(&self) -> bool {
         let centred = |run_out: &RunOut| run_out.amplitude == 0.0;
         let bored = |bore: &BoreError| *bore == BoreError::default();
-        [self.pin_circle_offset, self.carrier, self.sun].iter().chain(&self.journals).chain(&self.planets).all(centred)
+        [self.pin_circle_offset, self.carrier, self.sun]
+            .iter()
+            .chain(&self.journals)
+            .chain(&self.planets)
+            .all(centred)
             && self.pins.iter().all(|pin| *pin == PinError::default())
             && self.discs.iter().all(|disc| disc.flank.is_zero() && disc.bores.iter().all(bored))
             && self.carrier_bores.iter().all(bored)
@@ -51,13 +56,20 @@ impl ManufacturingErrors {
 
     /// Turns of the crankshafts against the carrier after which everything repeats.
     ///
-    /// One for errors of discs, crankshafts, planets and carrier: after it the carrier has gone on by one pin pitch and meets the same ring. z_p, a whole turn of
-    /// the output, where the ring is not alike all around. The sun is back on the carrier after z_1/gcd(z_1, z_2) turns; its run-out asks for that as well.
+    /// One for errors of discs, crankshafts, planets and carrier: after it the carrier has gone on by one pin
+    /// pitch and meets the same ring. z_p, a whole turn of the output, where the ring is not alike all
+    /// around. The sun is back on the carrier after z_1/gcd(z_1, z_2) turns; its run-out asks for that as
+    /// well.
     pub fn crank_turns(&self, machine: &Machine) -> usize {
         let stage = &machine.gear_stage;
-        let ring = self.pin_circle_offset.amplitude != 0.0 || self.pins.iter().any(|pin| *pin != PinError::default());
+        let ring = self.pin_circle_offset.amplitude != 0.0
+            || self.pins.iter().any(|pin| *pin != PinError::default());
         let around = if ring { machine.ring.pin_count } else { 1 };
-        let sun = if self.sun.amplitude != 0.0 { stage.sun_teeth / gcd(stage.sun_teeth, stage.planet_teeth) } else { 1 };
+        let sun = if self.sun.amplitude != 0.0 {
+            stage.sun_teeth / gcd(stage.sun_teeth, stage.planet_teeth)
+        } else {
+            1
+        };
         around / gcd(around, sun) * sun
     }
 }
@@ -117,7 +129,8 @@ pub struct RunOut {
 mod tests {
     use super::*;
 
-    /// Whole turns of the crankshafts in the carrier, counted through the angles of sun and ring against the carrier.
+    /// Whole turns of the crankshafts in the carrier, counted through the angles of sun and ring against the
+    /// carrier.
     #[test]
     fn everything_repeats_after_these_turns() {
         let mut machine = crate::templates::rv_40e_81();
@@ -126,15 +139,39 @@ mod tests {
         let pin = PinError { radial: 1e-6, ..PinError::default() };
         let cases = [
             (ManufacturingErrors::default(), 1, true),
-            (ManufacturingErrors { pin_circle_radius: 1e-6, pin_radius: 1e-6, ..ManufacturingErrors::default() }, 1, true),
-            (ManufacturingErrors { carrier: one, planets: vec![one], ..ManufacturingErrors::default() }, 1, false),
+            (
+                ManufacturingErrors {
+                    pin_circle_radius: 1e-6,
+                    pin_radius: 1e-6,
+                    ..ManufacturingErrors::default()
+                },
+                1,
+                true,
+            ),
+            (
+                ManufacturingErrors { carrier: one, planets: vec![one], ..ManufacturingErrors::default() },
+                1,
+                false,
+            ),
             (ManufacturingErrors { sun: one, ..ManufacturingErrors::default() }, 4, false),
-            (ManufacturingErrors { pins: vec![PinError::default(), pin], ..ManufacturingErrors::default() }, 40, false),
-            (ManufacturingErrors { pin_circle_offset: one, sun: one, ..ManufacturingErrors::default() }, 40, false),
+            (
+                ManufacturingErrors {
+                    pins: vec![PinError::default(), pin],
+                    ..ManufacturingErrors::default()
+                },
+                40,
+                false,
+            ),
+            (
+                ManufacturingErrors { pin_circle_offset: one, sun: one, ..ManufacturingErrors::default() },
+                40,
+                false,
+            ),
         ];
         for (errors, turns, alike) in cases {
             assert_eq!((errors.crank_turns(&machine), errors.discs_alike()), (turns, alike), "{errors:?}");
-            // Turns of the sun against the carrier, and of the carrier against the ring in pin pitches: whole numbers.
+            // Turns of the sun against the carrier, and of the carrier against the ring in pin pitches: whole
+            // numbers.
             let sun = turns as f64 * 36.0 / 16.0;
             assert!(errors.sun.amplitude == 0.0 || sun.fract() == 0.0, "{sun}");
         }

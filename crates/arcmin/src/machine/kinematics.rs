@@ -7,7 +7,8 @@ use crate::units::HOUR;
 
 /// Ratios, phases and nominal poses of a machine.
 ///
-/// Gear stage: z_1(θ_s − θ_o) + z_2(θ_k − θ_o) = 0. Nominal rolling: θ_o = −θ_k/z_c. Disc j: centre a e(θ_k + α_j), angle θ_o + δ_j with δ_j = −α_j/z_c.
+/// Gear stage: z_1(θ_s − θ_o) + z_2(θ_k − θ_o) = 0. Nominal rolling: θ_o = −θ_k/z_c. Disc j: centre a e(θ_k +
+/// α_j), angle θ_o + δ_j with δ_j = −α_j/z_c.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kinematics {
     pub sun_teeth: f64,
@@ -49,7 +50,8 @@ impl Kinematics {
         1.0 + self.pin_count * self.planet_teeth / self.sun_teeth
     }
 
-    /// Turn of the discs against the ring per turn of the output with the input locked: 1, or −1 where the housing turns around them.
+    /// Turn of the discs against the ring per turn of the output with the input locked: 1, or −1 where the
+    /// housing turns around them.
     pub fn disc_per_output_locked(&self) -> f64 {
         match self.fixed_member {
             FixedMember::Housing => 1.0,
@@ -57,8 +59,8 @@ impl Kinematics {
         }
     }
 
-    /// Turn of the crankshafts against the ring per turn of the output with the input locked: (z_1 + z_2)/z_2. With the carrier fixed the crankshafts stand
-    /// still and the ring turns: −1.
+    /// Turn of the crankshafts against the ring per turn of the output with the input locked: (z_1 +
+    /// z_2)/z_2. With the carrier fixed the crankshafts stand still and the ring turns: −1.
     pub fn crank_per_output_locked(&self) -> f64 {
         match self.fixed_member {
             FixedMember::Housing => (self.sun_teeth + self.planet_teeth) / self.planet_teeth,
@@ -66,7 +68,8 @@ impl Kinematics {
         }
     }
 
-    /// Factor by which a disc's play φ shows at the output with the input locked: 1/(1 + (z_1+z_2)/(z_2 z_c)); with the carrier fixed z_c/z_p.
+    /// Factor by which a disc's play φ shows at the output with the input locked: 1/(1 + (z_1+z_2)/(z_2
+    /// z_c)); with the carrier fixed z_c/z_p.
     pub fn locked_play_factor(&self) -> f64 {
         1.0 / (1.0 + self.crank_per_output_locked().abs() / self.lobe_count)
     }
@@ -78,7 +81,10 @@ impl Kinematics {
 
     /// Pose of a disc for a crank angle θ_k and an output angle θ_o in rad, ideal joints.
     pub fn disc_pose(&self, disc: usize, crank_angle: f64, output_angle: f64) -> DiscPose {
-        DiscPose { centre: self.eccentricity * unit(crank_angle + self.phases[disc]), angle: output_angle + self.mounting_angle(disc) }
+        DiscPose {
+            centre: self.eccentricity * unit(crank_angle + self.phases[disc]),
+            angle: output_angle + self.mounting_angle(disc),
+        }
     }
 
     /// θ_o of nominal rolling.
@@ -86,7 +92,8 @@ impl Kinematics {
         -crank_angle / self.lobe_count
     }
 
-    /// Speeds in rad/s for an input speed θ̇_s, relative to the ring: (output, crankshaft absolute, crankshaft relative to disc and carrier).
+    /// Speeds in rad/s for an input speed θ̇_s, relative to the ring: (output, crankshaft absolute,
+    /// crankshaft relative to disc and carrier).
     ///
     /// With the carrier fixed the input speed relative to the ring is θ̇_s − θ̇_housing.
     pub fn speeds(&self, input_speed: f64) -> (f64, f64, f64) {
@@ -124,6 +131,7 @@ impl Kinematics {
 
     /// (0, π] phases sum: true if the eccentrics balance each other.
     pub fn is_balanced(&self) -> bool {
-        self.phases.len() > 1 && self.phases.iter().map(|phase| unit(*phase)).sum::<crate::geometry::Vec2>().norm() < 1e-9 * PI
+        self.phases.len() > 1
+            && self.phases.iter().map(|phase| unit(*phase)).sum::<crate::geometry::Vec2>().norm() < 1e-9 * PI
     }
 }

@@ -1,7 +1,7 @@
 //! The reducer in SI units, with the invariants every solver relies on.
 //!
-//! Frames: the housing is at rest, ring of `z_p` pins with pin i at angle 2π i/z_p; sun (input) θ_s, carrier (output) θ_o, crankshafts θ_k, discs θ_j.
-//! All angles are absolute and counter-clockwise positive.
+//! Frames: the housing is at rest, ring of `z_p` pins with pin i at angle 2π i/z_p; sun (input) θ_s, carrier
+//! (output) θ_o, crankshafts θ_k, discs θ_j. All angles are absolute and counter-clockwise positive.
 
 mod angles;
 mod bearings;
@@ -17,8 +17,8 @@ pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinE
 pub use kinematics::Kinematics;
 pub use part_wear::{PartWear, PartWearLaws, RollingWear};
 pub use parts::{
-    Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage, Housing, Lubrication, PinMounting,
-    PinRing, RunningIn, WearCoefficient, WearLaw,
+    Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
+    Housing, Lubrication, PinMounting, PinRing, RunningIn, WearCoefficient, WearLaw,
 };
 pub use tolerances::Tolerances;
 
@@ -62,7 +62,8 @@ pub struct Limits {
 }
 
 impl Machine {
-    /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of the modification.
+    /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of
+    /// the modification.
     pub fn profile(&self) -> Profile {
         let cut = &self.disc.modification;
         Profile {
@@ -86,7 +87,13 @@ impl Machine {
 
     /// The contact of disc and pins under the machine's law, without damping.
     pub fn line_contact(&self) -> LineContact {
-        LineContact::new(self.contact_law, &self.disc.material, &self.ring.material, self.disc.width, self.ring.pin_radius)
+        LineContact::new(
+            self.contact_law,
+            &self.disc.material,
+            &self.ring.material,
+            self.disc.width,
+            self.ring.pin_radius,
+        )
     }
 
     /// All contacts of one disc whose flanks have lost `wear` on top of the designed relief.
@@ -101,7 +108,9 @@ impl Machine {
             return Relief::uniform(0.0);
         }
         let profile = self.profile();
-        let rotation = Relief::from_samples(Relief::grid(720).map(|phi| cut.rotation * profile.lever_arm(phi).abs()).collect());
+        let rotation = Relief::from_samples(
+            Relief::grid(720).map(|phi| cut.rotation * profile.lever_arm(phi).abs()).collect(),
+        );
         cut.free_form.as_ref().map_or(rotation.clone(), |free| rotation.plus(free))
     }
 

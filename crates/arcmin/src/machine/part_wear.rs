@@ -7,8 +7,8 @@ pub struct PartWear {
     pub turning_arm: f64,
     /// Growth of the diametral clearance of the crank supports in m.
     pub crank_support: f64,
-    /// Growth of the gap of every sun–planet mesh along its line of action in m: of the tooth sides on which the sun drives
-    /// counter-clockwise, and of the others.
+    /// Growth of the gap of every sun–planet mesh along its line of action in m: of the tooth sides on which
+    /// the sun drives counter-clockwise, and of the others.
     pub gears: [f64; 2],
 }
 

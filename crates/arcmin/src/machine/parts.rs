@@ -11,7 +11,8 @@ pub struct PinRing {
     pub pin_radius: f64,
     pub material: Material,
     pub mounting: PinMounting,
-    /// Radial compliance of a pin in its seat in m/N; 0 for a rigid seat. Enters with bearings, not with ideal joints.
+    /// Radial compliance of a pin in its seat in m/N; 0 for a rigid seat. Enters with bearings, not with
+    /// ideal joints.
     pub seat_compliance: f64,
 }
 
@@ -53,7 +54,8 @@ pub struct Bore {
     pub centre_angle: f64,
 }
 
-/// What is ground off the theoretical flank on purpose. Both a positive equidistant and a negative radial offset open the gap.
+/// What is ground off the theoretical flank on purpose. Both a positive equidistant and a negative radial
+/// offset open the gap.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FlankModification {
     /// Δr_p in m: cut with a larger pin.
@@ -103,7 +105,8 @@ pub struct GearStage {
     pub sun_inertia: f64,
     /// Moment of inertia of the motor at the input in kg·m².
     pub motor_inertia: f64,
-    /// Torsional stiffness between input and sun in N·m/rad; infinite where not given. Enters with bearings, not with ideal joints.
+    /// Torsional stiffness between input and sun in N·m/rad; infinite where not given. Enters with bearings,
+    /// not with ideal joints.
     pub input_torsional_stiffness: f64,
     /// Face width in m (wear of the gear flanks).
     pub face_width: f64,

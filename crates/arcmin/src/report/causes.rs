@@ -7,15 +7,27 @@ const NEGLIGIBLE: f64 = 0.02;
 
 /// Lost motion per cause: (cause, points of (h, arcmin)), all at the same hours.
 pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
-    let mut plot = Plot::new("Lost motion by cause", Axis::new("Running time", "h"), Axis::new("Lost motion", "arcmin").from_zero());
+    let mut plot = Plot::new(
+        "Lost motion by cause",
+        Axis::new("Running time", "h"),
+        Axis::new("Lost motion", "arcmin").from_zero(),
+    );
     // Causes that take lost motion away (manufacturing errors that close gaps) cannot stand on others.
     if causes.iter().flat_map(|(_, points)| points).any(|(_, value)| *value < -NEGLIGIBLE) {
         for (index, (cause, points)) in causes.iter().enumerate() {
-            plot.series.push(Series::line(cause.clone(), points.iter().copied()).coloured(Colour::Palette((index % 7) as u8)));
+            plot.series.push(
+                Series::line(cause.clone(), points.iter().copied())
+                    .coloured(Colour::Palette((index % 7) as u8)),
+            );
         }
         let hours = causes.first().map_or(&[][..], |(_, points)| points).iter().map(|(hours, _)| *hours);
-        let sum = |at: usize| causes.iter().filter_map(|(_, points)| points.get(at)).map(|(_, value)| value).sum();
-        plot.series.push(Series::line("sum", hours.enumerate().map(|(at, hours)| (hours, sum(at)))).coloured(Colour::Reference).strong());
+        let sum =
+            |at: usize| causes.iter().filter_map(|(_, points)| points.get(at)).map(|(_, value)| value).sum();
+        plot.series.push(
+            Series::line("sum", hours.enumerate().map(|(at, hours)| (hours, sum(at))))
+                .coloured(Colour::Reference)
+                .strong(),
+        );
         plot.note = "Negative causes close gaps. Where manufacturing errors press parts together without load, their work and the elastic one are many times the whole and nearly cancel; they are shown as one.".into();
         return Block::Plot(plot);
     }
@@ -44,7 +56,10 @@ mod tests {
 
     #[test]
     fn bands_of_lost_motion_add_up() {
-        let causes = vec![("teeth".to_owned(), vec![(0.0, 0.1), (10.0, 0.4)]), ("bearings".to_owned(), vec![(0.0, 0.3), (10.0, 0.3)])];
+        let causes = vec![
+            ("teeth".to_owned(), vec![(0.0, 0.1), (10.0, 0.4)]),
+            ("bearings".to_owned(), vec![(0.0, 0.3), (10.0, 0.3)]),
+        ];
         let Block::Plot(plot) = lost_motion_causes(&causes) else { panic!("a plot") };
         assert_eq!(plot.series[1].points.low, vec![Some(0.1), Some(0.4)]);
         assert!((plot.series[2].points.y[1].unwrap_or(0.0) - 0.7).abs() < 1e-12);
@@ -52,7 +67,10 @@ mod tests {
 
     #[test]
     fn causes_that_take_away_are_lines_with_their_sum() {
-        let causes = vec![("elastic".to_owned(), vec![(0.0, 0.9), (10.0, 0.8)]), ("errors".to_owned(), vec![(0.0, -0.5), (10.0, -0.2)])];
+        let causes = vec![
+            ("elastic".to_owned(), vec![(0.0, 0.9), (10.0, 0.8)]),
+            ("errors".to_owned(), vec![(0.0, -0.5), (10.0, -0.2)]),
+        ];
         let Block::Plot(plot) = lost_motion_causes(&causes) else { panic!("a plot") };
         assert!(plot.series.iter().all(|series| series.points.low.is_empty()));
         assert!((plot.series[2].points.y[1].unwrap_or(0.0) - 0.6).abs() < 1e-12);

@@ -64,8 +64,8 @@ pub struct GearStageDrawing {
 
 /// Contact forces of all pins over one pin pitch of crank angle.
 ///
-/// `force_n[disc][step][pin]` at the crank angle θ_k = step / steps · 360°/z_p. After one pitch the same forces
-/// act on the next pin, so that one pitch describes the whole turn of a machine with equal pins.
+/// `force_n[disc][step][pin]` at the crank angle θ_k = step / steps · 360°/z_p. After one pitch the same
+/// forces act on the next pin, so that one pitch describes the whole turn of a machine with equal pins.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceState {
     pub label: String,
@@ -112,9 +112,11 @@ fn rounded_forces<S: Serializer>(forces: &[Vec<Vec<f64>>], serializer: S) -> Res
     serializer.collect_seq(forces.iter().map(|disc| disc.iter().map(|row| Row(row)).collect::<Vec<_>>()))
 }
 
-/// Picture of a plane mesh of linear or quadratic triangles (m), with displacements (m) of every node where there are any.
+/// Picture of a plane mesh of linear or quadratic triangles (m), with displacements (m) of every node where
+/// there are any.
 ///
-/// Quadratic triangles list their corners first; only those are drawn. The colour is the size of the displacement.
+/// Quadratic triangles list their corners first; only those are drawn. The colour is the size of the
+/// displacement.
 pub fn mesh_picture<const N: usize>(
     title: &str,
     note: &str,
@@ -141,8 +143,11 @@ pub fn mesh_picture<const N: usize>(
         })
         .collect();
     let moved = displacement.len() == nodes.len();
-    let displacement_um: Vec<[f64; 2]> =
-        if moved { used.iter().map(|node| displacement[*node].map(|part| part * 1e6)).collect() } else { Vec::new() };
+    let displacement_um: Vec<[f64; 2]> = if moved {
+        used.iter().map(|node| displacement[*node].map(|part| part * 1e6)).collect()
+    } else {
+        Vec::new()
+    };
     let field = moved.then(|| MeshField {
         label: "displacement".into(),
         unit: "µm".into(),
@@ -164,7 +169,8 @@ mod tests {
 
     #[test]
     fn mesh_picture_keeps_corners_only() {
-        let nodes = vec![[0.0, 0.0], [1e-3, 0.0], [0.0, 1e-3], [0.5e-3, 0.0], [0.5e-3, 0.5e-3], [0.0, 0.5e-3]];
+        let nodes =
+            vec![[0.0, 0.0], [1e-3, 0.0], [0.0, 1e-3], [0.5e-3, 0.0], [0.5e-3, 0.5e-3], [0.0, 0.5e-3]];
         let displacement: Vec<[f64; 2]> = (0..6).map(|i| [f64::from(i) * 1e-6, 0.0]).collect();
         let picture = mesh_picture("m", "", nodes, &[[0, 1, 2, 3, 4, 5]], &displacement);
         assert_eq!(picture.nodes_mm, vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);

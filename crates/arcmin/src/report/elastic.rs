@@ -8,12 +8,14 @@ use crate::machine::Machine;
 /// Frequencies listed.
 const LISTED: usize = 8;
 
-/// Mesh, deformed shape under the tooth forces of `sharing` on its first disc, and natural frequencies (Hz) with the bores held.
+/// Mesh, deformed shape under the tooth forces of `sharing` on its first disc, and natural frequencies (Hz)
+/// with the bores held.
 pub fn section(machine: &Machine, model: &DiscModel, frequencies: &[f64], sharing: &LoadSharing) -> Section {
     let loads = sharing.tooth_loads(0);
     let unknowns = model.deflect(&loads);
     let plane = &model.mesh.plane;
-    let displacement: Vec<[f64; 2]> = model.nodal_displacement(&unknowns)[..plane.nodes.len()].iter().map(|u| [u[0], u[1]]).collect();
+    let displacement: Vec<[f64; 2]> =
+        model.nodal_displacement(&unknowns)[..plane.nodes.len()].iter().map(|u| [u[0], u[1]]).collect();
     let largest = displacement.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max) * 1e6;
     let stress = model.von_mises(&unknowns)[..plane.nodes.len()].iter().copied().fold(0.0, f64::max) * 1e-6;
     let quality = model.quality();
@@ -25,9 +27,19 @@ pub fn section(machine: &Machine, model: &DiscModel, frequencies: &[f64], sharin
         significant(largest, 3),
         significant(stress, 3)
     );
-    let picture =
-        mesh_picture("Mesh and deformed shape of the cycloid disc", &note, plane.nodes.iter().map(|p| [p.x, p.y]), &plane.triangles, &displacement);
-    let rows = frequencies.iter().take(LISTED).enumerate().map(|(k, f)| vec![format!("{}", k + 1), significant(f * 1e-3, 4)]).collect();
+    let picture = mesh_picture(
+        "Mesh and deformed shape of the cycloid disc",
+        &note,
+        plane.nodes.iter().map(|p| [p.x, p.y]),
+        &plane.triangles,
+        &displacement,
+    );
+    let rows = frequencies
+        .iter()
+        .take(LISTED)
+        .enumerate()
+        .map(|(k, f)| vec![format!("{}", k + 1), significant(f * 1e-3, 4)])
+        .collect();
     let table = Table {
         title: "Natural frequencies of the disc, held at its bores".into(),
         columns: vec![Column::number("Mode", ""), Column::number("Frequency", "kHz")],

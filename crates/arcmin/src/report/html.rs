@@ -38,7 +38,8 @@ pub(super) fn render(page: &Page) -> String {
         .flatten()
         .map(|reference| reference.key.as_str())
         .collect();
-    let mut writer = Writer { out: String::with_capacity(1 << 18), reference_keys: keys, figures: 0, tables: 0 };
+    let mut writer =
+        Writer { out: String::with_capacity(1 << 18), reference_keys: keys, figures: 0, tables: 0 };
     writer.page(page);
     writer.out
 }
@@ -88,9 +89,16 @@ impl Writer<'_> {
     }
 
     fn contents(&mut self, sections: &[Section]) {
-        self.out.push_str("<nav class=\"contents\" aria-label=\"Contents\"><ol><li><a href=\"#verdict\">Verdict</a></li>");
+        self.out.push_str(
+            "<nav class=\"contents\" aria-label=\"Contents\"><ol><li><a href=\"#verdict\">Verdict</a></li>",
+        );
         for section in sections {
-            let _ = write!(self.out, "<li><a href=\"#{}\">{}</a></li>", slug(&section.id), escaped(&section.title));
+            let _ = write!(
+                self.out,
+                "<li><a href=\"#{}\">{}</a></li>",
+                slug(&section.id),
+                escaped(&section.title)
+            );
         }
         self.out.push_str("</ol></nav>\n");
     }
@@ -311,7 +319,11 @@ impl Writer<'_> {
             push_escaped(&mut self.out, &reference.citation);
             if let Some(doi) = &reference.doi {
                 // A link to follow, not a resource: the page loads nothing from it.
-                let _ = write!(self.out, " <a rel=\"noreferrer\" href=\"https://doi.org/{0}\">doi:{0}</a>", escaped(doi));
+                let _ = write!(
+                    self.out,
+                    " <a rel=\"noreferrer\" href=\"https://doi.org/{0}\">doi:{0}</a>",
+                    escaped(doi)
+                );
             }
             self.out.push_str("<em>");
             push_escaped(&mut self.out, &reference.used_for);

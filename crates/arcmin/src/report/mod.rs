@@ -35,8 +35,8 @@
 //! entry in [`Block::References`], such as `[Tao2024]`, becomes a link to that entry, and text between
 //! backticks is set as code.
 //!
-//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`] and [`MeshPicture`] is what the script in `assets/`
-//! reads; field names are the same on both sides.
+//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`] and [`MeshPicture`] is what the script in
+//! `assets/` reads; field names are the same on both sides.
 
 mod causes;
 mod drawing;
@@ -50,7 +50,9 @@ mod tests;
 mod text;
 
 pub use causes::lost_motion_causes;
-pub use drawing::{CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture, mesh_picture};
+pub use drawing::{
+    CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture, mesh_picture,
+};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
 pub use text::{compact, significant};
 
@@ -93,7 +95,13 @@ pub struct Verdict {
 
 impl Verdict {
     pub fn new(tone: Tone, headline: impl Into<String>) -> Self {
-        Self { tone, headline: headline.into(), figures: Vec::new(), answers: Vec::new(), summary: String::new() }
+        Self {
+            tone,
+            headline: headline.into(),
+            figures: Vec::new(),
+            answers: Vec::new(),
+            summary: String::new(),
+        }
     }
 }
 

@@ -37,7 +37,13 @@ pub struct Axis {
 
 impl Axis {
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { label: label.into(), unit: unit.into(), scale: Scale::Linear, range: None, include_zero: false }
+        Self {
+            label: label.into(),
+            unit: unit.into(),
+            scale: Scale::Linear,
+            range: None,
+            include_zero: false,
+        }
     }
     pub fn between(mut self, from: f64, to: f64) -> Self {
         self.range = (from.is_finite() && to.is_finite() && from < to).then_some([from, to]);
@@ -117,7 +123,14 @@ impl Series {
                 coordinates.y.push(y.is_finite().then_some(y));
             }
         }
-        Self { name: name.into(), style, colour: Colour::Auto, strong: false, hidden: false, points: coordinates }
+        Self {
+            name: name.into(),
+            style,
+            colour: Colour::Auto,
+            strong: false,
+            hidden: false,
+            points: coordinates,
+        }
     }
     pub fn line(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self::new(name, Style::Line, points)
@@ -193,7 +206,16 @@ pub struct Plot {
 
 impl Plot {
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
-        Self { title: title.into(), x, y, series: Vec::new(), annotations: Vec::new(), note: String::new(), width: Width::Full, equal_scales: false }
+        Self {
+            title: title.into(),
+            x,
+            y,
+            series: Vec::new(),
+            annotations: Vec::new(),
+            note: String::new(),
+            width: Width::Full,
+            equal_scales: false,
+        }
     }
     pub fn half(mut self) -> Self {
         self.width = Width::Half;
@@ -270,6 +292,10 @@ impl Serialize for Number {
             return serializer.serialize_none();
         }
         let value = round_to_digits(self.0);
-        if value.fract() == 0.0 && value.abs() < 1e15 { serializer.serialize_i64(value as i64) } else { serializer.serialize_f64(value) }
+        if value.fract() == 0.0 && value.abs() < 1e15 {
+            serializer.serialize_i64(value as i64)
+        } else {
+            serializer.serialize_f64(value)
+        }
     }
 }

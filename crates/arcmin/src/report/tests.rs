@@ -41,10 +41,16 @@ fn text_from_outside_cannot_become_markup() {
         Block::Plot(plot),
         Block::Text("<b>bold</b> [<u>]".into()),
         Block::Code { title: "<t>".into(), text: "<c>&".into() },
-        Block::Table(Table { title: "\"><x>".into(), columns: vec![Column::text("<h>")], rows: vec![vec!["<d>".into()]], note: String::new() }),
+        Block::Table(Table {
+            title: "\"><x>".into(),
+            columns: vec![Column::text("<h>")],
+            rows: vec![vec!["<d>".into()]],
+            note: String::new(),
+        }),
     ])
     .render();
-    for forbidden in ["<img", "<i>note", "<b>bold", "<u>", "<t>", "<c>", "<x>", "<h>", "<d>", "<script>alert"] {
+    for forbidden in ["<img", "<i>note", "<b>bold", "<u>", "<t>", "<c>", "<x>", "<h>", "<d>", "<script>alert"]
+    {
         assert!(!html.contains(forbidden), "{forbidden} reached the page");
     }
     // The title inside the data is intact for the script, though it could end the element.
@@ -98,7 +104,10 @@ fn embedded_numbers_are_short_and_right_to_seven_digits() {
         let text = serde_json::to_string(&plot::Number(value)).expect("a number");
         let back: f64 = text.parse().expect("a number again");
         // Half a unit of the seventh digit.
-        assert!((back - value).abs() <= 5.0e-7 * value.abs() || value.abs() < 1e-300, "{value} became {text}");
+        assert!(
+            (back - value).abs() <= 5.0e-7 * value.abs() || value.abs() < 1e-300,
+            "{value} became {text}"
+        );
         assert!(text.len() <= 14 || value.abs() > 1e15, "{value} became {text}");
     }
 }
@@ -113,7 +122,12 @@ fn same_page_same_bytes() {
 fn citations_link_only_to_entries_that_exist() {
     let html = page_of(vec![
         Block::Text("as [Tao2024] and [Nobody1999] say, `F = k δ`".into()),
-        Block::References(vec![Reference { key: "Tao2024".into(), citation: "Tao et al.".into(), doi: None, used_for: String::new() }]),
+        Block::References(vec![Reference {
+            key: "Tao2024".into(),
+            citation: "Tao et al.".into(),
+            doi: None,
+            used_for: String::new(),
+        }]),
     ])
     .render();
     assert!(html.contains("href=\"#ref-Tao2024\"") && html.contains("id=\"ref-Tao2024\""));

@@ -61,7 +61,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     let digits = digits.max(1);
     // Through the exponent form, so that rounding up to the next decade (9.996 → 10.0) is seen.
     let exponent_form = format!("{value:.*e}", digits - 1);
-    let exponent: i32 = exponent_form.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    let exponent: i32 =
+        exponent_form.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
     if (-4..6).contains(&exponent) {
         let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
         format!("{value:.decimals$}")
@@ -73,7 +74,11 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// As [`significant`] without trailing zeros: a given value such as 412 N·m or 10 µm, not a measured one.
 pub fn compact(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
-    if text.contains('.') && !text.contains('e') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }
 
 /// Anchor or file name from a title.

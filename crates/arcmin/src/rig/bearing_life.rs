@@ -22,8 +22,9 @@ pub struct BearingLoad {
     pub life: f64,
 }
 
-/// Basic dynamic radial load rating C in N by ISO 281: b_m f_c (L cos α)^(7/9) Z^(3/4) D^(29/27) for rollers and
-/// b_m f_c (cos α)^0.7 Z^(2/3) D^1.8 for balls up to 25.4 mm, f_c from the formulae behind its tables (ISO/TR 1281-1), one row.
+/// Basic dynamic radial load rating C in N by ISO 281: b_m f_c (L cos α)^(7/9) Z^(3/4) D^(29/27) for rollers
+/// and b_m f_c (cos α)^0.7 Z^(2/3) D^1.8 for balls up to 25.4 mm, f_c from the formulae behind its tables
+/// (ISO/TR 1281-1), one row.
 pub fn dynamic_load_rating(bearing: &RollerBearing) -> f64 {
     if let Some(rating) = bearing.dynamic_load_rating {
         return rating;
@@ -35,26 +36,38 @@ pub fn dynamic_load_rating(bearing: &RollerBearing) -> f64 {
     match bearing.kind {
         RollerKind::Cylindrical | RollerKind::Tapered => {
             let inner_outer = (1.0 + (1.04 * ratio.powf(143.0 / 108.0)).powf(4.5)).powf(-2.0 / 9.0);
-            let fc = 207.9 * 0.83 * gamma.powf(2.0 / 9.0) * (1.0 - gamma).powf(29.0 / 27.0) / (1.0 + gamma).powf(0.25) * inner_outer;
-            1.1 * fc * (bearing.roller_length * 1e3 * cosine).powf(7.0 / 9.0) * z.powf(0.75) * d.powf(29.0 / 27.0)
+            let fc = 207.9 * 0.83 * gamma.powf(2.0 / 9.0) * (1.0 - gamma).powf(29.0 / 27.0)
+                / (1.0 + gamma).powf(0.25)
+                * inner_outer;
+            1.1 * fc
+                * (bearing.roller_length * 1e3 * cosine).powf(7.0 / 9.0)
+                * z.powf(0.75)
+                * d.powf(29.0 / 27.0)
         }
         RollerKind::Ball => {
             // Groove radii 0.52 d on both raceways.
             let inner_outer = (1.0 + (1.04 * ratio.powf(1.72)).powf(10.0 / 3.0)).powf(-0.3);
             let groove = (1.04_f64 / 0.04).powf(0.41);
-            let fc =
-                98.0665 * 0.41 * 0.95 * groove * gamma.powf(0.3) * (1.0 - gamma).powf(1.39) / (1.0 + gamma).powf(1.0 / 3.0) * inner_outer / 9.80665;
+            let fc = 98.0665 * 0.41 * 0.95 * groove * gamma.powf(0.3) * (1.0 - gamma).powf(1.39)
+                / (1.0 + gamma).powf(1.0 / 3.0)
+                * inner_outer
+                / 9.80665;
             let size = if d <= 25.4 { d.powf(1.8) } else { 3.647 * d.powf(1.4) };
             1.3 * fc * cosine.powf(0.7) * z.powf(2.0 / 3.0) * size
         }
     }
 }
 
-/// Forces of all turning-arm bearings and crank supports over one turn of the crankshaft relative to the carrier, rated torque and speed.
+/// Forces of all turning-arm bearings and crank supports over one turn of the crankshaft relative to the
+/// carrier, rated torque and speed.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
-pub fn bearing_loads(machine: &Machine, settings: &JointSettings, positions: usize) -> Result<Vec<BearingLoad>, RigError> {
+pub fn bearing_loads(
+    machine: &Machine,
+    settings: &JointSettings,
+    positions: usize,
+) -> Result<Vec<BearingLoad>, RigError> {
     let mut model = BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?;
     let kinematics = model.kinematics().clone();
     let ratio = kinematics.ratio();
@@ -63,7 +76,8 @@ pub fn bearing_loads(machine: &Machine, settings: &JointSettings, positions: usi
     let mut names = Vec::new();
     for k in 0..cranks {
         names.extend((0..discs).map(|j| format!("turning arm, crankshaft {}, disc {}", k + 1, j + 1)));
-        names.extend(["planet side", "far side"].map(|side| format!("support, crankshaft {}, {side}", k + 1)));
+        names
+            .extend(["planet side", "far side"].map(|side| format!("support, crankshaft {}, {side}", k + 1)));
     }
     let mut forces = vec![Vec::with_capacity(positions); names.len()];
     let mut largest = vec![0.0_f64; names.len()];
@@ -75,11 +89,14 @@ pub fn bearing_loads(machine: &Machine, settings: &JointSettings, positions: usi
         model.set_load(ratio.signum() * machine.rated.torque);
         let nominal = model.nominal_position_at(sun);
         let velocity = model.nominal_velocity_at(sun, machine.rated.input_speed);
-        let start: Vec<f64> = nominal.iter().enumerate().map(|(n, x)| x + deviation.get(n).copied().unwrap_or(0.0)).collect();
+        let start: Vec<f64> =
+            nominal.iter().enumerate().map(|(n, x)| x + deviation.get(n).copied().unwrap_or(0.0)).collect();
         let q = run(&model, &start, velocity)?;
         let mut at = 0;
         for k in 0..cranks {
-            let loads = (0..discs).map(|j| model.turning_arm_load(k, j, &q).0).chain((0..2).map(|end| model.support_load(k, end, &q).0));
+            let loads = (0..discs)
+                .map(|j| model.turning_arm_load(k, j, &q).0)
+                .chain((0..2).map(|end| model.support_load(k, end, &q).0));
             for state in loads.collect::<Vec<_>>() {
                 forces[at].push(state.gradient[0].hypot(state.gradient[1]));
                 largest[at] = largest[at].max(state.largest_element);
@@ -96,9 +113,14 @@ pub fn bearing_loads(machine: &Machine, settings: &JointSettings, positions: usi
         .zip(largest)
         .enumerate()
         .map(|(index, ((name, forces), largest_element))| {
-            let bearing = if index % (discs + 2) < discs { &machine.bearings.turning_arm } else { &machine.bearings.crank_support };
+            let bearing = if index % (discs + 2) < discs {
+                &machine.bearings.turning_arm
+            } else {
+                &machine.bearings.crank_support
+            };
             let power = if bearing.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 };
-            let equivalent = (forces.iter().map(|f| f.powf(power)).sum::<f64>() / forces.len().max(1) as f64).powf(1.0 / power);
+            let equivalent = (forces.iter().map(|f| f.powf(power)).sum::<f64>() / forces.len().max(1) as f64)
+                .powf(1.0 / power);
             let rating = dynamic_load_rating(bearing);
             let life = 1e6 * (rating / equivalent).powf(power) / turns_per_second;
             BearingLoad { name, forces, largest_element, equivalent, rating, life }

@@ -59,7 +59,8 @@ fn bench(machine: &Machine, settings: &JointSettings) -> Result<BearingJoints, R
     Ok(BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?)
 }
 
-/// η = T_out/(i T_in), from the balance of the running machine with friction at pins, needles, supports, meshes, seals and oil.
+/// η = T_out/(i T_in), from the balance of the running machine with friction at pins, needles, supports,
+/// meshes, seals and oil.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
@@ -82,8 +83,8 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
     Ok(EfficiencyMap { torques, speeds, efficiency, rated: at_rated })
 }
 
-/// Torques of the unloaded machine. Without load means 1 % of the rated torque taken off again along the line through 1 % and 2 %, as bodies that
-/// hang free in their clearance have no definite place.
+/// Torques of the unloaded machine. Without load means 1 % of the rated torque taken off again along the line
+/// through 1 % and 2 %, as bodies that hang free in their clearance have no definite place.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
@@ -96,7 +97,8 @@ pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<Ru
         Ok((2.0 * one - two, (two - one) / (0.01 * rated)))
     };
     let (no_load, _) = line(&mut bench(machine, settings)?, speed, 1.0)?;
-    // A machine that starts has no speed for the oil to drag at, yet Coulomb friction is to be fully developed.
+    // A machine that starts has no speed for the oil to drag at, yet Coulomb friction is to be fully
+    // developed.
     let mut still = machine.clone();
     still.friction.oil_drag = 0.0;
     let mut model = bench(&still, settings)?;

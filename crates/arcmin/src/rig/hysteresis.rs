@@ -67,12 +67,16 @@ fn shares() -> Vec<f64> {
     shares
 }
 
-/// Cycles the output torque to ± rated with the sun held at `sun` (rad). Friction opposes every change; without friction both branches
-/// fall together but for the clearance.
+/// Cycles the output torque to ± rated with the sun held at `sun` (rad). Friction opposes every change;
+/// without friction both branches fall together but for the clearance.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
-pub fn hysteresis_loop(machine: &Machine, settings: &JointSettings, sun: f64) -> Result<Vec<LoopPoint>, RigError> {
+pub fn hysteresis_loop(
+    machine: &Machine,
+    settings: &JointSettings,
+    sun: f64,
+) -> Result<Vec<LoopPoint>, RigError> {
     let rated = machine.rated.torque.abs();
     if !(rated > 0.0) {
         return Err(RigError::NoTorque);
@@ -117,46 +121,58 @@ fn slope(branch: &[LoopPoint], low: f64, high: f64) -> Option<f64> {
     if points.len() < 2 {
         return None;
     }
-    let (t, a) = (points.iter().map(|p| p.torque).sum::<f64>() / n, points.iter().map(|p| p.angle).sum::<f64>() / n);
+    let (t, a) =
+        (points.iter().map(|p| p.torque).sum::<f64>() / n, points.iter().map(|p| p.angle).sum::<f64>() / n);
     let covariance: f64 = points.iter().map(|p| (p.torque - t) * (p.angle - a)).sum();
     let variance: f64 = points.iter().map(|p| (p.torque - t).powi(2)).sum();
     (covariance != 0.0).then(|| variance / covariance)
 }
 
-/// Reads lost motion, backlash, stiffness and work from a loop, computed or measured; `rated` in N·m. The order of the points within a branch is
-/// that of the test.
+/// Reads lost motion, backlash, stiffness and work from a loop, computed or measured; `rated` in N·m. The
+/// order of the points within a branch is that of the test.
 ///
 /// # Errors
 /// [`RigError::BadLoop`] if a branch is missing or does not cover ± rated torque (50 % at least).
 pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, RigError> {
-    let of = |branch: Branch| -> Vec<LoopPoint> { points.iter().filter(|p| p.branch == branch).copied().collect() };
+    let of = |branch: Branch| -> Vec<LoopPoint> {
+        points.iter().filter(|p| p.branch == branch).copied().collect()
+    };
     let branches = [of(Branch::Falling), of(Branch::Rising)];
     let at = |torque: f64| -> Result<[f64; 2], RigError> {
         let mut angles = [0.0; 2];
         for (angle, branch) in angles.iter_mut().zip(&branches) {
-            *angle = angle_at(branch, torque).ok_or(RigError::BadLoop("a branch does not cover ± 3 % of the rated torque"))?;
+            *angle = angle_at(branch, torque)
+                .ok_or(RigError::BadLoop("a branch does not cover ± 3 % of the rated torque"))?;
         }
         Ok(angles)
     };
     let (plus, minus) = (at(LOST_MOTION_SHARE * rated)?, at(-LOST_MOTION_SHARE * rated)?);
     let lost_motion = 0.5 * ((plus[0] + plus[1]) - (minus[0] + minus[1]));
     let zero = |branch: &[LoopPoint], side: f64| {
-        // The last point on the side the branch comes from, if it is as good as zero; else the line through zero.
-        let near = branch.iter().filter(|p| p.torque * side >= 0.0).min_by(|a, b| a.torque.abs().total_cmp(&b.torque.abs()));
+        // The last point on the side the branch comes from, if it is as good as zero; else the line through
+        // zero.
+        let near = branch
+            .iter()
+            .filter(|p| p.torque * side >= 0.0)
+            .min_by(|a, b| a.torque.abs().total_cmp(&b.torque.abs()));
         match near {
             Some(point) if point.torque.abs() <= 2.0 * ZERO_SHARE * rated => Some(point.angle),
             _ => angle_at(branch, 0.0),
         }
     };
     let missing = RigError::BadLoop("a branch does not pass zero torque");
-    let backlash = zero(&branches[0], 1.0).ok_or(missing.clone())? - zero(&branches[1], -1.0).ok_or(missing)?;
+    let backlash =
+        zero(&branches[0], 1.0).ok_or(missing.clone())? - zero(&branches[1], -1.0).ok_or(missing)?;
     let mean = |from: f64, to: f64| -> Result<f64, RigError> {
         let mut sum = 0.0;
         for branch in &branches {
             for (low, high) in [(from, to), (-to, -from)] {
                 // Compliances of equal windows add up, hence the harmonic mean.
                 let k = slope(branch, low * rated * (1.0 - 1e-9), high * rated * (1.0 + 1e-9));
-                sum += 1.0 / k.ok_or(RigError::BadLoop("too few points between 50 % and 100 % of the rated torque"))?;
+                sum += 1.0
+                    / k.ok_or(RigError::BadLoop(
+                        "too few points between 50 % and 100 % of the rated torque",
+                    ))?;
             }
         }
         Ok(4.0 / sum)
@@ -168,7 +184,13 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
     if let (Some(first), Some(last)) = (points.first(), points.last()) {
         work += 0.5 * (first.torque + last.torque) * (first.angle - last.angle);
     }
-    Ok(LoopFigures { lost_motion, backlash, stiffness: mean(STIFFNESS_WINDOW.0, STIFFNESS_WINDOW.1)?, soft_stiffness: mean(0.03, 0.15)?, work })
+    Ok(LoopFigures {
+        lost_motion,
+        backlash,
+        stiffness: mean(STIFFNESS_WINDOW.0, STIFFNESS_WINDOW.1)?,
+        soft_stiffness: mean(0.03, 0.15)?,
+        work,
+    })
 }
 
 /// Compliance between 50 % and 100 % of rated torque, per part.
@@ -180,16 +202,23 @@ pub struct StiffnessSplit {
     pub whole: f64,
 }
 
-/// Splits the compliance of the machine, friction aside: dφ/dT = gᵀ K g with g = dq/dT, and K is the sum of the parts' tangents. The mean over the
-/// window is Gauss's three-point rule in torque.
+/// Splits the compliance of the machine, friction aside: dφ/dT = gᵀ K g with g = dq/dT, and K is the sum of
+/// the parts' tangents. The mean over the window is Gauss's three-point rule in torque.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found or a body has no hold.
-pub fn stiffness_split(machine: &Machine, settings: &JointSettings, sun: f64) -> Result<StiffnessSplit, RigError> {
+pub fn stiffness_split(
+    machine: &Machine,
+    settings: &JointSettings,
+    sun: f64,
+) -> Result<StiffnessSplit, RigError> {
     let rated = machine.rated.torque.abs();
     let settings = JointSettings { damped: false, ..settings.clone() };
     let mut frictionless = machine.clone();
-    frictionless.friction = crate::machine::Friction { regularisation_speed: machine.friction.regularisation_speed, ..Default::default() };
+    frictionless.friction = crate::machine::Friction {
+        regularisation_speed: machine.friction.regularisation_speed,
+        ..Default::default()
+    };
     let mut model = BearingJoints::held(&frictionless, &settings)?;
     model.hold_sun(sun, 0.0);
     let speed = machine.friction.regularisation_speed;
@@ -218,5 +247,8 @@ pub fn stiffness_split(machine: &Machine, settings: &JointSettings, sun: f64) ->
     }
     // Rigid discs are no part of their own.
     let elastic = settings.discs.is_some();
-    Ok(StiffnessSplit { parts: Part::ALL.into_iter().zip(parts).filter(|(part, _)| elastic || *part != Part::Disc).collect(), whole })
+    Ok(StiffnessSplit {
+        parts: Part::ALL.into_iter().zip(parts).filter(|(part, _)| elastic || *part != Part::Disc).collect(),
+        whole,
+    })
 }

@@ -1,7 +1,9 @@
-//! Virtual test bench: what makers print in their catalogues, from the model with bearings and without inertia.
+//! Virtual test bench: what makers print in their catalogues, from the model with bearings and without
+//! inertia.
 //!
-//! Definitions as in GB/T 35089 and GB/T 40731: input locked, output torque cycled to ± rated; lost motion between the mid-points of the two branches
-//! at ± 3 % of rated torque; backlash as the width of the loop at zero torque; torsional stiffness as the slope of the branches.
+//! Definitions as in GB/T 35089 and GB/T 40731: input locked, output torque cycled to ± rated; lost motion
+//! between the mid-points of the two branches at ± 3 % of rated torque; backlash as the width of the loop at
+//! zero torque; torsional stiffness as the slope of the branches.
 
 mod bearing_life;
 mod efficiency;
@@ -17,7 +19,8 @@ mod transmission;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
 pub use hysteresis::{
-    Branch, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop, stiffness_split,
+    Branch, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop,
+    hysteresis_loop, stiffness_split,
 };
 pub use orders::{NamedOrder, name_orders};
 pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};
@@ -40,7 +43,15 @@ pub enum RigError {
     BadCurve(&'static str),
 }
 
-/// Friction to assume where a design gives none: grease-lubricated mixed friction on pins that stay in their seats, ISO/TR 14179's order for
-/// gear meshes and rolling bearings, lip seals of a middle size. Assumptions, to be replaced by measured values.
-pub const ASSUMED_FRICTION: Friction =
-    Friction { flank: 0.06, pin_seat: 0.06, bearing: 0.002, gear_mesh: 0.06, seal_drag: 4.0, oil_drag: 1e-4, regularisation_speed: 1e-3 };
+/// Friction to assume where a design gives none: grease-lubricated mixed friction on pins that stay in their
+/// seats, ISO/TR 14179's order for gear meshes and rolling bearings, lip seals of a middle size. Assumptions,
+/// to be replaced by measured values.
+pub const ASSUMED_FRICTION: Friction = Friction {
+    flank: 0.06,
+    pin_seat: 0.06,
+    bearing: 0.002,
+    gear_mesh: 0.06,
+    seal_drag: 4.0,
+    oil_drag: 1e-4,
+    regularisation_speed: 1e-3,
+};

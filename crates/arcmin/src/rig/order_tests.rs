@@ -1,10 +1,11 @@
 //! Where single manufacturing errors put their orders.
 //!
-//! With the housing at rest the crankshafts turn z_c times per output turn against the ring of pins and z_p times against the carrier. A machine whose only
-//! errors stand still in the housing therefore repeats itself after 1/z_c of an output turn, one whose errors all go round with carrier, discs and
-//! shafts after 1/z_p: their transmission errors hold multiples of z_c and of z_p only. Errors of both kinds together give sums and differences, 1 among them.
-//! Two things blur that a little: the stiffness of the bearings goes round with the carrier and modulates errors of the ring by 2 z_p, and cages turn at
-//! fractions of their own.
+//! With the housing at rest the crankshafts turn z_c times per output turn against the ring of pins and z_p
+//! times against the carrier. A machine whose only errors stand still in the housing therefore repeats itself
+//! after 1/z_c of an output turn, one whose errors all go round with carrier, discs and shafts after 1/z_p:
+//! their transmission errors hold multiples of z_c and of z_p only. Errors of both kinds together give sums
+//! and differences, 1 among them. Two things blur that a little: the stiffness of the bearings goes round
+//! with the carrier and modulates errors of the ring by 2 z_p, and cages turn at fractions of their own.
 
 use super::*;
 use crate::dynamics::{JointSettings, order_spectrum};
@@ -20,7 +21,8 @@ fn orders(machine: &Machine, errors: &ManufacturingErrors) -> Vec<f64> {
         error_curve(machine, &settings, test.positions, 1.0, machine.rated.torque).unwrap()
     };
     let (with, without) = (curve(errors), curve(&ManufacturingErrors::default()));
-    let difference: Vec<(f64, f64)> = with.points.iter().zip(&without.points).map(|(a, b)| (a.0, a.1 - b.1)).collect();
+    let difference: Vec<(f64, f64)> =
+        with.points.iter().zip(&without.points).map(|(a, b)| (a.0, a.1 - b.1)).collect();
     order_spectrum(&difference).unwrap().iter().map(|line| line.amplitude).collect()
 }
 
@@ -31,7 +33,10 @@ fn machine() -> Machine {
 /// The strongest order, its amplitude, and the strongest among the orders that are no multiple of `base`.
 fn strongest(orders: &[f64], base: usize) -> (usize, f64, f64) {
     let top = (1..400).max_by(|a, b| orders[*a].total_cmp(&orders[*b])).unwrap();
-    let stray = (1..400_usize).filter(|order| !order.is_multiple_of(base)).map(|order| orders[order]).fold(0.0, f64::max);
+    let stray = (1..400_usize)
+        .filter(|order| !order.is_multiple_of(base))
+        .map(|order| orders[order])
+        .fold(0.0, f64::max);
     (top, orders[top], stray)
 }
 
@@ -54,20 +59,40 @@ fn one<T: Default + Clone>(error: T) -> Vec<T> {
 
 fn flank(order: usize, direction: FlankDirection) -> ManufacturingErrors {
     let harmonics = vec![FlankHarmonic { order, amplitude: 3.0 * UM, phase: 0.2, direction }];
-    ManufacturingErrors { discs: one(DiscError { flank: FlankError { harmonics, measured: None }, bores: Vec::new() }), ..Default::default() }
+    ManufacturingErrors {
+        discs: one(DiscError { flank: FlankError { harmonics, measured: None }, bores: Vec::new() }),
+        ..Default::default()
+    }
 }
 
-/// A pin meets each of the two discs once per turn of the crankshafts against the ring: 2 z_c, as the discs stand opposite to each other.
+/// A pin meets each of the two discs once per turn of the crankshafts against the ring: 2 z_c, as the discs
+/// stand opposite to each other.
 #[test]
 fn errors_of_the_ring_lie_at_multiples_of_the_lobe_count() {
     let mut pins = vec![PinError::default(); 40];
     pins[7].radial = 3.0 * UM;
-    check("one pin out of place", &ManufacturingErrors { pins: pins.clone(), ..Default::default() }, 78, 39, BY_BEARINGS);
+    check(
+        "one pin out of place",
+        &ManufacturingErrors { pins: pins.clone(), ..Default::default() },
+        78,
+        39,
+        BY_BEARINGS,
+    );
     pins[7] = PinError { radius: -3.0 * UM, ..PinError::default() };
     check("one thin pin", &ManufacturingErrors { pins, ..Default::default() }, 78, 39, BY_BEARINGS);
-    // Pitch of the pins in two waves around the ring: once per half turn of the crankshafts, in step on both discs.
-    let wave = |i: usize| PinError { tangential: 3.0 * UM * (2.0 * std::f64::consts::TAU * i as f64 / 40.0).cos(), ..PinError::default() };
-    check("pitch of the pins in two waves", &ManufacturingErrors { pins: (0..40).map(wave).collect(), ..Default::default() }, 78, 39, BY_BEARINGS);
+    // Pitch of the pins in two waves around the ring: once per half turn of the crankshafts, in step on both
+    // discs.
+    let wave = |i: usize| PinError {
+        tangential: 3.0 * UM * (2.0 * std::f64::consts::TAU * i as f64 / 40.0).cos(),
+        ..PinError::default()
+    };
+    check(
+        "pitch of the pins in two waves",
+        &ManufacturingErrors { pins: (0..40).map(wave).collect(), ..Default::default() },
+        78,
+        39,
+        BY_BEARINGS,
+    );
 }
 
 #[test]
@@ -76,12 +101,34 @@ fn errors_that_go_round_lie_at_multiples_of_the_pin_count() {
     check("pitch of a flank in one wave", &flank(1, FlankDirection::Around), 40, 40, BY_CAGES);
     check("pitch of a flank in three waves", &flank(3, FlankDirection::Around), 120, 40, BY_CAGES);
     let eccentric = EccentricError { eccentricity: 2.0 * UM, phase: 0.0 };
-    check("one eccentric", &ManufacturingErrors { eccentrics: vec![one(eccentric)], ..Default::default() }, 40, 40, BY_CAGES);
-    check("a journal", &ManufacturingErrors { journals: one(RunOut { amplitude: 2.0 * UM, phase: 0.3 }), ..Default::default() }, 40, 40, BY_CAGES);
-    check("a planet", &ManufacturingErrors { planets: one(RunOut { amplitude: UM, phase: 0.3 }), ..Default::default() }, 40, 40, BY_CAGES);
+    check(
+        "one eccentric",
+        &ManufacturingErrors { eccentrics: vec![one(eccentric)], ..Default::default() },
+        40,
+        40,
+        BY_CAGES,
+    );
+    check(
+        "a journal",
+        &ManufacturingErrors {
+            journals: one(RunOut { amplitude: 2.0 * UM, phase: 0.3 }),
+            ..Default::default()
+        },
+        40,
+        40,
+        BY_CAGES,
+    );
+    check(
+        "a planet",
+        &ManufacturingErrors { planets: one(RunOut { amplitude: UM, phase: 0.3 }), ..Default::default() },
+        40,
+        40,
+        BY_CAGES,
+    );
 }
 
-/// What all lobes or pins have in common moves the mean; its ripple has the order of one pin passing one lobe, z_c z_p = 1560.
+/// What all lobes or pins have in common moves the mean; its ripple has the order of one pin passing one
+/// lobe, z_c z_p = 1560.
 #[test]
 fn common_errors_move_the_mean() {
     for (name, errors) in [
@@ -96,25 +143,41 @@ fn common_errors_move_the_mean() {
     }
 }
 
-/// The load pushes a disc across its eccentric, not along it, so an eccentricity that is wrong alike on all hardly shows.
+/// The load pushes a disc across its eccentric, not along it, so an eccentricity that is wrong alike on all
+/// hardly shows.
 #[test]
 fn a_common_eccentricity_hardly_shows() {
     let eccentric = EccentricError { eccentricity: UM, phase: 0.0 };
-    let found = orders(&machine(), &ManufacturingErrors { eccentrics: vec![vec![eccentric; 2]; 2], ..Default::default() });
+    let found = orders(
+        &machine(),
+        &ManufacturingErrors { eccentrics: vec![vec![eccentric; 2]; 2], ..Default::default() },
+    );
     let (_, amplitude, _) = strongest(&found, 1);
-    let one = orders(&machine(), &ManufacturingErrors { eccentrics: vec![vec![eccentric]], ..Default::default() });
-    assert!(amplitude < 0.25 * one[40] && found[0] < 0.25 * one[40], "{amplitude:e} {:e} {:e}", found[0], one[40]);
+    let one =
+        orders(&machine(), &ManufacturingErrors { eccentrics: vec![vec![eccentric]], ..Default::default() });
+    assert!(
+        amplitude < 0.25 * one[40] && found[0] < 0.25 * one[40],
+        "{amplitude:e} {:e} {:e}",
+        found[0],
+        one[40]
+    );
 }
 
-/// A bore out of place in a disc shifts the disc in a direction that goes round with the carrier, and turns it: order z_p, and the mean. Both bores
-/// alike turn the disc only; bores of the carrier move gear stage and discs alike.
+/// A bore out of place in a disc shifts the disc in a direction that goes round with the carrier, and turns
+/// it: order z_p, and the mean. Both bores alike turn the disc only; bores of the carrier move gear stage and
+/// discs alike.
 #[test]
 fn bores_lie_at_the_pin_count_or_move_the_mean() {
     let bore = BoreError { tangential: 3.0 * UM, ..BoreError::default() };
-    let discs =
-        |count: usize| ManufacturingErrors { discs: one(DiscError { bores: vec![bore; count], ..DiscError::default() }), ..Default::default() };
+    let discs = |count: usize| ManufacturingErrors {
+        discs: one(DiscError { bores: vec![bore; count], ..DiscError::default() }),
+        ..Default::default()
+    };
     check("one bore of a disc", &discs(1), 40, 40, BY_CAGES);
-    for (name, errors) in [("both bores of a disc", discs(2)), ("carrier", ManufacturingErrors { carrier_bores: one(bore), ..Default::default() })] {
+    for (name, errors) in [
+        ("both bores of a disc", discs(2)),
+        ("carrier", ManufacturingErrors { carrier_bores: one(bore), ..Default::default() }),
+    ] {
         let found = orders(&machine(), &errors);
         let (_, amplitude, stray) = strongest(&found, 40);
         assert!(found[0] > 8.0 * amplitude, "{name}: {:e} {amplitude:e}", found[0]);
@@ -122,7 +185,8 @@ fn bores_lie_at_the_pin_count_or_move_the_mean() {
     }
 }
 
-/// Order 1 needs both kinds: neither a run-out of the carrier nor a pin circle off its centre has it, the two together do, in proportion to each.
+/// Order 1 needs both kinds: neither a run-out of the carrier nor a pin circle off its centre has it, the two
+/// together do, in proportion to each.
 #[test]
 fn order_one_is_the_difference_of_ring_and_carrier() {
     let machine = machine();
@@ -142,11 +206,13 @@ fn order_one_is_the_difference_of_ring_and_carrier() {
     assert!((half - 0.5).abs() < 0.1, "{half}");
 }
 
-/// The sun turns i − 1 times against the carrier. Two planets that stand opposite see its run-out with opposite signs, so that only the unequal
-/// sharing of the load lets it through: i − 1 and its sums and differences with the crankshafts' turn.
+/// The sun turns i − 1 times against the carrier. Two planets that stand opposite see its run-out with
+/// opposite signs, so that only the unequal sharing of the load lets it through: i − 1 and its sums and
+/// differences with the crankshafts' turn.
 #[test]
 fn the_sun_lies_at_its_turn_against_the_carrier() {
-    let errors = ManufacturingErrors { sun: RunOut { amplitude: 2.0 * UM, phase: 0.3 }, ..Default::default() };
+    let errors =
+        ManufacturingErrors { sun: RunOut { amplitude: 2.0 * UM, phase: 0.3 }, ..Default::default() };
     let found = orders(&machine(), &errors);
     let (top, amplitude, _) = strongest(&found, 1);
     assert!([40, 80, 120, 160].contains(&top), "{top} {amplitude:e}");
@@ -155,12 +221,16 @@ fn the_sun_lies_at_its_turn_against_the_carrier() {
     assert!(found[81] < 0.05 * amplitude, "{:e} {amplitude:e}", found[81]);
 }
 
-/// Three crankshafts: what stands still in the housing meets them three times a turn. A pin circle off its centre gives no order 1 or 2, but 3.
+/// Three crankshafts: what stands still in the housing meets them three times a turn. A pin circle off its
+/// centre gives no order 1 or 2, but 3.
 #[test]
 fn three_crankshafts_put_a_resting_error_at_three() {
     let mut machine = machine();
     machine.crankshafts.count = 3;
-    let errors = ManufacturingErrors { pin_circle_offset: RunOut { amplitude: 10.0 * UM, phase: 0.5 }, ..Default::default() };
+    let errors = ManufacturingErrors {
+        pin_circle_offset: RunOut { amplitude: 10.0 * UM, phase: 0.5 },
+        ..Default::default()
+    };
     let found = orders(&machine, &errors);
     let low = |order: usize| found[order];
     assert!(low(3) > 5.0 * low(1).max(low(2)), "{:e} {:e} {:e}", low(1), low(2), low(3));

@@ -12,12 +12,18 @@ pub struct NamedOrder {
     pub cause: String,
 }
 
-/// The strongest orders, largest first, each with its likely causes. `samples` is the number of positions in which a turn was measured: what is
-/// faster than half of them appears folded back.
-pub fn name_orders(spectrum: &[SpectrumLine], machine: &Machine, samples: usize, count: usize) -> Vec<NamedOrder> {
+/// The strongest orders, largest first, each with its likely causes. `samples` is the number of positions in
+/// which a turn was measured: what is faster than half of them appears folded back.
+pub fn name_orders(
+    spectrum: &[SpectrumLine],
+    machine: &Machine,
+    samples: usize,
+    count: usize,
+) -> Vec<NamedOrder> {
     /// Lines below this part of the largest are not worth a name.
     const WORTH_NAMING: f64 = 0.002;
-    let mut lines: Vec<&SpectrumLine> = spectrum.iter().filter(|line| line.order > 0 && 2 * line.order <= samples).collect();
+    let mut lines: Vec<&SpectrumLine> =
+        spectrum.iter().filter(|line| line.order > 0 && 2 * line.order <= samples).collect();
     lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
     let least = WORTH_NAMING * lines.first().map_or(0.0, |line| line.amplitude);
     let named = |line: &SpectrumLine| {
@@ -31,16 +37,20 @@ pub fn name_orders(spectrum: &[SpectrumLine], machine: &Machine, samples: usize,
     lines.into_iter().take(count).filter(|line| line.amplitude > least).map(named).collect()
 }
 
-/// Everything that belongs to an order within the resolution of one output turn, the most direct causes first.
+/// Everything that belongs to an order within the resolution of one output turn, the most direct causes
+/// first.
 ///
-/// Errors that stand still in the housing lie at multiples of z_c, for the crankshafts turn z_c times against the ring; errors that go round with the
-/// carrier lie at multiples of z_p. Both kinds together give sums and differences.
+/// Errors that stand still in the housing lie at multiples of z_c, for the crankshafts turn z_c times against
+/// the ring; errors that go round with the carrier lie at multiples of z_p. Both kinds together give sums and
+/// differences.
 fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
     let is = |value: f64| (order as f64 - value).abs() < 0.5;
     let (pins, discs, cranks) = (machine.ring.pin_count, machine.disc_count, machine.crankshafts.count);
     let lobes = pins - 1;
     let sun = machine.kinematics().housing_fixed_ratio() - 1.0;
-    let times = |multiple: usize, base: &str| if multiple == 1 { base.to_owned() } else { format!("{multiple} × {base}") };
+    let times = |multiple: usize, base: &str| {
+        if multiple == 1 { base.to_owned() } else { format!("{multiple} × {base}") }
+    };
     let mut found = Vec::new();
     if order == 1 {
         found.push("ring and carrier together (z_p − z_c): run-out or bores of the carrier in a ring that is not true; outside of the machine a coupling or encoder off its centre".to_owned());
@@ -64,11 +74,18 @@ fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
         let multiple = order / pins;
         let base = times(multiple, &format!("z_p ({pins})"));
         found.push(match multiple {
-            1 => format!("{base}: run-out or pitch of a disc, an eccentric, a journal, or run-out of a planet"),
-            _ => format!("{base}: pitch of a disc in {multiple} waves, multiples of eccentrics, journals and planets"),
+            1 => {
+                format!("{base}: run-out or pitch of a disc, an eccentric, a journal, or run-out of a planet")
+            }
+            _ => format!(
+                "{base}: pitch of a disc in {multiple} waves, multiples of eccentrics, journals and planets"
+            ),
         });
         if multiple.is_multiple_of(cranks.max(2)) {
-            found.push("stiffness of bearings and shafts as the load goes round the crankshafts, without any error".to_owned());
+            found.push(
+                "stiffness of bearings and shafts as the load goes round the crankshafts, without any error"
+                    .to_owned(),
+            );
         }
     }
     if is(sun) {
@@ -88,27 +105,37 @@ fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
             found.push(format!("{what}, {value:.0}, folded back by {samples} positions"));
         }
     }
-    for (bearing, what) in [(&machine.bearings.turning_arm, "turning-arm bearings"), (&machine.bearings.crank_support, "crank supports")] {
+    for (bearing, what) in [
+        (&machine.bearings.turning_arm, "turning-arm bearings"),
+        (&machine.bearings.crank_support, "crank supports"),
+    ] {
         let passing = rollers_passing(bearing, pins);
-        if let Some(shift) = (0..=8).find(|shift| is((passing - (shift * pins) as f64).abs()) || is(passing + (shift * pins) as f64)) {
+        if let Some(shift) = (0..=8)
+            .find(|shift| is((passing - (shift * pins) as f64).abs()) || is(passing + (shift * pins) as f64))
+        {
             let with = if shift == 0 { String::new() } else { format!(", with {}", times(shift, "z_p")) };
             found.push(format!("rolling elements of the {what} ({passing:.1}{with})"));
         }
     }
     if found.is_empty() {
         let pairs = (1..=4_usize).flat_map(|a| (1..=4_usize).map(move |b| (a, b)));
-        if let Some((a, b)) =
-            pairs.filter(|(a, b)| order == a * lobes + b * pins || order == (a * lobes).abs_diff(b * pins)).min_by_key(|(a, b)| a + b)
+        if let Some((a, b)) = pairs
+            .filter(|(a, b)| order == a * lobes + b * pins || order == (a * lobes).abs_diff(b * pins))
+            .min_by_key(|(a, b)| a + b)
         {
             let sign = if order == a * lobes + b * pins { '+' } else { '−' };
-            found.push(format!("ring and turning parts together ({} {sign} {})", times(b, "z_p"), times(a, "z_c")));
+            found.push(format!(
+                "ring and turning parts together ({} {sign} {})",
+                times(b, "z_p"),
+                times(a, "z_c")
+            ));
         }
     }
     found
 }
 
-/// How often a rolling element passes a place on the carrier (and a disc) per output turn: Z w z_p, as the inner ring turns z_p times against the outer and
-/// the cage follows it by w = (1 − d cos α/D)/2.
+/// How often a rolling element passes a place on the carrier (and a disc) per output turn: Z w z_p, as the
+/// inner ring turns z_p times against the outer and the cage follows it by w = (1 − d cos α/D)/2.
 fn rollers_passing(bearing: &RollerBearing, pins: usize) -> f64 {
     let share = 0.5 * (1.0 - bearing.roller_diameter * bearing.contact_angle.cos() / bearing.pitch_diameter);
     bearing.roller_count as f64 * share * pins as f64
@@ -123,9 +150,15 @@ mod tests {
         let machine = crate::templates::rv_40e_81();
         let of = |order| causes(&machine, order, 1024).join(" | ");
         assert!(of(40).contains("z_p (40): run-out or pitch of a disc") && !of(40).contains("z_c"));
-        assert!(of(39).starts_with("ring, z_c (39)") && of(78).contains("2 × z_c (39)") && of(78).contains("met by 2 discs"));
+        assert!(
+            of(39).starts_with("ring, z_c (39)")
+                && of(78).contains("2 × z_c (39)")
+                && of(78).contains("met by 2 discs")
+        );
         // 80 is three things at once, 81 is the sun's turn, 78 neither.
-        for word in ["2 × z_p (40)", "the load goes round", "run-out of the sun (its turn against the carrier"] {
+        for word in
+            ["2 × z_p (40)", "the load goes round", "run-out of the sun (its turn against the carrier"]
+        {
             assert!(of(80).contains(word), "{word}: {}", of(80));
         }
         assert!(of(81).starts_with("run-out of the sun") && !of(78).contains("sun"));
@@ -133,9 +166,14 @@ mod tests {
         for order in [224, 16, 64] {
             assert!(of(order).contains("turning-arm bearings (224.0"), "{order}: {}", of(order));
         }
-        assert!(of(1).contains("z_p − z_c") && of(79).contains("z_p + z_c") && of(2).contains("2 crankshafts"));
+        assert!(
+            of(1).contains("z_p − z_c") && of(79).contains("z_p + z_c") && of(2).contains("2 crankshafts")
+        );
         // 1560 measured in 1024 positions appears at 2·1024 − 1560 = 488; in 4096 where it is.
-        assert!(of(488).contains("folded back by 1024") && causes(&machine, 1560, 4096).join("").contains("pins passing lobes"));
+        assert!(
+            of(488).contains("folded back by 1024")
+                && causes(&machine, 1560, 4096).join("").contains("pins passing lobes")
+        );
         assert!(of(17).is_empty());
     }
 
@@ -143,7 +181,12 @@ mod tests {
     fn strongest_orders_come_first_and_the_weak_have_no_name() {
         let machine = crate::templates::rv_40e_81();
         let line = |order, amplitude| SpectrumLine { order, amplitude };
-        let named = name_orders(&[line(0, 9.0), line(3, 1e-4), line(17, 0.5), line(40, 1.0), line(900, 3.0)], &machine, 1024, 8);
+        let named = name_orders(
+            &[line(0, 9.0), line(3, 1e-4), line(17, 0.5), line(40, 1.0), line(900, 3.0)],
+            &machine,
+            1024,
+            8,
+        );
         assert_eq!(named.iter().map(|n| n.order).collect::<Vec<_>>(), [40, 17]);
         assert_eq!(named[1].cause, "no single cause known");
     }

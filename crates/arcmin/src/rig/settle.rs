@@ -1,5 +1,8 @@
 use super::RigError;
-use crate::dynamics::{Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
+use crate::dynamics::{
+    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Linearisation, System, Weights,
+    solve_equilibrium,
+};
 
 /// What the friction sees while the machine is in balance without inertia.
 enum Motion<'a> {
@@ -15,13 +18,16 @@ struct Slow<'a> {
     motion: Motion<'a>,
 }
 
-/// Sliding in m within one step below which regularised friction still grows. Real contacts give way by some tenths of a micrometre before they slide.
+/// Sliding in m within one step below which regularised friction still grows. Real contacts give way by some
+/// tenths of a micrometre before they slide.
 const PRESLIDING: f64 = 2e-8;
-/// Accuracy of the output angle in arcmin (and of all other coordinates likewise): far below the 1e-4' that anybody reads.
+/// Accuracy of the output angle in arcmin (and of all other coordinates likewise): far below the 1e-4' that
+/// anybody reads.
 const TOLERANCE: f64 = 1e-7;
 
-/// In N or N·m. Angles of many turns (shaft 40 rad, sun 500 rad) are rounded to 1e-14 rad and more, which times radius and stiffness of all contacts leaves
-/// some 1e-6 where bodies just touch. At the output this is below 1e-5'.
+/// In N or N·m. Angles of many turns (shaft 40 rad, sun 500 rad) are rounded to 1e-14 rad and more, which
+/// times radius and stiffness of all contacts leaves some 1e-6 where bodies just touch. At the output this is
+/// below 1e-5'.
 const FORCE_TOLERANCE: f64 = 2e-5;
 
 impl System for Slow<'_> {
@@ -39,11 +45,19 @@ impl System for Slow<'_> {
         self.model.scale()
     }
 
-    fn evaluate(&self, time: f64, position: &[f64], _: &[f64], force: &mut [f64], linearisation: &mut DenseLinearisation) -> Balance {
+    fn evaluate(
+        &self,
+        time: f64,
+        position: &[f64],
+        _: &[f64],
+        force: &mut [f64],
+        linearisation: &mut DenseLinearisation,
+    ) -> Balance {
         match &self.motion {
             Motion::Running(velocity) => self.model.evaluate(time, position, velocity, force, linearisation),
             Motion::Creeping { from, interval } => {
-                let velocity: Vec<f64> = position.iter().zip(*from).map(|(q, q0)| (q - q0) / interval).collect();
+                let velocity: Vec<f64> =
+                    position.iter().zip(*from).map(|(q, q0)| (q - q0) / interval).collect();
                 let balance = self.model.evaluate(time, position, &velocity, force, linearisation);
                 linearisation.fold_damping(1.0 / interval);
                 balance
@@ -57,11 +71,19 @@ impl System for Slow<'_> {
 }
 
 fn control() -> EquilibriumControl {
-    EquilibriumControl { tolerance: TOLERANCE, force_tolerance: FORCE_TOLERANCE, ..EquilibriumControl::default() }
+    EquilibriumControl {
+        tolerance: TOLERANCE,
+        force_tolerance: FORCE_TOLERANCE,
+        ..EquilibriumControl::default()
+    }
 }
 
 /// Balance after a slow change of load from the balance `from`; friction opposes the change.
-pub(super) fn creep(model: &BearingJoints, regularisation_speed: f64, from: &[f64]) -> Result<Vec<f64>, RigError> {
+pub(super) fn creep(
+    model: &BearingJoints,
+    regularisation_speed: f64,
+    from: &[f64],
+) -> Result<Vec<f64>, RigError> {
     let motion = Motion::Creeping { from, interval: PRESLIDING / regularisation_speed };
     Ok(solve_equilibrium(&Slow { model, motion }, 0.0, from, control())?.position)
 }
@@ -71,7 +93,8 @@ pub(super) fn run(model: &BearingJoints, start: &[f64], velocity: Vec<f64>) -> R
     Ok(solve_equilibrium(&Slow { model, motion: Motion::Running(velocity) }, 0.0, start, control())?.position)
 }
 
-/// dq/dT per unit of applied torque at the output: the tangent motion of the whole machine, friction left aside.
+/// dq/dT per unit of applied torque at the output: the tangent motion of the whole machine, friction left
+/// aside.
 pub(super) fn tangent(model: &BearingJoints, position: &[f64]) -> Result<Vec<f64>, RigError> {
     let n = position.len();
     let rest = vec![0.0; n];
@@ -80,6 +103,8 @@ pub(super) fn tangent(model: &BearingJoints, position: &[f64]) -> Result<Vec<f64
     model.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
     let mut motion = vec![0.0; n];
     motion[model.output_index()] = 1.0;
-    linearisation.solve(&rest, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion).map_err(|_| RigError::Loose)?;
+    linearisation
+        .solve(&rest, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion)
+        .map_err(|_| RigError::Loose)?;
     Ok(motion)
 }

@@ -15,7 +15,8 @@ pub struct TransmissionSettings {
 }
 
 impl TransmissionSettings {
-    /// 1 % of the rated torque holds the flanks; 1024 positions resolve orders up to several times the pin count.
+    /// 1 % of the rated torque holds the flanks; 1024 positions resolve orders up to several times the pin
+    /// count.
     pub fn new(machine: &Machine) -> TransmissionSettings {
         TransmissionSettings { positions: 1024, holding_torque: 0.01 * machine.rated.torque.abs() }
     }
@@ -33,12 +34,15 @@ pub struct ErrorCurve {
 }
 
 impl ErrorCurve {
-    /// A curve from a real bench: (output angle, error) in rad in the order of the test, at a torque (N·m). Its direction is that of the angles.
+    /// A curve from a real bench: (output angle, error) in rad in the order of the test, at a torque (N·m).
+    /// Its direction is that of the angles.
     ///
     /// # Errors
     /// [`RigError::BadCurve`] for fewer than eight points or angles that turn back.
     pub fn measured(points: Vec<(f64, f64)>, torque: f64) -> Result<ErrorCurve, RigError> {
-        let (Some(first), Some(last)) = (points.first(), points.last()) else { return Err(RigError::BadCurve("it has no points")) };
+        let (Some(first), Some(last)) = (points.first(), points.last()) else {
+            return Err(RigError::BadCurve("it has no points"));
+        };
         let direction = if last.0 >= first.0 { 1.0 } else { -1.0 };
         if points.len() < 8 {
             return Err(RigError::BadCurve("it has fewer than eight points"));
@@ -64,7 +68,13 @@ impl ErrorCurve {
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
-pub fn error_curve(machine: &Machine, settings: &JointSettings, positions: usize, direction: f64, torque: f64) -> Result<ErrorCurve, RigError> {
+pub fn error_curve(
+    machine: &Machine,
+    settings: &JointSettings,
+    positions: usize,
+    direction: f64,
+    torque: f64,
+) -> Result<ErrorCurve, RigError> {
     let settings = JointSettings { damped: false, ..settings.clone() };
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
@@ -92,13 +102,21 @@ pub fn error_curve(machine: &Machine, settings: &JointSettings, positions: usize
     Ok(ErrorCurve { direction, torque, points })
 }
 
-/// Transmission error of one output turn in both directions, held lightly and at rated torque: four curves in that order.
+/// Transmission error of one output turn in both directions, held lightly and at rated torque: four curves in
+/// that order.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
-pub fn transmission_error_curves(machine: &Machine, settings: &JointSettings, test: TransmissionSettings) -> Result<Vec<ErrorCurve>, RigError> {
+pub fn transmission_error_curves(
+    machine: &Machine,
+    settings: &JointSettings,
+    test: TransmissionSettings,
+) -> Result<Vec<ErrorCurve>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
     let cases = [(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
-    cases.into_par_iter().map(|(direction, torque)| error_curve(machine, settings, test.positions, direction, torque)).collect()
+    cases
+        .into_par_iter()
+        .map(|(direction, torque)| error_curve(machine, settings, test.positions, direction, torque))
+        .collect()
 }

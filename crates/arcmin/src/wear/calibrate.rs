@@ -44,7 +44,8 @@ pub struct WearCurve {
 const LOST_MOTION_POSITIONS: usize = 6;
 
 impl WearCurve {
-    /// Follows the coupled prediction until `enough` says of (exposure, depth, lost-motion increase) that it has gone far enough.
+    /// Follows the coupled prediction until `enough` says of (exposure, depth, lost-motion increase) that it
+    /// has gone far enough.
     ///
     /// # Errors
     /// [`WearError`], `TargetNotReached` after 100 000 updates.
@@ -59,7 +60,8 @@ impl WearCurve {
         let mut curve = WearCurve { exposures: vec![0.0], depths: vec![0.0], lost_motions: vec![0.0] };
         loop {
             wear.advance_until(f64::MAX, |_| true)?;
-            let lost = lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians() - new;
+            let lost =
+                lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians() - new;
             let state = wear.state();
             curve.exposures.push(state.exposure);
             curve.depths.push(state.flank().deepest().0);
@@ -68,7 +70,10 @@ impl WearCurve {
                 return Ok(curve);
             }
             if wear.updates() > 100_000 {
-                return Err(WearError::TargetNotReached { reached_um: state.flank().deepest().0 / UM, exposure: state.exposure });
+                return Err(WearError::TargetNotReached {
+                    reached_um: state.flank().deepest().0 / UM,
+                    exposure: state.exposure,
+                });
             }
         }
     }
@@ -96,11 +101,16 @@ impl Observed {
     }
 }
 
-/// Fits k by least squares of the relative residuals over all observations; the machine's running-in is kept as given. Ideal joints.
+/// Fits k by least squares of the relative residuals over all observations; the machine's running-in is kept
+/// as given. Ideal joints.
 ///
 /// # Errors
 /// [`WearError`].
-pub fn fit(machine: &Machine, options: CoupledOptions, observations: &[Observation]) -> Result<Calibration, WearError> {
+pub fn fit(
+    machine: &Machine,
+    options: CoupledOptions,
+    observations: &[Observation],
+) -> Result<Calibration, WearError> {
     fit_with(machine, machine.meshing(&Relief::uniform(0.0)), options, observations)
 }
 
@@ -117,8 +127,9 @@ pub fn fit_with<S: ShareLoad>(
     fit_and_predict(machine, meshing, options, observations, &[], None)
 }
 
-/// Fits k on some observations and predicts others, which take no part in the fit. With `running_in_duration` (s) the factor of a running-in of that time
-/// constant, from 1 to 10⁴, is fitted as well, in place of the machine's own.
+/// Fits k on some observations and predicts others, which take no part in the fit. With `running_in_duration`
+/// (s) the factor of a running-in of that time constant, from 1 to 10⁴, is fitted as well, in place of the
+/// machine's own.
 ///
 /// # Errors
 /// [`WearError`].
@@ -132,7 +143,8 @@ pub fn fit_and_predict<S: ShareLoad>(
 ) -> Result<Calibration, WearError> {
     let own = machine.wear.running_in;
     let own = if running_in_duration.is_some() { None } else { own };
-    // The exposure at which each observation alone is met bounds the common clock: a running-in only slows it down later on.
+    // The exposure at which each observation alone is met bounds the common clock: a running-in only slows it
+    // down later on.
     let latest = fitted.iter().chain(others).map(|o| o.time).fold(0.0, f64::max);
     let equivalent = |time: f64| Exposure::equivalent_time(own, time);
     let mut alone: Vec<Option<f64>> = vec![None; fitted.len()];
@@ -146,7 +158,9 @@ pub fn fit_and_predict<S: ShareLoad>(
                 *found = Some(exposure);
             }
         }
-        alone.iter().zip(fitted).all(|(found, o)| found.is_some_and(|x| exposure >= 1.01 * x / equivalent(o.time) * equivalent(latest)))
+        alone.iter().zip(fitted).all(|(found, o)| {
+            found.is_some_and(|x| exposure >= 1.01 * x / equivalent(o.time) * equivalent(latest))
+        })
     })?;
     let reached: Vec<f64> = alone.into_iter().flatten().collect();
     let clock = |factor: f64| running_in_duration.map(|duration| RunningIn { factor, duration }).or(own);
@@ -165,7 +179,12 @@ pub fn fit_and_predict<S: ShareLoad>(
     let predicted = fitted
         .iter()
         .chain(others)
-        .map(|o| curve.value(o.value, (coefficient * Exposure::equivalent_time(running_in, o.time)).min(curve.last())))
+        .map(|o| {
+            curve.value(
+                o.value,
+                (coefficient * Exposure::equivalent_time(running_in, o.time)).min(curve.last()),
+            )
+        })
         .collect();
     Ok(Calibration { exposure: Exposure { coefficient, running_in }, predicted, relative_rms: misfit.sqrt() })
 }
@@ -180,28 +199,45 @@ fn golden(mut a: f64, mut b: f64, value: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl WearCurve {
-    /// k with the smallest mean square of the relative residuals, and that mean square. `reached` holds the exposures that meet each observation alone.
-    fn best_coefficient(&self, observations: &[Observation], reached: &[f64], running_in: Option<RunningIn>) -> (f64, f64) {
-        let times: Vec<f64> = observations.iter().map(|o| Exposure::equivalent_time(running_in, o.time)).collect();
+    /// k with the smallest mean square of the relative residuals, and that mean square. `reached` holds the
+    /// exposures that meet each observation alone.
+    fn best_coefficient(
+        &self,
+        observations: &[Observation],
+        reached: &[f64],
+        running_in: Option<RunningIn>,
+    ) -> (f64, f64) {
+        let times: Vec<f64> =
+            observations.iter().map(|o| Exposure::equivalent_time(running_in, o.time)).collect();
         let alone = || reached.iter().zip(&times).map(|(x, time)| x / time);
         let misfit = |k: f64| {
-            let residual = |(o, time): (&Observation, &f64)| (self.value(o.value, (k * time).min(self.last())) / o.value.target() - 1.0).powi(2);
+            let residual = |(o, time): (&Observation, &f64)| {
+                (self.value(o.value, (k * time).min(self.last())) / o.value.target() - 1.0).powi(2)
+            };
             observations.iter().zip(&times).map(residual).sum::<f64>() / observations.len() as f64
         };
-        let k = golden(0.9 * alone().fold(f64::INFINITY, f64::min), 1.001 * alone().fold(0.0, f64::max), misfit);
+        let k =
+            golden(0.9 * alone().fold(f64::INFINITY, f64::min), 1.001 * alone().fold(0.0, f64::max), misfit);
         (k, misfit(k))
     }
 }
 
-/// Exposure curve of a machine from its coupled coefficient, calibrated on the coupled prediction with the joints of `meshing` where asked for.
+/// Exposure curve of a machine from its coupled coefficient, calibrated on the coupled prediction with the
+/// joints of `meshing` where asked for.
 ///
 /// # Errors
 /// [`WearError`] when the prediction fails or the target is out of reach.
-pub fn coupled_exposure<S: ShareLoad>(machine: &Machine, meshing: S, options: CoupledOptions) -> Result<Exposure, WearError> {
+pub fn coupled_exposure<S: ShareLoad>(
+    machine: &Machine,
+    meshing: S,
+    options: CoupledOptions,
+) -> Result<Exposure, WearError> {
     let observation = match machine.wear.coupled {
         WearCoefficient::Given(k) => return Ok(Exposure::new(k, &machine.wear)),
         WearCoefficient::Calibrated { time, depth } => Observation { time, value: Observed::Depth(depth) },
-        WearCoefficient::CalibratedLostMotion { time, increase } => Observation { time, value: Observed::LostMotionIncrease(increase) },
+        WearCoefficient::CalibratedLostMotion { time, increase } => {
+            Observation { time, value: Observed::LostMotionIncrease(increase) }
+        }
     };
     Ok(fit_with(machine, meshing, options, &[observation])?.exposure)
 }

@@ -43,21 +43,28 @@ pub struct CoupledOptions {
 
 impl Default for CoupledOptions {
     fn default() -> CoupledOptions {
-        CoupledOptions { flank_points: 720, pin_points: 1440, crank_positions: 15, depth_increment: 0.08 * UM }
+        CoupledOptions {
+            flank_points: 720,
+            pin_points: 1440,
+            crank_positions: 15,
+            depth_increment: 0.08 * UM,
+        }
     }
 }
 
 /// Worn surfaces at one exposure.
 ///
-/// One flank serves all lobes of a disc, since every lobe meets every pin within a turn of the output. Where all discs are alike it serves all of them, and one
-/// pin all pins; with manufacturing errors that tell them apart there is a flank per disc, and per disc every pin.
+/// One flank serves all lobes of a disc, since every lobe meets every pin within a turn of the output. Where
+/// all discs are alike it serves all of them, and one pin all pins; with manufacturing errors that tell them
+/// apart there is a flank per disc, and per disc every pin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WearSnapshot {
     /// x = ∫ k dt in s/Pa.
     pub exposure: f64,
     /// Depth lost by the flank as a function of the meshing angle: of all discs, or per disc.
     pub flanks: Vec<Relief>,
-    /// Depth lost by the pins as a function of the pin angle: of all pins, or pin by pin for the first disc, then the next.
+    /// Depth lost by the pins as a function of the pin angle: of all pins, or pin by pin for the first disc,
+    /// then the next.
     pub pins: Vec<Relief>,
     /// The same as the contact sees them: averaged over its width.
     flanks_seen: Vec<Relief>,
@@ -107,7 +114,9 @@ impl WearSnapshot {
 
 /// Of several with the same depth the first.
 fn deepest(reliefs: &[Relief]) -> &Relief {
-    reliefs[1..].iter().fold(&reliefs[0], |deepest, other| if other.deepest().0 > deepest.deepest().0 { other } else { deepest })
+    reliefs[1..].iter().fold(&reliefs[0], |deepest, other| {
+        if other.deepest().0 > deepest.deepest().0 { other } else { deepest }
+    })
 }
 
 /// The running computation: advance it in exposure and read snapshots.
@@ -149,7 +158,11 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     pub fn with(machine: &'a Machine, meshing: S, options: CoupledOptions) -> CoupledWear<'a, S> {
         let discs = if meshing.discs_alike() { 1 } else { machine.disc_count };
         // Pins that do not wear need no surface each.
-        let pins = if meshing.discs_alike() || machine.wear.pin_ratio == 0.0 { 1 } else { discs * machine.ring.pin_count };
+        let pins = if meshing.discs_alike() || machine.wear.pin_ratio == 0.0 {
+            1
+        } else {
+            discs * machine.ring.pin_count
+        };
         let state = WearSnapshot::unworn(&options, discs, pins);
         let profile = machine.profile();
         let arc = FlankArc::new(&profile, options.flank_points);
@@ -195,11 +208,16 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         self.advance_until(target, |_| false)
     }
 
-    /// Advances until `done` says so or the exposure `target` is reached; `done` sees the state after each update.
+    /// Advances until `done` says so or the exposure `target` is reached; `done` sees the state after each
+    /// update.
     ///
     /// # Errors
     /// As [`CoupledWear::advance_to`].
-    pub fn advance_until(&mut self, target: f64, mut done: impl FnMut(&WearSnapshot) -> bool) -> Result<(), WearError> {
+    pub fn advance_until(
+        &mut self,
+        target: f64,
+        mut done: impl FnMut(&WearSnapshot) -> bool,
+    ) -> Result<(), WearError> {
         while self.state.exposure < target {
             let before = self.state.clone();
             let first = self.rates(&before)?;
@@ -225,15 +243,16 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         Ok(())
     }
 
-    /// Mean removal over everything that repeats and the duty: dh/dx = Σ F |v_s| K/(B z_c) per pin and disc, where K spreads each contact over its
-    /// Hertz half-width.
+    /// Mean removal over everything that repeats and the duty: dh/dx = Σ F |v_s| K/(B z_c) per pin and disc,
+    /// where K spreads each contact over its Hertz half-width.
     fn rates(&mut self, state: &WearSnapshot) -> Result<Rates, WearError> {
         let machine = self.machine;
         state.put_on(&self.designed, &mut self.meshing);
         let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
         let mut pins = vec![vec![0.0; self.options.pin_points]; state.pins.len()];
         let count = self.options.crank_positions;
-        // The crank positions shift from update to update by the golden section, so that no place of the flank is favoured.
+        // The crank positions shift from update to update by the golden section, so that no place of the
+        // flank is favoured.
         let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
         // Each fraction of a pitch meets all places of the period within `count` updates.
         let shift = if self.meshing.pitches() > 1 { self.updates % count } else { 0 };
@@ -241,7 +260,8 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             if duty.torque == 0.0 || duty.share == 0.0 {
                 continue;
             }
-            let mut passes: Vec<Vec<Pass>> = vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
+            let mut passes: Vec<Vec<Pass>> =
+                vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
             for index in 0..count {
                 let crank = self.meshing.crank_position(index, count, offset, shift);
                 let start = &mut self.starts[row * count + (index + shift) % count];
@@ -297,11 +317,12 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         let line_load = c.force / machine.disc.width;
         let mut removal = line_load * sliding;
         if let Some(oil) = machine.wear.lubrication.as_ref().filter(|_| c.force > 0.0) {
-            // Speeds of the surfaces relative to the contact: v_c of the flank, v_c − v_s of the pin. The film never stops building up
-            // entirely (the contact has a width), hence the lower bound.
+            // Speeds of the surfaces relative to the contact: v_c of the flank, v_c − v_s of the pin. The
+            // film never stops building up entirely (the contact has a width), hence the lower bound.
             let on_flank = profile.flank_length_per_meshing_angle(cos) * lobes * output_speed.abs();
             let entrainment = 0.5 * (2.0 * on_flank - sliding).abs().max(1e-3 * sliding);
-            removal *= boundary_share(film_ratio(oil, contact.effective_modulus, radius, line_load, entrainment));
+            removal *=
+                boundary_share(film_ratio(oil, contact.effective_modulus, radius, line_load, entrainment));
         }
         Pass {
             pin: c.pin,
@@ -316,7 +337,10 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     fn deposit_on_flank(&self, passes: &[Pass], weight: f64, flank: &mut [f64]) {
         let lobes = self.machine.ring.pin_count as f64 - 1.0;
         for (before, pass, after) in neighbours(passes) {
-            let ends = (halfway(before.meshing_angle, pass.meshing_angle), halfway(after.meshing_angle, pass.meshing_angle));
+            let ends = (
+                halfway(before.meshing_angle, pass.meshing_angle),
+                halfway(after.meshing_angle, pass.meshing_angle),
+            );
             self.arc.spread(flank, ends.0, ends.1, pass.half_width, weight * pass.removal / lobes);
         }
     }
@@ -332,8 +356,8 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         }
     }
 
-    /// The same over every pin by itself. One pin is met at few meshing angles, so its removal is read between them by straight lines, and the contact goes
-    /// on the way that it takes on a nominal pin.
+    /// The same over every pin by itself. One pin is met at few meshing angles, so its removal is read
+    /// between them by straight lines, and the contact goes on the way that it takes on a nominal pin.
     fn deposit_on_each_pin(&self, passes: &[Pass], weight: f64, pins: &mut [Vec<f64>]) {
         let machine = self.machine;
         let profile = self.meshing.contacts().profile();
@@ -356,7 +380,8 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                     let removal = blend(pass.removal, next.removal);
                     // An unloaded contact has no width; that of its neighbour fades.
                     let half_width = blend(pass.half_width, next.half_width).max(1e-9);
-                    let amount = machine.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
+                    let amount =
+                        machine.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
                     let (from, to) = (profile.pin_angle(at(0.0)), profile.pin_angle(at(1.0)));
                     spread_on_pin(pin, machine.ring.pin_radius, from, to, half_width, amount);
                 }
@@ -378,7 +403,8 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             };
             reliefs.iter().enumerate().map(one).collect()
         };
-        let (flanks, pins) = (add(&state.flanks, |rates| &rates.flanks), add(&state.pins, |rates| &rates.pins));
+        let (flanks, pins) =
+            (add(&state.flanks, |rates| &rates.flanks), add(&state.pins, |rates| &rates.pins));
         WearSnapshot {
             exposure: state.exposure + parts.iter().map(|(_, step)| step).sum::<f64>(),
             flanks_seen: flanks.iter().map(|flank| self.average.flank(flank)).collect(),
@@ -415,7 +441,8 @@ struct Pass {
 }
 
 impl Machine {
-    /// Exposure curve of this machine from its coupled coefficient, calibrated on the coupled prediction where asked for. Ideal joints.
+    /// Exposure curve of this machine from its coupled coefficient, calibrated on the coupled prediction
+    /// where asked for. Ideal joints.
     ///
     /// # Errors
     /// [`WearError`] when the prediction fails or the target is out of reach.

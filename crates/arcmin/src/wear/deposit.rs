@@ -2,8 +2,8 @@ use std::f64::consts::{PI, TAU};
 
 use crate::geometry::Profile;
 
-/// Arc length along one tooth's flank as a function of the meshing angle, on a grid of cells around the grid angles of a
-/// [`Relief`](crate::geometry::Relief).
+/// Arc length along one tooth's flank as a function of the meshing angle, on a grid of cells around the grid
+/// angles of a [`Relief`](crate::geometry::Relief).
 #[derive(Debug, Clone)]
 pub struct FlankArc {
     /// Arc length at the faces of the cells, in m; cell i lies between faces i and i + 1.
@@ -21,7 +21,8 @@ impl FlankArc {
         for i in 0..cells {
             let centre = -PI + step * i as f64;
             for half in [-1.0, 1.0] {
-                let (a, b) = if half < 0.0 { (centre - 0.5 * step, centre) } else { (centre, centre + 0.5 * step) };
+                let (a, b) =
+                    if half < 0.0 { (centre - 0.5 * step, centre) } else { (centre, centre + 0.5 * step) };
                 arc += 0.5 * step / 6.0 * (speed(a) + 4.0 * speed(0.5 * (a + b)) + speed(b));
             }
             faces.push(arc);
@@ -54,15 +55,18 @@ impl FlankArc {
         self.faces[cell + 1] - self.faces[cell]
     }
 
-    /// Adds `amount` (m² of removed section) to `section` per cell, for a contact of half-width `half_width` (m) that travels from
-    /// meshing angle `from` to `to` (rad, less than half a turn apart).
+    /// Adds `amount` (m² of removed section) to `section` per cell, for a contact of half-width `half_width`
+    /// (m) that travels from meshing angle `from` to `to` (rad, less than half a turn apart).
     ///
-    /// The share of a cell is the exact integral over it of a triangle that travels along, with the mean-square width of the Hertz pressure: the sum is kept
-    /// whatever the grid, and neighbouring pieces of one path join without ripple.
+    /// The share of a cell is the exact integral over it of a triangle that travels along, with the
+    /// mean-square width of the Hertz pressure: the sum is kept whatever the grid, and neighbouring pieces of
+    /// one path join without ripple.
     ///
-    /// Why not the half ellipse of the pressure itself: the contact stays longer on the crests of a wavy flank and takes them off. Spreading weakens that by the
-    /// transform of the kernel, which the triangle's keeps positive. That of the half ellipse, 2 J_1(kb)/(kb), is negative between kb = 3.83 and 7.02: waves
-    /// some 1.2 half-widths long would be dug deeper, until after some 20 µm the pins find no unique place on them.
+    /// Why not the half ellipse of the pressure itself: the contact stays longer on the crests of a wavy
+    /// flank and takes them off. Spreading weakens that by the transform of the kernel, which the triangle's
+    /// keeps positive. That of the half ellipse, 2 J_1(kb)/(kb), is negative between kb = 3.83 and 7.02:
+    /// waves some 1.2 half-widths long would be dug deeper, until after some 20 µm the pins find no unique
+    /// place on them.
     pub(super) fn spread(&self, section: &mut [f64], from: f64, to: f64, half_width: f64, amount: f64) {
         let n = self.cells() as isize;
         let face = |index: isize| self.face(index);
@@ -132,7 +136,14 @@ fn triangle_share_integral(x: f64) -> f64 {
 }
 
 /// The same on a pin: `section` on equal cells of its circumference, centred on ψ_i = −π + 2π i/cells.
-pub(super) fn spread_on_pin(section: &mut [f64], pin_radius: f64, from: f64, to: f64, half_width: f64, amount: f64) {
+pub(super) fn spread_on_pin(
+    section: &mut [f64],
+    pin_radius: f64,
+    from: f64,
+    to: f64,
+    half_width: f64,
+    amount: f64,
+) {
     let n = section.len() as isize;
     let half_width = BASE * half_width;
     let cell = TAU * pin_radius / n as f64;
@@ -142,7 +153,8 @@ pub(super) fn spread_on_pin(section: &mut [f64], pin_radius: f64, from: f64, to:
     let first = ((path.start - half_width) / cell).floor() as isize;
     let last = ((path.end + half_width) / cell).floor() as isize;
     for index in first..=last {
-        section[index.rem_euclid(n) as usize] += amount * path.share(index as f64 * cell, (index + 1) as f64 * cell);
+        section[index.rem_euclid(n) as usize] +=
+            amount * path.share(index as f64 * cell, (index + 1) as f64 * cell);
     }
 }
 
@@ -184,7 +196,8 @@ mod tests {
         }
     }
 
-    /// ∫ of the pressure's share times cos(kx) for a contact at rest: positive for all waves, with the mean-square width of the Hertz pressure.
+    /// ∫ of the pressure's share times cos(kx) for a contact at rest: positive for all waves, with the
+    /// mean-square width of the Hertz pressure.
     #[test]
     fn trap_half_ellipse_digs_waves_deeper() {
         let cell = 5e-3;
@@ -193,9 +206,14 @@ mod tests {
             let path = Path { start: 0.0, end: 0.0, half_width: BASE };
             (-400..400).map(|i| path.share(centres(i) - 0.5 * cell, centres(i) + 0.5 * cell)).collect()
         };
-        let ellipse: Vec<f64> = (-400..400).map(|i| 2.0 / PI * (1.0 - centres(i).powi(2)).max(0.0).sqrt() * cell).collect();
-        let moment = |shares: &[f64], k: f64| shares.iter().zip(-400..).map(|(share, i)| share * (k * centres(i)).cos()).sum::<f64>();
-        let least = |shares: &[f64]| (0..150).map(|i| moment(shares, 0.1 * f64::from(i))).fold(f64::INFINITY, f64::min);
+        let ellipse: Vec<f64> =
+            (-400..400).map(|i| 2.0 / PI * (1.0 - centres(i).powi(2)).max(0.0).sqrt() * cell).collect();
+        let moment = |shares: &[f64], k: f64| {
+            shares.iter().zip(-400..).map(|(share, i)| share * (k * centres(i)).cos()).sum::<f64>()
+        };
+        let least = |shares: &[f64]| {
+            (0..150).map(|i| moment(shares, 0.1 * f64::from(i))).fold(f64::INFINITY, f64::min)
+        };
         // 2 J_1(5.136)/5.136; cells of 5e-3 half-widths leave 1e-4.
         assert!((least(&ellipse) + 0.1323).abs() < 5e-4, "{}", least(&ellipse));
         assert!(least(&triangle) > -1e-4, "{}", least(&triangle));

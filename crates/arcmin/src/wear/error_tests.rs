@@ -8,13 +8,20 @@ use crate::machine::{Machine, ManufacturingErrors, PinError, RunOut, Tolerances}
 use crate::units::{HOUR, UM};
 
 fn meshing(machine: &Machine, errors: &ManufacturingErrors) -> BearingMeshing {
-    BearingMeshing::new(machine, &JointSettings { errors: errors.clone(), ..JointSettings::default() }).unwrap()
+    BearingMeshing::new(machine, &JointSettings { errors: errors.clone(), ..JointSettings::default() })
+        .unwrap()
 }
 
 /// Coarser steps than the default: these tests compare like with like.
-const COARSE: CoupledOptions = CoupledOptions { flank_points: 720, pin_points: 1440, crank_positions: 15, depth_increment: 0.2e-6 };
+const COARSE: CoupledOptions =
+    CoupledOptions { flank_points: 720, pin_points: 1440, crank_positions: 15, depth_increment: 0.2e-6 };
 
-fn worn(machine: &Machine, errors: &ManufacturingErrors, options: CoupledOptions, hours: f64) -> WearSnapshot {
+fn worn(
+    machine: &Machine,
+    errors: &ManufacturingErrors,
+    options: CoupledOptions,
+    hours: f64,
+) -> WearSnapshot {
     let exposure = machine.coupled_exposure(options).unwrap();
     let mut wear = CoupledWear::with(machine, meshing(machine, errors), options);
     wear.advance_to(exposure.at(hours * HOUR)).unwrap();
@@ -25,8 +32,9 @@ fn difference(a: &Relief, b: &Relief) -> f64 {
     a.samples().iter().zip(b.samples()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// A ring made 2 µm too large around a nominal disc is a larger ring with a disc cut on a circle 2 µm smaller: the same contacts, so the same wear, but for the
-/// width over which contacts average, which goes by the nominal ring (3e-5 of its radius).
+/// A ring made 2 µm too large around a nominal disc is a larger ring with a disc cut on a circle 2 µm
+/// smaller: the same contacts, so the same wear, but for the width over which contacts average, which goes by
+/// the nominal ring (3e-5 of its radius).
 #[test]
 fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
     let machine = crate::templates::rv_40e_81();
@@ -34,27 +42,49 @@ fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
     let mut modified = machine.clone();
     modified.ring.pin_circle_radius += 2.0 * UM;
     modified.disc.modification.radial_offset -= 2.0 * UM;
-    let (made, cut) = (worn(&machine, &errors, COARSE, 600.0), worn(&modified, &ManufacturingErrors::default(), COARSE, 600.0));
+    let (made, cut) = (
+        worn(&machine, &errors, COARSE, 600.0),
+        worn(&modified, &ManufacturingErrors::default(), COARSE, 600.0),
+    );
     let depth = cut.flank().deepest().0;
     assert_eq!(made.flanks.len(), 1);
-    assert!(difference(made.flank(), cut.flank()) < 1e-3 * depth, "{:e} of {depth:e}", difference(made.flank(), cut.flank()));
+    assert!(
+        difference(made.flank(), cut.flank()) < 1e-3 * depth,
+        "{:e} of {depth:e}",
+        difference(made.flank(), cut.flank())
+    );
     // Which is not that of the machine without errors.
     let nominal = worn(&machine, &ManufacturingErrors::default(), COARSE, 600.0);
-    assert!(difference(nominal.flank(), cut.flank()) > 0.02 * depth, "{:e} of {depth:e}", difference(nominal.flank(), cut.flank()));
+    assert!(
+        difference(nominal.flank(), cut.flank()) > 0.02 * depth,
+        "{:e} of {depth:e}",
+        difference(nominal.flank(), cut.flank())
+    );
 }
 
-/// A flank for each disc and a surface for each pin of a machine whose discs are told apart by next to nothing: each is the common one, but for what the crank
-/// positions of one disc alone leave against those of both.
+/// A flank for each disc and a surface for each pin of a machine whose discs are told apart by next to
+/// nothing: each is the common one, but for what the crank positions of one disc alone leave against those of
+/// both.
 #[test]
 fn a_flank_per_disc_agrees_with_the_common_one() {
     let mut machine = crate::templates::rv_40e_81();
     machine.wear.pin_ratio = 0.5;
-    let nothing = ManufacturingErrors { carrier: RunOut { amplitude: 1e-15, phase: 0.0 }, ..ManufacturingErrors::default() };
-    let (each, common) = (worn(&machine, &nothing, COARSE, 300.0), worn(&machine, &ManufacturingErrors::default(), COARSE, 300.0));
+    let nothing = ManufacturingErrors {
+        carrier: RunOut { amplitude: 1e-15, phase: 0.0 },
+        ..ManufacturingErrors::default()
+    };
+    let (each, common) = (
+        worn(&machine, &nothing, COARSE, 300.0),
+        worn(&machine, &ManufacturingErrors::default(), COARSE, 300.0),
+    );
     assert_eq!((each.flanks.len(), each.pins.len(), common.flanks.len(), common.pins.len()), (2, 80, 1, 1));
     let depth = common.flank().deepest().0;
     for flank in &each.flanks {
-        assert!(difference(flank, common.flank()) < 0.04 * depth, "{:e} of {depth:e}", difference(flank, common.flank()));
+        assert!(
+            difference(flank, common.flank()) < 0.04 * depth,
+            "{:e} of {depth:e}",
+            difference(flank, common.flank())
+        );
     }
     // Metal taken from all pins: the mean of the single ones is the common one.
     let metal = |pin: &Relief| pin.samples().iter().sum::<f64>();
@@ -62,7 +92,8 @@ fn a_flank_per_disc_agrees_with_the_common_one() {
     assert!((mean / metal(common.pin()) - 1.0).abs() < 0.02, "{mean:e} {:e}", metal(common.pin()));
 }
 
-/// What a displaced pin loses at first is k ∫ F |v_s| dt/B of its own contacts, summed here over 720 positions around the ring; more than twice the others'.
+/// What a displaced pin loses at first is k ∫ F |v_s| dt/B of its own contacts, summed here over 720
+/// positions around the ring; more than twice the others'.
 #[test]
 fn val_a_displaced_pin_wears_by_its_own_load() {
     let mut machine = crate::templates::rv_40e_81();
@@ -75,29 +106,49 @@ fn val_a_displaced_pin_wears_by_its_own_load() {
     let exposure = machine.coupled_exposure(options).unwrap().at(0.5 * HOUR);
     wear.advance_to(exposure).unwrap();
     let cell = std::f64::consts::TAU * machine.ring.pin_radius / options.pin_points as f64;
-    let metal = |disc: usize, pin: usize| wear.state().pins[40 * disc + pin].samples().iter().sum::<f64>() * cell;
+    let metal =
+        |disc: usize, pin: usize| wear.state().pins[40 * disc + pin].samples().iter().sum::<f64>() * cell;
     let profile = machine.profile();
     let speed = machine.kinematics().speeds(machine.rated.input_speed).0.abs();
     let cycle = meshing(&machine, &errors).whole_cycle(machine.rated.torque, 720).unwrap();
     for disc in 0..2 {
-        let contacts = cycle.positions.iter().flat_map(|position| &position.discs[disc]).filter(|contact| contact.pin == 7);
-        let sliding = |phi: f64| (profile.pin_circle_radius * profile.speed_factor(phi.cos()) - machine.ring.pin_radius).abs() * speed;
+        let contacts = cycle
+            .positions
+            .iter()
+            .flat_map(|position| &position.discs[disc])
+            .filter(|contact| contact.pin == 7);
+        let sliding = |phi: f64| {
+            (profile.pin_circle_radius * profile.speed_factor(phi.cos()) - machine.ring.pin_radius).abs()
+                * speed
+        };
         let power: f64 = contacts.map(|c| c.force * sliding(c.meshing_angle)).sum::<f64>() / 720.0;
         let expected = exposure * power / machine.disc.width;
-        assert!((metal(disc, 7) / expected - 1.0).abs() < 0.05, "disc {disc}: {:e} {expected:e}", metal(disc, 7));
+        assert!(
+            (metal(disc, 7) / expected - 1.0).abs() < 0.05,
+            "disc {disc}: {:e} {expected:e}",
+            metal(disc, 7)
+        );
         let others = (0..40).filter(|pin| *pin != 7).map(|pin| metal(disc, pin)).sum::<f64>() / 39.0;
         assert!(metal(disc, 7) > 2.0 * others, "{:e} {others:e}", metal(disc, 7));
     }
 }
 
-/// Four times the crank positions per update change the flank of a drawn machine by some per cent of its deepest place.
+/// Four times the crank positions per update change the flank of a drawn machine by some per cent of its
+/// deepest place.
 #[test]
 fn few_positions_per_update_suffice_with_errors() {
     let machine = crate::templates::rv_40e_81();
-    let tolerances =
-        Tolerances { pin_position: 3.0 * UM, pin_radius: UM, pin_circle_offset: 4.0 * UM, eccentricity: 2.0 * UM, ..Tolerances::default() };
+    let tolerances = Tolerances {
+        pin_position: 3.0 * UM,
+        pin_radius: UM,
+        pin_circle_offset: 4.0 * UM,
+        eccentricity: 2.0 * UM,
+        ..Tolerances::default()
+    };
     let errors = ManufacturingErrors::draw(&machine, &tolerances, 5);
-    let of = |crank_positions: usize| worn(&machine, &errors, CoupledOptions { crank_positions, ..CoupledOptions::default() }, 600.0);
+    let of = |crank_positions: usize| {
+        worn(&machine, &errors, CoupledOptions { crank_positions, ..CoupledOptions::default() }, 600.0)
+    };
     let (few, many) = (of(15), of(60));
     for (few, many) in few.flanks.iter().zip(&many.flanks) {
         let (depth, difference) = (many.deepest().0, difference(few, many));

@@ -2,7 +2,8 @@ use crate::machine::{RunningIn, WearLaw};
 
 /// The wear coefficient integrated over time, x(t) = ∫ k dt in s/Pa.
 ///
-/// k(t) = k (1 + (f − 1) e^(−t/T)) while running in. Depth depends on time through x alone, so one computation in x serves every k.
+/// k(t) = k (1 + (f − 1) e^(−t/T)) while running in. Depth depends on time through x alone, so one
+/// computation in x serves every k.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposure {
     /// Steady coefficient k in 1/Pa.
@@ -18,7 +19,9 @@ impl Exposure {
     /// x/k: the running time that would do the same wear at the steady coefficient, in s.
     pub fn equivalent_time(running_in: Option<RunningIn>, time: f64) -> f64 {
         match running_in {
-            Some(RunningIn { factor, duration }) => time + (factor - 1.0) * duration * -(-time / duration).exp_m1(),
+            Some(RunningIn { factor, duration }) => {
+                time + (factor - 1.0) * duration * -(-time / duration).exp_m1()
+            }
             None => time,
         }
     }
@@ -28,7 +31,8 @@ impl Exposure {
         self.coefficient * Exposure::equivalent_time(self.running_in, time)
     }
 
-    /// Time in s at which the exposure x (s/Pa) is reached; the inverse of [`Exposure::at`], by bisection to rounding where it runs in.
+    /// Time in s at which the exposure x (s/Pa) is reached; the inverse of [`Exposure::at`], by bisection to
+    /// rounding where it runs in.
     pub fn time_at(&self, exposure: f64) -> f64 {
         let target = exposure / self.coefficient;
         let Some(RunningIn { factor, duration }) = self.running_in else { return target };
@@ -53,18 +57,24 @@ mod tests {
     #[test]
     fn time_and_exposure_are_inverse() {
         for factor in [0.5, 1.0, 8.0] {
-            let exposure = Exposure { coefficient: 1e-18, running_in: Some(RunningIn { factor, duration: 1e6 }) };
+            let exposure =
+                Exposure { coefficient: 1e-18, running_in: Some(RunningIn { factor, duration: 1e6 }) };
             for time in [0.0, 1e4, 1e6, 3e7] {
-                assert!((exposure.time_at(exposure.at(time)) - time).abs() <= 1e-6 * (time + 1.0), "{factor} {time}");
+                assert!(
+                    (exposure.time_at(exposure.at(time)) - time).abs() <= 1e-6 * (time + 1.0),
+                    "{factor} {time}"
+                );
             }
         }
     }
 
     #[test]
     fn exposure_is_the_integral_of_the_coefficient() {
-        let exposure = Exposure { coefficient: 1e-18, running_in: Some(RunningIn { factor: 8.0, duration: 1e6 }) };
+        let exposure =
+            Exposure { coefficient: 1e-18, running_in: Some(RunningIn { factor: 8.0, duration: 1e6 }) };
         let steps = 10_000;
-        let sum: f64 = (0..steps).map(|i| 1e-18 * (1.0 + 7.0 * (-(i as f64 + 0.5) * 200.0 / 1e6).exp()) * 200.0).sum();
+        let sum: f64 =
+            (0..steps).map(|i| 1e-18 * (1.0 + 7.0 * (-(i as f64 + 0.5) * 200.0 / 1e6).exp()) * 200.0).sum();
         assert!((sum / exposure.at(200.0 * steps as f64) - 1.0).abs() < 1e-8);
     }
 }

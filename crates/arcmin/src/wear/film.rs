@@ -2,10 +2,16 @@ use crate::machine::Lubrication;
 
 /// Film ratio λ = h_min/roughness of a line contact.
 ///
-/// Dowson & Higginson (1966): h_min/R = 2.65 U^0.7 G^0.54 W^−0.13 with U = η u/(E′R), G = α E′, W = F/(B E′ R), E′ = 2 E*; u the entrainment speed
-/// (mean of the two surface speeds relative to the contact) in m/s, `line_load` F/B in N/m, `radius` R_eq in m.
-/// Isothermal, fully flooded, smooth surfaces.
-pub fn film_ratio(lubrication: &Lubrication, effective_modulus: f64, radius: f64, line_load: f64, entrainment_speed: f64) -> f64 {
+/// Dowson & Higginson (1966): h_min/R = 2.65 U^0.7 G^0.54 W^−0.13 with U = η u/(E′R), G = α E′, W = F/(B E′
+/// R), E′ = 2 E*; u the entrainment speed (mean of the two surface speeds relative to the contact) in m/s,
+/// `line_load` F/B in N/m, `radius` R_eq in m. Isothermal, fully flooded, smooth surfaces.
+pub fn film_ratio(
+    lubrication: &Lubrication,
+    effective_modulus: f64,
+    radius: f64,
+    line_load: f64,
+    entrainment_speed: f64,
+) -> f64 {
     let e = 2.0 * effective_modulus;
     let u = lubrication.viscosity * entrainment_speed / (e * radius);
     let g = lubrication.pressure_viscosity * e;
@@ -13,7 +19,8 @@ pub fn film_ratio(lubrication: &Lubrication, effective_modulus: f64, radius: f64
     2.65 * radius * u.powf(0.7) * g.powf(0.54) * w.powf(-0.13) / lubrication.roughness
 }
 
-/// Share of k that remains at the film ratio λ: 1/(1+λ)², the boundary share that Olver & Spikes (1998) use for traction in mixed lubrication.
+/// Share of k that remains at the film ratio λ: 1/(1+λ)², the boundary share that Olver & Spikes (1998) use
+/// for traction in mixed lubrication.
 pub(super) fn boundary_share(film_ratio: f64) -> f64 {
     1.0 / ((1.0 + film_ratio) * (1.0 + film_ratio))
 }
@@ -28,7 +35,11 @@ mod tests {
         let oil = Lubrication { viscosity: 0.02, pressure_viscosity: 2e-8, roughness: 1e-6 };
         // U = 8.696e-12, G = 4600, W = 4.348e-5: h = 0.01·2.65·1.784e-8·95.0·3.69 m.
         let film = film_ratio(&oil, 115e9, 0.01, 1e5, 1.0) * 1e-6;
-        let expected = 0.01 * 2.65 * (8.695_65e-12_f64.ln() * 0.7).exp() * (4600f64.ln() * 0.54).exp() * (4.347_83e-5_f64.ln() * -0.13).exp();
+        let expected = 0.01
+            * 2.65
+            * (8.695_65e-12_f64.ln() * 0.7).exp()
+            * (4600f64.ln() * 0.54).exp()
+            * (4.347_83e-5_f64.ln() * -0.13).exp();
         assert!((film / expected - 1.0).abs() < 1e-5);
         assert!(film > 1e-7 && film < 1e-6, "{film:e}");
     }

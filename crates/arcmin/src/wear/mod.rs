@@ -1,8 +1,8 @@
 //! Wear of flanks and pins by Archard's law.
 //!
-//! A point of the flank loses dh/dt = k p |v_s| while the contact passes over it; integrated over one pass this is Δh = k (F/B) ξ with the specific
-//! sliding ξ = |v_s|/|v_c|: the half-width cancels. [`paper`] is the study of Tao2024 (one uniform depth), [`coupled`] lets the
-//! worn flank change the load sharing.
+//! A point of the flank loses dh/dt = k p |v_s| while the contact passes over it; integrated over one pass
+//! this is Δh = k (F/B) ξ with the specific sliding ξ = |v_s|/|v_c|: the half-width cancels. [`paper`] is the
+//! study of Tao2024 (one uniform depth), [`coupled`] lets the worn flank change the load sharing.
 
 pub mod calibrate;
 pub mod coupled;

@@ -1,4 +1,5 @@
-//! The wear study of Tao2024: one uniform depth, growing by the largest k (F/B) ξ of all pins, with F from the closed form at the depth reached.
+//! The wear study of Tao2024: one uniform depth, growing by the largest k (F/B) ξ of all pins, with F from
+//! the closed form at the depth reached.
 
 use crate::load::closed_form;
 use crate::machine::{Machine, WearCoefficient};
@@ -19,7 +20,8 @@ pub struct PaperWear {
 /// Depth increment of the quadrature in m; halving it moves the hours to 50 µm by less than 0.01 % (tested).
 const STEP: f64 = 0.1 * UM;
 
-/// Largest depth per unit of exposure at a uniform depth, over the duty, in m per s/Pa; and |φ| where it is reached.
+/// Largest depth per unit of exposure at a uniform depth, over the duty, in m per s/Pa; and |φ| where it is
+/// reached.
 fn fastest_rate(machine: &Machine, depth: f64) -> Result<(f64, f64), WearError> {
     let profile = machine.profile();
     let kinematics = machine.kinematics();
@@ -33,7 +35,12 @@ fn fastest_rate(machine: &Machine, depth: f64) -> Result<(f64, f64), WearError> 
         let (fastest, angle) = solution
             .pairs
             .iter()
-            .map(|pair| (pair.force / machine.disc.width * profile.specific_sliding(pair.meshing_angle.cos()), pair.meshing_angle))
+            .map(|pair| {
+                (
+                    pair.force / machine.disc.width * profile.specific_sliding(pair.meshing_angle.cos()),
+                    pair.meshing_angle,
+                )
+            })
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap_or((0.0, 0.0));
         let part = duty.share * kinematics.passes_per_hour(duty.input_speed) / crate::units::HOUR * fastest;
@@ -97,12 +104,16 @@ impl PaperWear {
         }
         wear.exposure.coefficient = match machine.wear.paper {
             WearCoefficient::Given(k) => k,
-            WearCoefficient::Calibrated { time, depth } => wear.exposure_at(depth) / Exposure::equivalent_time(machine.wear.running_in, time),
+            WearCoefficient::Calibrated { time, depth } => {
+                wear.exposure_at(depth) / Exposure::equivalent_time(machine.wear.running_in, time)
+            }
             WearCoefficient::CalibratedLostMotion { time, increase } => {
-                // Uniform depth opens the play on both sides: depth from the free travel, which is proportional to it.
+                // Uniform depth opens the play on both sides: depth from the free travel, which is
+                // proportional to it.
                 let meshing = machine.meshing(&crate::geometry::Relief::uniform(10.0 * UM));
                 let travel = meshing.cycle(machine.rated.torque, 12)?.mean_free_travel().radians();
-                wear.exposure_at(increase / travel * 10.0 * UM) / Exposure::equivalent_time(machine.wear.running_in, time)
+                wear.exposure_at(increase / travel * 10.0 * UM)
+                    / Exposure::equivalent_time(machine.wear.running_in, time)
             }
         };
         Ok(wear)
@@ -140,7 +151,8 @@ fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// 50 µm at 6442 h ± 1 % when 60 µm is at 7500 h: the paper names 6450 h. Computed beforehand by two programs.
+    /// 50 µm at 6442 h ± 1 % when 60 µm is at 7500 h: the paper names 6450 h. Computed beforehand by two
+    /// programs.
     #[test]
     fn val_hours_of_the_paper() {
         let wear = PaperWear::new(&crate::templates::rv_40e_81(), 60.0 * UM).unwrap();

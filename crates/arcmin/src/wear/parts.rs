@@ -1,4 +1,5 @@
-//! Wear beyond flank and pins: rolling bearings and the involute gears, by the same law of Archard with coefficients of their own.
+//! Wear beyond flank and pins: rolling bearings and the involute gears, by the same law of Archard with
+//! coefficients of their own.
 
 use crate::machine::{GearStage, Machine, PartWear, RollerBearing, RollingWear};
 use std::f64::consts::PI;
@@ -16,24 +17,28 @@ pub struct PartLoads {
 
 /// Growth of the diametral clearance per unit of time and of the wear coefficient, m/s per 1/Pa.
 ///
-/// A roller that rolls the distance dx under the force Q slips by s dx against each raceway and takes k Q s dx off either body. Spread evenly over both
-/// raceways and all rollers, with v = ω D (1 − γ²)/4 the rolling speed at either contact and γ = d cos α/D,
-/// dc/dt = (2/cos α) k s v ΣQ/(π l) · [1/(D − d cos α) + 1/(D + d cos α) + 4/(Z d)]. The first two terms are the raceways; a roller loses on both
-/// of its contacts and shows it twice.
+/// A roller that rolls the distance dx under the force Q slips by s dx against each raceway and takes k Q s
+/// dx off either body. Spread evenly over both raceways and all rollers, with v = ω D (1 − γ²)/4 the rolling
+/// speed at either contact and γ = d cos α/D, dc/dt = (2/cos α) k s v ΣQ/(π l) · [1/(D − d cos α) + 1/(D + d
+/// cos α) + 4/(Z d)]. The first two terms are the raceways; a roller loses on both of its contacts and shows
+/// it twice.
 ///
-/// `slip` is s, the sliding distance per rolled distance; `forces` is ΣQ in N, `speed` the relative speed ω of the rings in rad/s. Not modelled: uneven wear
-/// around a ring, rib and cage contacts, fatigue.
+/// `slip` is s, the sliding distance per rolled distance; `forces` is ΣQ in N, `speed` the relative speed ω
+/// of the rings in rad/s. Not modelled: uneven wear around a ring, rib and cage contacts, fatigue.
 pub fn clearance_rate(bearing: &RollerBearing, slip: f64, forces: f64, speed: f64) -> f64 {
     let cosine = bearing.contact_angle.cos();
     let (d, pitch) = (bearing.roller_diameter, bearing.pitch_diameter);
     let gamma = d * cosine / pitch;
     let rolling = 0.25 * speed.abs() * pitch * (1.0 - gamma * gamma);
-    let surfaces = 1.0 / (pitch * (1.0 - gamma)) + 1.0 / (pitch * (1.0 + gamma)) + 4.0 / (bearing.roller_count as f64 * d);
+    let surfaces = 1.0 / (pitch * (1.0 - gamma))
+        + 1.0 / (pitch * (1.0 + gamma))
+        + 4.0 / (bearing.roller_count as f64 * d);
     2.0 / cosine * slip * rolling * forces / (PI * bearing.roller_length) * surfaces
 }
 
-/// Rates in m/s under these loads; `relative` is the speed (rad/s) of the crankshafts against discs and carrier, `gears` those of sun and planet against the
-/// carrier. The coefficients are constant: running-in and film belong to flank and pins.
+/// Rates in m/s under these loads; `relative` is the speed (rad/s) of the crankshafts against discs and
+/// carrier, `gears` those of sun and planet against the carrier. The coefficients are constant: running-in
+/// and film belong to flank and pins.
 pub fn rates(machine: &Machine, loads: &PartLoads, relative: f64, gears: [f64; 2]) -> PartWear {
     let (law, bearings) = (&machine.wear.parts, &machine.bearings);
     let rolling = |law: &Option<RollingWear>, bearing: &RollerBearing, forces: f64| {
@@ -50,7 +55,8 @@ pub fn rates(machine: &Machine, loads: &PartLoads, relative: f64, gears: [f64; 2
     }
 }
 
-/// Path of contact of the sun–planet mesh along the line of action, measured from the pitch point towards the tip of the sun's tooth.
+/// Path of contact of the sun–planet mesh along the line of action, measured from the pitch point towards the
+/// tip of the sun's tooth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathOfContact {
     /// Distance of the pitch point from the feet of both base circles, r_b tan α, in m.
@@ -65,7 +71,8 @@ pub struct PathOfContact {
     pub tooth_ratio: f64,
 }
 
-/// Share of the distance to the foot of a base circle that contact comes near to at most: below it teeth are relieved or undercut.
+/// Share of the distance to the foot of a base circle that contact comes near to at most: below it teeth are
+/// relieved or undercut.
 const NEAREST_FOOT: f64 = 0.9;
 
 impl PathOfContact {
@@ -73,7 +80,9 @@ impl PathOfContact {
     pub fn new(stage: &GearStage) -> PathOfContact {
         let tan = stage.pressure_angle.tan();
         let (rb1, rb2) = (stage.sun_base_radius(), stage.planet_base_radius());
-        let beyond = |pitch_radius: f64, base: f64| ((pitch_radius + stage.module).powi(2) - base * base).sqrt() - base * tan;
+        let beyond = |pitch_radius: f64, base: f64| {
+            ((pitch_radius + stage.module).powi(2) - base * base).sqrt() - base * tan
+        };
         let (sun_foot, planet_foot) = (rb1 * tan, rb2 * tan);
         PathOfContact {
             sun_foot,
@@ -89,8 +98,8 @@ impl PathOfContact {
         (self.end - self.start) / self.base_pitch
     }
 
-    /// Specific sliding |v_1 − v_2|/v of the flanks of sun and planet at the place s: (1 + u)|s|/(r_b1 tan α + s) and (1 + u)|s|/(u (r_b2 tan α − s)),
-    /// u = z_1/z_2, speeds in the frame of the carrier.
+    /// Specific sliding |v_1 − v_2|/v of the flanks of sun and planet at the place s: (1 + u)|s|/(r_b1 tan α
+    /// + s) and (1 + u)|s|/(u (r_b2 tan α − s)), u = z_1/z_2, speeds in the frame of the carrier.
     pub fn specific_sliding(&self, s: f64) -> [f64; 2] {
         let u = self.tooth_ratio;
         [(1.0 + u) * s.abs() / (self.sun_foot + s), (1.0 + u) * s.abs() / (u * (self.planet_foot - s))]
@@ -103,8 +112,9 @@ impl PathOfContact {
         1.0 + ahead + behind
     }
 
-    /// (1/p_b) ∫ ξ/n² ds over the path for sun and planet, n the number of pairs in contact: each pair carries F/n, and the mesh sees the mean depth of the
-    /// pairs that carry. Closed form, piece by piece: ∫ s/(A + s) ds = s − A ln(A + s).
+    /// (1/p_b) ∫ ξ/n² ds over the path for sun and planet, n the number of pairs in contact: each pair
+    /// carries F/n, and the mesh sees the mean depth of the pairs that carry. Closed form, piece by piece: ∫
+    /// s/(A + s) ds = s − A ln(A + s).
     pub fn mean_sliding(&self) -> [f64; 2] {
         let mut cuts = vec![self.start, 0.0, self.end];
         let mut pitch = self.base_pitch;
@@ -128,14 +138,19 @@ impl PathOfContact {
     }
 }
 
-/// Growth of the gap of one sun–planet mesh along its line of action per unit of time and of the wear coefficient of sun and planet, m/s per 1/Pa.
+/// Growth of the gap of one sun–planet mesh along its line of action per unit of time and of the wear
+/// coefficient of sun and planet, m/s per 1/Pa.
 ///
-/// Δh = k (F/b) ξ per pass as on the cycloid flank. A tooth of the sun meets every planet once per turn against the carrier, a tooth of a planet the sun once
-/// per its own. `force` is the tooth force F in N, `speeds` those of sun and planet against the carrier in rad/s.
+/// Δh = k (F/b) ξ per pass as on the cycloid flank. A tooth of the sun meets every planet once per turn
+/// against the carrier, a tooth of a planet the sun once per its own. `force` is the tooth force F in N,
+/// `speeds` those of sun and planet against the carrier in rad/s.
 pub fn mesh_gap_rate(stage: &GearStage, planets: usize, force: f64, speeds: [f64; 2]) -> [f64; 2] {
     let sliding = PathOfContact::new(stage).mean_sliding();
     let line_load = force / stage.face_width;
-    [planets as f64 * speeds[0].abs() / (2.0 * PI) * line_load * sliding[0], speeds[1].abs() / (2.0 * PI) * line_load * sliding[1]]
+    [
+        planets as f64 * speeds[0].abs() / (2.0 * PI) * line_load * sliding[0],
+        speeds[1].abs() / (2.0 * PI) * line_load * sliding[1],
+    ]
 }
 
 #[cfg(test)]
@@ -147,33 +162,41 @@ mod tests {
     fn clearance_grows_by_the_passes_of_the_rollers() {
         let bearing = crate::templates::rv_40e_81().bearings.crank_support;
         let (slip, forces, speed) = (0.01, 5000.0, 70.0);
-        let (z, d, cosine) = (bearing.roller_count as f64, bearing.roller_diameter, bearing.contact_angle.cos());
+        let (z, d, cosine) =
+            (bearing.roller_count as f64, bearing.roller_diameter, bearing.contact_angle.cos());
         let gamma = d * cosine / bearing.pitch_diameter;
         let per_pass = slip * forces / z / bearing.roller_length;
-        // Rollers pass the inner ring at ω (1 + γ)/2, the outer at ω (1 − γ)/2; a roller turns at ω (D/d cos α)(1 − γ²)/2 cos α about itself
-        // and meets both rings once a turn.
+        // Rollers pass the inner ring at ω (1 + γ)/2, the outer at ω (1 − γ)/2; a roller turns at ω (D/d cos
+        // α)(1 − γ²)/2 cos α about itself and meets both rings once a turn.
         let inner = z * speed * 0.5 * (1.0 + gamma) / (2.0 * PI) * per_pass;
         let outer = z * speed * 0.5 * (1.0 - gamma) / (2.0 * PI) * per_pass;
-        let roller = 2.0 * speed * 0.5 * bearing.pitch_diameter / d * (1.0 - gamma * gamma) / (2.0 * PI) * per_pass;
+        let roller =
+            2.0 * speed * 0.5 * bearing.pitch_diameter / d * (1.0 - gamma * gamma) / (2.0 * PI) * per_pass;
         let expected = 2.0 / cosine * (inner + outer + 2.0 * roller);
         let rate = clearance_rate(&bearing, slip, forces, speed);
         assert!((rate / expected - 1.0).abs() < 1e-12, "{rate} {expected}");
     }
 
-    /// Specific sliding from the arc lengths of two involutes, ρ²/(2 r_b), that roll off together; its mean by summation over mesh positions.
+    /// Specific sliding from the arc lengths of two involutes, ρ²/(2 r_b), that roll off together; its mean
+    /// by summation over mesh positions.
     #[test]
     fn sliding_of_the_gears_agrees_with_rolling_two_involutes() {
         let stage = crate::templates::rv_40e_81().gear_stage;
         let path = PathOfContact::new(&stage);
         let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
-        let arcs = |s: f64| ((path.sun_foot + s).powi(2) / (2.0 * r1), -(path.planet_foot - s).powi(2) / (2.0 * r2));
+        let arcs =
+            |s: f64| ((path.sun_foot + s).powi(2) / (2.0 * r1), -(path.planet_foot - s).powi(2) / (2.0 * r2));
         let h = 1e-9;
         for s in [0.7 * path.start, 0.2 * path.start, 0.4 * path.end, 0.95 * path.end] {
             let (ahead, behind) = (arcs(s + h), arcs(s - h));
             let (on_sun, on_planet) = (ahead.0 - behind.0, ahead.1 - behind.1);
             let sliding = (on_sun - on_planet).abs();
             let found = path.specific_sliding(s);
-            assert!((found[0] / (sliding / on_sun) - 1.0).abs() < 1e-6 && (found[1] / (sliding / on_planet) - 1.0).abs() < 1e-6, "{s}");
+            assert!(
+                (found[0] / (sliding / on_sun) - 1.0).abs() < 1e-6
+                    && (found[1] / (sliding / on_planet) - 1.0).abs() < 1e-6,
+                "{s}"
+            );
         }
         assert!((1.2..1.8).contains(&path.contact_ratio()), "{}", path.contact_ratio());
         // All pairs at 20 000 positions of the mesh.
@@ -181,7 +204,8 @@ mod tests {
         let mut sums = [0.0; 2];
         for i in 0..n {
             let first = path.start + path.base_pitch * (f64::from(i) + 0.5) / f64::from(n);
-            let places: Vec<f64> = (0..4).map(|j| first + path.base_pitch * f64::from(j)).filter(|s| *s < path.end).collect();
+            let places: Vec<f64> =
+                (0..4).map(|j| first + path.base_pitch * f64::from(j)).filter(|s| *s < path.end).collect();
             for s in &places {
                 for (sum, sliding) in sums.iter_mut().zip(path.specific_sliding(*s)) {
                     *sum += sliding / (places.len() as f64).powi(2) / f64::from(n);

@@ -5,9 +5,11 @@ use crate::machine::Machine;
 
 /// What the contact sees of a worn surface: depth averaged over the width of the contact.
 ///
-/// A line contact is 50 to 200 µm wide; waves of the flank shorter than that are pressed flat and neither shift the contact nor change its
-/// curvature. Depth, slope and bend are therefore read from the depth averaged with a cubic B-spline whose mean-square width equals that of the Hertz
-/// pressure of half-width b (b²/4). b is that of the largest torque of the duty; towards the root it shrinks so that the average stays on its flank.
+/// A line contact is 50 to 200 µm wide; waves of the flank shorter than that are pressed flat and neither
+/// shift the contact nor change its curvature. Depth, slope and bend are therefore read from the depth
+/// averaged with a cubic B-spline whose mean-square width equals that of the Hertz pressure of half-width b
+/// (b²/4). b is that of the largest torque of the duty; towards the root it shrinks so that the average stays
+/// on its flank.
 #[derive(Debug, Clone)]
 pub(super) struct ContactAverage {
     /// Per grid point: first cell and the weights from there on.
@@ -51,7 +53,12 @@ impl ContactAverage {
         let depths = depth.samples();
         let n = depths.len();
         Relief::from_samples(
-            self.flank.iter().map(|(first, weights)| weights.iter().enumerate().map(|(k, w)| w * depths[(first + k) % n]).sum()).collect(),
+            self.flank
+                .iter()
+                .map(|(first, weights)| {
+                    weights.iter().enumerate().map(|(k, w)| w * depths[(first + k) % n]).sum()
+                })
+                .collect(),
         )
     }
 
@@ -62,11 +69,16 @@ impl ContactAverage {
         let depths = depth.samples();
         let n = depths.len();
         let reach = self.pin.len() / 2;
-        Relief::from_samples((0..n).map(|i| self.pin.iter().enumerate().map(|(k, w)| w * depths[(i + n + k - reach) % n]).sum()).collect())
+        Relief::from_samples(
+            (0..n)
+                .map(|i| self.pin.iter().enumerate().map(|(k, w)| w * depths[(i + n + k - reach) % n]).sum())
+                .collect(),
+        )
     }
 }
 
-/// Weights of the cells around `centre`: integrals of the B-spline over each cell. `face(i)` is the left end of cell i on the unrolled line.
+/// Weights of the cells around `centre`: integrals of the B-spline over each cell. `face(i)` is the left end
+/// of cell i on the unrolled line.
 fn weights(centre: f64, half_width: f64, face: impl Fn(isize) -> f64) -> (isize, Vec<f64>) {
     let box_width = 0.5 * SUPPORT * half_width;
     let below = |place: f64| cubic_spline_share((place - centre) / box_width);
@@ -94,7 +106,12 @@ fn cubic_spline_share(x: f64) -> f64 {
     if x >= 2.0 {
         return 1.0;
     }
-    [1.0, -4.0, 6.0, -4.0, 1.0].iter().enumerate().map(|(k, c)| c * (x + 2.0 - k as f64).max(0.0).powi(4)).sum::<f64>() / 24.0
+    [1.0, -4.0, 6.0, -4.0, 1.0]
+        .iter()
+        .enumerate()
+        .map(|(k, c)| c * (x + 2.0 - k as f64).max(0.0).powi(4))
+        .sum::<f64>()
+        / 24.0
 }
 
 #[cfg(test)]
@@ -107,7 +124,10 @@ mod tests {
         let profile = machine.profile();
         let arc = FlankArc::new(&profile, 720);
         let average = ContactAverage::new(&machine, &profile, &arc, 1440);
-        for relief in [average.flank(&Relief::from_samples(vec![1e-5; 720])), average.pin(&Relief::from_samples(vec![1e-5; 1440]))] {
+        for relief in [
+            average.flank(&Relief::from_samples(vec![1e-5; 720])),
+            average.pin(&Relief::from_samples(vec![1e-5; 1440])),
+        ] {
             assert!(relief.samples().iter().all(|depth| (depth - 1e-5).abs() < 1e-17));
         }
     }
@@ -115,7 +135,8 @@ mod tests {
     #[test]
     fn kernel_has_the_mean_square_width_of_the_hertz_pressure() {
         let (first, weights) = weights(0.0, 1.0, |index| index as f64 * 0.01 - 0.005);
-        let variance: f64 = weights.iter().enumerate().map(|(k, w)| w * ((first + k as isize) as f64 * 0.01).powi(2)).sum();
+        let variance: f64 =
+            weights.iter().enumerate().map(|(k, w)| w * ((first + k as isize) as f64 * 0.01).powi(2)).sum();
         assert!((variance - 0.25).abs() < 1e-4, "{variance}");
     }
 }

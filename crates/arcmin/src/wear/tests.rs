@@ -15,8 +15,9 @@ fn life(m: &Machine, options: CoupledOptions) -> CoupledWear<'_> {
     wear
 }
 
-/// The feedback: with the k that brings the paper's uniform depth to 60 µm, the coupled flank loses a sixth of that. A simple model (equal springs,
-/// 0.55 T per disc, pins at whole multiples of 9° only) gave 12–14 µm; here each disc carries 0.4815 T and all crank positions count.
+/// The feedback: with the k that brings the paper's uniform depth to 60 µm, the coupled flank loses a sixth
+/// of that. A simple model (equal springs, 0.55 T per disc, pins at whole multiples of 9° only) gave 12–14
+/// µm; here each disc carries 0.4815 T and all crank positions count.
 #[test]
 fn val_feedback_slows_the_wear_down() {
     let m = machine();
@@ -29,7 +30,11 @@ fn val_feedback_slows_the_wear_down() {
     // The first touch moves towards the root, where nothing slides; the loaded flank sinks further.
     assert!((0.05..0.4).contains(&cycle.mean_play().arcmin()), "{}", cycle.mean_play().arcmin());
     // Only the loaded flank wears (the width of the contact reaches a little around root and tip).
-    let other: f64 = Relief::grid(720).zip(wear.state().flank().samples()).filter(|(phi, _)| *phi > 0.2 && *phi < 2.9).map(|(_, w)| *w).sum();
+    let other: f64 = Relief::grid(720)
+        .zip(wear.state().flank().samples())
+        .filter(|(phi, _)| *phi > 0.2 && *phi < 2.9)
+        .map(|(_, w)| *w)
+        .sum();
     assert_eq!(other, 0.0);
 }
 
@@ -62,8 +67,13 @@ fn initial_rate_agrees_with_archards_closed_form() {
     assert!((m.kinematics().passes_per_hour(m.rated.input_speed) - 44_444.4).abs() < 0.1);
     for degrees in [40.0, 61.5, 80.0, 110.0, 140.0f64] {
         let phi = -degrees * DEG;
-        let nearest = forces.iter().min_by(|a, b| (a.meshing_angle - phi).abs().total_cmp(&(b.meshing_angle - phi).abs())).unwrap();
-        let expected = exposure.coefficient * nearest.force / m.disc.width * profile.specific_sliding(phi.cos()) * passes;
+        let nearest = forces
+            .iter()
+            .min_by(|a, b| (a.meshing_angle - phi).abs().total_cmp(&(b.meshing_angle - phi).abs()))
+            .unwrap();
+        let expected = exposure.coefficient * nearest.force / m.disc.width
+            * profile.specific_sliding(phi.cos())
+            * passes;
         let depth = wear.state().flank().at(phi).depth;
         assert!((depth / expected - 1.0).abs() < 0.02, "{degrees}: {depth:e} {expected:e}");
     }
@@ -103,11 +113,15 @@ fn halving_the_increment_and_doubling_the_positions_changes_little() {
         let wear = life(&m, finer);
         let play = wear.state().meshing(&m).cycle(412.0, 12).unwrap().mean_play().arcmin();
         let depth_change = wear.state().flank().deepest().0 / reference.state().flank().deepest().0 - 1.0;
-        assert!(depth_change.abs() < 0.002 && (play / reference_play - 1.0).abs() < 0.01, "{finer:?}: {depth_change} {play} {reference_play}");
+        assert!(
+            depth_change.abs() < 0.002 && (play / reference_play - 1.0).abs() < 0.01,
+            "{finer:?}: {depth_change} {play} {reference_play}"
+        );
     }
 }
 
-/// Smallest relative curvature of pin and worn flank over that of the unworn one, between 3° from the root and 10° from the tip.
+/// Smallest relative curvature of pin and worn flank over that of the unworn one, between 3° from the root
+/// and 10° from the tip.
 fn least_curvature(m: &Machine, relief: &Relief) -> f64 {
     let profile = m.profile();
     let radius = m.ring.pin_radius;
@@ -122,9 +136,10 @@ fn least_curvature(m: &Machine, relief: &Relief) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Where the flank bends more than the pin, a pin has two closest points and its force jumps from one to the other. Wear leaves no such place: not where the
-/// contacts of different places of the crankshafts follow each other along the flank, nor by waves that feed on themselves over three service lives. (0.1 is
-/// the bound at which the geometry cuts a hollow off.)
+/// Where the flank bends more than the pin, a pin has two closest points and its force jumps from one to the
+/// other. Wear leaves no such place: not where the contacts of different places of the crankshafts follow
+/// each other along the flank, nor by waves that feed on themselves over three service lives. (0.1 is the
+/// bound at which the geometry cuts a hollow off.)
 #[test]
 fn trap_waves_of_the_flank_are_an_artefact() {
     let m = machine();
@@ -136,7 +151,8 @@ fn trap_waves_of_the_flank_are_an_artefact() {
     assert!(least > 0.8, "{least}");
 
     let worn = |options: CoupledOptions| {
-        let mut wear = CoupledWear::with(&m, BearingMeshing::new(&m, &JointSettings::default()).unwrap(), options);
+        let mut wear =
+            CoupledWear::with(&m, BearingMeshing::new(&m, &JointSettings::default()).unwrap(), options);
         wear.advance_to(exposure.at(2500.0 * HOUR)).unwrap();
         wear.state().clone()
     };

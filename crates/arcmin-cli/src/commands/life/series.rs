@@ -28,8 +28,12 @@ impl Spread {
         drawn: &[(u64, ManufacturingErrors)],
         options: LifeOptions,
     ) -> Result<Spread, Failure> {
-        let made = drawn.iter().map(|(_, errors)| bearing_meshing(machine, errors, discs.cloned())).collect::<Result<Vec<_>, _>>()?;
-        let series = predict_series(machine, nominal, &made, options, run.progress()).map_err(super::wear_failure)?;
+        let made = drawn
+            .iter()
+            .map(|(_, errors)| bearing_meshing(machine, errors, discs.cloned()))
+            .collect::<Result<Vec<_>, _>>()?;
+        let series =
+            predict_series(machine, nominal, &made, options, run.progress()).map_err(super::wear_failure)?;
         Ok(Spread { series, seeds: drawn.iter().map(|(seed, _)| *seed).collect() })
     }
 
@@ -49,7 +53,8 @@ impl Spread {
             "lost_motion_max_arcmin",
         ]);
         for (index, hours) in self.series.hours.iter().enumerate() {
-            let mut cells = vec![Cell::Number(*hours), (self.series.nominal.lost_motion[index] / ARCMIN).into()];
+            let mut cells =
+                vec![Cell::Number(*hours), (self.series.nominal.lost_motion[index] / ARCMIN).into()];
             match self.series.lost_motion(index) {
                 Some(Quantiles(values)) => cells.extend(values.map(|lost| Cell::Number(lost / ARCMIN))),
                 None => cells.extend([const { Cell::Empty }; 5]),
@@ -57,8 +62,15 @@ impl Spread {
             band.row(&cells);
         }
         run.table("series.csv", band)?;
-        let mut machines =
-            Table::new(&["seed", "hours_to_limit", "searched_hours", "lost_motion_new_arcmin", "lost_motion_end_arcmin", "max_depth_um", "failure"]);
+        let mut machines = Table::new(&[
+            "seed",
+            "hours_to_limit",
+            "searched_hours",
+            "lost_motion_new_arcmin",
+            "lost_motion_end_arcmin",
+            "max_depth_um",
+            "failure",
+        ]);
         for (seed, life) in self.seeds.iter().zip(&self.series.machines) {
             let seed = Cell::Number(*seed as f64);
             match life {
@@ -76,7 +88,15 @@ impl Spread {
                 }
                 Err(error) => {
                     let reason = error.to_string().replace(',', ";");
-                    machines.row(&[seed, Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty, Cell::Word(&reason)]);
+                    machines.row(&[
+                        seed,
+                        Cell::Empty,
+                        Cell::Empty,
+                        Cell::Empty,
+                        Cell::Empty,
+                        Cell::Empty,
+                        Cell::Word(&reason),
+                    ]);
                 }
             }
         }
@@ -85,7 +105,9 @@ impl Spread {
 
     pub fn terminal(&self, limit_arcmin: f64) -> String {
         let count = self.series.followed().count();
-        let mut text = format!("\nseries of {count} machines          min     10 %   median     90 %      max   without errors");
+        let mut text = format!(
+            "\nseries of {count} machines          min     10 %   median     90 %      max   without errors"
+        );
         let mut line = |name: &str, values: [String; 5], nominal: String| {
             text.push_str(&format!("\n  {name:24}"));
             values.iter().for_each(|value| text.push_str(&format!(" {value:>8}")));
@@ -100,10 +122,12 @@ impl Spread {
         }
         if let Some(Quantiles(values)) = self.series.hours_to_limit() {
             let name = format!("hours to {limit_arcmin:.2}'");
-            let word = |hours: f64| if hours.is_finite() { format!("{hours:.0}") } else { "never".to_owned() };
+            let word =
+                |hours: f64| if hours.is_finite() { format!("{hours:.0}") } else { "never".to_owned() };
             line(&name, values.map(word), word(self.series.nominal.hours_to_limit.unwrap_or(f64::INFINITY)));
             if values[4].is_infinite() {
-                let searched = self.series.followed().map(|life| life.searched_hours).fold(f64::INFINITY, f64::min);
+                let searched =
+                    self.series.followed().map(|life| life.searched_hours).fold(f64::INFINITY, f64::min);
                 text.push_str(&format!("\n  (never: not within the {searched:.0} h that were computed)"));
             }
         }
@@ -118,7 +142,9 @@ impl Spread {
     pub fn summary(&self) -> Value {
         let named = |quantiles: Option<Quantiles>, unit: f64| {
             quantiles.map(|Quantiles(values)| {
-                let pairs = QUANTILES.iter().zip(values).map(|(name, value)| ((*name).to_owned(), json!(value.is_finite().then_some(value / unit))));
+                let pairs = QUANTILES.iter().zip(values).map(|(name, value)| {
+                    ((*name).to_owned(), json!(value.is_finite().then_some(value / unit)))
+                });
                 Value::Object(pairs.collect())
             })
         };

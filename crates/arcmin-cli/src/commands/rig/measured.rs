@@ -26,12 +26,21 @@ pub fn read(paths: &[PathBuf], machine: &Machine) -> Result<Option<MeasuredOnBen
         match (columns.has("branch"), columns.has("te_arcmin")) {
             (true, false) => bench.loops.extend(loops(&columns)?),
             (false, true) => bench.curves.extend(curves(&columns)?),
-            _ => return Err(columns.wrong(columns.line_of_header(), "this is neither a hysteresis loop nor a transmission error")),
+            _ => {
+                return Err(columns.wrong(
+                    columns.line_of_header(),
+                    "this is neither a hysteresis loop nor a transmission error",
+                ));
+            }
         }
     }
     let rated = machine.rated.torque.abs();
-    bench.figures =
-        bench.loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>().map_err(Failure::compute("evaluate the measured loop"))?;
+    bench.figures = bench
+        .loops
+        .iter()
+        .map(|points| evaluate_loop(points, rated))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(Failure::compute("evaluate the measured loop"))?;
     for curve in &bench.curves {
         if let Some(spectrum) = order_spectrum(&curve.points) {
             bench.orders = name_orders(&spectrum, machine, curve.points.len() - 1, 8);
@@ -43,14 +52,23 @@ pub fn read(paths: &[PathBuf], machine: &Machine) -> Result<Option<MeasuredOnBen
 }
 
 fn loops(columns: &Columns) -> Result<Vec<Vec<LoopPoint>>, Failure> {
-    let (torques, angles, branches) = (columns.numbers("torque_n_m")?, columns.numbers("angle_arcmin")?, columns.words("branch")?);
-    let positions = if columns.has("position") { columns.words("position")? } else { vec![""; torques.len()] };
+    let (torques, angles, branches) =
+        (columns.numbers("torque_n_m")?, columns.numbers("angle_arcmin")?, columns.words("branch")?);
+    let positions =
+        if columns.has("position") { columns.words("position")? } else { vec![""; torques.len()] };
     let mut loops: Vec<(&str, Vec<LoopPoint>)> = Vec::new();
-    for (row, ((torque, angle), (branch, position))) in torques.iter().zip(&angles).zip(branches.iter().zip(positions)).enumerate() {
+    for (row, ((torque, angle), (branch, position))) in
+        torques.iter().zip(&angles).zip(branches.iter().zip(positions)).enumerate()
+    {
         let branch = match *branch {
             "falling" => Branch::Falling,
             "rising" => Branch::Rising,
-            other => return Err(columns.wrong(columns.line(row), &format!("the branch is \"{other}\", neither falling nor rising"))),
+            other => {
+                return Err(columns.wrong(
+                    columns.line(row),
+                    &format!("the branch is \"{other}\", neither falling nor rising"),
+                ));
+            }
         };
         let point = LoopPoint { torque: *torque, angle: angle * ARCMIN, branch };
         match loops.last_mut() {
@@ -63,16 +81,20 @@ fn loops(columns: &Columns) -> Result<Vec<Vec<LoopPoint>>, Failure> {
 
 fn curves(columns: &Columns) -> Result<Vec<ErrorCurve>, Failure> {
     let (angles, errors) = (columns.numbers("output_angle_deg")?, columns.numbers("te_arcmin")?);
-    let optional = |name: &str| if columns.has(name) { columns.numbers(name) } else { Ok(vec![0.0; angles.len()]) };
+    let optional =
+        |name: &str| if columns.has(name) { columns.numbers(name) } else { Ok(vec![0.0; angles.len()]) };
     let (directions, torques) = (optional("direction")?, optional("torque_n_m")?);
     let mut curves = Vec::new();
     let mut start = 0;
     for row in 1..=angles.len() {
-        let ends = row == angles.len() || directions[row] != directions[start] || torques[row] != torques[start];
+        let ends =
+            row == angles.len() || directions[row] != directions[start] || torques[row] != torques[start];
         if ends {
             let points = (start..row).map(|i| (angles[i] * DEG, errors[i] * ARCMIN)).collect();
             let curve = ErrorCurve::measured(points, torques[start]);
-            curves.push(curve.map_err(|error| columns.wrong(columns.line(start), &format!("the curve that begins here: {error}")))?);
+            curves.push(curve.map_err(|error| {
+                columns.wrong(columns.line(start), &format!("the curve that begins here: {error}"))
+            })?);
             start = row;
         }
     }
@@ -83,7 +105,9 @@ fn curves(columns: &Columns) -> Result<Vec<ErrorCurve>, Failure> {
 pub fn summary(bench: &MeasuredOnBench) -> Value {
     let mut entry = json!({});
     if !bench.figures.is_empty() {
-        let mean = |of: fn(&arcmin::rig::LoopFigures) -> f64| bench.figures.iter().map(of).sum::<f64>() / bench.figures.len() as f64;
+        let mean = |of: fn(&arcmin::rig::LoopFigures) -> f64| {
+            bench.figures.iter().map(of).sum::<f64>() / bench.figures.len() as f64
+        };
         entry["lost_motion_arcmin"] = json!(mean(|f| f.lost_motion) / ARCMIN);
         entry["backlash_arcmin"] = json!(mean(|f| f.backlash) / ARCMIN);
         entry["stiffness_nm_per_arcmin"] = json!(mean(|f| f.stiffness) * ARCMIN);

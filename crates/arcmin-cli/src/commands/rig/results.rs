@@ -23,24 +23,51 @@ pub fn write(run: &mut Run, state: &RigState) -> Result<(), Failure> {
     let mut table = Table::new(&["output_angle_deg", "te_arcmin", "direction", "torque_n_m"]);
     for curve in &state.curves {
         for (angle, error) in &curve.points {
-            table.row(&[(angle / DEG).into(), (error / ARCMIN).into(), curve.direction.into(), curve.torque.into()]);
+            table.row(&[
+                (angle / DEG).into(),
+                (error / ARCMIN).into(),
+                curve.direction.into(),
+                curve.torque.into(),
+            ]);
         }
     }
     run.table("te.csv", table)?;
     let mut table = Table::new(&["part", "compliance_arcmin_per_nm", "share"]);
     for (part, compliance) in &state.split.parts {
-        table.row(&[part.name().into(), (compliance / ARCMIN).into(), (compliance / state.split.whole).into()]);
+        table.row(&[
+            part.name().into(),
+            (compliance / ARCMIN).into(),
+            (compliance / state.split.whole).into(),
+        ]);
     }
     run.table("stiffness.csv", table)?;
-    let mut table = Table::new(&["bearing", "mean_force_n", "largest_element_force_n", "equivalent_load_n", "rating_n", "l10_h"]);
+    let mut table = Table::new(&[
+        "bearing",
+        "mean_force_n",
+        "largest_element_force_n",
+        "equivalent_load_n",
+        "rating_n",
+        "l10_h",
+    ]);
     for b in &state.bearings {
-        table.row(&[b.name.as_str().into(), b.mean_force().into(), b.largest_element.into(), b.equivalent.into(), b.rating.into(), b.life_h().into()]);
+        table.row(&[
+            b.name.as_str().into(),
+            b.mean_force().into(),
+            b.largest_element.into(),
+            b.equivalent.into(),
+            b.rating.into(),
+            b.life_h().into(),
+        ]);
     }
     run.table("bearings.csv", table)?;
     let mut table = Table::new(&["crank_angle_deg", "bearing", "force_n"]);
     for b in &state.bearings {
         for (i, force) in b.forces.iter().enumerate() {
-            table.row(&[(360.0 * i as f64 / b.forces.len() as f64).into(), b.name.as_str().into(), (*force).into()]);
+            table.row(&[
+                (360.0 * i as f64 / b.forces.len() as f64).into(),
+                b.name.as_str().into(),
+                (*force).into(),
+            ]);
         }
     }
     run.table("bearing_forces.csv", table)?;
@@ -69,8 +96,16 @@ pub fn terminal(new: &RigState, worn: Option<&RigState>, measured: Option<&Measu
         ("lost motion, arcmin", |s| s.lost_motion() / ARCMIN, Some(|m| m.lost_motion / ARCMIN)),
         ("backlash, arcmin", |s| s.backlash() / ARCMIN, Some(|m| m.backlash / ARCMIN)),
         ("stiffness 50–100 %, N·m/arcmin", |s| s.stiffness() * ARCMIN, Some(|m| m.stiffness * ARCMIN)),
-        ("stiffness 3–15 %, N·m/arcmin", |s| s.soft_stiffness() * ARCMIN, Some(|m| m.soft_stiffness * ARCMIN)),
-        ("TE at rated torque, peak to peak, arcmin", |s| s.curves.get(2).map_or(f64::NAN, |c| c.peak_to_peak()) / ARCMIN, None),
+        (
+            "stiffness 3–15 %, N·m/arcmin",
+            |s| s.soft_stiffness() * ARCMIN,
+            Some(|m| m.soft_stiffness * ARCMIN),
+        ),
+        (
+            "TE at rated torque, peak to peak, arcmin",
+            |s| s.curves.get(2).map_or(f64::NAN, |c| c.peak_to_peak()) / ARCMIN,
+            None,
+        ),
         ("efficiency at rated torque", |s| s.efficiency.rated, None),
         ("no-load running torque at the input, N·m", |s| s.torques.no_load, None),
         ("back-driving torque at the output, N·m", |s| s.torques.back_driving, None),

@@ -16,7 +16,8 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Failu
     let stiffness = || {
         options.contact_stiffness.ok_or_else(|| Failure::Usage {
             message: "this contact law has no stiffness of its own".to_owned(),
-            help: "give it with --contact-stiffness, e.g. --contact linear --contact-stiffness 2.85e8".to_owned(),
+            help: "give it with --contact-stiffness, e.g. --contact linear --contact-stiffness 2.85e8"
+                .to_owned(),
         })
     };
     Ok(match options.contact {
@@ -24,8 +25,12 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Failu
         Some(Law::LineHertz) => Some(ContactLaw::LineHertz),
         Some(Law::Palmgren) => Some(ContactLaw::Palmgren),
         Some(Law::Tao2024) => Some(ContactLaw::Tao2024),
-        Some(Law::Linear) => Some(ContactLaw::Linear { stiffness: options.contact_stiffness.unwrap_or(LINEAR_STIFFNESS) }),
-        Some(Law::Impact) => Some(ContactLaw::Impact { stiffness: stiffness()?, exponent: options.contact_exponent }),
+        Some(Law::Linear) => {
+            Some(ContactLaw::Linear { stiffness: options.contact_stiffness.unwrap_or(LINEAR_STIFFNESS) })
+        }
+        Some(Law::Impact) => {
+            Some(ContactLaw::Impact { stiffness: stiffness()?, exponent: options.contact_exponent })
+        }
     })
 }
 
@@ -33,7 +38,9 @@ pub(super) fn drive(options: &Options, machine: &Machine) -> Result<Drive, Failu
     let speed = options.speed_rpm.map_or(machine.rated.input_speed, |rpm| rpm * arcmin::units::RPM);
     let rise_time = options.rise_s;
     let table = |unit: f64| read_rows(options.drive_file.as_deref(), "the drive", unit);
-    let checked = |rows: Vec<(f64, f64)>| TimeTable::new("drive table", &rows).map_err(Failure::compute("read the drive"));
+    let checked = |rows: Vec<(f64, f64)>| {
+        TimeTable::new("drive table", &rows).map_err(Failure::compute("read the drive"))
+    };
     Ok(match options.drive {
         DriveKind::Speed => Drive::SpeedLaw { speed, rise_time },
         DriveKind::Angle => Drive::AngleLaw { speed, rise_time },
@@ -50,7 +57,9 @@ pub(super) fn load(options: &Options, machine: &Machine) -> Result<OutputLoad, F
         LoadKind::None => OutputLoad::None,
         LoadKind::Constant => OutputLoad::Constant { torque },
         LoadKind::Sine => OutputLoad::Sine { amplitude: torque, period: options.period_s },
-        LoadKind::Table => OutputLoad::Table(TimeTable::new("load table", &rows()?).map_err(Failure::compute("read the load"))?),
+        LoadKind::Table => OutputLoad::Table(
+            TimeTable::new("load table", &rows()?).map_err(Failure::compute("read the load"))?,
+        ),
         LoadKind::Stepped => OutputLoad::Stepped(rows()?),
         LoadKind::DutyCycle => OutputLoad::DutyCycle(rows()?),
     })
@@ -59,9 +68,13 @@ pub(super) fn load(options: &Options, machine: &Machine) -> Result<OutputLoad, F
 /// Reads two columns of numbers under one header row; the second is multiplied by `unit`.
 fn read_rows(path: Option<&Path>, what: &str, unit: f64) -> Result<Vec<(f64, f64)>, Failure> {
     let Some(path) = path else {
-        return Err(Failure::Usage { message: format!("{what} needs a file"), help: "see --load-file and --drive-file".to_owned() });
+        return Err(Failure::Usage {
+            message: format!("{what} needs a file"),
+            help: "see --load-file and --drive-file".to_owned(),
+        });
     };
-    let text = std::fs::read_to_string(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
+    let text =
+        std::fs::read_to_string(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
     let mut rows = Vec::new();
     for (index, line) in text.lines().enumerate().skip(1).filter(|(_, line)| !line.trim().is_empty()) {
         let mut fields = line.split(',').map(|field| field.trim().parse::<f64>());
@@ -69,7 +82,11 @@ fn read_rows(path: Option<&Path>, what: &str, unit: f64) -> Result<Vec<(f64, f64
             (Some(Ok(time)), Some(Ok(value))) => rows.push((time, value * unit)),
             _ => {
                 return Err(Failure::Usage {
-                    message: format!("{}, line {}: \"{line}\" does not hold two numbers", path.display(), index + 1),
+                    message: format!(
+                        "{}, line {}: \"{line}\" does not hold two numbers",
+                        path.display(),
+                        index + 1
+                    ),
                     help: "a header line, then lines such as 0.1,412".to_owned(),
                 });
             }

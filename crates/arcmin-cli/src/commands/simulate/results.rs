@@ -21,7 +21,8 @@ pub(super) fn write<M: Reducer>(
     failed: Option<&DynamicsError>,
     wall: Duration,
 ) -> Result<Value, Failure> {
-    let mut series = Table::new(&["time_s", "input_speed_deg_s", "output_speed_deg_s", "load_n_m", "te_arcmin"]);
+    let mut series =
+        Table::new(&["time_s", "input_speed_deg_s", "output_speed_deg_s", "load_n_m", "te_arcmin"]);
     for row in &result.series {
         series.row(&[
             row.time.into(),
@@ -70,7 +71,10 @@ pub(super) fn write<M: Reducer>(
             "band_arcmin": spread.band / ARCMIN,
         })
     });
-    let orders = result.spectrum.as_ref().map(|lines| orders_summary(&name_orders(lines, case.machine, 2 * lines.len(), 8)));
+    let orders = result
+        .spectrum
+        .as_ref()
+        .map(|lines| orders_summary(&name_orders(lines, case.machine, 2 * lines.len(), 8)));
     let energy = &result.energy;
     let mut summary = json!({
         "ratio": model.ratio(),

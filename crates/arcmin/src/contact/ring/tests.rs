@@ -41,11 +41,13 @@ fn pins_at_positive_meshing_angle_push_the_disc_clockwise() {
     });
 }
 
-/// Exact for a law without curvature; the line contact leaves out how R_eq changes while the foot travels (0.3 % of the stiffness).
+/// Exact for a law without curvature; the line contact leaves out how R_eq changes while the foot travels
+/// (0.3 % of the stiffness).
 #[test]
 fn stiffness_is_the_derivative_of_the_force() {
     use crate::contact::ContactLaw;
-    for (law, tolerance) in [(ContactLaw::Linear { stiffness: 2.85e8 }, 2e-6), (ContactLaw::LineHertz, 5e-3)] {
+    for (law, tolerance) in [(ContactLaw::Linear { stiffness: 2.85e8 }, 2e-6), (ContactLaw::LineHertz, 5e-3)]
+    {
         check_tangent(law, tolerance);
     }
 }
@@ -81,7 +83,8 @@ fn check_tangent(law: crate::contact::ContactLaw, tolerance: f64) {
     }
 }
 
-/// Newton's closest point against the exact distance of the pin centre from the worn flank, by golden section.
+/// Newton's closest point against the exact distance of the pin centre from the worn flank, by golden
+/// section.
 #[test]
 fn gap_on_an_unevenly_worn_flank_agrees_with_the_exact_distance() {
     let machine = machine();
@@ -126,8 +129,9 @@ fn culling_never_drops_a_pin_that_carries() {
     }
 }
 
-/// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the gradient and `gap_bend`, the relative curvature
-/// with `relative_curvature_slope`, on even and uneven flanks.
+/// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the
+/// gradient and `gap_bend`, the relative curvature with `relative_curvature_slope`, on even and uneven
+/// flanks.
 #[test]
 fn gap_and_curvature_follow_a_motion_of_the_disc() {
     let machine = machine();
@@ -150,13 +154,23 @@ fn gap_and_curvature_follow_a_motion_of_the_disc() {
             }
             let bend = m.gap_bend(3e-3, motion);
             let slope = m.gradient[0] * motion.x + m.gradient[1] * motion.y + m.gradient[2];
-            assert!(((b.gap - a.gap) / (2.0 * h) - slope).abs() < 1e-8, "{}: {} {slope}", m.meshing_angle, (b.gap - a.gap) / (2.0 * h));
+            assert!(
+                ((b.gap - a.gap) / (2.0 * h) - slope).abs() < 1e-8,
+                "{}: {} {slope}",
+                m.meshing_angle,
+                (b.gap - a.gap) / (2.0 * h)
+            );
             let difference = (b.gap - 2.0 * m.gap + a.gap) / (h * h);
-            assert!((difference - bend).abs() < 1e-3 * bend.abs() + 1e-4, "{}: {difference} {bend}", m.meshing_angle);
+            assert!(
+                (difference - bend).abs() < 1e-3 * bend.abs() + 1e-4,
+                "{}: {difference} {bend}",
+                m.meshing_angle
+            );
             let curvature_slope = contacts.rolling(m).relative_curvature_change(m, [motion.x, motion.y, 1.0]);
             let difference = (b.relative_curvature - a.relative_curvature) / (2.0 * h);
             assert!(
-                (difference - curvature_slope).abs() < 1e-3 * curvature_slope.abs() + 1e-2 * m.relative_curvature,
+                (difference - curvature_slope).abs()
+                    < 1e-3 * curvature_slope.abs() + 1e-2 * m.relative_curvature,
                 "{}: {difference} {curvature_slope}",
                 m.meshing_angle
             );
@@ -164,22 +178,31 @@ fn gap_and_curvature_follow_a_motion_of_the_disc() {
     }
 }
 
-/// The forces of conservative contacts are minus the gradient of the stored energy, on every kind of flank and pin.
+/// The forces of conservative contacts are minus the gradient of the stored energy, on every kind of flank
+/// and pin.
 #[test]
 fn forces_are_the_gradient_of_the_stored_energy() {
     use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
     let machine = machine();
-    let uneven = Relief::from_samples(Relief::grid(720).map(|phi| worn(phi) + 2.0 * UM * (3.0 * phi).sin()).collect());
-    let pin = Relief::from_samples(Relief::grid(180).map(|psi| 3.0 * UM * (1.0 + (2.0 * psi).cos())).collect());
+    let uneven =
+        Relief::from_samples(Relief::grid(720).map(|phi| worn(phi) + 2.0 * UM * (3.0 * phi).sin()).collect());
+    let pin =
+        Relief::from_samples(Relief::grid(180).map(|psi| 3.0 * UM * (1.0 + (2.0 * psi).cos())).collect());
     let error = FlankError {
-        harmonics: vec![FlankHarmonic { order: 39, amplitude: 2.0 * UM, phase: 0.3, direction: FlankDirection::Normal }],
+        harmonics: vec![FlankHarmonic {
+            order: 39,
+            amplitude: 2.0 * UM,
+            phase: 0.3,
+            direction: FlankDirection::Normal,
+        }],
         measured: None,
     };
     let kinematics = machine.kinematics();
     let mut rolling_share: f64 = 0.0;
     for relief in [Relief::uniform(8.0 * UM), uneven] {
         for (pin, error) in [(None, None), (Some(&pin), None), (None, Some(&error))] {
-            let mut contacts = PinContacts::new(machine.profile(), machine.pins(), relief.clone(), machine.line_contact());
+            let mut contacts =
+                PinContacts::new(machine.profile(), machine.pins(), relief.clone(), machine.line_contact());
             pin.into_iter().for_each(|pin| contacts.set_pin_relief(pin.clone()));
             error.into_iter().for_each(|error| contacts.set_flank_error(error.clone()));
             let plain = contacts.clone();
@@ -197,17 +220,26 @@ fn forces_are_the_gradient_of_the_stored_energy() {
                     }
                     contacts.react(pose, DiscVelocity::REST).stored
                 };
-                let (exact, normal) = (contacts.react(base, DiscVelocity::REST), plain.react(base, DiscVelocity::REST));
+                let (exact, normal) =
+                    (contacts.react(base, DiscVelocity::REST), plain.react(base, DiscVelocity::REST));
                 let size = exact.force[0].hypot(exact.force[1]);
                 assert!(size > 100.0, "{size}");
                 for axis in 0..3 {
                     let h = 2e-9;
-                    let slope = -(8.0 * (shifted(axis, h) - shifted(axis, -h)) - shifted(axis, 2.0 * h) + shifted(axis, -2.0 * h)) / (12.0 * h);
+                    let slope = -(8.0 * (shifted(axis, h) - shifted(axis, -h)) - shifted(axis, 2.0 * h)
+                        + shifted(axis, -2.0 * h))
+                        / (12.0 * h);
                     let unit = if axis == 2 { 0.05 } else { 1.0 };
-                    // The curvature of an uneven flank or pin bends at the samples of its depth; what flank errors add is of first order in their slopes.
+                    // The curvature of an uneven flank or pin bends at the samples of its depth; what flank
+                    // errors add is of first order in their slopes.
                     let tolerance = if relief.is_uniform() && pin.is_none() { 1e-8 } else { 1e-6 };
-                    assert!((slope - exact.force[axis] / unit).abs() < tolerance * size, "{axis}: {slope} {} of {size}", exact.force[axis] / unit);
-                    rolling_share = rolling_share.max(((normal.force[axis] - exact.force[axis]) / unit).abs() / size);
+                    assert!(
+                        (slope - exact.force[axis] / unit).abs() < tolerance * size,
+                        "{axis}: {slope} {} of {size}",
+                        exact.force[axis] / unit
+                    );
+                    rolling_share =
+                        rolling_share.max(((normal.force[axis] - exact.force[axis]) / unit).abs() / size);
                 }
             }
         }
@@ -216,8 +248,8 @@ fn forces_are_the_gradient_of_the_stored_energy() {
     assert!(rolling_share > 1e-4, "{rolling_share}");
 }
 
-/// Chords leave the flank by s²/(8 ρ), nodes leave room for s²/(8 R_eq): both vanish with the square of the element size. Concave places come closer,
-/// convex ones recede; between nodes everything recedes.
+/// Chords leave the flank by s²/(8 ρ), nodes leave room for s²/(8 R_eq): both vanish with the square of the
+/// element size. Concave places come closer, convex ones recede; between nodes everything recedes.
 #[test]
 fn meshed_flanks_converge_with_the_square_of_the_element_size() {
     let machine = machine();
@@ -231,7 +263,11 @@ fn meshed_flanks_converge_with_the_square_of_the_element_size() {
         for step in 0..200 {
             let crank = 0.0173 * step as f64;
             let pose = kinematics.disc_pose(0, crank, kinematics.nominal_output_angle(crank) - 0.3 * ARCMIN);
-            for (a, b) in meshed.contacts(pose, DiscVelocity::REST).iter().zip(smooth.contacts(pose, DiscVelocity::REST)) {
+            for (a, b) in meshed
+                .contacts(pose, DiscVelocity::REST)
+                .iter()
+                .zip(smooth.contacts(pose, DiscVelocity::REST))
+            {
                 closest = closest.min(a.gap - b.gap);
                 farthest = farthest.max(a.gap - b.gap);
             }
@@ -242,7 +278,9 @@ fn meshed_flanks_converge_with_the_square_of_the_element_size() {
         let (coarse, fine) = (deviations(kind, 40), deviations(kind, 80));
         assert!((farthest_order(coarse.1, fine.1) - 2.0).abs() < 0.3, "{kind:?} {coarse:?} {fine:?}");
         match kind {
-            MeshContact::Edges => assert!((farthest_order(coarse.0, fine.0) - 2.0).abs() < 0.3, "{coarse:?} {fine:?}"),
+            MeshContact::Edges => {
+                assert!((farthest_order(coarse.0, fine.0) - 2.0).abs() < 0.3, "{coarse:?} {fine:?}")
+            }
             MeshContact::Nodes => assert!(coarse.0 > -1e-12 && fine.0 > -1e-12, "{coarse:?} {fine:?}"),
         }
         let edge = arc.lobe_length() / 40.0;

@@ -65,7 +65,8 @@ pub trait Sink {
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
 }
 
-/// Sums forces and tangents. Coordinates from number `size` on are held or prescribed; the torque on a prescribed input is kept aside.
+/// Sums forces and tangents. Coordinates from number `size` on are held or prescribed; the torque on a
+/// prescribed input is kept aside.
 pub struct Assembly<'a> {
     pub force: &'a mut [f64],
     pub linearisation: &'a mut DenseLinearisation,
@@ -93,7 +94,12 @@ impl Assembly<'_> {
     }
 
     /// Calls `add` for all pairs of free coordinates with the entry of a matrix given row by row.
-    fn scatter(&mut self, index: &[usize], matrix: &[f64], add: fn(&mut DenseLinearisation, usize, usize, f64)) {
+    fn scatter(
+        &mut self,
+        index: &[usize],
+        matrix: &[f64],
+        add: fn(&mut DenseLinearisation, usize, usize, f64),
+    ) {
         let n = index.len();
         for (i, row) in index.iter().enumerate().filter(|(_, row)| **row < self.size) {
             for (j, column) in index.iter().enumerate().filter(|(_, column)| **column < self.size) {

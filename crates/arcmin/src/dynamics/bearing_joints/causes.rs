@@ -12,7 +12,8 @@ pub enum Cause {
     FlankWear,
     PinWear,
     FlankModification,
-    /// Contacts come nearer to the root on their way through all clearances, where normals turn: of second order in the way, of either sign.
+    /// Contacts come nearer to the root on their way through all clearances, where normals turn: of second
+    /// order in the way, of either sign.
     FlankCurvature,
     TurningArmClearance,
     TurningArmWear,
@@ -122,15 +123,18 @@ impl Sink for Stored {
 }
 
 impl BearingJoints {
-    /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by cause.
+    /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by
+    /// cause.
     ///
-    /// The forces F_e of all joints balance the torque T at the output, so for small displacements T φ = Σ F_e u_e, and each u_e is the gap that was there
-    /// plus the elastic approach: causes add up to the whole but for terms of second order in the displacements of bearings. Wear is
-    /// counted at the nominal place, back along the tangents of the gaps: near the root a contact goes a long way along a worn flank or pin until it carries, to
-    /// other depths than where it was. What the unworn gaps miss of their nominal value that way, half their second derivative, is a cause of its own.
-    /// Exact for springs: Q δ = (n + 1) U of a roller, 2 U of linear springs.
-    /// Manufacturing errors do the work of F_e on what they displace in the nominal place; where they press parts together without load, elastic work and theirs
-    /// are large and nearly cancel.
+    /// The forces F_e of all joints balance the torque T at the output, so for small displacements T φ = Σ
+    /// F_e u_e, and each u_e is the gap that was there plus the elastic approach: causes add up to the whole
+    /// but for terms of second order in the displacements of bearings. Wear is counted at the nominal place,
+    /// back along the tangents of the gaps: near the root a contact goes a long way along a worn flank or pin
+    /// until it carries, to other depths than where it was. What the unworn gaps miss of their nominal value
+    /// that way, half their second derivative, is a cause of its own. Exact for springs: Q δ = (n + 1) U of a
+    /// roller, 2 U of linear springs. Manufacturing errors do the work of F_e on what they displace in the
+    /// nominal place; where they press parts together without load, elastic work and theirs are large and
+    /// nearly cancel.
     pub fn causes(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut causes = [0.0; Cause::ALL.len()];
@@ -148,20 +152,30 @@ impl BearingJoints {
                 let made = nominal.as_ref().map(|nominal| self.support_state(k, end, nominal).0);
                 (&self.supports[k], self.support_state(k, end, &q), self.part_wear.crank_support, made)
             });
-            let own = [(Cause::TurningArmClearance, Cause::TurningArmWear), (Cause::CrankSupportClearance, Cause::CrankSupportWear)];
+            let own = [
+                (Cause::TurningArmClearance, Cause::TurningArmWear),
+                (Cause::CrankSupportClearance, Cause::CrankSupportWear),
+            ];
             let all = arms.map(|bearing| (own[0], bearing)).chain(supports.map(|bearing| (own[1], bearing)));
             for ((clearance, wear), (law, (u, cage), worn, made)) in all {
                 let state = law.react(u, cage);
                 let elastic = (law.exponent + 1.0) * state.stored;
                 let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
-                let share = |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
+                let share =
+                    |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
                 add(Cause::Elastic, elastic);
                 add(clearance, gap * share(law.drawn_half_clearance));
                 add(wear, gap * share(0.5 * worn));
                 // Bores made too wide or too narrow.
-                add(Cause::ManufacturingErrors, gap * share(law.half_clearance - law.drawn_half_clearance - 0.5 * worn));
+                add(
+                    Cause::ManufacturingErrors,
+                    gap * share(law.half_clearance - law.drawn_half_clearance - 0.5 * worn),
+                );
                 if let Some(made) = made {
-                    add(Cause::ManufacturingErrors, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
+                    add(
+                        Cause::ManufacturingErrors,
+                        -(state.gradient[0] * made[0] + state.gradient[1] * made[1]),
+                    );
                 }
             }
             let mesh = self.mesh_state(k, &q, &v);
@@ -191,20 +205,26 @@ impl BearingJoints {
             let lost = self.lost(j, self.disc_state(j, &q, &v).0);
             let profile = ring.profile();
             let k1 = profile.short_width_coefficient();
-            let (circle, radius) = (profile.pin_circle_radius - self.radial_offset, profile.pin_radius - self.equidistant_offset);
+            let (circle, radius) = (
+                profile.pin_circle_radius - self.radial_offset,
+                profile.pin_radius - self.equidistant_offset,
+            );
             self.visit_loaded(j, &q, &v, |contact, force, approach| {
                 add(Cause::Elastic, force * approach);
                 let [flank, pin] = lost.of(contact);
                 add(Cause::FlankWear, force * flank);
                 add(Cause::PinWear, force * pin);
                 let cos = contact.meshing_angle.cos();
-                let offsets = self.equidistant_offset - self.radial_offset * (1.0 - k1 * cos) / profile.speed_factor(cos);
+                let offsets = self.equidistant_offset
+                    - self.radial_offset * (1.0 - k1 * cos) / profile.speed_factor(cos);
                 let modification = self.designed_relief.at(contact.meshing_angle).depth + offsets;
                 add(Cause::FlankModification, force * modification);
                 let mut made = 0.0;
                 if nominal.is_some() {
                     let pin = &ring.pins()[contact.pin];
-                    let moved = pin.centre - circle * unit(std::f64::consts::TAU * contact.pin as f64 / ring.pins().len() as f64);
+                    let moved = pin.centre
+                        - circle
+                            * unit(std::f64::consts::TAU * contact.pin as f64 / ring.pins().len() as f64);
                     made = contact.normal.dot(&moved) + radius - pin.radius + ring.flank_error_depth(contact);
                     add(Cause::ManufacturingErrors, force * made);
                 }
@@ -214,7 +234,8 @@ impl BearingJoints {
         causes
     }
 
-    /// What flank and pins have lost against a disc, followed back to its nominal place along the tangents of the gaps.
+    /// What flank and pins have lost against a disc, followed back to its nominal place along the tangents of
+    /// the gaps.
     fn lost(&self, disc: usize, pose: DiscPose) -> Lost<'_> {
         let nominal = self.nominal_position_at(self.held_sun());
         let (q, v) = self.full(0.0, &nominal, &vec![0.0; nominal.len()]);
@@ -224,7 +245,11 @@ impl BearingJoints {
         unworn.set_relief(self.designed_relief.clone());
         unworn.set_pin_relief(Relief::uniform(0.0));
         let moved = pose.centre - from.centre;
-        Lost { ring, unworn: unworn.contacts(pose, DiscVelocity::REST), moved: [moved.x, moved.y, pose.angle - from.angle] }
+        Lost {
+            ring,
+            unworn: unworn.contacts(pose, DiscVelocity::REST),
+            moved: [moved.x, moved.y, pose.angle - from.angle],
+        }
     }
 
     /// Loads of bearings and gears at a balance, means of all of a kind.
@@ -235,11 +260,13 @@ impl BearingJoints {
         for k in 0..cranks {
             for j in 0..discs {
                 let (u, cage) = self.turning_arm_state(k, j, &q);
-                loads.turning_arm += self.turning_arms[k][j].element_forces(u, cage).sum::<f64>() / (cranks * discs) as f64;
+                loads.turning_arm +=
+                    self.turning_arms[k][j].element_forces(u, cage).sum::<f64>() / (cranks * discs) as f64;
             }
             for end in 0..2 {
                 let (u, cage) = self.support_state(k, end, &q);
-                loads.crank_support += self.supports[k].element_forces(u, cage).sum::<f64>() / (2 * cranks) as f64;
+                loads.crank_support +=
+                    self.supports[k].element_forces(u, cage).sum::<f64>() / (2 * cranks) as f64;
             }
             let mesh = self.mesh_state(k, &q, &v);
             for side in 0..2 {
@@ -251,7 +278,10 @@ impl BearingJoints {
 
     /// Replaces what bearings and gears have lost.
     pub(super) fn set_part_wear(&mut self, wear: crate::machine::PartWear) {
-        let (arm, support) = (wear.turning_arm - self.part_wear.turning_arm, wear.crank_support - self.part_wear.crank_support);
+        let (arm, support) = (
+            wear.turning_arm - self.part_wear.turning_arm,
+            wear.crank_support - self.part_wear.crank_support,
+        );
         self.turning_arms.iter_mut().flatten().for_each(|bearing| bearing.widen(arm));
         self.supports.iter_mut().for_each(|bearing| bearing.widen(support));
         self.meshes.iter_mut().for_each(|mesh| mesh.flank_loss = wear.gears);

@@ -4,31 +4,40 @@ use super::BearingJoints;
 use super::assembly::{Element, Sink};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
-/// A mode that moves one end of a bearing: its coordinate and the displacement of the bore centre per unit of it, in the housing frame.
+/// A mode that moves one end of a bearing: its coordinate and the displacement of the bore centre per unit of
+/// it, in the housing frame.
 pub(super) type BoreMode = (usize, Vec2);
 
 impl BearingJoints {
     /// Bore of disc j for crankshaft k from the centre of the disc, in the housing frame.
     pub(super) fn bore_at(&self, k: usize, j: usize, q: &[f64]) -> Vec2 {
         let angle = q[self.layout.disc(j) + 2];
-        self.disc_bores[k][j].at(angle) + self.bore_modes(k, j, angle).map(|(mode, by)| q[mode] * by).sum::<Vec2>()
+        self.disc_bores[k][j].at(angle)
+            + self.bore_modes(k, j, angle).map(|(mode, by)| q[mode] * by).sum::<Vec2>()
     }
 
     /// The modes that move this bore of a disc at an angle in rad; none of a rigid disc.
     pub(super) fn bore_modes(&self, k: usize, j: usize, angle: f64) -> impl Iterator<Item = BoreMode> + '_ {
         let rotation = unit(angle);
         let modes = self.layout.modes(j);
-        self.elastic.iter().flat_map(move |discs| modes.clone().enumerate().map(move |(m, at)| (at, turned(discs.bore(j, m, k), rotation))))
+        self.elastic.iter().flat_map(move |discs| {
+            modes.clone().enumerate().map(move |(m, at)| (at, turned(discs.bore(j, m, k), rotation)))
+        })
     }
 
     /// Work of the modes of all discs, twice their energy, in J.
     pub(super) fn modal_work(&self, q: &[f64]) -> f64 {
-        self.elastic.iter().flat_map(|discs| (0..discs.count()).map(move |disc| discs.modal_work(disc, &q[self.layout.modes(disc)]))).sum()
+        self.elastic
+            .iter()
+            .flat_map(|discs| {
+                (0..discs.count()).map(move |disc| discs.modal_work(disc, &q[self.layout.modes(disc)]))
+            })
+            .sum()
     }
 }
 
-/// Hands on elements of a bearing whose body, coordinates 3 and 4 of six, is moved by modes as well: what acts on the body's place acts on a mode by its displacement
-/// of the bore.
+/// Hands on elements of a bearing whose body, coordinates 3 and 4 of six, is moved by modes as well: what
+/// acts on the body's place acts on a mode by its displacement of the bore.
 pub(super) struct WithModes<'a, S: Sink> {
     pub sink: &'a mut S,
     pub modes: &'a [BoreMode],
@@ -45,12 +54,18 @@ impl<S: Sink> WithModes<'_, S> {
     }
 
     fn vector(&self, vector: &[f64]) -> Vec<f64> {
-        vector.iter().copied().chain(self.modes.iter().map(|(_, by)| by.x * vector[PLACE[0]] + by.y * vector[PLACE[1]])).collect()
+        vector
+            .iter()
+            .copied()
+            .chain(self.modes.iter().map(|(_, by)| by.x * vector[PLACE[0]] + by.y * vector[PLACE[1]]))
+            .collect()
     }
 
     fn matrix(&self, matrix: &[f64]) -> Vec<f64> {
         let wide: Vec<Vec<f64>> = matrix.chunks_exact(BEARING).map(|row| self.vector(row)).collect();
-        let mode = |(_, by): &BoreMode| wide[PLACE[0]].iter().zip(&wide[PLACE[1]]).map(|(x, y)| by.x * x + by.y * y).collect::<Vec<f64>>();
+        let mode = |(_, by): &BoreMode| {
+            wide[PLACE[0]].iter().zip(&wide[PLACE[1]]).map(|(x, y)| by.x * x + by.y * y).collect::<Vec<f64>>()
+        };
         wide.iter().cloned().chain(self.modes.iter().map(mode)).flatten().collect()
     }
 }
@@ -63,7 +78,8 @@ impl<S: Sink> Sink for WithModes<'_, S> {
         let mut hessian = self.matrix(element.hessian);
         let width = BEARING + self.modes.len();
         for (m, (_, by)) in self.modes.iter().enumerate() {
-            // The modes' displacement turns with the disc. A force along the place is one against the gradient of the bearing's displacement.
+            // The modes' displacement turns with the disc. A force along the place is one against the
+            // gradient of the bearing's displacement.
             let across = quarter_turn(*by);
             let turning = element.gradient[PLACE[0]] * across.x + element.gradient[PLACE[1]] * across.y;
             hessian[ANGLE * width + BEARING + m] += turning;

@@ -1,7 +1,8 @@
 //! Single errors against their first-order closed forms.
 //!
-//! With stiff joints, a linear contact law and flanks without clearance, gaps that change by δg_i shift the output by δε = −Σ F_i δg_i/T (virtual work),
-//! with the forces F_i of the machine without errors, which come from the load sharing with ideal joints: another solver.
+//! With stiff joints, a linear contact law and flanks without clearance, gaps that change by δg_i shift the
+//! output by δε = −Σ F_i δg_i/T (virtual work), with the forces F_i of the machine without errors, which come
+//! from the load sharing with ideal joints: another solver.
 
 use super::*;
 use crate::contact::{ContactLaw, PinContact};
@@ -11,7 +12,8 @@ use crate::machine::{BoreError, CrankAngle, DiscError, PinError, Tolerances};
 use crate::units::UM;
 
 const TORQUE: f64 = 412.0;
-/// Small against the approach of the lightly loaded pins, so that hardly any contact opens: the closed forms are of first order.
+/// Small against the approach of the lightly loaded pins, so that hardly any contact opens: the closed forms
+/// are of first order.
 const SMALL: f64 = 0.02 * UM;
 
 fn machine() -> Machine {
@@ -22,7 +24,12 @@ fn machine() -> Machine {
 }
 
 fn model(machine: &Machine, errors: &ManufacturingErrors, sun: f64) -> (BearingJoints, Vec<f64>) {
-    let settings = JointSettings { stiffness_scale: 1e6, damped: false, errors: errors.clone(), ..JointSettings::default() };
+    let settings = JointSettings {
+        stiffness_scale: 1e6,
+        damped: false,
+        errors: errors.clone(),
+        ..JointSettings::default()
+    };
     let mut model = BearingJoints::held(machine, &settings).unwrap();
     model.hold_sun(sun, 0.0);
     model.set_load(TORQUE);
@@ -43,25 +50,35 @@ fn shift(machine: &Machine, errors: &ManufacturingErrors, sun: f64) -> f64 {
 fn closed_form(machine: &Machine, sun: f64, gap: impl Fn(usize, f64, &PinContact) -> f64) -> f64 {
     let crank = -sun * 39.0 / 81.0;
     let sharing = machine.load_sharing(CrankAngle::from_radians(crank), TORQUE).unwrap();
-    let work: f64 =
-        sharing.discs.iter().enumerate().flat_map(|(j, disc)| disc.iter().map(move |c| (j, c))).map(|(j, c)| c.force * gap(j, crank, c)).sum();
+    let work: f64 = sharing
+        .discs
+        .iter()
+        .enumerate()
+        .flat_map(|(j, disc)| disc.iter().map(move |c| (j, c)))
+        .map(|(j, c)| c.force * gap(j, crank, c))
+        .sum();
     -work / TORQUE
 }
 
 const SUNS: [f64; 4] = [0.3, 1.3, 2.9, 5.1];
 
 fn agree(name: &str, sun: f64, found: f64, expected: f64, size: f64) {
-    assert!((found - expected).abs() < 0.02 * size, "{name} at sun angle {sun}: {found:e}, closed form {expected:e}");
+    assert!(
+        (found - expected).abs() < 0.02 * size,
+        "{name} at sun angle {sun}: {found:e}, closed form {expected:e}"
+    );
 }
 
 #[test]
 fn val_eccentricity() {
     let machine = machine();
     let error = EccentricError { eccentricity: SMALL, phase: 0.0 };
-    let errors = ManufacturingErrors { eccentrics: vec![vec![error; 2]; 2], ..ManufacturingErrors::default() };
+    let errors =
+        ManufacturingErrors { eccentrics: vec![vec![error; 2]; 2], ..ManufacturingErrors::default() };
     for sun in SUNS {
         let phases = [0.0, std::f64::consts::PI];
-        let expected = closed_form(&machine, sun, |j, crank, c| -SMALL * c.normal.dot(&unit(crank + phases[j])));
+        let expected =
+            closed_form(&machine, sun, |j, crank, c| -SMALL * c.normal.dot(&unit(crank + phases[j])));
         agree("eccentricity", sun, shift(&machine, &errors, sun), expected, expected.abs());
     }
 }
@@ -72,7 +89,9 @@ fn val_pin_circle_and_pin_radius() {
     let circle = ManufacturingErrors { pin_circle_radius: SMALL, ..ManufacturingErrors::default() };
     let radius = ManufacturingErrors { pin_radius: -SMALL, ..ManufacturingErrors::default() };
     for sun in SUNS {
-        let expected = closed_form(&machine, sun, |_, _, c| SMALL * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0)));
+        let expected = closed_form(&machine, sun, |_, _, c| {
+            SMALL * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0))
+        });
         agree("pin circle", sun, shift(&machine, &circle, sun), expected, expected.abs());
         let expected = closed_form(&machine, sun, |_, _, _| SMALL);
         agree("pin radius", sun, shift(&machine, &radius, sun), expected, expected.abs());
@@ -92,24 +111,31 @@ fn val_one_displaced_pin() {
             let errors = ManufacturingErrors { pins, ..ManufacturingErrors::default() };
             let outward = unit(std::f64::consts::TAU * most as f64 / 40.0);
             let moved = radial * outward + tangential * quarter_turn(outward);
-            let expected = closed_form(&machine, sun, |_, _, c| if c.pin == most { c.normal.dot(&moved) } else { 0.0 });
+            let expected =
+                closed_form(&machine, sun, |_, _, c| if c.pin == most { c.normal.dot(&moved) } else { 0.0 });
             agree(
                 "pin",
                 sun,
                 shift(&machine, &errors, sun),
                 expected,
-                expected.abs().max(0.1 * closed_form(&machine, sun, |_, _, c| if c.pin == most { -0.2 * UM } else { 0.0 })),
+                expected.abs().max(
+                    0.1 * closed_form(&machine, sun, |_, _, c| if c.pin == most { -0.2 * UM } else { 0.0 }),
+                ),
             );
         }
     }
 }
 
-/// Both bores of one disc ahead by 1 µm turn it back by 1 µm/R_c, which the moment on that disc alone answers.
+/// Both bores of one disc ahead by 1 µm turn it back by 1 µm/R_c, which the moment on that disc alone
+/// answers.
 #[test]
 fn val_bore_position() {
     let machine = machine();
     let bore = BoreError { tangential: UM, ..BoreError::default() };
-    let errors = ManufacturingErrors { discs: vec![DiscError { bores: vec![bore; 2], ..DiscError::default() }], ..ManufacturingErrors::default() };
+    let errors = ManufacturingErrors {
+        discs: vec![DiscError { bores: vec![bore; 2], ..DiscError::default() }],
+        ..ManufacturingErrors::default()
+    };
     for sun in SUNS {
         let turn = -UM / machine.gear_stage.centre_distance();
         let expected = closed_form(&machine, sun, |j, _, c| if j == 0 { c.gradient[2] * turn } else { 0.0 });
@@ -117,14 +143,17 @@ fn val_bore_position() {
     }
 }
 
-/// Planets whose gears are off by ε move their meshes along the line of action. With the run-outs opposite on opposite planets all meshes move alike, the
-/// crankshafts turn together, and the output turns by ε/(r_b2 z_c + r_b1 + r_b2). Amplitude over one turn of the planet against the carrier.
+/// Planets whose gears are off by ε move their meshes along the line of action. With the run-outs opposite on
+/// opposite planets all meshes move alike, the crankshafts turn together, and the output turns by ε/(r_b2 z_c
+/// + r_b1 + r_b2). Amplitude over one turn of the planet against the carrier.
 ///
-/// One planet alone moves the output by half of that only where the crankshafts are tied to each other by the discs; in line with their centres they are not.
+/// One planet alone moves the output by half of that only where the crankshafts are tied to each other by the
+/// discs; in line with their centres they are not.
 #[test]
 fn val_planet_run_out() {
     let machine = machine();
-    // Below the 1.1 µm by which the load winds up the meshes: more run-out brings the axes close enough for teeth without backlash to touch on both flanks.
+    // Below the 1.1 µm by which the load winds up the meshes: more run-out brings the axes close enough for
+    // teeth without backlash to touch on both flanks.
     let amplitude = 0.5 * UM;
     let planets = vec![RunOut { amplitude, phase: 0.0 }, RunOut { amplitude, phase: std::f64::consts::PI }];
     let errors = ManufacturingErrors { planets, ..ManufacturingErrors::default() };
@@ -142,11 +171,15 @@ fn val_planet_run_out() {
     }
     agree("planet", 0.0, cosine.hypot(sine), expected, expected);
     let (loaded, q) = model(&machine, &ManufacturingErrors::default(), 0.0);
-    assert!(loaded.forces(0.0, &q, &vec![0.0; q.len()]).mesh_force.abs() > 100.0, "the meshes are meant to carry");
+    assert!(
+        loaded.forces(0.0, &q, &vec![0.0; q.len()]).mesh_force.abs() > 100.0,
+        "the meshes are meant to carry"
+    );
 }
 
-/// One pin 0.2 µm further in, all springs of the pins linear and alike, everything else stiff: with slopes s_i of the gaps along the one motion left, it takes
-/// ΔF_m = k (δ_m + s_m Δε) more, where Δε keeps Σ F_i s_i = T; slopes from the machine with ideal joints.
+/// One pin 0.2 µm further in, all springs of the pins linear and alike, everything else stiff: with slopes
+/// s_i of the gaps along the one motion left, it takes ΔF_m = k (δ_m + s_m Δε) more, where Δε keeps Σ F_i s_i
+/// = T; slopes from the machine with ideal joints.
 #[test]
 fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
     let machine = machine();
@@ -156,16 +189,30 @@ fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
         let crank = -sun * 39.0 / 81.0;
         let sharing = machine.load_sharing(CrankAngle::from_radians(crank), TORQUE).unwrap();
         let slope = |j: usize, c: &PinContact| {
-            let motion = kinematics.crank_per_output_locked() * kinematics.eccentricity * quarter_turn(unit(crank + kinematics.phases[j]));
+            let motion = kinematics.crank_per_output_locked()
+                * kinematics.eccentricity
+                * quarter_turn(unit(crank + kinematics.phases[j]));
             c.gradient[0] * motion.x + c.gradient[1] * motion.y + c.gradient[2]
         };
-        let loaded = || sharing.discs.iter().enumerate().flat_map(|(j, disc)| disc.iter().filter(|c| c.force > 0.0).map(move |c| (j, c)));
+        let loaded = || {
+            sharing
+                .discs
+                .iter()
+                .enumerate()
+                .flat_map(|(j, disc)| disc.iter().filter(|c| c.force > 0.0).map(move |c| (j, c)))
+        };
         // The slopes balance the torque, so they are the right ones.
         let torque: f64 = loaded().map(|(j, c)| c.force * slope(j, c)).sum();
         assert!((torque / TORQUE - 1.0).abs() < 1e-6, "{torque}");
         let (disc, most) = loaded().max_by(|a, b| a.1.force.total_cmp(&b.1.force)).unwrap();
         let inwards = -0.2 * UM;
-        let moved = |c: &PinContact| if c.pin == most.pin { inwards * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0)) } else { 0.0 };
+        let moved = |c: &PinContact| {
+            if c.pin == most.pin {
+                inwards * c.normal.dot(&unit(std::f64::consts::TAU * c.pin as f64 / 40.0))
+            } else {
+                0.0
+            }
+        };
         let stiffness: f64 = loaded().map(|(j, c)| slope(j, c).powi(2)).sum();
         let way = -loaded().map(|(j, c)| moved(c) * slope(j, c)).sum::<f64>() / stiffness;
         let expected = -k * (moved(most) + slope(disc, most) * way);
@@ -183,20 +230,29 @@ fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
     }
 }
 
-/// Means over the whole ring converge: contact reads 720 positions, life 144 (lost motion 48). Twelve, enough for a machine without errors, miss some pins.
+/// Means over the whole ring converge: contact reads 720 positions, life 144 (lost motion 48). Twelve, enough
+/// for a machine without errors, miss some pins.
 #[test]
 fn means_over_the_ring_converge() {
     let machine = crate::templates::rv_40e_81();
-    let tolerances =
-        Tolerances { pin_position: 3.0 * UM, pin_radius: UM, pin_circle_offset: 4.0 * UM, eccentricity: 2.0 * UM, ..Tolerances::default() };
+    let tolerances = Tolerances {
+        pin_position: 3.0 * UM,
+        pin_radius: UM,
+        pin_circle_offset: 4.0 * UM,
+        eccentricity: 2.0 * UM,
+        ..Tolerances::default()
+    };
     let errors = ManufacturingErrors::draw(&machine, &tolerances, 5);
-    let meshing = BearingMeshing::new(&machine, &JointSettings { errors, ..JointSettings::default() }).unwrap();
+    let meshing =
+        BearingMeshing::new(&machine, &JointSettings { errors, ..JointSettings::default() }).unwrap();
     assert_eq!(meshing.pitches(), 39 * 40);
     let lost = |count: usize| crate::load::lost_motion(&mut meshing.clone(), TORQUE, count).unwrap().arcmin();
-    let force = |cycle: &crate::load::Cycle| cycle.pin_loads().iter().map(|load| load.mean_force).fold(0.0, f64::max);
+    let force =
+        |cycle: &crate::load::Cycle| cycle.pin_loads().iter().map(|load| load.mean_force).fold(0.0, f64::max);
     let cycle = |count: usize| meshing.clone().whole_cycle(TORQUE, count).unwrap();
     let (few, some, many) = (cycle(12), cycle(144), cycle(720));
-    let within = |name: &str, a: f64, b: f64, tolerance: f64| assert!((a - b).abs() < tolerance, "{name}: {a} {b}");
+    let within =
+        |name: &str, a: f64, b: f64, tolerance: f64| assert!((a - b).abs() < tolerance, "{name}: {a} {b}");
     within("mean error", some.mean_error().arcmin(), many.mean_error().arcmin(), 0.001);
     within("play", some.mean_play().arcmin(), many.mean_play().arcmin(), 0.005);
     within("lost motion", lost(48), lost(480), 0.002);

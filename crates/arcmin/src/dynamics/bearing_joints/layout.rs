@@ -45,8 +45,19 @@ impl Layout {
             next += count;
             next - count
         };
-        let mut layout =
-            Layout { cranks, discs, modes, at_rest, carrier: [0; 3], flange: 0, housing: [0; 3], sun_angle: 0, input: 0, size: 0, whole: 0 };
+        let mut layout = Layout {
+            cranks,
+            discs,
+            modes,
+            at_rest,
+            carrier: [0; 3],
+            flange: 0,
+            housing: [0; 3],
+            sun_angle: 0,
+            input: 0,
+            size: 0,
+            whole: 0,
+        };
         match at_rest {
             FixedMember::Housing => {
                 let at = take(3);
@@ -121,8 +132,12 @@ impl Layout {
 
     /// x of every centre that moves in the plane, the housing's apart.
     pub fn centres(&self) -> impl Iterator<Item = usize> {
-        let stations = (0..self.cranks).flat_map(move |k| (0..self.discs + 2).map(move |station| self.crank(k) + 2 * station));
-        stations.chain((0..self.discs).map(|j| self.disc(j))).chain([self.sun(), self.carrier[0]]).filter(|x| *x < self.size)
+        let stations = (0..self.cranks)
+            .flat_map(move |k| (0..self.discs + 2).map(move |station| self.crank(k) + 2 * station));
+        stations
+            .chain((0..self.discs).map(|j| self.disc(j)))
+            .chain([self.sun(), self.carrier[0]])
+            .filter(|x| *x < self.size)
     }
 
     /// x of the sun.
@@ -192,10 +207,16 @@ impl Layout {
             mass[at + 2] = machine.disc.inertia;
             mass[self.modes(j)].fill(1.0);
         }
-        // The sun as a steel cylinder of twice its face width, an assumption that matters for vibrations only.
+        // The sun as a steel cylinder of twice its face width, an assumption that matters for vibrations
+        // only.
         let stage = &machine.gear_stage;
         let radius = stage.sun_pitch_radius();
-        let sun = machine.crankshafts.material.density * std::f64::consts::PI * radius * radius * 2.0 * stage.face_width;
+        let sun = machine.crankshafts.material.density
+            * std::f64::consts::PI
+            * radius
+            * radius
+            * 2.0
+            * stage.face_width;
         let at = self.sun();
         mass[at..at + 2].fill(sun.max(1e-3));
         for axis in 0..2 {
@@ -213,7 +234,8 @@ impl Layout {
         mass
     }
 
-    /// One minute of arc at the output, as places (at the radius of the crankshafts) and angles, and a modal coordinate's unit of error.
+    /// One minute of arc at the output, as places (at the radius of the crankshafts) and angles, and a modal
+    /// coordinate's unit of error.
     pub fn scale(&self, kinematics: &Kinematics, radius: f64, mode: f64) -> Vec<f64> {
         let mut scale = vec![radius * ARCMIN; self.whole];
         for k in 0..self.cranks {

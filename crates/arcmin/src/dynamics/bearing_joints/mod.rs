@@ -29,7 +29,9 @@ use shaft::Shaft;
 use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad};
 use crate::contact::{PinContacts, Sliding};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
-use crate::machine::{EccentricError, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, PinMounting, RunOut};
+use crate::machine::{
+    EccentricError, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, PinMounting, RunOut,
+};
 
 /// What the model takes beside the machine.
 #[derive(Debug, Clone)]
@@ -43,7 +45,8 @@ pub struct JointSettings {
     pub errors: ManufacturingErrors,
     /// Discs that deform, from [`ElasticDiscs::free`]; rigid ones without.
     pub discs: Option<ElasticDiscs>,
-    /// Multiplies the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the machine as it is.
+    /// Multiplies the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the
+    /// machine as it is.
     pub stiffness_scale: f64,
     /// Whether contacts and meshes are damped; a slow quasi-static test has no use for damping.
     pub damped: bool,
@@ -93,14 +96,18 @@ impl Arm {
 
 /// Discs, crankshafts, carrier and sun free in the plane, in roller bearings with clearance.
 ///
-/// Coordinates are absolute places (m) and angles (rad): per crankshaft the shaft at both supports and at every disc (x, y) and its turn; per disc
-/// (x, y, θ) and its modes, if it is elastic ([`ElasticDiscs`]); sun (x, y); carrier (x, y, θ), or housing where that is the output; the carrier's flange where its torsion is
-/// given; the turn of sun and input where they are free. The shaft's mass sits at its stations. All springs derive from energies, so forces and tangents agree:
-/// pins (any contact law, seat compliance in series), turning-arm bearings between eccentric and disc bore, crank supports between shaft and
-/// carrier, bending and shear of the shaft, involute meshes with moving centres (shaft torsion in series), main bearings, the sun's support,
-/// torsion of carrier and input shaft. Bearings and shafts are damped in proportion to their tangent stiffness.
+/// Coordinates are absolute places (m) and angles (rad): per crankshaft the shaft at both supports and at
+/// every disc (x, y) and its turn; per disc (x, y, θ) and its modes, if it is elastic ([`ElasticDiscs`]); sun
+/// (x, y); carrier (x, y, θ), or housing where that is the output; the carrier's flange where its torsion is
+/// given; the turn of sun and input where they are free. The shaft's mass sits at its stations. All springs
+/// derive from energies, so forces and tangents agree: pins (any contact law, seat compliance in series),
+/// turning-arm bearings between eccentric and disc bore, crank supports between shaft and carrier, bending
+/// and shear of the shaft, involute meshes with moving centres (shaft torsion in series), main bearings, the
+/// sun's support, torsion of carrier and input shaft. Bearings and shafts are damped in proportion to their
+/// tangent stiffness.
 ///
-/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings of bearings, the cage's own motion.
+/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings of bearings, the
+/// cage's own motion.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     kinematics: Kinematics,
@@ -141,15 +148,23 @@ pub struct BearingJoints {
     scale: Vec<f64>,
 }
 
-/// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1 kHz.
+/// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
+/// kHz.
 const LOSS_TIME: f64 = 2e-6;
 
 impl BearingJoints {
-    /// Builds the model; `drag` is a steady torque (N·m) at the output against its motion, on top of the machine's seal drag.
+    /// Builds the model; `drag` is a steady torque (N·m) at the output against its motion, on top of the
+    /// machine's seal drag.
     ///
     /// # Errors
     /// [`DynamicsError`] for values without meaning.
-    pub fn new(machine: &Machine, settings: &JointSettings, drive: Drive, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
+    pub fn new(
+        machine: &Machine,
+        settings: &JointSettings,
+        drive: Drive,
+        load: OutputLoad,
+        drag: f64,
+    ) -> Result<BearingJoints, DynamicsError> {
         drive.validate()?;
         BearingJoints::build(machine, settings, Input::Driven(drive), load, drag)
     }
@@ -162,7 +177,13 @@ impl BearingJoints {
         BearingJoints::build(machine, settings, Input::Held { angle: 0.0, speed: 0.0 }, OutputLoad::None, 0.0)
     }
 
-    fn build(machine: &Machine, settings: &JointSettings, input: Input, load: OutputLoad, drag: f64) -> Result<BearingJoints, DynamicsError> {
+    fn build(
+        machine: &Machine,
+        settings: &JointSettings,
+        input: Input,
+        load: OutputLoad,
+        drag: f64,
+    ) -> Result<BearingJoints, DynamicsError> {
         load.validate()?;
         validate(machine, settings, drag)?;
         let kinematics = machine.kinematics();
@@ -175,7 +196,9 @@ impl BearingJoints {
             let error = error.copied().unwrap_or_default();
             Arm::new((radius + error.radial) * unit(angle) + error.tangential * quarter_turn(unit(angle)))
         };
-        let eccentric_error = |k: usize, j: usize| errors.eccentrics.get(k).and_then(|list| list.get(j)).copied().unwrap_or_default();
+        let eccentric_error = |k: usize, j: usize| {
+            errors.eccentrics.get(k).and_then(|list| list.get(j)).copied().unwrap_or_default()
+        };
         let run_out = |list: &[RunOut], k: usize| list.get(k).copied().unwrap_or_default();
         let disc_bore = |k: usize, j: usize| errors.discs.get(j).and_then(|disc| disc.bores.get(k));
         let shaft = Shaft::new(machine, scale);
@@ -183,7 +206,8 @@ impl BearingJoints {
         let stage = &machine.gear_stage;
         let input_torsion = stage.input_torsional_stiffness * scale;
         let free_input = matches!(&input, Input::Driven(drive) if drive.leaves_sun_free());
-        let degrees = Degrees { flange: torsional.is_finite(), input_shaft: input_torsion.is_finite(), free_input };
+        let degrees =
+            Degrees { flange: torsional.is_finite(), input_shaft: input_torsion.is_finite(), free_input };
         if free_input && degrees.input_shaft {
             DynamicsError::require(
                 stage.motor_inertia > 0.0,
@@ -233,15 +257,21 @@ impl BearingJoints {
                     (0..discs)
                         .map(|j| {
                             let EccentricError { eccentricity, phase } = eccentric_error(k, j);
-                            Arm { radius: machine.crankshafts.eccentricity + eccentricity, phase: kinematics.phases[j] + phase }
+                            Arm {
+                                radius: machine.crankshafts.eccentricity + eccentricity,
+                                phase: kinematics.phases[j] + phase,
+                            }
                         })
                         .collect()
                 })
                 .collect(),
             disc_bores: (0..cranks)
                 .map(|k| {
-                    // The disc's own angle zero is that of its flank; the bores are turned back by the mounting angle.
-                    (0..discs).map(|j| bore(disc_bore(k, j), place(k) - kinematics.mounting_angle(j))).collect()
+                    // The disc's own angle zero is that of its flank; the bores are turned back by the
+                    // mounting angle.
+                    (0..discs)
+                        .map(|j| bore(disc_bore(k, j), place(k) - kinematics.mounting_angle(j)))
+                        .collect()
                 })
                 .collect(),
             carrier_bores: (0..cranks).map(|k| bore(errors.carrier_bores.get(k), place(k))).collect(),
@@ -259,7 +289,8 @@ impl BearingJoints {
             drag: drag + machine.friction.seal_drag,
             drag_speed: (0.01 * machine.rated.input_speed / ratio).abs().max(1e-6),
             friction: machine.friction,
-            // Mean distance of the contact from the pitch point: a quarter of a path of contact of 1.6 base pitches.
+            // Mean distance of the contact from the pitch point: a quarter of a path of contact of 1.6 base
+            // pitches.
             mesh_sliding: 0.4 * std::f64::consts::PI * stage.module * stage.pressure_angle.cos(),
             loss_time: if settings.damped { LOSS_TIME } else { 0.0 },
             part_wear: PartWear::default(),
@@ -307,7 +338,8 @@ impl BearingJoints {
         ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
     }
 
-    /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and i the ratio of that case.
+    /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and
+    /// i the ratio of that case.
     pub fn output_error(&self, position: &[f64]) -> f64 {
         position[self.layout.output()] - self.held_sun() / self.kinematics.ratio()
     }
@@ -320,7 +352,8 @@ impl BearingJoints {
         }
     }
 
-    /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates (rad/(N·m), m/(N·m)).
+    /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates
+    /// (rad/(N·m), m/(N·m)).
     pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
         let mut whole = motion.to_vec();
         whole.resize(self.layout.whole(), 0.0);
@@ -334,20 +367,28 @@ impl BearingJoints {
     /// Relative displacement of eccentric and bore (m) and cage angle (rad) of a turning-arm bearing.
     fn turning_arm_state(&self, k: usize, j: usize, q: &[f64]) -> ([f64; 2], f64) {
         let (s, t, d) = (self.layout.disc_station(k, j), self.layout.crank_angle(k), self.layout.disc(j));
-        let u = Vec2::new(q[s] - q[d], q[s + 1] - q[d + 1]) + self.eccentrics[k][j].at(q[t]) - self.bore_at(k, j, q);
+        let u = Vec2::new(q[s] - q[d], q[s + 1] - q[d + 1]) + self.eccentrics[k][j].at(q[t])
+            - self.bore_at(k, j, q);
         let w = self.turning_arms[k][j].inner_share;
         ([u.x, u.y], w * q[t] + (1.0 - w) * q[d + 2])
     }
 
     fn support_state(&self, k: usize, end: usize, q: &[f64]) -> ([f64; 2], f64) {
-        let (s, t, [cx, cy, carrier]) = (self.layout.support(k, end), self.layout.crank_angle(k), self.layout.carrier());
-        let u = Vec2::new(q[s] - q[cx], q[s + 1] - q[cy]) + self.journals[k].at(q[t]) - self.carrier_bores[k].at(q[carrier]);
+        let (s, t, [cx, cy, carrier]) =
+            (self.layout.support(k, end), self.layout.crank_angle(k), self.layout.carrier());
+        let u = Vec2::new(q[s] - q[cx], q[s + 1] - q[cy]) + self.journals[k].at(q[t])
+            - self.carrier_bores[k].at(q[carrier]);
         let w = self.supports[k].inner_share;
         ([u.x, u.y], w * q[t] + (1.0 - w) * q[carrier])
     }
 
     /// Force (N) on the inner ring and rolling element forces of a turning-arm bearing.
-    pub fn turning_arm_load(&self, crankshaft: usize, disc: usize, position: &[f64]) -> (BearingState, Vec<f64>) {
+    pub fn turning_arm_load(
+        &self,
+        crankshaft: usize,
+        disc: usize,
+        position: &[f64],
+    ) -> (BearingState, Vec<f64>) {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         let (u, cage) = self.turning_arm_state(crankshaft, disc, &q);
         let bearing = &self.turning_arms[crankshaft][disc];
@@ -377,11 +418,19 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
         let own = errors.pins.get(i).copied().unwrap_or_default();
         let outward = pin.centre.normalize();
         let RunOut { amplitude, phase } = errors.pin_circle_offset;
-        pin.centre += (errors.pin_circle_radius + own.radial) * outward + own.tangential * quarter_turn(outward) + amplitude * unit(phase);
+        pin.centre += (errors.pin_circle_radius + own.radial) * outward
+            + own.tangential * quarter_turn(outward)
+            + amplitude * unit(phase);
         pin.radius += errors.pin_radius + own.radius;
     }
-    let contact = machine.line_contact().with_seat_compliance(machine.ring.seat_compliance / settings.stiffness_scale);
-    let mut ring = PinContacts::new(machine.profile(), pins, machine.designed_relief().plus(&settings.flank_wear), contact);
+    let contact =
+        machine.line_contact().with_seat_compliance(machine.ring.seat_compliance / settings.stiffness_scale);
+    let mut ring = PinContacts::new(
+        machine.profile(),
+        pins,
+        machine.designed_relief().plus(&settings.flank_wear),
+        contact,
+    );
     ring.set_pin_relief(settings.pin_wear.clone());
     if let Some(error) = errors.discs.get(disc) {
         ring.set_flank_error(error.flank.clone());
@@ -403,7 +452,13 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
 fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
     let check = DynamicsError::require;
     if let Some(discs) = &settings.discs {
-        check(discs.count() == machine.disc_count, "number of elastic discs", discs.count() as f64, "", "must be that of the machine's discs")?;
+        check(
+            discs.count() == machine.disc_count,
+            "number of elastic discs",
+            discs.count() as f64,
+            "",
+            "must be that of the machine's discs",
+        )?;
     }
     check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
     let positive = [

@@ -3,9 +3,11 @@ use crate::machine::{Kinematics, Machine};
 
 /// One involute mesh of sun and planet whose centres may move.
 ///
-/// On the flank s = ±1 the teeth overlap by e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) − (r_b1 + r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the
-/// direction and D the distance of the centres, cos α' = (r_b1 + r_b2)/D, γ the planet's place on the carrier, j the backlash and h_s what that side has worn. Its gradient is the
-/// unit normal of the contact, so a planet that moves in its bearings changes the mesh, and teeth pressed together wedge on both flanks.
+/// On the flank s = ±1 the teeth overlap by e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) − (r_b1 +
+/// r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the direction and D the distance of the centres, cos α' =
+/// (r_b1 + r_b2)/D, γ the planet's place on the carrier, j the backlash and h_s what that side has worn. Its
+/// gradient is the unit normal of the contact, so a planet that moves in its bearings changes the mesh, and
+/// teeth pressed together wedge on both flanks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarMesh {
     pub sun_base_radius: f64,
@@ -15,13 +17,15 @@ pub struct PlanarMesh {
     variation: f64,
     pub damping: f64,
     pub half_backlash: f64,
-    /// Metal lost along the line of action by the teeth of either side, m: where the sun drives counter-clockwise, and the other.
+    /// Metal lost along the line of action by the teeth of either side, m: where the sun drives
+    /// counter-clockwise, and the other.
     pub flank_loss: [f64; 2],
     sun_teeth: f64,
     /// γ of this planet in rad.
     place: f64,
     nominal_involute: f64,
-    /// Run-out of the planet: the centre of its base circle lies at this distance (m) and angle (rad) from its axis of rotation.
+    /// Run-out of the planet: the centre of its base circle lies at this distance (m) and angle (rad) from
+    /// its axis of rotation.
     pub planet_run_out: (f64, f64),
     pub sun_run_out: (f64, f64),
 }
@@ -50,7 +54,8 @@ pub struct MeshState {
 const DAMPING_RAMP: f64 = 1e-6;
 
 impl PlanarMesh {
-    /// `torsion` is the torsional stiffness of the shaft behind the planet in N·m/rad, `scale` multiplies the shaft only.
+    /// `torsion` is the torsional stiffness of the shaft behind the planet in N·m/rad, `scale` multiplies the
+    /// shaft only.
     pub fn new(machine: &Machine, crankshaft: usize, torsion: f64) -> PlanarMesh {
         let stage = &machine.gear_stage;
         let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
@@ -64,18 +69,24 @@ impl PlanarMesh {
             half_backlash: 0.5 * stage.backlash,
             flank_loss: [0.0; 2],
             sun_teeth: stage.sun_teeth as f64,
-            place: Kinematics::crankshaft_angle(machine.crankshafts.first_angle, crankshaft, machine.crankshafts.count),
+            place: Kinematics::crankshaft_angle(
+                machine.crankshafts.first_angle,
+                crankshaft,
+                machine.crankshafts.count,
+            ),
             nominal_involute: alpha.tan() - alpha,
             planet_run_out: (0.0, 0.0),
             sun_run_out: (0.0, 0.0),
         }
     }
 
-    /// By how much the teeth of either side would overlap without backlash and wear: in the nominal place, what run-outs make of it. m.
+    /// By how much the teeth of either side would overlap without backlash and wear: in the nominal place,
+    /// what run-outs make of it. m.
     pub fn overlap(&self, q: &Row) -> [f64; 2] {
         let base = self.sun_base_radius + self.planet_base_radius;
         let arm = |(amplitude, phase): (f64, f64), turn: f64| amplitude * unit(turn + phase);
-        let d = Vec2::new(q[3] - q[0], q[4] - q[1]) + arm(self.planet_run_out, q[5]) - arm(self.sun_run_out, q[2]);
+        let d = Vec2::new(q[3] - q[0], q[4] - q[1]) + arm(self.planet_run_out, q[5])
+            - arm(self.sun_run_out, q[2]);
         let reference = unit(q[6] + self.place);
         let turn = (reference.x * d.y - reference.y * d.x).atan2(reference.dot(&d));
         let pressure_angle = (base / d.norm()).min(1.0).acos();
@@ -92,7 +103,8 @@ impl PlanarMesh {
         let d = Vec2::new(q[3] - q[0], q[4] - q[1]) + planet_arm - sun_arm;
         let distance = d.norm();
         if !(distance > base) {
-            // Base circles overlap: no involute mesh exists; the caller's Newton step was absurd and is refused by its residual.
+            // Base circles overlap: no involute mesh exists; the caller's Newton step was absurd and is
+            // refused by its residual.
             state.stored = f64::NAN;
             return state;
         }
@@ -110,7 +122,10 @@ impl PlanarMesh {
         let k1 = -self.stiffness * self.variation * self.sun_teeth * phase.sin();
         let k2 = -self.stiffness * self.variation * self.sun_teeth.powi(2) * phase.cos();
         for (number, side) in [1.0, -1.0].into_iter().enumerate() {
-            let overlap = side * twist - base * (involute - self.nominal_involute) - self.half_backlash - self.flank_loss[number];
+            let overlap = side * twist
+                - base * (involute - self.nominal_involute)
+                - self.half_backlash
+                - self.flank_loss[number];
             if overlap <= 0.0 {
                 continue;
             }
@@ -129,15 +144,23 @@ impl PlanarMesh {
             ];
             // Motion of d per coordinate.
             let (ps, pp) = (quarter_turn(sun_arm), quarter_turn(planet_arm));
-            let motion: [Vec2; MESH_COORDINATES] =
-                [Vec2::new(-1.0, 0.0), Vec2::new(0.0, -1.0), -ps, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0), pp, Vec2::zeros()];
+            let motion: [Vec2; MESH_COORDINATES] = [
+                Vec2::new(-1.0, 0.0),
+                Vec2::new(0.0, -1.0),
+                -ps,
+                Vec2::new(1.0, 0.0),
+                Vec2::new(0.0, 1.0),
+                pp,
+                Vec2::zeros(),
+            ];
             let elastic = k * overlap;
             state.stored += 0.5 * k * overlap * overlap;
             let x = (overlap / DAMPING_RAMP).min(1.0);
             let c = self.damping * x * x * (3.0 - 2.0 * x);
             let rate: f64 = slope.iter().zip(v).map(|(s, v)| s * v).sum();
             if elastic + c * rate <= 0.0 {
-                // Teeth part faster than they spring back: no force, for damping must not pull, and the energy they held is lost.
+                // Teeth part faster than they spring back: no force, for damping must not pull, and the
+                // energy they held is lost.
                 state.dissipation -= elastic * rate;
                 continue;
             }
@@ -148,7 +171,8 @@ impl PlanarMesh {
             for i in 0..MESH_COORDINATES {
                 state.gradient[i] += elastic * slope[i] + k1 * half_square * sigma[i];
                 for j in 0..MESH_COORDINATES {
-                    state.hessian[i][j] += k * slope[i] * slope[j] - elastic * across.dot(&motion[i]) * turning.dot(&motion[j])
+                    state.hessian[i][j] += k * slope[i] * slope[j]
+                        - elastic * across.dot(&motion[i]) * turning.dot(&motion[j])
                         + k1 * overlap * (slope[i] * sigma[j] + sigma[i] * slope[j])
                         + k2 * half_square * sigma[i] * sigma[j];
                 }
@@ -179,7 +203,18 @@ mod tests {
         mesh.sun_run_out = (10e-6, 1.1);
         let carrier = 0.3;
         let place = 0.0405 * unit(carrier + mesh.place);
-        (mesh, [1e-6, -2e-6, 0.9, place.x + 3e-6, place.y - 1e-6, carrier - 0.5 * (0.9 - carrier) + 3e-3, carrier])
+        (
+            mesh,
+            [
+                1e-6,
+                -2e-6,
+                0.9,
+                place.x + 3e-6,
+                place.y - 1e-6,
+                carrier - 0.5 * (0.9 - carrier) + 3e-3,
+                carrier,
+            ],
+        )
     }
 
     #[test]
@@ -197,17 +232,25 @@ mod tests {
             };
             let (up, down) = (shifted(1.0), shifted(-1.0));
             let slope = (up.stored - down.stored) / (2.0 * h);
-            assert!((slope - here.gradient[i]).abs() < 1e-5 * here.force, "{i}: {slope} {}", here.gradient[i]);
+            assert!(
+                (slope - here.gradient[i]).abs() < 1e-5 * here.force,
+                "{i}: {slope} {}",
+                here.gradient[i]
+            );
             for j in 0..MESH_COORDINATES {
                 let slope = (up.gradient[j] - down.gradient[j]) / (2.0 * h);
                 let size = (here.hessian[i][i] * here.hessian[j][j]).abs().sqrt().max(1.0);
-                assert!((slope - here.hessian[i][j]).abs() < 1e-4 * size, "{i} {j}: {slope} {}", here.hessian[i][j]);
+                assert!(
+                    (slope - here.hessian[i][j]).abs() < 1e-4 * size,
+                    "{i} {j}: {slope} {}",
+                    here.hessian[i][j]
+                );
             }
         }
     }
 
-    /// A carrier that turns with fixed sun and planet angles closes the mesh by (r_b1 + r_b2) per radian, and pulling the centres apart by
-    /// dD opens it by sin α dD.
+    /// A carrier that turns with fixed sun and planet angles closes the mesh by (r_b1 + r_b2) per radian, and
+    /// pulling the centres apart by dD opens it by sin α dD.
     #[test]
     fn centre_distance_opens_the_mesh() {
         let machine = crate::templates::rv_40e_81();

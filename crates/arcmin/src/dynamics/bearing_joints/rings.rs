@@ -26,10 +26,16 @@ impl BearingJoints {
     pub(super) fn disc_state(&self, disc: usize, q: &[f64], v: &[f64]) -> (DiscPose, DiscVelocity) {
         let [x, y, angle, ..] = self.ring_index(disc);
         if !self.layout.housing_moves() {
-            return (DiscPose { centre: Vec2::new(q[x], q[y]), angle: q[angle] }, DiscVelocity { centre: Vec2::new(v[x], v[y]), angle: v[angle] });
+            return (
+                DiscPose { centre: Vec2::new(q[x], q[y]), angle: q[angle] },
+                DiscVelocity { centre: Vec2::new(v[x], v[y]), angle: v[angle] },
+            );
         }
         let [hx, hy, turn] = self.layout.housing();
-        let pose = DiscPose { centre: turned_back(Vec2::new(q[x] - q[hx], q[y] - q[hy]), q[turn]), angle: q[angle] - q[turn] };
+        let pose = DiscPose {
+            centre: turned_back(Vec2::new(q[x] - q[hx], q[y] - q[hy]), q[turn]),
+            angle: q[angle] - q[turn],
+        };
         let seen = self.seen_from_ring(pose, q[turn]);
         let rate = self.ring_index(disc).map(|i| v[i]);
         let [vx, vy, spin] = seen.map(|row| row.iter().zip(&rate).map(|(s, v)| s * v).sum::<f64>());
@@ -39,7 +45,11 @@ impl BearingJoints {
     fn seen_from_ring(&self, pose: DiscPose, turn: f64) -> Seen {
         let (sin, cos) = turn.sin_cos();
         let c = quarter_turn(pose.centre);
-        [[cos, sin, 0.0, -cos, -sin, -c.x], [-sin, cos, 0.0, sin, -cos, -c.y], [0.0, 0.0, 1.0, 0.0, 0.0, -1.0]]
+        [
+            [cos, sin, 0.0, -cos, -sin, -c.x],
+            [-sin, cos, 0.0, sin, -cos, -c.y],
+            [0.0, 0.0, 1.0, 0.0, 0.0, -1.0],
+        ]
     }
 
     /// Motion of a disc in the ring, its modes included.
@@ -54,13 +64,26 @@ impl BearingJoints {
         let motion = self.disc_motion(disc, q, v);
         match &self.elastic {
             None => {
-                let Reaction { force, stiffness, damping, stored, dissipation, onset_rate } = self.rings[disc].react(motion.pose, motion.velocity);
-                self.add_reaction(disc, motion.pose, q, (&force, stiffness.as_flattened(), damping.as_flattened()), assembly);
+                let Reaction { force, stiffness, damping, stored, dissipation, onset_rate } =
+                    self.rings[disc].react(motion.pose, motion.velocity);
+                self.add_reaction(
+                    disc,
+                    motion.pose,
+                    q,
+                    (&force, stiffness.as_flattened(), damping.as_flattened()),
+                    assembly,
+                );
                 assembly.add_powers(stored, dissipation, onset_rate);
             }
             Some(discs) => {
                 let reaction = discs.react(disc, &self.rings[disc], motion);
-                self.add_reaction(disc, motion.pose, q, (&reaction.force, &reaction.stiffness, &reaction.damping), assembly);
+                self.add_reaction(
+                    disc,
+                    motion.pose,
+                    q,
+                    (&reaction.force, &reaction.stiffness, &reaction.damping),
+                    assembly,
+                );
                 assembly.add_powers(reaction.stored, reaction.dissipation, reaction.onset_rate);
             }
         }
@@ -88,7 +111,8 @@ impl BearingJoints {
         }
     }
 
-    /// Q = Gᵀ f with G from [`Self::seen_from_ring`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f.
+    /// Q = Gᵀ f with G from [`Self::seen_from_ring`], modes seen as they are, and its tangent Gᵀ K G −
+    /// (∂Gᵀ/∂q) f.
     fn add_reaction_of_moving_housing(
         &self,
         disc: usize,
@@ -102,22 +126,32 @@ impl BearingJoints {
         let seen = self.seen_from_ring(pose, turn);
         let (sin, cos) = turn.sin_cos();
         // J R f: how the force on the disc turns with the housing.
-        let turning = quarter_turn(Vec2::new(cos * force[0] - sin * force[1], sin * force[0] + cos * force[1]));
+        let turning =
+            quarter_turn(Vec2::new(cos * force[0] - sin * force[1], sin * force[0] + cos * force[1]));
         for (i, value) in [(0, turning.x), (1, turning.y), (3, -turning.x), (4, -turning.y)] {
             assembly.linearisation.add_stiffness(place[i], place[5], -value);
             assembly.linearisation.add_stiffness(place[5], place[i], -value);
         }
-        assembly.linearisation.add_stiffness(place[5], place[5], force[0] * pose.centre.x + force[1] * pose.centre.y);
+        assembly.linearisation.add_stiffness(
+            place[5],
+            place[5],
+            force[0] * pose.centre.x + force[1] * pose.centre.y,
+        );
         let width = force.len();
         // (coordinate, what it moves and by how much).
         let places = (0..6).map(|i| (place[i], [(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]));
-        let modes = self.layout.modes(disc).enumerate().map(|(m, at)| (at, [(3 + m, 1.0), (0, 0.0), (0, 0.0)]));
+        let modes =
+            self.layout.modes(disc).enumerate().map(|(m, at)| (at, [(3 + m, 1.0), (0, 0.0), (0, 0.0)]));
         let motions: Vec<(usize, [(usize, f64); 3])> = places.chain(modes).collect();
         for (row, by_row) in &motions {
             assembly.add_force(*row, by_row.iter().map(|(a, g)| g * force[*a]).sum());
             for (column, by_column) in &motions {
-                let through =
-                    |m: &[f64]| -> f64 { by_row.iter().map(|(a, g)| g * by_column.iter().map(|(b, h)| m[a * width + b] * h).sum::<f64>()).sum() };
+                let through = |m: &[f64]| -> f64 {
+                    by_row
+                        .iter()
+                        .map(|(a, g)| g * by_column.iter().map(|(b, h)| m[a * width + b] * h).sum::<f64>())
+                        .sum()
+                };
                 assembly.linearisation.add_stiffness(*row, *column, through(stiffness));
                 assembly.linearisation.add_damping(*row, *column, through(damping));
             }
@@ -139,7 +173,8 @@ impl BearingJoints {
                     split.compliance[Part::PinSeat as usize] += seats;
                 }
                 Some(discs) => {
-                    let whole: Vec<f64> = g.iter().chain(&split.motion[self.layout.modes(j)]).copied().collect();
+                    let whole: Vec<f64> =
+                        g.iter().chain(&split.motion[self.layout.modes(j)]).copied().collect();
                     let DiscSplit { teeth, seats, disc } = discs.split(j, ring, state, &whole);
                     split.compliance[Part::Teeth as usize] += teeth;
                     split.compliance[Part::PinSeat as usize] += seats;
@@ -160,12 +195,21 @@ impl BearingJoints {
         }
     }
 
-    /// Calls `visit` for every pin that carries, with its force (N) and its approach (m) on the disc as its modes have bent it: elastic work F s, the neighbours' included.
-    pub(super) fn visit_loaded(&self, disc: usize, q: &[f64], v: &[f64], mut visit: impl FnMut(&PinContact, f64, f64)) {
+    /// Calls `visit` for every pin that carries, with its force (N) and its approach (m) on the disc as its
+    /// modes have bent it: elastic work F s, the neighbours' included.
+    pub(super) fn visit_loaded(
+        &self,
+        disc: usize,
+        q: &[f64],
+        v: &[f64],
+        mut visit: impl FnMut(&PinContact, f64, f64),
+    ) {
         match &self.elastic {
             Some(discs) => {
                 let state = discs.contacts(disc, &self.rings[disc], self.disc_motion(disc, q, v));
-                for ((contact, coupled), force) in state.contacts.iter().zip(&state.coupled).zip(&state.forces.force) {
+                for ((contact, coupled), force) in
+                    state.contacts.iter().zip(&state.coupled).zip(&state.forces.force)
+                {
                     if *force > 0.0 {
                         visit(contact, *force, coupled.approach);
                     }

@@ -5,10 +5,12 @@ use crate::machine::{RollerBearing, RollerKind};
 
 /// Radial rolling bearing: Q = K δ^n per rolling element, summed over the elements at their angles.
 ///
-/// An element at the angle ψ_i is squeezed by δ_i = cos α (u·e(ψ_i) − c/2) for a displacement u (m) of the inner against the outer ring,
-/// diametral clearance c and contact angle α. Rollers and needles: n = 10/9, K = 3.73e4 l^(8/9) in N and mm, inner and outer raceway
-/// in series (Harris, Rolling Bearing Analysis). Balls: n = 3/2, K of two point contacts in series (Hamrock and Dowson's approximation).
-/// The cage turns with both rings, ψ = w θ_inner + (1 − w) θ_outer with w = (1 − d cos α/D)/2, so forces and torques derive from one energy.
+/// An element at the angle ψ_i is squeezed by δ_i = cos α (u·e(ψ_i) − c/2) for a displacement u (m) of the
+/// inner against the outer ring, diametral clearance c and contact angle α. Rollers and needles: n = 10/9, K
+/// = 3.73e4 l^(8/9) in N and mm, inner and outer raceway in series (Harris, Rolling Bearing Analysis). Balls:
+/// n = 3/2, K of two point contacts in series (Hamrock and Dowson's approximation). The cage turns with both
+/// rings, ψ = w θ_inner + (1 − w) θ_outer with w = (1 − d cos α/D)/2, so forces and torques derive from one
+/// energy.
 ///
 /// Not modelled: axial load and tilt, flexible rings, roller crowning, centrifugal force.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +55,8 @@ pub fn element_stiffness(bearing: &RollerBearing) -> (f64, f64) {
     }
 }
 
-/// Two point contacts in series, steel, groove radius 0.52 d: K = π κ E' √(R ℰ/(4.5 𝓕³)) each (Hamrock and Dowson 1981, with their
-/// approximations of the ellipticity κ and the elliptic integrals).
+/// Two point contacts in series, steel, groove radius 0.52 d: K = π κ E' √(R ℰ/(4.5 𝓕³)) each (Hamrock and
+/// Dowson 1981, with their approximations of the ellipticity κ and the elliptic integrals).
 fn ball_stiffness(bearing: &RollerBearing) -> f64 {
     const EFFECTIVE: f64 = 2.0 * 206e9 / (2.0 * (1.0 - 0.09));
     const GROOVE: f64 = 0.52;
@@ -158,11 +160,14 @@ mod tests {
         assert!((series / 3.73e4 - 1.0).abs() < 2e-3, "{series}");
         let (k, n) = element_stiffness(&turning_arm());
         // 10 µm on an 8 mm roller: 3.73e4 * 8^(8/9) * 0.01^(10/9).
-        assert!((k * 1e-5f64.powf(n) / (3.73e4 * 8f64.powf(8.0 / 9.0) * 0.01f64.powf(10.0 / 9.0)) - 1.0).abs() < 1e-12);
+        assert!(
+            (k * 1e-5f64.powf(n) / (3.73e4 * 8f64.powf(8.0 / 9.0) * 0.01f64.powf(10.0 / 9.0)) - 1.0).abs()
+                < 1e-12
+        );
     }
 
-    /// The load integral of Sjövall for line contact without clearance, J_r(0.5) = 0.2453 (Harris, table of load distribution integrals):
-    /// F_r = Z Q_max J_r.
+    /// The load integral of Sjövall for line contact without clearance, J_r(0.5) = 0.2453 (Harris, table of
+    /// load distribution integrals): F_r = Z Q_max J_r.
     #[test]
     fn val_radial_integral_without_clearance() {
         let mut bearing = turning_arm();
@@ -193,16 +198,25 @@ mod tests {
             };
             let (up, down) = (shifted(1.0), shifted(-1.0));
             let slope = (up.stored - down.stored) / (2.0 * step[i]);
-            assert!((slope - here.gradient[i]).abs() < 1e-6 * here.gradient[0].abs().max(here.gradient[i].abs()), "{slope} {:?}", here.gradient);
+            assert!(
+                (slope - here.gradient[i]).abs() < 1e-6 * here.gradient[0].abs().max(here.gradient[i].abs()),
+                "{slope} {:?}",
+                here.gradient
+            );
             for j in 0..3 {
                 let slope = (up.gradient[j] - down.gradient[j]) / (2.0 * step[i]);
                 let size = (here.hessian[i][i] * here.hessian[j][j]).abs().sqrt();
-                assert!((slope - here.hessian[i][j]).abs() < 1e-5 * size, "{i} {j} {slope} {:?}", here.hessian);
+                assert!(
+                    (slope - here.hessian[i][j]).abs() < 1e-5 * size,
+                    "{i} {j} {slope} {:?}",
+                    here.hessian
+                );
             }
         }
     }
 
-    /// Deep-groove ball bearings of steel: δ = 4.4e-4 (Q²/D)^(1/3) mm for both contacts with N and mm (Palmgren), so K = 1.08e5 √D N/mm^1.5.
+    /// Deep-groove ball bearings of steel: δ = 4.4e-4 (Q²/D)^(1/3) mm for both contacts with N and mm
+    /// (Palmgren), so K = 1.08e5 √D N/mm^1.5.
     #[test]
     fn val_ball_stiffness_is_palmgrens() {
         let bearing = RollerBearing {

@@ -1,10 +1,12 @@
 use crate::machine::Machine;
 
-/// A crankshaft on two supports: bending and shear between them, as stiffness of the deflections at the discs.
+/// A crankshaft on two supports: bending and shear between them, as stiffness of the deflections at the
+/// discs.
 ///
-/// Deflection d_j = u_j − (1 − z_j/L) u_A − (z_j/L) u_B of the shaft at disc j from the line between the supports, U = ½ dᵀ K d with
-/// K the inverse of the influence numbers of a simply supported beam (Timoshenko: bending and shear, shear coefficient 0.9 of a round section).
-/// The discs lie side by side, centred between the supports, one tenth of a face width apart.
+/// Deflection d_j = u_j − (1 − z_j/L) u_A − (z_j/L) u_B of the shaft at disc j from the line between the
+/// supports, U = ½ dᵀ K d with K the inverse of the influence numbers of a simply supported beam (Timoshenko:
+/// bending and shear, shear coefficient 0.9 of a round section). The discs lie side by side, centred between
+/// the supports, one tenth of a face width apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaft {
     /// z_j/L per disc.
@@ -27,7 +29,8 @@ impl Shaft {
         let shearing = 0.9 * shear * std::f64::consts::PI * d * d / 4.0;
         // Wide discs on a short span still sit between the supports.
         let pitch = (1.1 * machine.disc.width).min(span / (count as f64 + 1.0));
-        let places: Vec<f64> = (0..count).map(|j| 0.5 * span + (j as f64 - 0.5 * (count as f64 - 1.0)) * pitch).collect();
+        let places: Vec<f64> =
+            (0..count).map(|j| 0.5 * span + (j as f64 - 0.5 * (count as f64 - 1.0)) * pitch).collect();
         let influence = |x: f64, a: f64| {
             let (x, a) = if x <= a { (x, a) } else { (a, x) };
             let b = span - a;
@@ -35,7 +38,9 @@ impl Shaft {
         };
         let flexibility = nalgebra::DMatrix::from_fn(count, count, |i, j| influence(places[i], places[j]));
         // A flexibility matrix of distinct places is positive definite.
-        let stiffness = flexibility.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::identity(count, count) * (48.0 * bending / span.powi(3)));
+        let stiffness = flexibility
+            .try_inverse()
+            .unwrap_or_else(|| nalgebra::DMatrix::identity(count, count) * (48.0 * bending / span.powi(3)));
         Shaft {
             shares: places.iter().map(|z| z / span).collect(),
             stiffness: stiffness.iter().map(|k| scale * k).collect(),

@@ -11,9 +11,10 @@ use crate::wear::parts;
 
 /// Discs and pins with the whole machine free in its bearings, input locked, friction aside.
 ///
-/// The counterpart of [`Meshing`](crate::load::Meshing): same questions, same answers, forces from [`BearingJoints`] without inertia.
-/// The pattern of pins and eccentrics repeats every pin pitch, but the crankshafts stand elsewhere on the carrier then; everything repeats after a turn of
-/// the crankshafts against the carrier, z_c pin pitches; with errors of single pins after a turn of the output
+/// The counterpart of [`Meshing`](crate::load::Meshing): same questions, same answers, forces from
+/// [`BearingJoints`] without inertia. The pattern of pins and eccentrics repeats every pin pitch, but the
+/// crankshafts stand elsewhere on the carrier then; everything repeats after a turn of the crankshafts
+/// against the carrier, z_c pin pitches; with errors of single pins after a turn of the output
 /// ([`ManufacturingErrors::crank_turns`](crate::machine::ManufacturingErrors::crank_turns)).
 #[derive(Debug, Clone)]
 pub struct BearingMeshing {
@@ -50,17 +51,21 @@ impl LostMotionSplit {
 
 /// Share of rated torque at which lost motion is read.
 const LOST_MOTION_SHARE: f64 = 0.03;
-/// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would lie anywhere in their clearance.
+/// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would
+/// lie anywhere in their clearance.
 const ZERO_SHARE: f64 = 1e-4;
 /// 1/ρ with ρ³ = ρ + 1.
 const SPREAD: f64 = 0.754_877_666_246_692_8;
-/// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of all contacts.
+/// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
+/// all contacts.
 const TOLERANCE: f64 = 1e-7;
 const FORCE_TOLERANCE: f64 = 1e-6;
-/// Of the load, and of the rated torque, that may be left unbalanced in a machine with errors: 1e-4 of the rated torque wind the machine up by some 2e-4'.
+/// Of the load, and of the rated torque, that may be left unbalanced in a machine with errors: 1e-4 of the
+/// rated torque wind the machine up by some 2e-4'.
 const JUMP: (f64, f64) = (1e-2, 1e-4);
 
-/// The same at no load in a machine that errors have made so tight that its pins jump from flank to flank under some 100 N.
+/// The same at no load in a machine that errors have made so tight that its pins jump from flank to flank
+/// under some 100 N.
 const TIGHT_JUMP: f64 = 2e-3;
 
 impl BearingMeshing {
@@ -68,12 +73,20 @@ impl BearingMeshing {
     /// [`DynamicsError`] for a machine with a fixed carrier or values without meaning.
     pub fn new(machine: &Machine, settings: &JointSettings) -> Result<BearingMeshing, DynamicsError> {
         let mut machine = machine.clone();
-        machine.friction = Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
+        machine.friction =
+            Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
         let model = BearingJoints::held(&machine, &JointSettings { damped: false, ..settings.clone() })?;
         let errors = &settings.errors;
         let (crank_turns, discs_alike) = (errors.crank_turns(&machine), errors.discs_alike());
         let has_errors = !errors.is_zero();
-        Ok(BearingMeshing { model, rated: machine.rated.torque.abs(), crank_turns, discs_alike, has_errors, loose: [None, None] })
+        Ok(BearingMeshing {
+            model,
+            rated: machine.rated.torque.abs(),
+            crank_turns,
+            discs_alike,
+            has_errors,
+            loose: [None, None],
+        })
     }
 
     /// The balances of this model hold the loads of the bearings as well.
@@ -81,17 +94,29 @@ impl BearingMeshing {
         &self.model
     }
 
-    /// Balance under an output torque (N·m, positive against positive motion): all coordinates, and the largest force left. `start` is the deviation of an
-    /// earlier one from the nominal machine, seen from its carrier.
+    /// Balance under an output torque (N·m, positive against positive motion): all coordinates, and the
+    /// largest force left. `start` is the deviation of an earlier one from the nominal machine, seen from its
+    /// carrier.
     ///
     /// # Errors
     /// [`LoadError`] where no balance is found.
-    pub fn balance(&mut self, crank: CrankAngle, torque: f64, start: Option<&[f64]>) -> Result<(Vec<f64>, f64), LoadError> {
+    pub fn balance(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<(Vec<f64>, f64), LoadError> {
         self.balance_within(JUMP.1, crank, torque, start)
     }
 
     /// `jump` is the share of the rated torque that a jump of the contact forces may leave.
-    fn balance_within(&mut self, jump: f64, crank: CrankAngle, torque: f64, start: Option<&[f64]>) -> Result<(Vec<f64>, f64), LoadError> {
+    fn balance_within(
+        &mut self,
+        jump: f64,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<(Vec<f64>, f64), LoadError> {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
         }
@@ -110,22 +135,39 @@ impl BearingMeshing {
         let control = EquilibriumControl {
             tolerance: TOLERANCE,
             force_tolerance: FORCE_TOLERANCE,
-            jump_tolerance: if self.has_errors { (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN } else { 0.0 },
+            jump_tolerance: if self.has_errors {
+                (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN
+            } else {
+                0.0
+            },
             ..EquilibriumControl::default()
         };
         match solve_equilibrium(&self.model, 0.0, &place, control) {
             Ok(found) => Ok((found.position, found.residual)),
-            Err(DynamicsError::NoEquilibrium { residual, iterations, .. }) => {
-                Err(LoadError::NotConverged { crank_angle_deg: crank.degrees(), torque, residual, iterations })
-            }
+            Err(DynamicsError::NoEquilibrium { residual, iterations, .. }) => Err(LoadError::NotConverged {
+                crank_angle_deg: crank.degrees(),
+                torque,
+                residual,
+                iterations,
+            }),
             // The static solver has no other way to fail.
-            Err(_) => Err(LoadError::NotConverged { crank_angle_deg: crank.degrees(), torque, residual: f64::NAN, iterations: 0 }),
+            Err(_) => Err(LoadError::NotConverged {
+                crank_angle_deg: crank.degrees(),
+                torque,
+                residual: f64::NAN,
+                iterations: 0,
+            }),
         }
     }
 
-    /// [`BearingMeshing::balance`]; where it is not found from a place that was right for other pins, again from the nominal place, and then by way of larger
-    /// torques, under which more contacts hold the bodies.
-    fn balance_from_afar(&mut self, crank: CrankAngle, torque: f64, start: Option<&[f64]>) -> Result<(Vec<f64>, f64), LoadError> {
+    /// [`BearingMeshing::balance`]; where it is not found from a place that was right for other pins, again
+    /// from the nominal place, and then by way of larger torques, under which more contacts hold the bodies.
+    fn balance_from_afar(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<(Vec<f64>, f64), LoadError> {
         let failure = match self.balance(crank, torque, start) {
             Ok(found) => return Ok(found),
             Err(failure) => failure,
@@ -146,7 +188,8 @@ impl BearingMeshing {
     /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.
     fn sun(&self, crank: CrankAngle) -> f64 {
         let kinematics = self.model.kinematics();
-        // The output turns by −θ_k/z_c against the ring where it is the carrier, the ring by the opposite of it where that is the output.
+        // The output turns by −θ_k/z_c against the ring where it is the carrier, the ring by the opposite of
+        // it where that is the output.
         kinematics.ratio().abs() * -crank.radians() / kinematics.lobe_count
     }
 
@@ -155,19 +198,24 @@ impl BearingMeshing {
         OutputAngle::from_radians(self.model.output_error(position))
     }
 
-    /// Lost motion between −3 % and +3 % of rated torque, mean over `positions` crank positions, and what makes it up. `starts` holds the balances of an
-    /// earlier call with as many positions, empty at first.
+    /// Lost motion between −3 % and +3 % of rated torque, mean over `positions` crank positions, and what
+    /// makes it up. `starts` holds the balances of an earlier call with as many positions, empty at first.
     ///
     /// # Errors
     /// [`LoadError`] where no balance is found.
-    pub fn lost_motion_causes(&mut self, positions: usize, starts: &mut Vec<Vec<f64>>) -> Result<LostMotionSplit, LoadError> {
+    pub fn lost_motion_causes(
+        &mut self,
+        positions: usize,
+        starts: &mut Vec<Vec<f64>>,
+    ) -> Result<LostMotionSplit, LoadError> {
         let small = LOST_MOTION_SHARE * self.rated;
         let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             for index in 0..positions {
                 let crank = self.crank_position(index, positions, 0.0, 0);
                 let slot = side * positions + index;
-                let start = starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
+                let start =
+                    starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
                 let (position, _) = self.balance_from_afar(crank, sign * small, start.map(Vec::as_slice))?;
                 split.whole -= sign * self.model.output_error(&position) / positions as f64;
                 for (sum, work) in split.causes.iter_mut().zip(self.model.causes(&position)) {
@@ -184,7 +232,8 @@ impl BearingMeshing {
         Ok(split)
     }
 
-    /// Rates at which the wear laws of the machine let bearings and gears lose metal at its duty, mean over `positions` crank positions; in m/s. Zero without laws.
+    /// Rates at which the wear laws of the machine let bearings and gears lose metal at its duty, mean over
+    /// `positions` crank positions; in m/s. Zero without laws.
     ///
     /// # Errors
     /// [`LoadError`] where no balance is found.
@@ -203,7 +252,8 @@ impl BearingMeshing {
                 let crank = self.crank_position(index, positions, 0.0, 0);
                 let (position, _) = self.balance_from_afar(crank, duty.torque, start.as_deref())?;
                 let loads = self.model.part_loads(&position);
-                rates = rates.plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
+                rates = rates
+                    .plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
                 start = Some(self.deviation(crank, &position));
             }
         }
@@ -211,20 +261,30 @@ impl BearingMeshing {
     }
 
     fn deviation(&self, crank: CrankAngle, position: &[f64]) -> Vec<f64> {
-        let mut deviation: Vec<f64> = position.iter().zip(self.model.nominal_position_at(self.sun(crank))).map(|(q, n)| q - n).collect();
+        let mut deviation: Vec<f64> = position
+            .iter()
+            .zip(self.model.nominal_position_at(self.sun(crank)))
+            .map(|(q, n)| q - n)
+            .collect();
         self.turn(&mut deviation, -self.carrier_angle(crank));
         deviation
     }
 
-    /// Angle of the carrier in the frame of the coordinates: what the crankshafts do at one place of the ring they do at all of them.
+    /// Angle of the carrier in the frame of the coordinates: what the crankshafts do at one place of the ring
+    /// they do at all of them.
     fn carrier_angle(&self, crank: CrankAngle) -> f64 {
-        if self.model.layout.housing_moves() { 0.0 } else { -crank.radians() / self.model.kinematics().lobe_count }
+        if self.model.layout.housing_moves() {
+            0.0
+        } else {
+            -crank.radians() / self.model.kinematics().lobe_count
+        }
     }
 
     fn turn(&self, deviation: &mut [f64], angle: f64) {
         let (sin, cos) = angle.sin_cos();
         for x in self.model.layout.centres() {
-            (deviation[x], deviation[x + 1]) = (cos * deviation[x] - sin * deviation[x + 1], sin * deviation[x] + cos * deviation[x + 1]);
+            (deviation[x], deviation[x + 1]) =
+                (cos * deviation[x] - sin * deviation[x + 1], sin * deviation[x] + cos * deviation[x + 1]);
         }
     }
 
@@ -291,23 +351,39 @@ impl ShareLoad for BearingMeshing {
     fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
         let kinematics = self.model.kinematics();
         let within = turn_position(kinematics, kinematics.lobe_count as usize, index, count, offset, shift);
-        // Which turn of the crankshafts: spread over all of them by a number that is far from any fraction (R2 sequence), so that neither the places
-        // within a turn nor the updates of a wear computation (whose offsets go by the golden section) keep meeting the same pins.
+        // Which turn of the crankshafts: spread over all of them by a number that is far from any fraction
+        // (R2 sequence), so that neither the places within a turn nor the updates of a wear computation
+        // (whose offsets go by the golden section) keep meeting the same pins.
         let turn = ((index as f64 * SPREAD + 7.0 * offset).fract() * self.crank_turns as f64).floor();
-        CrankAngle::from_radians(within.radians() + turn * kinematics.lobe_count * kinematics.pattern_period())
+        CrankAngle::from_radians(
+            within.radians() + turn * kinematics.lobe_count * kinematics.pattern_period(),
+        )
     }
 
     /// A body that no contact holds leaves the stiffness at 0.
-    fn share(&mut self, crank: CrankAngle, torque: f64, start: Option<&Vec<f64>>) -> Result<(LoadSharing, Vec<f64>), LoadError> {
+    fn share(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&Vec<f64>>,
+    ) -> Result<(LoadSharing, Vec<f64>), LoadError> {
         let (position, residual) = self.balance_from_afar(crank, torque, start.map(Vec::as_slice))?;
-        let discs = (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, &position)).collect();
+        let discs =
+            (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, &position)).collect();
         let stiffness = self.stiffness(&position).unwrap_or(0.0);
-        let sharing = LoadSharing { crank_angle: crank, torque, output_error: self.error(&position), residual, stiffness, discs };
+        let sharing = LoadSharing {
+            crank_angle: crank,
+            torque,
+            output_error: self.error(&position),
+            residual,
+            stiffness,
+            discs,
+        };
         Ok((sharing, self.deviation(crank, &position)))
     }
 
-    /// Read at ±1e-4 of rated torque. Where a machine with errors, so tight that its pins press without load, leaves no balance there, at ±1e-3,
-    /// and within 2e-3 of rated torque if need be: some 0.005'.
+    /// Read at ±1e-4 of rated torque. Where a machine with errors, so tight that its pins press without load,
+    /// leaves no balance there, at ±1e-3, and within 2e-3 of rated torque if need be: some 0.005'.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
         let mut ends = [0.0; 2];
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
@@ -333,7 +409,8 @@ mod tests {
     use crate::units::HOUR;
     use crate::wear::{CoupledOptions, CoupledWear};
 
-    /// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears likewise, no clearance.
+    /// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears
+    /// likewise, no clearance.
     fn stiff(law: ContactLaw) -> (Machine, BearingMeshing) {
         let mut machine = crate::templates::rv_40e_81();
         machine.contact_law = law;
@@ -344,14 +421,16 @@ mod tests {
         (machine, meshing)
     }
 
-    /// Deviation of the machine with ideal joints at an output error: springs of 1e15 N/m want a start in the contacts.
+    /// Deviation of the machine with ideal joints at an output error: springs of 1e15 N/m want a start in the
+    /// contacts.
     fn ideal_pose(meshing: &BearingMeshing, crank: CrankAngle, error: f64) -> Vec<f64> {
         let (model, layout) = (&meshing.model, &meshing.model.layout);
         let kinematics = model.kinematics();
         let sun = meshing.sun(crank);
         let nominal = model.nominal_position_at(sun);
         let mut q = nominal.clone();
-        let (output, turn) = (sun / 81.0 + error, crank.radians() + kinematics.crank_per_output_locked() * error);
+        let (output, turn) =
+            (sun / 81.0 + error, crank.radians() + kinematics.crank_per_output_locked() * error);
         for k in 0..2 {
             let axis = model.carrier_bores[k].at(output);
             for station in 0..4 {
@@ -368,11 +447,14 @@ mod tests {
         meshing.deviation(crank, &q)
     }
 
-    /// Forces of all pins within 1e-4 of the largest with equal springs. The line contact of the model with bearings is conservative: it pushes along the
-    /// flank where the curvature changes, some 2.5e-4 of the torque, which ideal load sharing leaves out; hence 1e-3 there.
+    /// Forces of all pins within 1e-4 of the largest with equal springs. The line contact of the model with
+    /// bearings is conservative: it pushes along the flank where the curvature changes, some 2.5e-4 of the
+    /// torque, which ideal load sharing leaves out; hence 1e-3 there.
     #[test]
     fn val_stiff_bearings_share_the_load_like_ideal_joints() {
-        for (law, tolerance) in [(ContactLaw::Linear { stiffness: 2.85e8 }, 1e-4), (ContactLaw::LineHertz, 1e-3)] {
+        for (law, tolerance) in
+            [(ContactLaw::Linear { stiffness: 2.85e8 }, 1e-4), (ContactLaw::LineHertz, 1e-3)]
+        {
             let (machine, mut meshing) = stiff(law);
             let ideal = machine.meshing(&Relief::uniform(0.0));
             for (sun, torque) in [(0.0, 412.0), (1.3, 412.0), (7.7, -206.0)] {
@@ -382,20 +464,36 @@ mod tests {
                 let (found, _) = meshing.share(crank, torque, Some(&start)).unwrap();
                 let largest = expected.max_force();
                 for (a, b) in found.contacts().zip(expected.contacts()) {
-                    assert!((a.force - b.force).abs() < tolerance * largest, "pin {}: {} {}", a.pin, a.force, b.force);
+                    assert!(
+                        (a.force - b.force).abs() < tolerance * largest,
+                        "pin {}: {} {}",
+                        a.pin,
+                        a.force,
+                        b.force
+                    );
                 }
                 let error = (found.output_error.radians() - expected.output_error.radians()) / ARCMIN;
                 assert!(error.abs() < 1e-4, "{error}");
-                assert!((found.stiffness / expected.stiffness - 1.0).abs() < 2e-3, "{} {}", found.stiffness, expected.stiffness);
+                assert!(
+                    (found.stiffness / expected.stiffness - 1.0).abs() < 2e-3,
+                    "{} {}",
+                    found.stiffness,
+                    expected.stiffness
+                );
                 for disc in 0..2 {
-                    assert!((found.disc_moment(disc) / torque - 0.4815).abs() < 2e-4, "{}", found.disc_moment(disc) / torque);
+                    assert!(
+                        (found.disc_moment(disc) / torque - 0.4815).abs() < 2e-4,
+                        "{}",
+                        found.disc_moment(disc) / torque
+                    );
                 }
             }
         }
     }
 
-    /// 600 h of coupled wear: depth within 0.5 % of the deepest everywhere. The crank positions are others (a turn of the crankshafts in place of a pin pitch), so
-    /// the grid of contacts along the flank differs within its error.
+    /// 600 h of coupled wear: depth within 0.5 % of the deepest everywhere. The crank positions are others (a
+    /// turn of the crankshafts in place of a pin pitch), so the grid of contacts along the flank differs
+    /// within its error.
     #[test]
     fn val_stiff_bearings_wear_like_ideal_joints() {
         let (machine, meshing) = stiff(ContactLaw::LineHertz);
@@ -411,8 +509,8 @@ mod tests {
         }
     }
 
-    /// With its assumed bearings the machine gives way ten times as much as its teeth do, the largest force lies a third higher, nearer to the root, and fewer
-    /// pins carry; the discs' shares stay what they are.
+    /// With its assumed bearings the machine gives way ten times as much as its teeth do, the largest force
+    /// lies a third higher, nearer to the root, and fewer pins carry; the discs' shares stay what they are.
     #[test]
     fn trap_ideal_joints_are_too_stiff() {
         let machine = crate::templates::rv_40e_81();

@@ -6,7 +6,8 @@ use super::planar_mesh::{MESH_COORDINATES, MeshState};
 use super::{BearingJoints, BearingState, RadialBearing};
 use crate::geometry::{Vec2, quarter_turn};
 
-/// A bearing between a shaft that carries `arm` (m) around and a body whose bore is at `bore` from its centre.
+/// A bearing between a shaft that carries `arm` (m) around and a body whose bore is at `bore` from its
+/// centre.
 struct Journal<'a> {
     part: Part,
     law: &'a RadialBearing,
@@ -20,7 +21,8 @@ struct Journal<'a> {
 }
 
 impl BearingJoints {
-    /// Visits all springs, dampers and frictions but those of the pins. `q` and `v` include a prescribed sun as their last entry.
+    /// Visits all springs, dampers and frictions but those of the pins. `q` and `v` include a prescribed sun
+    /// as their last entry.
     pub(super) fn visit(&self, q: &[f64], v: &[f64], sink: &mut impl Sink) {
         for k in 0..self.layout.cranks {
             self.visit_crankshaft(k, q, v, sink);
@@ -76,7 +78,11 @@ impl BearingJoints {
         let (a, b) = (quarter_turn(journal.arm), quarter_turn(journal.bore));
         let w = journal.law.inner_share;
         // Rows u_x, u_y, ψ.
-        let jacobian = [[1.0, 0.0, a.x, -1.0, 0.0, -b.x], [0.0, 1.0, a.y, 0.0, -1.0, -b.y], [0.0, 0.0, w, 0.0, 0.0, 1.0 - w]];
+        let jacobian = [
+            [1.0, 0.0, a.x, -1.0, 0.0, -b.x],
+            [0.0, 1.0, a.y, 0.0, -1.0, -b.y],
+            [0.0, 0.0, w, 0.0, 0.0, 1.0 - w],
+        ];
         let mut slope = [0.0; 6];
         let mut matrix = [0.0; 36];
         let mut damping = [0.0; 36];
@@ -87,12 +93,19 @@ impl BearingJoints {
                 column[c] = (0..3).map(|d| hessian[c][d] * jacobian[d][i]).sum();
             }
             for j in 0..6 {
-                matrix[j * 6 + i] = jacobian[0][j] * column[0] + jacobian[1][j] * column[1] + jacobian[2][j] * column[2];
+                matrix[j * 6 + i] =
+                    jacobian[0][j] * column[0] + jacobian[1][j] * column[1] + jacobian[2][j] * column[2];
             }
         }
         matrix[2 * 6 + 2] -= gradient[0] * journal.arm.x + gradient[1] * journal.arm.y;
         matrix[5 * 6 + 5] += gradient[0] * journal.bore.x + gradient[1] * journal.bore.y;
-        sink.element(&Element { part: journal.part, index: &journal.index, gradient: &slope, hessian: &matrix, stored });
+        sink.element(&Element {
+            part: journal.part,
+            index: &journal.index,
+            gradient: &slope,
+            hessian: &matrix,
+            stored,
+        });
         let mut rate = journal.index.map(|i| v[i]);
         for (mode, by) in journal.modes {
             rate[3] += v[*mode] * by.x;
@@ -104,7 +117,9 @@ impl BearingJoints {
             let spread = |row: usize| jacobian[row].iter().zip(&rate).map(|(j, v)| j * v).sum::<f64>();
             let u = [spread(0), spread(1)];
             for i in 0..6 {
-                let pull = [0, 1].map(|c| self.loss_time * (hessian[c][0] * jacobian[0][i] + hessian[c][1] * jacobian[1][i]));
+                let pull = [0, 1].map(|c| {
+                    self.loss_time * (hessian[c][0] * jacobian[0][i] + hessian[c][1] * jacobian[1][i])
+                });
                 force[i] -= pull[0] * u[0] + pull[1] * u[1];
                 for j in 0..6 {
                     damping[i * 6 + j] += pull[0] * jacobian[0][j] + pull[1] * jacobian[1][j];
@@ -115,7 +130,8 @@ impl BearingJoints {
             }
         }
         if self.friction.bearing > 0.0 {
-            // Rolling friction: μ F r_m against the relative turn. The torque's change with the load is left out of the tangent; it is μ r_m/R small.
+            // Rolling friction: μ F r_m against the relative turn. The torque's change with the load is left
+            // out of the tangent; it is μ r_m/R small.
             let load = gradient[0].hypot(gradient[1]);
             let speed = rate[2] - rate[5];
             let (share, slope) = self.coulomb(speed * journal.law.mean_radius);
@@ -165,14 +181,21 @@ impl BearingJoints {
         let first = self.layout.support(k, 0);
         for axis in 0..2 {
             let index: Vec<usize> = (0..stations).map(|s| first + 2 * s + axis).collect();
-            // Deflections are differences of nearby places: taken from the first station, they keep their digits.
+            // Deflections are differences of nearby places: taken from the first station, they keep their
+            // digits.
             let place: Vec<f64> = index.iter().map(|i| q[*i] - q[index[0]]).collect();
             let times = |m: &[f64], x: &dyn Fn(usize) -> f64| -> Vec<f64> {
                 (0..stations).map(|a| (0..stations).map(|b| m[a * stations + b] * x(b)).sum()).collect()
             };
             let gradient = times(&matrix, &|b| place[b]);
             let stored = 0.5 * gradient.iter().zip(&place).map(|(g, x)| g * x).sum::<f64>();
-            sink.element(&Element { part: Part::CrankBending, index: &index, gradient: &gradient, hessian: &matrix, stored });
+            sink.element(&Element {
+                part: Part::CrankBending,
+                index: &index,
+                gradient: &gradient,
+                hessian: &matrix,
+                stored,
+            });
             if self.loss_time > 0.0 {
                 let force: Vec<f64> = times(&damping, &|b| -v[index[b]]);
                 let dissipation = -force.iter().zip(&index).map(|(f, i)| f * v[*i]).sum::<f64>();
@@ -201,10 +224,17 @@ impl BearingJoints {
         let index = self.mesh_index(k);
         let rate = index.map(|i| v[i]);
         let mesh = self.mesh_state(k, q, v);
-        let flat = |m: &[[f64; MESH_COORDINATES]; MESH_COORDINATES]| -> [f64; MESH_COORDINATES * MESH_COORDINATES] {
-            std::array::from_fn(|i| m[i / MESH_COORDINATES][i % MESH_COORDINATES])
-        };
-        sink.element(&Element { part: Part::GearStage, index: &index, gradient: &mesh.gradient, hessian: &flat(&mesh.hessian), stored: mesh.stored });
+        let flat =
+            |m: &[[f64; MESH_COORDINATES]; MESH_COORDINATES]| -> [f64; MESH_COORDINATES * MESH_COORDINATES] {
+                std::array::from_fn(|i| m[i / MESH_COORDINATES][i % MESH_COORDINATES])
+            };
+        sink.element(&Element {
+            part: Part::GearStage,
+            index: &index,
+            gradient: &mesh.gradient,
+            hessian: &flat(&mesh.hessian),
+            stored: mesh.stored,
+        });
         let mut force = mesh.damping_force;
         let mut damping = flat(&mesh.damping);
         let mut dissipation = mesh.dissipation;
@@ -235,12 +265,27 @@ impl BearingJoints {
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
         let seat = self.main_seat.at(q[carrier]);
         self.add_support(Part::Housing, [cx, cy, carrier, hx, hy], self.main, seat, q, v, sink);
-        self.add_support(Part::GearStage, [sun, sun + 1, layout.sun_angle(), hx, hy], (self.sun_support, 0.0), Vec2::zeros(), q, v, sink);
+        self.add_support(
+            Part::GearStage,
+            [sun, sun + 1, layout.sun_angle(), hx, hy],
+            (self.sun_support, 0.0),
+            Vec2::zeros(),
+            q,
+            v,
+            sink,
+        );
         if let Some(flange) = layout.flange() {
             self.add_torsion(Part::Carrier, [carrier, flange], self.carrier_torsion, q, v, sink);
         }
         if layout.input() != layout.sun_angle() {
-            self.add_torsion(Part::InputShaft, [layout.input(), layout.sun_angle()], self.input_torsion, q, v, sink);
+            self.add_torsion(
+                Part::InputShaft,
+                [layout.input(), layout.sun_angle()],
+                self.input_torsion,
+                q,
+                v,
+                sink,
+            );
         }
     }
 
@@ -248,7 +293,13 @@ impl BearingJoints {
     fn add_torsion(&self, part: Part, index: [usize; 2], k: f64, q: &[f64], v: &[f64], sink: &mut impl Sink) {
         let twist = q[index[1]] - q[index[0]];
         let gradient = [-k * twist, k * twist];
-        sink.element(&Element { part, index: &index, gradient: &gradient, hessian: &[k, -k, -k, k], stored: 0.5 * k * twist * twist });
+        sink.element(&Element {
+            part,
+            index: &index,
+            gradient: &gradient,
+            hessian: &[k, -k, -k, k],
+            stored: 0.5 * k * twist * twist,
+        });
         if self.loss_time > 0.0 {
             let c = self.loss_time * k;
             let rate = v[index[1]] - v[index[0]];
@@ -256,8 +307,18 @@ impl BearingJoints {
         }
     }
 
-    /// Linear support of stiffness and radial clearance between two bodies; `seat` is what it holds on the first, which turns with the third coordinate.
-    fn add_support(&self, part: Part, index: [usize; 5], (stiffness, clearance): (f64, f64), seat: Vec2, q: &[f64], v: &[f64], sink: &mut impl Sink) {
+    /// Linear support of stiffness and radial clearance between two bodies; `seat` is what it holds on the
+    /// first, which turns with the third coordinate.
+    fn add_support(
+        &self,
+        part: Part,
+        index: [usize; 5],
+        (stiffness, clearance): (f64, f64),
+        seat: Vec2,
+        q: &[f64],
+        v: &[f64],
+        sink: &mut impl Sink,
+    ) {
         let u = Vec2::new(q[index[0]] - q[index[3]], q[index[1]] - q[index[4]]) + seat;
         let distance = u.norm();
         if distance < clearance {
@@ -269,7 +330,9 @@ impl BearingJoints {
         let force = stiffness * (1.0 - open) * u;
         let along = quarter_turn(seat);
         let rows = [[1.0, 0.0, along.x, -1.0, 0.0], [0.0, 1.0, along.y, 0.0, -1.0]];
-        let entry = |i: usize, j: usize| stiffness * ((1.0 - open) * f64::from(u8::from(i == j)) + open * normal[i] * normal[j]);
+        let entry = |i: usize, j: usize| {
+            stiffness * ((1.0 - open) * f64::from(u8::from(i == j)) + open * normal[i] * normal[j])
+        };
         let radial = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
         let mut hessian = [0.0; 25];
         for a in 0..5 {
@@ -284,10 +347,17 @@ impl BearingJoints {
         let damping = hessian.map(|k| self.loss_time * k);
         hessian[12] -= force.dot(&seat);
         let gradient: [f64; 5] = std::array::from_fn(|a| force.x * rows[0][a] + force.y * rows[1][a]);
-        sink.element(&Element { part, index: &index, gradient: &gradient, hessian: &hessian, stored: 0.5 * stiffness * depth * depth });
+        sink.element(&Element {
+            part,
+            index: &index,
+            gradient: &gradient,
+            hessian: &hessian,
+            stored: 0.5 * stiffness * depth * depth,
+        });
         if self.loss_time > 0.0 {
             let rate = index.map(|i| v[i]);
-            let pull: [f64; 5] = std::array::from_fn(|a| -(0..5).map(|b| damping[a * 5 + b] * rate[b]).sum::<f64>());
+            let pull: [f64; 5] =
+                std::array::from_fn(|a| -(0..5).map(|b| damping[a * 5 + b] * rate[b]).sum::<f64>());
             let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
             sink.damper(&index, &pull, &damping, dissipation);
         }

@@ -5,7 +5,8 @@ use crate::dynamics::{Balance, DenseLinearisation, ForceSummary, Reducer, System
 impl BearingJoints {
     /// All coordinates and velocities, those held or prescribed included.
     pub(super) fn full(&self, time: f64, position: &[f64], velocity: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (mut q, mut v) = (Vec::with_capacity(self.layout.whole()), Vec::with_capacity(self.layout.whole()));
+        let (mut q, mut v) =
+            (Vec::with_capacity(self.layout.whole()), Vec::with_capacity(self.layout.whole()));
         q.extend_from_slice(position);
         v.extend_from_slice(velocity);
         q.resize(self.layout.whole(), 0.0);
@@ -40,7 +41,14 @@ impl BearingJoints {
         linearisation.clear();
         force.fill(0.0);
         let (size, input) = (self.layout.size(), self.layout.input());
-        let mut assembly = Assembly { force, linearisation, size, input, prescribed_torque: 0.0, balance: Balance::default() };
+        let mut assembly = Assembly {
+            force,
+            linearisation,
+            size,
+            input,
+            prescribed_torque: 0.0,
+            balance: Balance::default(),
+        };
         self.visit(&q, &v, &mut assembly);
         for disc in 0..self.layout.discs {
             self.add_ring(disc, &q, &v, &mut assembly);
@@ -88,7 +96,14 @@ impl System for BearingJoints {
         &self.scale
     }
 
-    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], linearisation: &mut DenseLinearisation) -> Balance {
+    fn evaluate(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+        force: &mut [f64],
+        linearisation: &mut DenseLinearisation,
+    ) -> Balance {
         self.evaluate_with_input(time, position, velocity, force, linearisation).0
     }
 

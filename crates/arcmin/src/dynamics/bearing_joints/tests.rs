@@ -1,6 +1,9 @@
 use super::*;
 use crate::contact::ContactLaw;
-use crate::dynamics::{EquilibriumControl, IdealJoints, Linearisation, Reducer, Run, RunPlan, RunResult, StepControl, System, solve_equilibrium};
+use crate::dynamics::{
+    EquilibriumControl, IdealJoints, Linearisation, Reducer, Run, RunPlan, RunResult, StepControl, System,
+    solve_equilibrium,
+};
 use crate::machine::FixedMember;
 use crate::units::ARCMIN;
 
@@ -22,7 +25,9 @@ fn forces_and_tangents_derive_from_the_energy() {
         forces_and_tangents(Machine { fixed_member, ..machine() }, None);
     }
     let (linear, hertz) = (machine().contact_law, ContactLaw::LineHertz);
-    for (contact_law, fixed_member) in [(linear, FixedMember::Housing), (hertz, FixedMember::Housing), (hertz, FixedMember::Carrier)] {
+    for (contact_law, fixed_member) in
+        [(linear, FixedMember::Housing), (hertz, FixedMember::Housing), (hertz, FixedMember::Carrier)]
+    {
         let machine = Machine { contact_law, fixed_member, ..machine() };
         let options = crate::dynamics::FlexibleOptions::default();
         let discs = ElasticDiscs::free(&machine, crate::fem::tests::discs(&machine), options).unwrap();
@@ -33,12 +38,21 @@ fn forces_and_tangents_derive_from_the_energy() {
 fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
     // Run-outs put every arm to use.
     let run_out = RunOut { amplitude: 3e-6, phase: 0.4 };
-    let errors = ManufacturingErrors { carrier: run_out, sun: run_out, journals: vec![run_out; 2], ..ManufacturingErrors::default() };
+    let errors = ManufacturingErrors {
+        carrier: run_out,
+        sun: run_out,
+        journals: vec![run_out; 2],
+        ..ManufacturingErrors::default()
+    };
     machine.carrier.torsional_stiffness = 5e6;
     machine.ring.seat_compliance = 1e-9;
     // Tangents of an elastic disc leave out the curvature of its deformed flank.
     let tolerance = if discs.is_some() { 2e-3 } else { 1e-3 };
-    let mut model = BearingJoints::held(&machine, &JointSettings { damped: false, errors, discs, ..JointSettings::default() }).unwrap();
+    let mut model = BearingJoints::held(
+        &machine,
+        &JointSettings { damped: false, errors, discs, ..JointSettings::default() },
+    )
+    .unwrap();
     let sun = 2.0;
     model.hold_sun(sun, 0.0);
     model.set_load(412.0);
@@ -64,7 +78,11 @@ fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
         for j in 0..n {
             let k = -(fu[j] - fd[j]) / (2.0 * h);
             let size = (lin.stiffness(i, i) * lin.stiffness(j, j)).abs().sqrt();
-            assert!((k - lin.stiffness(j, i)).abs() < tolerance * size, "stiffness {j} {i}: {k} {}", lin.stiffness(j, i));
+            assert!(
+                (k - lin.stiffness(j, i)).abs() < tolerance * size,
+                "stiffness {j} {i}: {k} {}",
+                lin.stiffness(j, i)
+            );
         }
     }
 }
@@ -83,10 +101,21 @@ fn val_stiff_bearings_are_ideal_joints() {
             let q = settle(&model, sun);
             let bearings = model.output_error(&q) / ARCMIN;
             // Turned to the sun's angle and at rest there: a sun still turning would damp the mesh.
-            let drive = Drive::SpeedTable(crate::dynamics::TimeTable::new("speed", &[(0.0, 2.0 * sun), (1.0, 0.0)]).unwrap());
-            let ideal = IdealJoints::new(&machine, &Relief::uniform(0.0), drive, OutputLoad::Constant { torque }, 0.0).unwrap();
+            let drive = Drive::SpeedTable(
+                crate::dynamics::TimeTable::new("speed", &[(0.0, 2.0 * sun), (1.0, 0.0)]).unwrap(),
+            );
+            let ideal = IdealJoints::new(
+                &machine,
+                &Relief::uniform(0.0),
+                drive,
+                OutputLoad::Constant { torque },
+                0.0,
+            )
+            .unwrap();
             let output = sun / 81.0;
-            let rest = solve_equilibrium(&ideal, 1.0, &[-39.0 * output, output], EquilibriumControl::default()).unwrap();
+            let rest =
+                solve_equilibrium(&ideal, 1.0, &[-39.0 * output, output], EquilibriumControl::default())
+                    .unwrap();
             let expected = ideal.transmission_error(1.0, &rest.position, &[0.0, 0.0]) / ARCMIN;
             assert!((bearings - expected).abs() < 1e-4, "{sun} {torque}: {bearings} {expected}");
         }
@@ -96,7 +125,8 @@ fn val_stiff_bearings_are_ideal_joints() {
 #[test]
 fn split_adds_up_to_the_tangent_compliance() {
     let machine = crate::templates::rv_40e_81();
-    let mut model = BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+    let mut model =
+        BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
     model.set_load(412.0);
     let q = settle(&model, 0.0);
     let n = q.len();
@@ -116,15 +146,21 @@ fn split_adds_up_to_the_tangent_compliance() {
     assert!(share(Part::TurningArm) + share(Part::CrankSupport) + share(Part::CrankBending) > 0.9);
 }
 
-/// With everything stiff, a disc's play φ shows at the output as φ/(1 + (z_1 + z_2)/(z_2 z_c)) where the sun is locked in the housing, for the crankshafts turn
-/// with it. With carrier and sun at rest the disc stands still and the ring turns about its own centre, where forces through the pitch point have the lever arm
-/// a z_p sin φ/S instead of a z_c sin φ/S: the play is φ z_c/z_p.
+/// With everything stiff, a disc's play φ shows at the output as φ/(1 + (z_1 + z_2)/(z_2 z_c)) where the sun
+/// is locked in the housing, for the crankshafts turn with it. With carrier and sun at rest the disc stands
+/// still and the ring turns about its own centre, where forces through the pitch point have the lever arm a
+/// z_p sin φ/S instead of a z_c sin φ/S: the play is φ z_c/z_p.
 #[test]
 fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
     let play = |fixed_member: FixedMember| {
         let mut machine = Machine { fixed_member, ..machine() };
         machine.bearings.turning_arm.clearance = 0.0;
-        let settings = JointSettings { stiffness_scale: 1e6, damped: false, flank_wear: Relief::uniform(10e-6), ..JointSettings::default() };
+        let settings = JointSettings {
+            stiffness_scale: 1e6,
+            damped: false,
+            flank_wear: Relief::uniform(10e-6),
+            ..JointSettings::default()
+        };
         let mut model = BearingJoints::held(&machine, &settings).unwrap();
         model.hold_sun(0.7, 0.0);
         let mut at = |torque: f64| {
@@ -144,14 +180,16 @@ fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
 
 /// Series of a run with bearings, the error of the output in arcmin, and the energy residual.
 fn run<M: Reducer>(model: &M, end: f64, tolerance: f64) -> RunResult {
-    let control = StepControl { tolerance: tolerance * StepControl::default().tolerance, ..StepControl::default() };
+    let control =
+        StepControl { tolerance: tolerance * StepControl::default().tolerance, ..StepControl::default() };
     let plan = RunPlan { end, window_start: 0.5 * end, control, ..RunPlan::default() };
     let mut run = Run::new(model, plan).unwrap();
     run.finish().unwrap();
     run.result()
 }
 
-/// The housing turns in time: stiff bearings move like ideal joints with the same inertias, whose reduced equations know nothing of a housing with a place.
+/// The housing turns in time: stiff bearings move like ideal joints with the same inertias, whose reduced
+/// equations know nothing of a housing with a place.
 #[test]
 fn val_stiff_bearings_with_the_carrier_at_rest() {
     let mut machine = Machine { fixed_member: FixedMember::Carrier, ..machine() };
@@ -159,10 +197,12 @@ fn val_stiff_bearings_with_the_carrier_at_rest() {
     let settings = JointSettings { stiffness_scale: 1e4, ..JointSettings::default() };
     let load = OutputLoad::Constant { torque: 412.0 };
     let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.01 };
-    let bearings = run(&BearingJoints::new(&machine, &settings, drive.clone(), load.clone(), 0.0).unwrap(), 0.03, 1.0);
+    let bearings =
+        run(&BearingJoints::new(&machine, &settings, drive.clone(), load.clone(), 0.0).unwrap(), 0.03, 1.0);
     let ideal = run(&IdealJoints::new(&machine, &Relief::uniform(0.0), drive, load, 0.0).unwrap(), 0.03, 1.0);
     let (a, b) = (bearings.statistics.unwrap().mean / ARCMIN, ideal.statistics.unwrap().mean / ARCMIN);
-    // Bearings ten thousand times stiffer leave some ten-thousandths of their 1.7'; times a thousand, 3.0e-3' are left.
+    // Bearings ten thousand times stiffer leave some ten-thousandths of their 1.7'; times a thousand, 3.0e-3'
+    // are left.
     assert!((a - b).abs() < 4e-4, "{a} {b}");
     assert!((bearings.mean_ratio.unwrap() / -80.0 - 1.0).abs() < 1e-3);
     assert!(bearings.energy.residual() < 1e-6, "{:e}", bearings.energy.residual());
@@ -175,20 +215,31 @@ fn input_shaft_gives_way_by_its_own_stiffness() {
     let mut soft = rigid.clone();
     soft.gear_stage.input_torsional_stiffness = 400.0;
     let error = |machine: &Machine, torque: f64| {
-        let mut model = BearingJoints::held(machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+        let mut model =
+            BearingJoints::held(machine, &JointSettings { damped: false, ..JointSettings::default() })
+                .unwrap();
         model.set_load(torque);
         let q = settle(&model, 0.0);
         let mut motion = vec![0.0; q.len()];
         motion[model.output_index()] = 1.0;
         let mut lin = model.linearisation();
         model.evaluate(0.0, &q, &vec![0.0; q.len()], &mut vec![0.0; q.len()], &mut lin);
-        lin.solve(&vec![0.0; q.len()], crate::dynamics::Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion).unwrap();
+        lin.solve(
+            &vec![0.0; q.len()],
+            crate::dynamics::Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 },
+            &mut motion,
+        )
+        .unwrap();
         (model.output_error(&q), model.split(&q, &motion)[Part::InputShaft as usize])
     };
     let ((stiff, none), (elastic, share)) = (error(&rigid, 412.0), error(&soft, 412.0));
     let expected = 1.0 / (81.0 * 81.0 * 400.0);
     // The sun's torque is T/81 but for the turn of the crankshafts with their play: 1e-3.
-    assert!(((stiff - elastic) / (412.0 * expected) - 1.0).abs() < 2e-3, "{} {expected}", (stiff - elastic) / 412.0);
+    assert!(
+        ((stiff - elastic) / (412.0 * expected) - 1.0).abs() < 2e-3,
+        "{} {expected}",
+        (stiff - elastic) / 412.0
+    );
     assert!(none == 0.0 && (share / expected - 1.0).abs() < 5e-3, "{share} {expected}");
 }
 
@@ -199,13 +250,17 @@ fn motor_behind_an_elastic_shaft() {
     machine.gear_stage.input_torsional_stiffness = 400.0;
     let drive = Drive::Governed { speed: machine.rated.input_speed, rise_time: 0.01, gain: 0.05 };
     let load = OutputLoad::Constant { torque: 412.0 };
-    let build = |machine: &Machine, drive: &Drive| BearingJoints::new(machine, &JointSettings::default(), drive.clone(), load.clone(), 0.0);
+    let build = |machine: &Machine, drive: &Drive| {
+        BearingJoints::new(machine, &JointSettings::default(), drive.clone(), load.clone(), 0.0)
+    };
     machine.gear_stage.motor_inertia = 0.0;
     assert!(build(&machine, &drive).is_err(), "a motor without inertia has no motion of its own");
     machine.gear_stage.motor_inertia = 2e-4;
-    // Full speed within 10 ms rattles, and steps fall short at every knock; what is left of the balance goes with their tolerance.
+    // Full speed within 10 ms rattles, and steps fall short at every knock; what is left of the balance goes
+    // with their tolerance.
     for drive in [drive, Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.01 }] {
-        let residual = |tolerance: f64| run(&build(&machine, &drive).unwrap(), 0.03, tolerance).energy.residual();
+        let residual =
+            |tolerance: f64| run(&build(&machine, &drive).unwrap(), 0.03, tolerance).energy.residual();
         let (coarse, fine) = (residual(1.0), residual(0.1));
         assert!(coarse < 1e-5 && fine < 0.5 * coarse, "{coarse:e} {fine:e}");
     }

@@ -1,7 +1,10 @@
 use super::{CARRIER, CRANK, HOUSING, IdealJoints, Torques};
 use crate::contact::{MeshContact, PinContact};
 use crate::dynamics::elastic_disc::DiscMotion;
-use crate::dynamics::{Balance, DenseLinearisation, Drive, DynamicsError, ElasticDiscs, FlexibleOptions, ForceSummary, OutputLoad, Reducer, System};
+use crate::dynamics::{
+    Balance, DenseLinearisation, Drive, DynamicsError, ElasticDiscs, FlexibleOptions, ForceSummary,
+    OutputLoad, Reducer, System,
+};
 use crate::fem::FlexibleDiscs;
 use crate::geometry::{Relief, Vec2, quarter_turn};
 use crate::machine::Machine;
@@ -10,11 +13,11 @@ use crate::machine::Machine;
 ///
 /// Each disc moves with the frame of its bores (centre a e(θ_k + α_j), angle θ_c + δ_j) and deforms in it.
 ///
-/// Kinetic energy of a disc in its frame: ½ J θ̇_c² + θ̇_c c·q̇ + ½ q̇², with c = Φᵀ M r of rotation. With p = q + c θ_c as coordinates it is diagonal:
-/// ½ (J − c·c) θ̇_c² + ½ ṗ².
+/// Kinetic energy of a disc in its frame: ½ J θ̇_c² + θ̇_c c·q̇ + ½ q̇², with c = Φᵀ M r of rotation. With p
+/// = q + c θ_c as coordinates it is diagonal: ½ (J − c·c) θ̇_c² + ½ ṗ².
 ///
-/// Coordinates: those of the rigid model, then p disc by disc. Not modelled: the modes' coupling to the motion of the disc *centre* (it deforms the disc
-/// by some nanometres).
+/// Coordinates: those of the rigid model, then p disc by disc. Not modelled: the modes' coupling to the
+/// motion of the disc *centre* (it deforms the disc by some nanometres).
 pub struct FlexibleJoints {
     rigid: IdealJoints,
     discs: ElasticDiscs,
@@ -26,7 +29,8 @@ pub struct FlexibleJoints {
 
 impl FlexibleJoints {
     /// # Errors
-    /// [`DynamicsError::InvalidValue`] as for the rigid model, and for damping or frequencies without meaning.
+    /// [`DynamicsError::InvalidValue`] as for the rigid model, and for damping or frequencies without
+    /// meaning.
     pub fn new(
         machine: &Machine,
         discs: FlexibleDiscs,
@@ -92,7 +96,14 @@ impl FlexibleJoints {
     }
 
     /// q and q̇ of a disc from p and the carrier's motion.
-    fn modal_state(&self, disc: usize, position: &[f64], velocity: &[f64], angle: &[f64; 4], speed: &[f64; 4]) -> (Vec<f64>, Vec<f64>) {
+    fn modal_state(
+        &self,
+        disc: usize,
+        position: &[f64],
+        velocity: &[f64],
+        angle: &[f64; 4],
+        speed: &[f64; 4],
+    ) -> (Vec<f64>, Vec<f64>) {
         let first = self.first_mode(disc);
         (0..self.discs.mode_count(disc))
             .map(|m| {
@@ -107,12 +118,19 @@ impl FlexibleJoints {
         self.rigid.members.iter().position(|m| *m == member)
     }
 
-    /// What the disc's (x, y, θ, q) do as the coordinates move: (coordinate, ∂(x, y, θ, q)/∂coordinate) of each that moves them.
+    /// What the disc's (x, y, θ, q) do as the coordinates move: (coordinate, ∂(x, y, θ, q)/∂coordinate) of
+    /// each that moves them.
     fn motions(&self, disc: usize, centre: Vec2) -> Vec<(usize, Vec<f64>)> {
         let (arm, count) = (quarter_turn(centre), self.discs.mode_count(disc));
-        let frame = |x: f64, y: f64, angle: f64| [x, y, angle].into_iter().chain(std::iter::repeat_n(0.0, count)).collect::<Vec<f64>>();
+        let frame = |x: f64, y: f64, angle: f64| {
+            [x, y, angle].into_iter().chain(std::iter::repeat_n(0.0, count)).collect::<Vec<f64>>()
+        };
         let mut motions = Vec::with_capacity(3 + count);
-        for (member, mut motion) in [(CRANK, frame(arm.x, arm.y, 0.0)), (CARRIER, frame(0.0, 0.0, 1.0)), (HOUSING, frame(-arm.x, -arm.y, -1.0))] {
+        for (member, mut motion) in [
+            (CRANK, frame(arm.x, arm.y, 0.0)),
+            (CARRIER, frame(0.0, 0.0, 1.0)),
+            (HOUSING, frame(-arm.x, -arm.y, -1.0)),
+        ] {
             if member == CARRIER {
                 (0..count).for_each(|m| motion[3 + m] = -self.turning_share(disc, m));
             }
@@ -148,7 +166,9 @@ impl FlexibleJoints {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         for (row, by_row) in &motions {
             force[*row] += dot(&reaction.force, by_row);
-            let against = |matrix: &[f64]| -> Vec<f64> { (0..width).map(|b| (0..width).map(|a| by_row[a] * matrix[a * width + b]).sum()).collect() };
+            let against = |matrix: &[f64]| -> Vec<f64> {
+                (0..width).map(|b| (0..width).map(|a| by_row[a] * matrix[a * width + b]).sum()).collect()
+            };
             let (stiffness, damping) = (against(&reaction.stiffness), against(&reaction.damping));
             for (column, by_column) in &motions {
                 lin.add_stiffness(*row, *column, dot(&stiffness, by_column));
@@ -167,11 +187,21 @@ impl FlexibleJoints {
     }
 
     /// State of every pin on one disc, in the frame of the ring.
-    pub fn pin_contacts(&self, disc: usize, time: f64, position: &[f64], velocity: &[f64]) -> Vec<PinContact> {
+    pub fn pin_contacts(
+        &self,
+        disc: usize,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Vec<PinContact> {
         let (angle, speed) = self.rigid.angles(time, position, velocity);
         let (modes, rates) = self.modal_state(disc, position, velocity, &angle, &speed);
         let (pose, rate) = self.rigid.disc_state(disc, &angle, &speed);
-        self.discs.pin_contacts(disc, &self.rigid.rings[disc], DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates })
+        self.discs.pin_contacts(
+            disc,
+            &self.rigid.rings[disc],
+            DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates },
+        )
     }
 }
 
@@ -190,7 +220,14 @@ impl System for FlexibleJoints {
         &self.scale
     }
 
-    fn evaluate(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64], lin: &mut DenseLinearisation) -> Balance {
+    fn evaluate(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+        force: &mut [f64],
+        lin: &mut DenseLinearisation,
+    ) -> Balance {
         let (angle, speed) = self.rigid.angles(time, position, velocity);
         let mut total = Torques::default();
         self.rigid.add_mesh(&angle, &speed, &mut total);
@@ -248,13 +285,22 @@ impl Reducer for FlexibleJoints {
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
         let (angle, speed) = self.rigid.angles(time, position, velocity);
         let members = self.rigid.members.len();
-        let mut summary =
-            ForceSummary { mesh_force: self.rigid.mesh_force(time, &position[..members], &velocity[..members]).force, ..ForceSummary::default() };
+        let mut summary = ForceSummary {
+            mesh_force: self.rigid.mesh_force(time, &position[..members], &velocity[..members]).force,
+            ..ForceSummary::default()
+        };
         for disc in 0..self.discs.count() {
             let (modes, rates) = self.modal_state(disc, position, velocity, &angle, &speed);
             let (pose, velocity) = self.rigid.disc_state(disc, &angle, &speed);
             let motion = DiscMotion { pose, velocity, modes: &modes, rates: &rates };
-            for force in self.discs.contacts(disc, &self.rigid.rings[disc], motion).forces.force.iter().filter(|force| **force > 0.0) {
+            for force in self
+                .discs
+                .contacts(disc, &self.rigid.rings[disc], motion)
+                .forces
+                .force
+                .iter()
+                .filter(|force| **force > 0.0)
+            {
                 summary.loaded_pins += 1;
                 summary.largest_pin_force = summary.largest_pin_force.max(*force);
             }

@@ -17,7 +17,9 @@ fn variants() -> Vec<IdealJoints> {
     for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
         machine.fixed_member = fixed_member;
         for drive in [drive(), governed.clone()] {
-            models.push(IdealJoints::new(&machine, &Relief::uniform(2.0 * UM), drive, load.clone(), 5.0).unwrap());
+            models.push(
+                IdealJoints::new(&machine, &Relief::uniform(2.0 * UM), drive, load.clone(), 5.0).unwrap(),
+            );
         }
     }
     models
@@ -71,7 +73,9 @@ fn tangents_are_the_derivatives_of_the_forces() {
             }
             forces[0].iter().zip(&forces[1]).map(|(a, b)| (a - b) / (2.0 * h)).collect::<Vec<_>>()
         };
-        let largest = |f: &dyn Fn(usize, usize) -> f64, row: usize| (0..n).map(|c| (f(row, c) * model.scale[c]).abs()).fold(0.0, f64::max);
+        let largest = |f: &dyn Fn(usize, usize) -> f64, row: usize| {
+            (0..n).map(|c| (f(row, c) * model.scale[c]).abs()).fold(0.0, f64::max)
+        };
         for column in 0..n {
             let k = difference(column, false, 1e-5 * model.scale[column]);
             let c = difference(column, true, 1e-4 * model.scale[column]);
@@ -103,7 +107,8 @@ fn elastic_forces_derive_from_the_stored_energy() {
     machine.contact_law = ContactLaw::Linear { stiffness: 2.85e8 };
     machine.gear_stage.mesh_stiffness_variation = 0.1;
     let governed = Drive::Governed { speed: 0.0, rise_time: 0.1, gain: 1e-30 };
-    let model = IdealJoints::new(&machine, &Relief::uniform(1.0 * UM), governed, OutputLoad::None, 0.0).unwrap();
+    let model =
+        IdealJoints::new(&machine, &Relief::uniform(1.0 * UM), governed, OutputLoad::None, 0.0).unwrap();
     let (q, v) = (loaded_state(&model, 0.0).0, vec![0.0; 3]);
     let mut lin = model.linearisation();
     let mut force = vec![0.0; 3];
@@ -127,12 +132,14 @@ fn equilibrium_splits_the_torque_between_discs_and_gear_stage() {
     let machine = crate::templates::rv_40e_81();
     let load = OutputLoad::Constant { torque: 412.0 };
     let model = IdealJoints::new(&machine, &Relief::uniform(0.0), drive(), load, 0.0).unwrap();
-    let rest = solve_equilibrium(&model, 0.0, &model.nominal_position(), EquilibriumControl::default()).unwrap();
+    let rest =
+        solve_equilibrium(&model, 0.0, &model.nominal_position(), EquilibriumControl::default()).unwrap();
     let moment = |disc: usize| {
         let moments = model.pin_contacts(disc, 0.0, &rest.position, &[0.0; 2]);
         moments.iter().map(|c| c.force * c.gradient[2]).sum::<f64>()
     };
-    // Exact for nominal rolling and normal forces alone; the rolling forces of the conservative line contact carry 2.5e-4 of the torque.
+    // Exact for nominal rolling and normal forces alone; the rolling forces of the conservative line contact
+    // carry 2.5e-4 of the torque.
     let share = (moment(0) + moment(1)) / 412.0;
     assert!((share - model.kinematics.locked_play_factor()).abs() < 5e-4, "{share}");
     assert!(rest.residual < 1e-6);
@@ -179,14 +186,16 @@ fn friction_dissipates_and_spinning_pins_take_the_smaller_coefficient() {
     assert!(((spinning - smooth) / (fixed - smooth) - 0.25).abs() < 1e-9);
 }
 
-/// The transmission error under drag on a meshed flank goes to that of the smooth one; edges of 0.4 mm already halve the play that 10 µm of wear leave.
+/// The transmission error under drag on a meshed flank goes to that of the smooth one; edges of 0.4 mm
+/// already halve the play that 10 µm of wear leave.
 #[test]
 fn meshed_flanks_give_the_smooth_transmission_error_in_the_limit() {
     let machine = crate::templates::rv_40e_81();
     let arc = crate::fem::boundary::FlankArc::new(&machine.profile());
     let mean = |mesh: Option<(MeshContact, f64)>| {
         let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.01 };
-        let mut model = IdealJoints::new(&machine, &Relief::uniform(10.0 * UM), drive, OutputLoad::None, 5.0).unwrap();
+        let mut model =
+            IdealJoints::new(&machine, &Relief::uniform(10.0 * UM), drive, OutputLoad::None, 5.0).unwrap();
         if let Some((contact, size)) = mesh {
             model.set_facets(contact, &arc.nodes((arc.lobe_length() / size).round() as usize));
         }

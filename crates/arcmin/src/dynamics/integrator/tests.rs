@@ -1,7 +1,8 @@
 use super::super::{DenseLinearisation, EquilibriumControl, solve_equilibrium};
 use super::*;
 
-/// A ball of 1 kg between two walls, started with 1 m/s; wall stiffness in N/m, gravity in N, jump of the force at a given time.
+/// A ball of 1 kg between two walls, started with 1 m/s; wall stiffness in N/m, gravity in N, jump of the
+/// force at a given time.
 struct Ball {
     wall: f64,
     damping: f64,
@@ -24,7 +25,14 @@ impl System for Ball {
         &[1e-3]
     }
 
-    fn evaluate(&self, time: f64, q: &[f64], v: &[f64], force: &mut [f64], lin: &mut DenseLinearisation) -> Balance {
+    fn evaluate(
+        &self,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        force: &mut [f64],
+        lin: &mut DenseLinearisation,
+    ) -> Balance {
         lin.clear();
         let depth = (q[0].abs() - 1.0).max(0.0);
         let stiffness = if depth > 0.0 { self.wall } else { 0.0 };
@@ -61,10 +69,17 @@ fn run(ball: &Ball, control: StepControl, position: f64, velocity: f64, end: f64
 
 const FREE: Ball = Ball { wall: 1e8, damping: 0.0, pull: 0.0, jump: None };
 
-/// Free flight 1 m/s over 2 m and half a period π/√k in each wall: the position after many bounces is known in closed form.
+/// Free flight 1 m/s over 2 m and half a period π/√k in each wall: the position after many bounces is known
+/// in closed form.
 #[test]
 fn ball_between_walls_keeps_time_and_energy() {
-    let control = StepControl { tolerance: 1e-5, largest_step: 0.1, velocity_time: 1.0, spectral_radius: 1.0, ..StepControl::default() };
+    let control = StepControl {
+        tolerance: 1e-5,
+        largest_step: 0.1,
+        velocity_time: 1.0,
+        spectral_radius: 1.0,
+        ..StepControl::default()
+    };
     let contact = std::f64::consts::PI / 1e4;
     let bounces = 10.0;
     let end = 1.0 + bounces * contact + (bounces - 1.0) * 2.0 + 1.0;
@@ -139,7 +154,13 @@ fn forces_without_a_number_stop_the_run_and_keep_the_state() {
 fn equilibrium_crosses_the_clearance_and_rests_against_the_wall() {
     for pull in [5.0, -5.0, 1e5] {
         let ball = Ball { pull, ..FREE };
-        let found = solve_equilibrium(&ball, 0.0, &[0.2], EquilibriumControl { trust: 100.0, ..EquilibriumControl::default() }).unwrap();
+        let found = solve_equilibrium(
+            &ball,
+            0.0,
+            &[0.2],
+            EquilibriumControl { trust: 100.0, ..EquilibriumControl::default() },
+        )
+        .unwrap();
         let expected = pull.signum() * (1.0 + pull.abs() / 1e8);
         assert!((found.position[0] - expected).abs() < 1e-12, "{pull}: {found:?}");
     }

@@ -18,8 +18,10 @@ fn outline(life: &LifePage) -> Plot {
     let last = life.flanks.last().filter(|worn| !worn.flank.is_zero());
     let deepest = last.map_or(0.0, |worn| worn.flank.deepest().0).max(study_depth).max(1e-12);
     // An offset by the sharpest convex radius would draw a corner.
-    let drawable = 0.8 * (profile.sharpest_convex_trace().0 - profile.pin_radius).max(0.1 * profile.pin_radius);
-    let enlargement = ENLARGEMENTS.iter().copied().rfind(|factor| factor * deepest <= drawable).unwrap_or(1.0);
+    let drawable =
+        0.8 * (profile.sharpest_convex_trace().0 - profile.pin_radius).max(0.1 * profile.pin_radius);
+    let enlargement =
+        ENLARGEMENTS.iter().copied().rfind(|factor| factor * deepest <= drawable).unwrap_or(1.0);
     let mut plot = Plot::new("Tooth flank with and without wear", Axis::new("Along the pitch", "mm"), Axis::new("Radius from the disc centre", "mm"))
         .noted(format!(
             "One tooth space and half a tooth to each side, pins not drawn (Figure 4 of [Tao2024]). Wear is drawn {enlargement:.0} times larger than it is."
@@ -31,9 +33,16 @@ fn outline(life: &LifePage) -> Plot {
         plot.series.push(Series::line(name, worn_outline(&profile, worn.flank, enlargement)).strong());
     }
     if study_depth > 0.0 {
-        let name = format!("uniform {} µm (×{enlargement:.0}), the paper's study", compact(study_depth / UM, 3));
-        plot.series
-            .push(Series::new(name, Style::Dashed, worn_outline(&profile, &Relief::uniform(study_depth), enlargement)).coloured(Colour::Reference));
+        let name =
+            format!("uniform {} µm (×{enlargement:.0}), the paper's study", compact(study_depth / UM, 3));
+        plot.series.push(
+            Series::new(
+                name,
+                Style::Dashed,
+                worn_outline(&profile, &Relief::uniform(study_depth), enlargement),
+            )
+            .coloured(Colour::Reference),
+        );
     }
     plot
 }
@@ -61,26 +70,36 @@ fn curvature(life: &LifePage) -> Plot {
     let (sharpest_trace, at) = profile.sharpest_convex_trace();
     let sharpest = sharpest_trace - profile.pin_radius;
     let shown = (8.0 * profile.pin_radius * 1e3).max(4.0 * sharpest.abs() * 1e3);
-    let mut plot =
-        Plot::new("Curvature radius of the flank", meshing_angle(), Axis::new("Curvature radius, concave positive", "mm").between(-shown, shown))
-            .half()
-            .with(Series::line(
-                "flank",
-                (0..=1800).map(|tenth| {
-                    let phi = f64::from(tenth) * 0.1;
-                    let radius = profile.flank_curvature_radius((phi * DEG).cos()) * 1e3;
-                    // A gap at the inflection, where the radius passes through infinity.
-                    (phi, if radius.abs() > 3.0 * shown { f64::NAN } else { radius })
-                }),
-            ));
-    plot.note =
-        format!("Figure 7 of [Tao2024]. The sharpest convex place has a radius of {} mm at {:.1}°.", significant(sharpest * 1e3, 3), at / DEG);
+    let mut plot = Plot::new(
+        "Curvature radius of the flank",
+        meshing_angle(),
+        Axis::new("Curvature radius, concave positive", "mm").between(-shown, shown),
+    )
+    .half()
+    .with(Series::line(
+        "flank",
+        (0..=1800).map(|tenth| {
+            let phi = f64::from(tenth) * 0.1;
+            let radius = profile.flank_curvature_radius((phi * DEG).cos()) * 1e3;
+            // A gap at the inflection, where the radius passes through infinity.
+            (phi, if radius.abs() > 3.0 * shown { f64::NAN } else { radius })
+        }),
+    ));
+    plot.note = format!(
+        "Figure 7 of [Tao2024]. The sharpest convex place has a radius of {} mm at {:.1}°.",
+        significant(sharpest * 1e3, 3),
+        at / DEG
+    );
     if let Some(inflection) = profile.inflection() {
         plot.note.push_str(&format!(
             " The flank turns from concave to convex at {:.2}°; the paper writes “around 35°” for its RV-40E-81, whose exact value is 34.64°.",
             inflection / DEG
         ));
-        plot.annotations.push(Annotation::Vertical { at: inflection / DEG, label: "inflection".into(), tone: Tone::Neutral });
+        plot.annotations.push(Annotation::Vertical {
+            at: inflection / DEG,
+            label: "inflection".into(),
+            tone: Tone::Neutral,
+        });
     }
     plot
 }

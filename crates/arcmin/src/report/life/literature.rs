@@ -34,7 +34,12 @@ pub(super) fn references() -> Vec<Reference> {
             None,
             "Roller bearings: load against approach of line contacts, load distribution.",
         ),
-        entry("ISO281", "ISO 281:2007. Rolling bearings — Dynamic load ratings and rating life.", None, "Rating life of the bearings."),
+        entry(
+            "ISO281",
+            "ISO 281:2007. Rolling bearings — Dynamic load ratings and rating life.",
+            None,
+            "Rating life of the bearings.",
+        ),
         entry(
             "GBT35089",
             "GB/T 35089-2018. Precision gear transmission for robot — Test method (Chinese national standard).",

@@ -30,7 +30,12 @@ pub(super) fn closed_form_force(machine: &Machine, load: &StudyLoad, phi: f64) -
     let mut profile = machine.profile();
     profile.pin_circle_radius = machine.ring.pin_circle_radius;
     let cut = &machine.disc.modification;
-    let gap = closed_form::initial_gap(profile.short_width_coefficient(), cut.equidistant_offset + load.depth, cut.radial_offset, phi);
+    let gap = closed_form::initial_gap(
+        profile.short_width_coefficient(),
+        cut.equidistant_offset + load.depth,
+        cut.radial_offset,
+        phi,
+    );
     let share = profile.lever_arm(phi) / profile.largest_lever_arm() - gap / load.solution.max_approach;
     load.solution.max_force * share.max(0.0)
 }
@@ -43,7 +48,11 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
     }
     if !life.flanks.is_empty() {
         blocks.push(Block::Plot(equilibrium_forces(life)));
-        blocks.push(Block::Plot(if life.errors.is_some() { pins_around_the_ring(life) } else { one_pin_over_a_turn(life) }));
+        blocks.push(Block::Plot(if life.errors.is_some() {
+            pins_around_the_ring(life)
+        } else {
+            one_pin_over_a_turn(life)
+        }));
         blocks.push(Block::Plot(pressure(life)));
         blocks.push(Block::Plot(loaded_error(life)));
     }
@@ -70,7 +79,8 @@ fn study_forces(life: &LifePage, study: &[StudyLoad]) -> Plot {
             let phi = f64::from(half) * 0.5;
             (phi, closed_form_force(life.machine, load, phi * DEG))
         });
-        plot.series.push(Series::line(hours_and_depth(load), points).coloured(Colour::Ordered(index as f64 / last)));
+        plot.series
+            .push(Series::line(hours_and_depth(load), points).coloured(Colour::Ordered(index as f64 / last)));
     }
     let (first, final_load) = (&study[0], &study[study.len() - 1]);
     plot.note = format!(
@@ -81,7 +91,8 @@ fn study_forces(life: &LifePage, study: &[StudyLoad]) -> Plot {
         significant(final_load.solution.max_force, 4),
         final_load.solution.loaded_pairs(),
         significant(
-            closed_form::first_max_force(life.machine, life.machine.rated.torque.abs()) * life.machine.ring.pin_circle_radius
+            closed_form::first_max_force(life.machine, life.machine.rated.torque.abs())
+                * life.machine.ring.pin_circle_radius
                 / life.machine.ring.pin_radius,
             4
         )
@@ -139,9 +150,14 @@ fn one_pin_over_a_turn(life: &LifePage) -> Plot {
         Axis::new("Contact force", "N").from_zero(),
     )
     .half()
-    .noted("Pin at 0° of the ring; every other pin sees the same, one pin pitch later. The discs take turns.");
+    .noted(
+        "Pin at 0° of the ring; every other pin sees the same, one pin pitch later. The discs take turns.",
+    );
     let pins = life.machine.ring.pin_count;
-    for (state, style) in [(life.flanks.first(), Style::Line), (life.flanks.last().filter(|_| life.flanks.len() > 1), Style::Dashed)] {
+    for (state, style) in [
+        (life.flanks.first(), Style::Line),
+        (life.flanks.last().filter(|_| life.flanks.len() > 1), Style::Dashed),
+    ] {
         let Some(worn) = state else { continue };
         let steps = worn.cycle.positions.len();
         let discs = worn.cycle.positions.first().map_or(0, |position| position.discs.len());
@@ -150,7 +166,10 @@ fn one_pin_over_a_turn(life: &LifePage) -> Plot {
                 // A later pitch shows on pin 0 what an earlier pin number shows now.
                 let (pitch, within) = (step / steps, step % steps);
                 let pin = (pins - pitch % pins) % pins;
-                let force = worn.cycle.positions[within].discs[disc].iter().find(|contact| contact.pin == pin).map_or(0.0, |contact| contact.force);
+                let force = worn.cycle.positions[within].discs[disc]
+                    .iter()
+                    .find(|contact| contact.pin == pin)
+                    .map_or(0.0, |contact| contact.force);
                 (360.0 * step as f64 / (pins * steps) as f64, force)
             });
             let name = format!("disc {}, {}", disc + 1, state_name(worn));
@@ -165,10 +184,17 @@ fn pins_around_the_ring(life: &LifePage) -> Plot {
     let mut plot = Plot::new("Load on every pin", Axis::new("Pin, counted from the x axis", ""), Axis::new("Mean contact force", "N").from_zero())
         .half()
         .noted("Mean over a turn of the output, of one disc, unloaded times included. Without manufacturing errors all pins would bear the same.");
-    for (state, style) in [(life.flanks.first(), Style::LineMarkers), (life.flanks.last().filter(|_| life.flanks.len() > 1), Style::Dashed)] {
+    for (state, style) in [
+        (life.flanks.first(), Style::LineMarkers),
+        (life.flanks.last().filter(|_| life.flanks.len() > 1), Style::Dashed),
+    ] {
         let Some(worn) = state else { continue };
         for disc in 0..life.machine.disc_count {
-            let points = worn.pins.iter().filter(|load| load.disc == disc).map(|load| ((load.pin + 1) as f64, load.mean_force));
+            let points = worn
+                .pins
+                .iter()
+                .filter(|load| load.disc == disc)
+                .map(|load| ((load.pin + 1) as f64, load.mean_force));
             let name = format!("disc {}, {}", disc + 1, state_name(worn));
             plot.series.push(Series::new(name, style, points).coloured(Colour::Palette([0, 4, 2][disc % 3])));
         }
@@ -193,7 +219,12 @@ fn pressure(life: &LifePage) -> Plot {
             .peaks
             .iter()
             .filter(|force| force.meshing_angle * side >= 0.0)
-            .map(|force| ((force.meshing_angle * side) / DEG, contact.pressure(force.force, 1.0 / force.relative_curvature) * 1e-6))
+            .map(|force| {
+                (
+                    (force.meshing_angle * side) / DEG,
+                    contact.pressure(force.force, 1.0 / force.relative_curvature) * 1e-6,
+                )
+            })
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points.dedup_by(|a, b| (a.0 - b.0).abs() < 1e-6);
@@ -224,11 +255,18 @@ fn loaded_error(life: &LifePage) -> Plot {
         let pitches = if life.errors.is_some() { 1 } else { 2 };
         let points = (0..=pitches * steps).filter(|step| pitches > 1 || *step < steps).map(|step| {
             let position = &worn.cycle.positions[step % steps];
-            (worn.cycle.period / DEG * step as f64 / steps as f64, (position.output_error.radians() - mean) / ARCMIN * 60.0)
+            (
+                worn.cycle.period / DEG * step as f64 / steps as f64,
+                (position.output_error.radians() - mean) / ARCMIN * 60.0,
+            )
         });
         plot.series.push(Series::line(state_name(worn), points).coloured(ordered(index, life.flanks.len())));
     }
-    plot.annotations.push(Annotation::Vertical { at: life.flanks[0].cycle.period / DEG, label: "one pin pitch".into(), tone: Tone::Neutral });
+    plot.annotations.push(Annotation::Vertical {
+        at: life.flanks[0].cycle.period / DEG,
+        label: "one pin pitch".into(),
+        tone: Tone::Neutral,
+    });
     plot.note = format!(
         "Quasi-static at rated torque, {}: the ripple is that of pairs entering and leaving. Mean values: {}.",
         if life.contacts_alone { "contacts only" } else { "bearings included" },

@@ -24,7 +24,10 @@ use crate::load::{Cycle, FlankForce, PinLoad};
 use crate::machine::Machine;
 use crate::units::{ARCMIN, DEG, HOUR};
 
-use super::{Block, Column, CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, Page, Provenance, Section, Table};
+use super::{
+    Block, Column, CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, Page, Provenance,
+    Section, Table,
+};
 
 /// One row of accuracy over life, the columns of `life.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -90,7 +93,8 @@ pub struct LifePage<'a> {
     pub provenance: Provenance,
     pub design_name: &'a str,
     pub design_text: &'a str,
-    /// Whether the rows of the prediction are of the contacts with ideal joints; else of the machine with its bearings.
+    /// Whether the rows of the prediction are of the contacts with ideal joints; else of the machine with its
+    /// bearings.
     pub contacts_alone: bool,
     /// The manufacturing errors that the prediction has, in a sentence.
     pub errors: Option<String>,
@@ -98,7 +102,8 @@ pub struct LifePage<'a> {
     pub prediction: &'a [LifeRow],
     /// Flank and loads at some of these hours, the first new, the last at the end of the service life.
     pub flanks: &'a [WornFlank<'a>],
-    /// Until the lost motion of the prediction reaches its limit; `None` if that lies beyond what was computed.
+    /// Until the lost motion of the prediction reaches its limit; `None` if that lies beyond what was
+    /// computed.
     pub hours_to_limit: Option<f64>,
     /// How far the limit was looked for.
     pub searched_hours: f64,
@@ -110,7 +115,8 @@ pub struct LifePage<'a> {
     pub dte_rigid_run: Option<RunTrace<'a>>,
     pub ste_flexible_run: Option<RunTrace<'a>>,
     pub dte_flexible_run: Option<RunTrace<'a>>,
-    /// How the static runs depend on where in the play they start, at the points of the study; empty if not asked for.
+    /// How the static runs depend on where in the play they start, at the points of the study; empty if not
+    /// asked for.
     pub ste_starts: Vec<Option<&'a StartSpread>>,
     /// Verdicts on the design; those that are mere facts are not shown.
     pub findings: &'a [Finding],
@@ -124,7 +130,8 @@ impl LifePage<'_> {
     /// The page, ready to be rendered.
     pub fn page(&self) -> Page {
         let name = &self.machine.name;
-        let mut sections = vec![Section::new("mechanism", "Mechanism and contact forces", self.mechanism_blocks())];
+        let mut sections =
+            vec![Section::new("mechanism", "Mechanism and contact forces", self.mechanism_blocks())];
         sections.push(Section::new("accuracy", "Accuracy over life", accuracy::blocks(self)));
         sections.push(Section::new("flank", "Tooth flank", flank::blocks(self)));
         sections.push(Section::new("load", "Load sharing", load::blocks(self)));
@@ -136,7 +143,9 @@ impl LifePage<'_> {
         sections.extend(self.more.iter().cloned());
         if !self.findings.is_empty() {
             let block = match crate::checks::worst(self.findings) {
-                Severity::Info => Block::Text(format!("All {} checks of the design are passed.", self.findings.len())),
+                Severity::Info => {
+                    Block::Text(format!("All {} checks of the design are passed.", self.findings.len()))
+                }
                 _ => findings_table(self.findings),
             };
             sections.push(Section::new("findings", "Findings on the design", vec![block]));
@@ -146,7 +155,11 @@ impl LifePage<'_> {
             "Design as used",
             vec![Block::Code { title: self.design_name.to_owned(), text: self.design_text.to_owned() }],
         ));
-        sections.push(Section::new("literature", "Literature", vec![Block::References(literature::references())]));
+        sections.push(Section::new(
+            "literature",
+            "Literature",
+            vec![Block::References(literature::references())],
+        ));
         Page {
             title: name.clone(),
             subtitle: format!("Accuracy over {} h of service", super::compact(self.service_hours(), 4)),
@@ -173,7 +186,9 @@ impl LifePage<'_> {
         let states = match self.flanks {
             [] => Vec::new(),
             [only] => vec![("new".to_owned(), only.cycle)],
-            [first, .., last] => vec![("new".to_owned(), first.cycle), (format!("{:.0} h", last.hours), last.cycle)],
+            [first, .., last] => {
+                vec![("new".to_owned(), first.cycle), (format!("{:.0} h", last.hours), last.cycle)]
+            }
         };
         let mut drawing = mechanism(self.machine, &states);
         if let Some(errors) = &self.errors {
@@ -185,7 +200,8 @@ impl LifePage<'_> {
     }
 }
 
-/// The drawing of a machine with the forces of load-sharing cycles; positions of each cycle must be equidistant over one pin pitch.
+/// The drawing of a machine with the forces of load-sharing cycles; positions of each cycle must be
+/// equidistant over one pin pitch.
 pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
     /// Points per lobe: chords stay within 2 µm of the flank of the sizes in use.
     const LOBE_POINTS: usize = 60;
@@ -200,7 +216,13 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
         })
         .collect();
     let places: Vec<f64> = (0..machine.crankshafts.count)
-        .map(|index| crate::machine::Kinematics::crankshaft_angle(machine.crankshafts.first_angle, index, machine.crankshafts.count))
+        .map(|index| {
+            crate::machine::Kinematics::crankshaft_angle(
+                machine.crankshafts.first_angle,
+                index,
+                machine.crankshafts.count,
+            )
+        })
         .collect();
     let circle_radius = machine.gear_stage.centre_distance();
     let hole = |radius: f64, at_radius: f64, angle: f64| Hole {
@@ -208,9 +230,12 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
         y_mm: at_radius * angle.sin() * MM_PER_M,
         radius_mm: radius * MM_PER_M,
     };
-    let mut holes: Vec<Hole> = places.iter().map(|angle| hole(machine.disc.crank_bore_radius, circle_radius, *angle)).collect();
+    let mut holes: Vec<Hole> =
+        places.iter().map(|angle| hole(machine.disc.crank_bore_radius, circle_radius, *angle)).collect();
     holes.push(hole(machine.disc.centre_hole_radius, 0.0, 0.0));
-    holes.extend(machine.disc.holes.iter().map(|bore| hole(bore.radius, bore.centre_radius, bore.centre_angle)));
+    holes.extend(
+        machine.disc.holes.iter().map(|bore| hole(bore.radius, bore.centre_radius, bore.centre_angle)),
+    );
     let ring = machine.ring.pin_circle_radius;
     let forces = |cycle: &Cycle| {
         (0..kinematics.phases.len())
@@ -226,8 +251,9 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
             })
             .collect()
     };
-    let eccentric_radius =
-        machine.disc.crank_bore_radius - machine.bearings.turning_arm.roller_diameter - 0.5 * machine.bearings.turning_arm.clearance;
+    let eccentric_radius = machine.disc.crank_bore_radius
+        - machine.bearings.turning_arm.roller_diameter
+        - 0.5 * machine.bearings.turning_arm.clearance;
     Mechanism {
         title: format!("{}, seen from the output side", machine.name),
         note: format!(
@@ -250,7 +276,11 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
             place_deg: places.iter().map(|angle| angle / DEG).collect(),
             shaft_radius_mm: 0.5 * machine.crankshafts.shaft_diameter * MM_PER_M,
             // A design may leave the bearing out; the eccentric is then drawn as the bore.
-            eccentric_radius_mm: if eccentric_radius > 0.0 { eccentric_radius } else { machine.disc.crank_bore_radius } * MM_PER_M,
+            eccentric_radius_mm: if eccentric_radius > 0.0 {
+                eccentric_radius
+            } else {
+                machine.disc.crank_bore_radius
+            } * MM_PER_M,
         },
         gear_stage: GearStageDrawing {
             sun_teeth: machine.gear_stage.sun_teeth,
@@ -259,18 +289,24 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
             planet_pitch_radius_mm: machine.gear_stage.planet_pitch_radius() * MM_PER_M,
         },
         input_speed_rpm: machine.rated.input_speed / crate::units::RPM,
-        states: states.iter().map(|(label, cycle)| ForceState { label: label.clone(), force_n: forces(cycle) }).collect(),
+        states: states
+            .iter()
+            .map(|(label, cycle)| ForceState { label: label.clone(), force_n: forces(cycle) })
+            .collect(),
     }
 }
 
 /// Table of the warnings and errors, worst first.
 fn findings_table(findings: &[Finding]) -> Block {
-    let mut shown: Vec<&Finding> = findings.iter().filter(|finding| finding.severity > Severity::Info).collect();
+    let mut shown: Vec<&Finding> =
+        findings.iter().filter(|finding| finding.severity > Severity::Info).collect();
     shown.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     let rows = shown
         .iter()
         .map(|finding| {
-            let amount = |value: f64| super::compact(value, 4) + if finding.unit.is_empty() { "" } else { " " } + finding.unit;
+            let amount = |value: f64| {
+                super::compact(value, 4) + if finding.unit.is_empty() { "" } else { " " } + finding.unit
+            };
             vec![
                 finding.severity.word().to_owned(),
                 format!("`{}`", finding.code),

@@ -2,7 +2,9 @@
 
 use super::{LifePage, LifeRow, MeanAndMax, RunTrace};
 use crate::machine::Machine;
-use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant};
+use crate::report::{
+    Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant,
+};
 use crate::units::ARCMIN;
 
 /// Values printed in the text of Tao2024 (section 4); its curves are not digitised.
@@ -32,7 +34,9 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
         (life.ste_flexible_run, "Flexible disc without load", "Figures 16 and 17", RunKind::Flexible),
         (life.dte_flexible_run, "Flexible disc with sinusoidal load", "", RunKind::FlexibleDynamic),
     ];
-    let figures_of = |figures: &str| if figures.is_empty() { "Not in [Tao2024].".to_owned() } else { format!("{figures} of [Tao2024].") };
+    let figures_of = |figures: &str| {
+        if figures.is_empty() { "Not in [Tao2024].".to_owned() } else { format!("{figures} of [Tao2024].") }
+    };
     let has = |value: fn(&LifeRow) -> bool| life.study.iter().any(value);
     if has(|row| row.ste_rigid.is_some() || row.dte_rigid.is_some()) {
         blocks.push(Block::Plot(rigid_over_life(life)));
@@ -68,7 +72,8 @@ enum RunKind {
     FlexibleDynamic,
 }
 
-/// A figure needs no more points than this; lowest and highest of each group are kept so that no peak is lost.
+/// A figure needs no more points than this; lowest and highest of each group are kept so that no peak is
+/// lost.
 const FIGURE_POINTS: usize = 4000;
 
 fn thinned(time: &[f64], value: &[f64]) -> Vec<(f64, f64)> {
@@ -91,14 +96,27 @@ fn thinned(time: &[f64], value: &[f64]) -> Vec<(f64, f64)> {
     points
 }
 
-/// Input over the ratio and output on one axis, so that they can be compared, and the load where there is one.
+/// Input over the ratio and output on one axis, so that they can be compared, and the load where there is
+/// one.
 fn speeds(title: &str, figures: &str, run: &RunTrace, ratio: f64) -> Plot {
     let scaled: Vec<f64> = run.input_speed_deg_s.iter().map(|speed| speed / ratio).collect();
     Plot::new(format!("{title}: speeds"), Axis::new("Time", "s"), Axis::new("Speed at the output", "°/s"))
         .half()
-        .with(Series::line("output", thinned(run.time_s, run.output_speed_deg_s)).coloured(Colour::Palette(0)))
-        .with(Series::new(format!("input / {}", compact(ratio, 4)), Style::Dashed, thinned(run.time_s, &scaled)).coloured(Colour::Reference))
-        .noted(format!("{figures} The input turns at {} °/s.", compact(run.input_speed_deg_s.last().copied().unwrap_or(0.0), 5)))
+        .with(
+            Series::line("output", thinned(run.time_s, run.output_speed_deg_s)).coloured(Colour::Palette(0)),
+        )
+        .with(
+            Series::new(
+                format!("input / {}", compact(ratio, 4)),
+                Style::Dashed,
+                thinned(run.time_s, &scaled),
+            )
+            .coloured(Colour::Reference),
+        )
+        .noted(format!(
+            "{figures} The input turns at {} °/s.",
+            compact(run.input_speed_deg_s.last().copied().unwrap_or(0.0), 5)
+        ))
 }
 
 /// The load on the output, where there is one.
@@ -112,9 +130,15 @@ fn load(title: &str, figures: &str, run: &RunTrace) -> Option<Plot> {
 }
 
 fn error(title: &str, figures: &str, run: &RunTrace, kind: RunKind, papers: bool) -> Plot {
-    let mut plot = Plot::new(format!("{title}: transmission error"), Axis::new("Time", "s"), Axis::new("Transmission error", "arcmin"))
-        .half()
-        .with(Series::line("transmission error", thinned(run.time_s, run.te_arcmin)).coloured(Colour::Palette(0)));
+    let mut plot = Plot::new(
+        format!("{title}: transmission error"),
+        Axis::new("Time", "s"),
+        Axis::new("Transmission error", "arcmin"),
+    )
+    .half()
+    .with(
+        Series::line("transmission error", thinned(run.time_s, run.te_arcmin)).coloured(Colour::Palette(0)),
+    );
     plot.note = format!(
         "{figures} From {} s on: mean size {} arcmin, largest {} arcmin.",
         compact(run.steady_from_s, 2),
@@ -135,7 +159,11 @@ fn error(title: &str, figures: &str, run: &RunTrace, kind: RunKind, papers: bool
     plot
 }
 
-fn over_hours(rows: &[LifeRow], value: impl Fn(&LifeRow) -> Option<MeanAndMax>, part: fn(MeanAndMax) -> f64) -> Vec<(f64, f64)> {
+fn over_hours(
+    rows: &[LifeRow],
+    value: impl Fn(&LifeRow) -> Option<MeanAndMax>,
+    part: fn(MeanAndMax) -> f64,
+) -> Vec<(f64, f64)> {
     rows.iter().filter_map(|row| value(row).map(|v| (row.hours, part(v)))).collect()
 }
 
@@ -154,8 +182,10 @@ fn rigid_over_life(life: &LifePage) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted("Figure 18 of [Tao2024]. Without load the output floats in the clearance: the shaded band is what uniform wear geometrically allows.");
-    plot.series
-        .push(Series::band("geometric clearance", life.study.iter().map(|row| (row.hours, 0.0, row.play_arcmin))).coloured(Colour::Palette(5)));
+    plot.series.push(
+        Series::band("geometric clearance", life.study.iter().map(|row| (row.hours, 0.0, row.play_arcmin)))
+            .coloured(Colour::Palette(5)),
+    );
     type Quantity = (&'static str, fn(&LifeRow) -> Option<MeanAndMax>, u8);
     let quantities: [Quantity; 2] = [("STE", |row| row.ste_rigid, 0), ("DTE", |row| row.dte_rigid, 1)];
     for (name, value, colour) in quantities {
@@ -163,9 +193,18 @@ fn rigid_over_life(life: &LifePage) -> Plot {
         if means.is_empty() {
             continue;
         }
-        plot.series.push(Series::new(format!("{name}, mean"), Style::LineMarkers, means).coloured(Colour::Palette(colour)).strong());
         plot.series.push(
-            Series::new(format!("{name}, largest"), Style::Dashed, over_hours(life.study, value, |v| v.max_arcmin)).coloured(Colour::Palette(colour)),
+            Series::new(format!("{name}, mean"), Style::LineMarkers, means)
+                .coloured(Colour::Palette(colour))
+                .strong(),
+        );
+        plot.series.push(
+            Series::new(
+                format!("{name}, largest"),
+                Style::Dashed,
+                over_hours(life.study, value, |v| v.max_arcmin),
+            )
+            .coloured(Colour::Palette(colour)),
         );
     }
     let starts: Vec<(f64, f64, f64)> = life
@@ -185,8 +224,14 @@ fn rigid_over_life(life: &LifePage) -> Plot {
         );
     }
     if is_the_papers(life.machine) {
-        plot.series.push(Series::markers("STE, Tao2024", paper_points(life, STE_MEAN_AT_10_UM, STE_LARGEST)).coloured(Colour::Palette(0)));
-        plot.series.push(Series::markers("DTE, Tao2024", paper_points(life, DTE_MEAN_AT_10_UM, DTE_LARGEST)).coloured(Colour::Palette(1)));
+        plot.series.push(
+            Series::markers("STE, Tao2024", paper_points(life, STE_MEAN_AT_10_UM, STE_LARGEST))
+                .coloured(Colour::Palette(0)),
+        );
+        plot.series.push(
+            Series::markers("DTE, Tao2024", paper_points(life, DTE_MEAN_AT_10_UM, DTE_LARGEST))
+                .coloured(Colour::Palette(1)),
+        );
     }
     plot
 }
@@ -201,19 +246,37 @@ fn flexible_over_life(life: &LifePage) -> Plot {
         "Figure 19 of [Tao2024]. Without load nothing deforms a disc: the means of the two models lie on one another but for the chance of undamped rattling.",
     );
     plot.series.push(
-        Series::new("rigid, mean", Style::LineMarkers, over_hours(life.study, |row| row.ste_rigid, |v| v.mean_arcmin)).coloured(Colour::Palette(0)),
+        Series::new(
+            "rigid, mean",
+            Style::LineMarkers,
+            over_hours(life.study, |row| row.ste_rigid, |v| v.mean_arcmin),
+        )
+        .coloured(Colour::Palette(0)),
     );
     plot.series.push(
-        Series::new("flexible, mean", Style::LineMarkers, over_hours(life.study, |row| row.ste_flexible, |v| v.mean_arcmin))
-            .coloured(Colour::Palette(2)),
+        Series::new(
+            "flexible, mean",
+            Style::LineMarkers,
+            over_hours(life.study, |row| row.ste_flexible, |v| v.mean_arcmin),
+        )
+        .coloured(Colour::Palette(2)),
     );
     plot.series.push(
-        Series::new("flexible, largest", Style::Dashed, over_hours(life.study, |row| row.ste_flexible, |v| v.max_arcmin))
-            .coloured(Colour::Palette(2)),
+        Series::new(
+            "flexible, largest",
+            Style::Dashed,
+            over_hours(life.study, |row| row.ste_flexible, |v| v.max_arcmin),
+        )
+        .coloured(Colour::Palette(2)),
     );
     if is_the_papers(life.machine) {
-        plot.series
-            .push(Series::markers("flexible, Tao2024", paper_points(life, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_LARGEST)).coloured(Colour::Reference));
+        plot.series.push(
+            Series::markers(
+                "flexible, Tao2024",
+                paper_points(life, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_LARGEST),
+            )
+            .coloured(Colour::Reference),
+        );
     }
     plot
 }
@@ -227,12 +290,17 @@ fn loaded_over_life(life: &LifePage) -> Plot {
     )
     .noted("The paper shows no loaded run with a flexible disc.");
     type Quantity = (&'static str, fn(&LifeRow) -> Option<MeanAndMax>, u8);
-    let quantities: [Quantity; 2] = [("rigid", |row| row.dte_rigid, 0), ("flexible", |row| row.dte_flexible, 2)];
+    let quantities: [Quantity; 2] =
+        [("rigid", |row| row.dte_rigid, 0), ("flexible", |row| row.dte_flexible, 2)];
     for (name, value, colour) in quantities {
-        for (part, style, of) in
-            [("mean", Style::LineMarkers, (|v| v.mean_arcmin) as fn(MeanAndMax) -> f64), ("largest", Style::Dashed, |v| v.max_arcmin)]
-        {
-            plot.series.push(Series::new(format!("{name}, {part}"), style, over_hours(life.study, value, of)).coloured(Colour::Palette(colour)));
+        for (part, style, of) in [
+            ("mean", Style::LineMarkers, (|v| v.mean_arcmin) as fn(MeanAndMax) -> f64),
+            ("largest", Style::Dashed, |v| v.max_arcmin),
+        ] {
+            plot.series.push(
+                Series::new(format!("{name}, {part}"), style, over_hours(life.study, value, of))
+                    .coloured(Colour::Palette(colour)),
+            );
         }
     }
     plot
@@ -255,7 +323,13 @@ fn comparison(life: &LifePage) -> Table {
         ("STE, rigid, 6450 h", |row| row.ste_rigid, STE_LARGEST.0, STE_LARGEST.1, 0.0),
         ("DTE, rigid, 10 µm", |row| row.dte_rigid, first, DTE_MEAN_AT_10_UM, DTE_EXCURSION_AT_10_UM),
         ("DTE, rigid, 6450 h", |row| row.dte_rigid, DTE_LARGEST.0, DTE_LARGEST.1, 0.0),
-        ("STE, flexible, 10 µm", |row| row.ste_flexible, first, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_MAX_AT_10_UM),
+        (
+            "STE, flexible, 10 µm",
+            |row| row.ste_flexible,
+            first,
+            FLEXIBLE_MEAN_AT_10_UM,
+            FLEXIBLE_MAX_AT_10_UM,
+        ),
         ("STE, flexible, 7500 h", |row| row.ste_flexible, FLEXIBLE_LARGEST.0, FLEXIBLE_LARGEST.1, 0.0),
     ];
     let or_dash = |value: f64| if value > 0.0 { format!("{value}") } else { "–".to_owned() };
@@ -265,8 +339,16 @@ fn comparison(life: &LifePage) -> Table {
         .filter_map(|(name, value, hours, paper_mean, paper_max)| {
             let mean = at_hours(&over_hours(life.study, value, |v| v.mean_arcmin), *hours)?;
             let max = at_hours(&over_hours(life.study, value, |v| v.max_arcmin), *hours)?;
-            let clearance = at_hours(&plays, *hours).map_or_else(|| "–".to_owned(), |play| format!("±{}", significant(play, 3)));
-            Some(vec![(*name).to_owned(), or_dash(*paper_mean), significant(mean, 3), or_dash(*paper_max), significant(max, 3), clearance])
+            let clearance = at_hours(&plays, *hours)
+                .map_or_else(|| "–".to_owned(), |play| format!("±{}", significant(play, 3)));
+            Some(vec![
+                (*name).to_owned(),
+                or_dash(*paper_mean),
+                significant(mean, 3),
+                or_dash(*paper_max),
+                significant(max, 3),
+                clearance,
+            ])
         })
         .collect();
     Table {
@@ -308,7 +390,10 @@ fn differences(life: &LifePage) -> Vec<String> {
             significant(row.play_arcmin, 3)
         ));
     }
-    if let Some(row) = at(10.0).and_then(|row| row.dte_rigid.map(|dte| (row, dte))).filter(|(row, dte)| dte.max_arcmin > row.play_arcmin) {
+    if let Some(row) = at(10.0)
+        .and_then(|row| row.dte_rigid.map(|dte| (row, dte)))
+        .filter(|(row, dte)| dte.max_arcmin > row.play_arcmin)
+    {
         let (row, dte) = row;
         texts.push(format!(
             "With the sinusoidal load the teeth are pressed to one flank and then to the other, so that |TE| swings to the clearance plus the \

@@ -34,14 +34,27 @@ fn study() -> Vec<LifeRow> {
 }
 
 fn page_with(machine: &Machine, change: impl FnOnce(&mut LifePage)) -> Page {
-    let cycle = machine.meshing(&Relief::uniform(0.0)).cycle(machine.rated.torque, 6).expect("a new machine carries its rated torque");
+    let cycle = machine
+        .meshing(&Relief::uniform(0.0))
+        .cycle(machine.rated.torque, 6)
+        .expect("a new machine carries its rated torque");
     let worn = Relief::uniform(5.0 * UM);
-    let worn_cycle = machine.meshing(&worn).cycle(machine.rated.torque, 6).expect("a worn machine carries its rated torque");
+    let worn_cycle = machine
+        .meshing(&worn)
+        .cycle(machine.rated.torque, 6)
+        .expect("a worn machine carries its rated torque");
     let new = Relief::uniform(0.0);
     let (forces, worn_forces) = (cycle.flank_forces(), worn_cycle.flank_forces());
     let flanks = [
         WornFlank { hours: 0.0, flank: &new, cycle: &cycle, forces: &forces, peaks: &forces, pins: &[] },
-        WornFlank { hours: 7500.0, flank: &worn, cycle: &worn_cycle, forces: &worn_forces, peaks: &worn_forces, pins: &[] },
+        WornFlank {
+            hours: 7500.0,
+            flank: &worn,
+            cycle: &worn_cycle,
+            forces: &worn_forces,
+            peaks: &worn_forces,
+            pins: &[],
+        },
     ];
     let (prediction, study) = ([row(0.0, 0.0), row(3750.0, 4.0), row(7500.0, 5.0)], study());
     let findings = crate::checks::check(machine);
@@ -87,7 +100,8 @@ fn largest(plot: &Plot, series: usize) -> f64 {
     plot.series[series].points.y.iter().flatten().copied().fold(0.0, f64::max)
 }
 
-/// 446.94 N is F_max0 of the handbook for the paper's machine; the curve passes its maximum between two of its points.
+/// 446.94 N is F_max0 of the handbook for the paper's machine; the curve passes its maximum between two of
+/// its points.
 #[test]
 fn figure_8_starts_at_the_handbooks_force() {
     let machine = rv_40e_81();
@@ -106,10 +120,18 @@ fn figure_7_marks_the_inflection() {
     assert!((at - 34.644).abs() < 1e-3);
     // Concave before, convex after.
     let points = &figure.series[0].points;
-    assert!(points.x.iter().zip(&points.y).filter_map(|(x, y)| y.map(|y| (x, y))).all(|(x, y)| (*x < at) == (y > 0.0)));
+    assert!(
+        points
+            .x
+            .iter()
+            .zip(&points.y)
+            .filter_map(|(x, y)| y.map(|y| (x, y)))
+            .all(|(x, y)| (*x < at) == (y > 0.0))
+    );
 }
 
-/// Figure 10 ends where the study's uniform depth ends: the worst point of every level wears by the whole step.
+/// Figure 10 ends where the study's uniform depth ends: the worst point of every level wears by the whole
+/// step.
 #[test]
 fn figure_10_reaches_nearly_the_uniform_depth() {
     let page = page_with(&rv_40e_81(), |_| {});
@@ -119,7 +141,8 @@ fn figure_10_reaches_nearly_the_uniform_depth() {
     assert!(deepest > 50.0 && deepest < 60.0, "{deepest}");
 }
 
-/// The drawing's rule, normals through the pitch point a·z_p·e(θ_k + α), carries the torque: 0.4815 T on each disc of the new machine.
+/// The drawing's rule, normals through the pitch point a·z_p·e(θ_k + α), carries the torque: 0.4815 T on each
+/// disc of the new machine.
 #[test]
 fn drawn_forces_balance_the_torque() {
     let machine = rv_40e_81();
@@ -128,25 +151,32 @@ fn drawn_forces_balance_the_torque() {
     let pins = drawing.pin_count;
     for (disc, phase) in drawing.eccentric_phase_deg.iter().enumerate() {
         for (step, forces) in drawing.states[0].force_n[disc].iter().enumerate() {
-            let crank = std::f64::consts::TAU / pins as f64 * step as f64 / drawing.states[0].force_n[disc].len() as f64 + phase * DEG;
+            let crank = std::f64::consts::TAU / pins as f64 * step as f64
+                / drawing.states[0].force_n[disc].len() as f64
+                + phase * DEG;
             let pitch_point = crate::geometry::unit(crank) * drawing.eccentricity_mm * pins as f64;
             let centre = crate::geometry::unit(crank) * drawing.eccentricity_mm;
             let moment: f64 = forces
                 .iter()
                 .enumerate()
                 .map(|(pin, force)| {
-                    let place = crate::geometry::unit(std::f64::consts::TAU * pin as f64 / pins as f64) * drawing.pin_circle_radius_mm;
+                    let place = crate::geometry::unit(std::f64::consts::TAU * pin as f64 / pins as f64)
+                        * drawing.pin_circle_radius_mm;
                     let normal = (pitch_point - place).normalize();
                     crate::geometry::cross(place - centre, normal) * 1e-3 * force
                 })
                 .sum();
             // Micrometres of elastic approach tilt the normals by some 1e-4.
-            assert!((moment / (0.48148 * machine.rated.torque) - 1.0).abs() < 2e-3, "disc {disc}, step {step}: {moment}");
+            assert!(
+                (moment / (0.48148 * machine.rated.torque) - 1.0).abs() < 2e-3,
+                "disc {disc}, step {step}: {moment}"
+            );
         }
     }
 }
 
-/// One pin pitch later the same forces act on the next pin: what lets the drawing turn on a table of one pitch.
+/// One pin pitch later the same forces act on the next pin: what lets the drawing turn on a table of one
+/// pitch.
 #[test]
 fn forces_move_on_by_one_pin_per_pitch() {
     let machine = rv_40e_81();
@@ -175,7 +205,12 @@ fn the_papers_numbers_stand_beside_its_own_machine_only() {
 #[test]
 fn verdict_follows_the_hours_to_the_limit() {
     let machine = rv_40e_81();
-    for (hours, tone) in [(Some(5000.0), Tone::Bad), (Some(8000.0), Tone::Caution), (Some(20_000.0), Tone::Good), (None, Tone::Good)] {
+    for (hours, tone) in [
+        (Some(5000.0), Tone::Bad),
+        (Some(8000.0), Tone::Caution),
+        (Some(20_000.0), Tone::Good),
+        (None, Tone::Good),
+    ] {
         let verdict = page_with(&machine, |life| life.hours_to_limit = hours).verdict;
         assert_eq!(verdict.tone, tone, "{hours:?}: {}", verdict.headline);
         assert_eq!(verdict.figures.len(), 4);

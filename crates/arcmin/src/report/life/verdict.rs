@@ -4,7 +4,8 @@ use super::LifePage;
 use crate::report::{KeyFigure, Tone, Verdict, compact, significant};
 use crate::units::{DEG, MPA};
 
-/// A limit reached within this part beyond the service life is worth a warning: wear coefficients are not known better.
+/// A limit reached within this part beyond the service life is worth a warning: wear coefficients are not
+/// known better.
 const NARROW: f64 = 1.2;
 
 pub(super) fn verdict(life: &LifePage) -> Verdict {
@@ -19,15 +20,31 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
     let (tone, headline) = match life.hours_to_limit {
         Some(hours) if hours < service => (
             Tone::Bad,
-            format!("Reaches its limit of {} arcmin lost motion after {:.0} h, before the planned {:.0} h.", compact(limit, 3), hours, service),
+            format!(
+                "Reaches its limit of {} arcmin lost motion after {:.0} h, before the planned {:.0} h.",
+                compact(limit, 3),
+                hours,
+                service
+            ),
         ),
         Some(hours) if hours < NARROW * service => (
             Tone::Caution,
-            format!("Keeps its {} arcmin of lost motion for the planned {:.0} h, but only just: {:.0} h.", compact(limit, 3), service, hours),
+            format!(
+                "Keeps its {} arcmin of lost motion for the planned {:.0} h, but only just: {:.0} h.",
+                compact(limit, 3),
+                service,
+                hours
+            ),
         ),
-        Some(hours) => {
-            (Tone::Good, format!("Keeps its {} arcmin of lost motion for {:.0} h; {:.0} h are planned.", compact(limit, 3), hours, service))
-        }
+        Some(hours) => (
+            Tone::Good,
+            format!(
+                "Keeps its {} arcmin of lost motion for {:.0} h; {:.0} h are planned.",
+                compact(limit, 3),
+                hours,
+                service
+            ),
+        ),
         None if computed < service * (1.0 - 1e-9) => (
             Tone::Caution,
             format!(
@@ -35,17 +52,31 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
                 compact(limit, 3)
             ),
         ),
-        None => (Tone::Good, format!("Keeps its {} arcmin of lost motion for all {:.0} h computed.", compact(limit, 3), computed)),
+        None => (
+            Tone::Good,
+            format!(
+                "Keeps its {} arcmin of lost motion for all {:.0} h computed.",
+                compact(limit, 3),
+                computed
+            ),
+        ),
     };
     let pressure_limit = life.machine.limits.contact_pressure / MPA;
     let largest_pressure = life.prediction.iter().map(|row| row.max_pressure_mpa).fold(0.0, f64::max);
     let pressure_tone = if largest_pressure > pressure_limit { Tone::Bad } else { Tone::Neutral };
-    let figure =
-        |label: &str, value: String, unit: &str, note: String, tone: Tone| KeyFigure { label: label.into(), value, unit: unit.into(), note, tone };
+    let figure = |label: &str, value: String, unit: &str, note: String, tone: Tone| KeyFigure {
+        label: label.into(),
+        value,
+        unit: unit.into(),
+        note,
+        tone,
+    };
     let contacts = |row: &super::LifeRow| row.lost_motion_arcmin.unwrap_or(2.0 * row.play_arcmin);
     let lost = |row: &super::LifeRow| row.machine_lost_motion_arcmin.unwrap_or(contacts(row));
     let lost_kind = match (new.machine_lost_motion_arcmin, new.lost_motion_arcmin) {
-        (Some(_), _) if !life.contacts_alone => "lost motion at ±3 % of rated torque, bearings and gears as in the design".to_owned(),
+        (Some(_), _) if !life.contacts_alone => {
+            "lost motion at ±3 % of rated torque, bearings and gears as in the design".to_owned()
+        }
         (Some(_), _) => {
             format!(
                 "lost motion at ±3 % of rated torque, bearings and gears as in the design; tooth contacts alone {} arcmin",
@@ -76,16 +107,30 @@ pub(super) fn verdict(life: &LifePage) -> Verdict {
             if lost(worn) > limit { Tone::Bad } else { Tone::Good },
         ),
         match life.hours_to_limit {
-            Some(hours) => figure("Hours to the limit", format!("{hours:.0}"), "h", format!("{service:.0} h planned"), tone),
-            None => {
-                figure("Hours to the limit", format!("> {computed:.0}"), "h", format!("{service:.0} h planned; computed to {computed:.0} h"), tone)
-            }
+            Some(hours) => figure(
+                "Hours to the limit",
+                format!("{hours:.0}"),
+                "h",
+                format!("{service:.0} h planned"),
+                tone,
+            ),
+            None => figure(
+                "Hours to the limit",
+                format!("> {computed:.0}"),
+                "h",
+                format!("{service:.0} h planned; computed to {computed:.0} h"),
+                tone,
+            ),
         },
         figure(
             "Largest contact pressure",
             significant(largest_pressure, 4),
             "MPa",
-            format!("{} MPa allowed; largest force {} N", compact(pressure_limit, 4), significant(worn.max_force_n, 3)),
+            format!(
+                "{} MPa allowed; largest force {} N",
+                compact(pressure_limit, 4),
+                significant(worn.max_force_n, 3)
+            ),
             pressure_tone,
         ),
     ];
@@ -134,13 +179,18 @@ fn limiting(life: &LifePage, pressure: f64, pressure_limit: f64) -> String {
         _ => wear,
     };
     if pressure > pressure_limit {
-        format!("The contact pressure of {} MPa exceeds the {} MPa allowed. {wear}", significant(pressure, 4), compact(pressure_limit, 4))
+        format!(
+            "The contact pressure of {} MPa exceeds the {} MPa allowed. {wear}",
+            significant(pressure, 4),
+            compact(pressure_limit, 4)
+        )
     } else {
         wear
     }
 }
 
-/// Holds for every design: depth per pass is k (F/B) ξ, so that width, torque and coefficient act in proportion at first.
+/// Holds for every design: depth per pass is k (F/B) ξ, so that width, torque and coefficient act in
+/// proportion at first.
 fn default_advice(life: &LifePage) -> String {
     format!(
         "Depth per pass is k·(F/B)·ξ: a disc wider than {} mm or a lower torque slows wear in proportion; so does a lower wear coefficient \

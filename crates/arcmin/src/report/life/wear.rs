@@ -31,12 +31,22 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
 
 fn depth_over_hours(life: &LifePage) -> Plot {
     let depths = |rows: &[LifeRow]| rows.iter().map(|row| (row.hours, row.max_depth_um)).collect::<Vec<_>>();
-    let mut plot = Plot::new("Deepest wear over running time", Axis::new("Running time", "h"), Axis::new("Largest depth", "µm").from_zero())
-        .half()
-        .with(Series::line("predicted (coupled)", depths(life.prediction)).strong().coloured(Colour::Palette(0)));
-    plot.note = format!("Wear law [Archard1953] with k = {} 1/Pa", significant(life.prediction_coefficient_per_pa, 3));
+    let mut plot = Plot::new(
+        "Deepest wear over running time",
+        Axis::new("Running time", "h"),
+        Axis::new("Largest depth", "µm").from_zero(),
+    )
+    .half()
+    .with(Series::line("predicted (coupled)", depths(life.prediction)).strong().coloured(Colour::Palette(0)));
+    plot.note = format!(
+        "Wear law [Archard1953] with k = {} 1/Pa",
+        significant(life.prediction_coefficient_per_pa, 3)
+    );
     if life.study.len() > 1 {
-        plot.series.push(Series::new("paper's study (uniform depth)", Style::LineMarkers, depths(life.study)).coloured(Colour::Palette(1)));
+        plot.series.push(
+            Series::new("paper's study (uniform depth)", Style::LineMarkers, depths(life.study))
+                .coloured(Colour::Palette(1)),
+        );
         plot.note.push_str(&format!(
             "; the study grows a uniform depth at the rate of its worst point with k = {} 1/Pa. The two coefficients are calibrated separately, \
              so the curves compare shapes, not machines",
@@ -49,19 +59,32 @@ fn depth_over_hours(life: &LifePage) -> Plot {
 
 /// Depth of the loaded flank at the hours of the snapshots, and of the other flank where it wears too.
 fn predicted_depth(life: &LifePage) -> Plot {
-    let mut plot = Plot::new("Wear along the flank as predicted (coupled)", meshing_angle(), Axis::new("Worn depth", "µm").from_zero()).half();
+    let mut plot = Plot::new(
+        "Wear along the flank as predicted (coupled)",
+        meshing_angle(),
+        Axis::new("Worn depth", "µm").from_zero(),
+    )
+    .half();
     let side = life.loaded_side();
-    let on_side = |flank: &Relief, side: f64| angles_deg().map(|phi| (phi, flank.at(side * phi * DEG).depth / UM)).collect::<Vec<_>>();
+    let on_side = |flank: &Relief, side: f64| {
+        angles_deg().map(|phi| (phi, flank.at(side * phi * DEG).depth / UM)).collect::<Vec<_>>()
+    };
     let last = life.flanks.len().saturating_sub(1).max(1) as f64;
     for (index, worn) in life.flanks.iter().enumerate().filter(|(_, worn)| !worn.flank.is_zero()) {
-        plot.series.push(Series::line(format!("{:.0} h", worn.hours), on_side(worn.flank, side)).coloured(Colour::Ordered(index as f64 / last)));
+        plot.series.push(
+            Series::line(format!("{:.0} h", worn.hours), on_side(worn.flank, side))
+                .coloured(Colour::Ordered(index as f64 / last)),
+        );
     }
     if let Some(worn) = life.flanks.last().filter(|worn| !worn.flank.is_zero()) {
         let other = on_side(worn.flank, -side);
         let deepest = other.iter().map(|point| point.1).fold(0.0, f64::max);
         // Beyond the contact width next to the root, the other flank wears only if the duty reverses.
         if deepest > 0.2 * worn.flank.deepest().0 / UM {
-            plot.series.push(Series::new(format!("other flank, {:.0} h", worn.hours), Style::Dashed, other).coloured(Colour::Reference));
+            plot.series.push(
+                Series::new(format!("other flank, {:.0} h", worn.hours), Style::Dashed, other)
+                    .coloured(Colour::Reference),
+            );
         }
         plot.note = format!(
             "Figure 10 of [Tao2024], with load sharing solved again as the flank changes: {} µm at most, at {:.0}°.",
@@ -72,13 +95,16 @@ fn predicted_depth(life: &LifePage) -> Plot {
     plot
 }
 
-/// Distribution behind the study's uniform depth: dw(φ) = F ξ / max(F ξ) dh, integrated by the trapezoidal rule over the study's levels.
+/// Distribution behind the study's uniform depth: dw(φ) = F ξ / max(F ξ) dh, integrated by the trapezoidal
+/// rule over the study's levels.
 fn study_depth(life: &LifePage, study: &[StudyLoad]) -> Plot {
     let profile = life.machine.profile();
     let shares: Vec<Vec<f64>> = study
         .iter()
         .map(|load| {
-            let at = |phi: f64| closed_form_force(life.machine, load, phi * DEG) * profile.specific_sliding((phi * DEG).cos());
+            let at = |phi: f64| {
+                closed_form_force(life.machine, load, phi * DEG) * profile.specific_sliding((phi * DEG).cos())
+            };
             let largest = angles_deg().map(at).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
             angles_deg().map(|phi| at(phi) / largest).collect()
         })
@@ -117,7 +143,10 @@ fn sliding_distance(life: &LifePage, study: &[StudyLoad]) -> Plot {
             let force = closed_form_force(life.machine, load, phi * DEG);
             (phi, 2.0 * contact.half_width(force, radius) * profile.specific_sliding(cos) / UM)
         });
-        plot.series.push(Series::line(hours_and_depth(load), points).coloured(Colour::Ordered(level as f64 / (study.len() - 1) as f64)));
+        plot.series.push(
+            Series::line(hours_and_depth(load), points)
+                .coloured(Colour::Ordered(level as f64 / (study.len() - 1) as f64)),
+        );
     }
     plot
 }

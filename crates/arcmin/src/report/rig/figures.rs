@@ -2,30 +2,44 @@
 
 use super::{MeasuredOnBench, RigState};
 use crate::machine::Machine;
-use crate::report::{Annotation, Axis, Block, Colour, Column, HeatMap, Plot, Series, Shares, Style, Table, Tone, Width, compact, significant};
+use crate::report::{
+    Annotation, Axis, Block, Colour, Column, HeatMap, Plot, Series, Shares, Style, Table, Tone, Width,
+    compact, significant,
+};
 use crate::rig::{Branch, ErrorCurve, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
 use crate::units::{ARCMIN, RPM};
 
 /// Loops of every state and the measured one: whole, and near zero torque.
-pub(super) fn hysteresis(machine: &Machine, states: &[(String, &RigState)], measured: Option<&MeasuredOnBench>) -> Vec<Block> {
+pub(super) fn hysteresis(
+    machine: &Machine,
+    states: &[(String, &RigState)],
+    measured: Option<&MeasuredOnBench>,
+) -> Vec<Block> {
     let rated = machine.rated.torque.abs();
     let build = |title: &str, window: f64, note: String| {
         let axis = Axis::new("Output torque, input locked", "N·m").between(-window, window);
         let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
         // Both branches in one series: a loop is read as it was run, and what leaves the window is a gap.
         let points = |one: &[LoopPoint], shift: f64| -> Vec<(f64, f64)> {
-            let seen = |p: &LoopPoint| if p.torque.abs() <= 1.0001 * window { (p.angle + shift) / ARCMIN } else { f64::NAN };
+            let seen = |p: &LoopPoint| {
+                if p.torque.abs() <= 1.0001 * window { (p.angle + shift) / ARCMIN } else { f64::NAN }
+            };
             one.iter().map(|p| (p.torque.clamp(-window, window), seen(p))).collect()
         };
         for (index, (name, state)) in states.iter().enumerate() {
             if let Some(one) = state.loops.first() {
-                plot.series.push(Series::line(name.clone(), points(one, 0.0)).coloured(Colour::Palette(index as u8)).strong());
+                plot.series.push(
+                    Series::line(name.clone(), points(one, 0.0))
+                        .coloured(Colour::Palette(index as u8))
+                        .strong(),
+                );
             }
         }
         if let (Some(measured), Some((_, state))) = (measured.and_then(|m| m.loops.first()), states.last()) {
             // A measured angle has no zero: it is laid over the middle of the computed loop.
             let shift = state.loops.first().map_or(0.0, |one| middle(one, rated)) - middle(measured, rated);
-            plot.series.push(Series::markers("measured", points(measured, shift)).coloured(Colour::Reference));
+            plot.series
+                .push(Series::markers("measured", points(measured, shift)).coloured(Colour::Reference));
         }
         plot
     };
@@ -64,7 +78,9 @@ fn middle(points: &[LoopPoint], rated: f64) -> f64 {
     for branch in [Branch::Falling, Branch::Rising] {
         let one: Vec<&LoopPoint> = points.iter().filter(|p| p.branch == branch).collect();
         for target in [-LOST_MOTION_SHARE * rated, LOST_MOTION_SHARE * rated] {
-            if let Some(near) = one.iter().min_by(|a, b| (a.torque - target).abs().total_cmp(&(b.torque - target).abs())) {
+            if let Some(near) =
+                one.iter().min_by(|a, b| (a.torque - target).abs().total_cmp(&(b.torque - target).abs()))
+            {
                 sum += near.angle;
                 count += 1;
             }
@@ -89,7 +105,8 @@ pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&Mea
     let cell = |figures: &[LoopFigures], unit: f64, of: fn(&LoopFigures) -> f64| {
         let values: Vec<f64> = figures.iter().map(|f| unit * of(f)).collect();
         let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let (low, high) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let (mean, low, high) = (significant(mean, 3), significant(low, 3), significant(high, 3));
         if low == high { mean } else { format!("{mean} ({low} to {high})") }
     };
@@ -115,8 +132,13 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
     let there = split.parts.iter().filter(|(_, compliance)| *compliance > 1e-6 * split.whole);
     // The block itself tells the shares.
     let rows = there.map(|(part, c)| (part.name().to_owned(), 1e3 * c / ARCMIN, String::new())).collect();
-    let rigid: Vec<&str> = split.parts.iter().filter(|(_, c)| *c <= 1e-6 * split.whole).map(|(part, _)| part.name()).collect();
-    let rigid = if rigid.is_empty() { String::new() } else { format!(" Rigid or without effect here: {}.", rigid.join(", ")) };
+    let rigid: Vec<&str> =
+        split.parts.iter().filter(|(_, c)| *c <= 1e-6 * split.whole).map(|(part, _)| part.name()).collect();
+    let rigid = if rigid.is_empty() {
+        String::new()
+    } else {
+        format!(" Rigid or without effect here: {}.", rigid.join(", "))
+    };
     let sum: f64 = split.parts.iter().map(|part| part.1).sum();
     Block::Shares(Shares {
         title: "Where the compliance sits, 50 to 100 % of rated torque".into(),
@@ -144,16 +166,25 @@ pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
         note: "Output power over input power of the running machine: friction at pins, bearings and meshes, seals and oil.".into(),
         width: Width::Half,
     };
-    let mut lines = Plot::new("Efficiency over torque", Axis::new("Output torque", "N·m").from_zero(), Axis::new("Efficiency", "%"))
-        .half()
-        .noted("The same values as lines: constant drags weigh less the higher the torque.");
+    let mut lines = Plot::new(
+        "Efficiency over torque",
+        Axis::new("Output torque", "N·m").from_zero(),
+        Axis::new("Efficiency", "%"),
+    )
+    .half()
+    .noted("The same values as lines: constant drags weigh less the higher the torque.");
     let count = map.speeds.len().saturating_sub(1).max(1) as f64;
     for (index, (speed, row)) in map.speeds.iter().zip(&map.efficiency).enumerate() {
         let points = map.torques.iter().zip(row).map(|(torque, e)| (*torque, 100.0 * e));
-        lines.series.push(Series::line(format!("{} rpm", compact(speed / RPM, 4)), points).coloured(Colour::Ordered(index as f64 / count)));
+        lines.series.push(
+            Series::line(format!("{} rpm", compact(speed / RPM, 4)), points)
+                .coloured(Colour::Ordered(index as f64 / count)),
+        );
     }
     let t = &state.torques;
-    let row = |name: &str, value: f64| vec![name.to_owned(), if value.is_finite() { significant(value, 3) } else { "self-locking".into() }];
+    let row = |name: &str, value: f64| {
+        vec![name.to_owned(), if value.is_finite() { significant(value, 3) } else { "self-locking".into() }]
+    };
     let table = Table {
         title: "Torques without load".into(),
         columns: vec![Column::text("Torque"), Column::number("Value", "N·m")],
@@ -179,7 +210,10 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
     };
     let about_mean = |c: &ErrorCurve| -> Vec<(f64, f64)> {
         let (mean, first) = (c.mean(), c.points.first().map_or(0.0, |p| p.0));
-        c.points.iter().map(|(angle, error)| ((angle - first).to_degrees().abs(), (error - mean) / ARCMIN)).collect()
+        c.points
+            .iter()
+            .map(|(angle, error)| ((angle - first).to_degrees().abs(), (error - mean) / ARCMIN))
+            .collect()
     };
     let row = |name: String, c: &ErrorCurve, mean: bool| {
         let mean = if mean { significant(c.mean() / ARCMIN, 3) } else { "–".into() };
@@ -195,34 +229,64 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
     }
     let measured = measured.filter(|m| !m.curves.is_empty());
     for curve in measured.iter().flat_map(|m| &m.curves) {
-        plot.series.push(Series::line(format!("measured, {}", name(curve)), about_mean(curve)).coloured(Colour::Reference).strong());
+        plot.series.push(
+            Series::line(format!("measured, {}", name(curve)), about_mean(curve))
+                .coloured(Colour::Reference)
+                .strong(),
+        );
         rows.push(row(format!("measured, {}", name(curve)), curve, false));
     }
-    plot.note = "Every curve begins at its first angle; those at rated torque appear on a click in the legend.".into();
+    plot.note =
+        "Every curve begins at its first angle; those at rated torque appear on a click in the legend."
+            .into();
     let values = Table {
         title: "Transmission error".into(),
         columns: vec![Column::text("Test"), Column::number("Mean", "arcmin"), Column::number("Peak to peak", "arcmin")],
         rows,
         note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero.".into(),
     };
-    let mut spectrum = Plot::new("Spectrum, forward", Axis::new("Order of the output turn", ""), Axis::new("Amplitude", "arcmin").from_zero());
+    let mut spectrum = Plot::new(
+        "Spectrum, forward",
+        Axis::new("Order of the output turn", ""),
+        Axis::new("Amplitude", "arcmin").from_zero(),
+    );
     let last = state.orders.iter().map(|o| o.order).fold(200, usize::max);
     let bars = |lines: &[crate::dynamics::SpectrumLine]| -> Vec<(f64, f64)> {
-        lines.iter().filter(|line| (1..=last + 20).contains(&line.order)).map(|line| (line.order as f64, line.amplitude / ARCMIN)).collect()
+        lines
+            .iter()
+            .filter(|line| (1..=last + 20).contains(&line.order))
+            .map(|line| (line.order as f64, line.amplitude / ARCMIN))
+            .collect()
     };
     spectrum.series.push(Series::new("computed", Style::Bars, bars(&state.spectrum)));
     if let Some(m) = measured.filter(|m| !m.spectrum.is_empty()) {
-        spectrum.series.push(Series::new("measured", Style::Bars, bars(&m.spectrum)).coloured(Colour::Reference));
+        spectrum
+            .series
+            .push(Series::new("measured", Style::Bars, bars(&m.spectrum)).coloured(Colour::Reference));
     }
-    spectrum.note = "Computed at rated torque. Amplitudes of a measured curve are those of its own torque.".into();
+    spectrum.note =
+        "Computed at rated torque. Amplitudes of a measured curve are those of its own torque.".into();
     for named in state.orders.iter().take(4) {
-        spectrum.annotations.push(Annotation::Point { x: named.order as f64, y: named.amplitude / ARCMIN, label: named.order.to_string() });
+        spectrum.annotations.push(Annotation::Point {
+            x: named.order as f64,
+            y: named.amplitude / ARCMIN,
+            label: named.order.to_string(),
+        });
     }
     let table = |title: &str, orders: &[crate::rig::NamedOrder], note: &str| {
         Block::Table(Table {
             title: title.into(),
-            columns: vec![Column::number("Order", ""), Column::number("Amplitude", "arcsec"), Column::text("Likely causes")],
-            rows: orders.iter().map(|o| vec![o.order.to_string(), significant(60.0 * o.amplitude / ARCMIN, 3), o.cause.clone()]).collect(),
+            columns: vec![
+                Column::number("Order", ""),
+                Column::number("Amplitude", "arcsec"),
+                Column::text("Likely causes"),
+            ],
+            rows: orders
+                .iter()
+                .map(|o| {
+                    vec![o.order.to_string(), significant(60.0 * o.amplitude / ARCMIN, 3), o.cause.clone()]
+                })
+                .collect(),
             note: note.into(),
         })
     };
@@ -238,25 +302,38 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         ),
     ];
     if let Some(m) = measured.filter(|m| !m.orders.is_empty()) {
-        blocks.push(table("Strongest orders, measured", &m.orders, "Of the first measured curve that covers a whole turn."));
+        blocks.push(table(
+            "Strongest orders, measured",
+            &m.orders,
+            "Of the first measured curve that covers a whole turn.",
+        ));
     }
     blocks
 }
 
 pub(super) fn bearings(state: &RigState) -> Vec<Block> {
     let axis = Axis::new("Turn of the crankshaft", "°").between(0.0, 360.0);
-    let mut plot = Plot::new("Bearing forces at rated torque", axis, Axis::new("Radial force", "N").from_zero());
+    let mut plot =
+        Plot::new("Bearing forces at rated torque", axis, Axis::new("Radial force", "N").from_zero());
     for bearing in &state.bearings {
         let step = 360.0 / bearing.forces.len().max(1) as f64;
         // The first point again at the end of the turn.
-        let points = bearing.forces.iter().chain(bearing.forces.first()).enumerate().map(|(i, f)| (step * i as f64, *f));
+        let points = bearing
+            .forces
+            .iter()
+            .chain(bearing.forces.first())
+            .enumerate()
+            .map(|(i, f)| (step * i as f64, *f));
         plot.series.push(Series::line(bearing.name.clone(), points));
     }
     plot.note = "Turn against the carrier. Opposite bearings carry the same half a turn apart.".into();
     let row = |b: &crate::rig::BearingLoad| {
         let largest = b.forces.iter().fold(0.0, |a: f64, f| a.max(*f));
         let mut cells = vec![b.name.clone()];
-        cells.extend([b.mean_force(), largest, b.largest_element, b.equivalent, b.rating / 1e3, b.life_h()].map(|value| significant(value, 3)));
+        cells.extend(
+            [b.mean_force(), largest, b.largest_element, b.equivalent, b.rating / 1e3, b.life_h()]
+                .map(|value| significant(value, 3)),
+        );
         cells
     };
     let table = Table {

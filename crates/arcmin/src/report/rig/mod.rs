@@ -1,11 +1,15 @@
-//! The page of the test bench: loop, stiffness split, efficiency map, transmission error with named orders, bearing loads.
+//! The page of the test bench: loop, stiffness split, efficiency map, transmission error with named orders,
+//! bearing loads.
 
 mod figures;
 
 use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
 use crate::dynamics::{Part, SpectrumLine};
 use crate::machine::Machine;
-use crate::rig::{BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RunningTorques, StiffnessSplit};
+use crate::rig::{
+    BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RunningTorques,
+    StiffnessSplit,
+};
 use crate::units::ARCMIN;
 
 /// All results of the bench for one state of the machine.
@@ -114,22 +118,44 @@ impl RigPage<'_> {
         verdict.figures = vec![
             figure("Lost motion", lost / ARCMIN, "arcmin", "between the mid-points at ± 3 % of rated torque"),
             figure("Backlash", state.backlash() / ARCMIN, "arcmin", "width of the loop at zero torque"),
-            figure("Torsional stiffness", state.stiffness() * ARCMIN, "N·m/arcmin", "slope between 50 and 100 % of rated torque"),
+            figure(
+                "Torsional stiffness",
+                state.stiffness() * ARCMIN,
+                "N·m/arcmin",
+                "slope between 50 and 100 % of rated torque",
+            ),
             figure("Efficiency", 100.0 * state.efficiency.rated, "%", "at rated torque and speed"),
         ];
         let softest = state.split.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         verdict.answers.extend(softest.map(|(part, c)| {
-            ("What gives way most".to_owned(), format!("{}, {} % of the compliance", part.name(), significant(100.0 * c / state.split.whole, 2)))
+            (
+                "What gives way most".to_owned(),
+                format!(
+                    "{}, {} % of the compliance",
+                    part.name(),
+                    significant(100.0 * c / state.split.whole, 2)
+                ),
+            )
         }));
         let shortest = state.bearings.iter().min_by(|a, b| a.life_h().total_cmp(&b.life_h()));
-        let life = |b: &BearingLoad| format!("{}: L10h {} h at rated torque and speed", b.name, significant(b.life_h(), 3));
+        let life = |b: &BearingLoad| {
+            format!("{}: L10h {} h at rated torque and speed", b.name, significant(b.life_h(), 3))
+        };
         verdict.answers.extend(shortest.map(|b| ("Which bearing lives shortest".to_owned(), life(b))));
-        let order = |o: &NamedOrder| format!("order {}, {} arcsec: {}", o.order, significant(60.0 * o.amplitude / ARCMIN, 3), o.cause);
-        verdict.answers.extend(state.orders.first().map(|o| ("Strongest order of the transmission error at rated torque".to_owned(), order(o))));
+        let order = |o: &NamedOrder| {
+            format!("order {}, {} arcsec: {}", o.order, significant(60.0 * o.amplitude / ARCMIN, 3), o.cause)
+        };
+        verdict.answers.extend(
+            state
+                .orders
+                .first()
+                .map(|o| ("Strongest order of the transmission error at rated torque".to_owned(), order(o))),
+        );
         verdict
     }
 
-    /// The sections, for this page or as part of another: loop, stiffness split, efficiency, transmission error, bearings.
+    /// The sections, for this page or as part of another: loop, stiffness split, efficiency, transmission
+    /// error, bearings.
     pub fn sections(&self) -> Vec<Section> {
         let mut states = vec![("new".to_owned(), self.new)];
         states.extend(self.worn.map(|worn| (format!("{} h", compact(worn.hours, 6)), worn)));
@@ -151,7 +177,11 @@ impl RigPage<'_> {
                     .into(),
             ));
         }
-        let discs = if state.split.parts.iter().any(|(part, _)| *part == Part::Disc) { "" } else { " bodies of the discs," };
+        let discs = if state.split.parts.iter().any(|(part, _)| *part == Part::Disc) {
+            ""
+        } else {
+            " bodies of the discs,"
+        };
         let split = vec![
             figures::stiffness_split(state),
             Block::Note(
@@ -167,7 +197,11 @@ impl RigPage<'_> {
             Section::new("loop", "Hysteresis loop, input locked", bench),
             Section::new("stiffness", format!("Stiffness by part{of}"), split),
             Section::new("losses", format!("Efficiency and running torques{of}"), figures::efficiency(state)),
-            Section::new("error", format!("Transmission error{of}"), figures::transmission(state, self.measured)),
+            Section::new(
+                "error",
+                format!("Transmission error{of}"),
+                figures::transmission(state, self.measured),
+            ),
             Section::new("bearings", format!("Bearing loads and life{of}"), figures::bearings(state)),
             Section::new("literature", "Literature", vec![Block::References(references())]),
         ]
@@ -175,11 +209,23 @@ impl RigPage<'_> {
 }
 
 fn references() -> Vec<Reference> {
-    let entry =
-        |key: &str, citation: &str, used_for: &str| Reference { key: key.into(), citation: citation.into(), doi: None, used_for: used_for.into() };
+    let entry = |key: &str, citation: &str, used_for: &str| Reference {
+        key: key.into(),
+        citation: citation.into(),
+        doi: None,
+        used_for: used_for.into(),
+    };
     vec![
-        entry("Harris", "T. A. Harris, M. N. Kotzalas: Rolling Bearing Analysis, 5th ed., CRC Press 2006", "stiffness of rollers between raceways"),
-        entry("ISO281", "ISO 281:2007 Rolling bearings: Dynamic load ratings and rating life", "bearing life"),
+        entry(
+            "Harris",
+            "T. A. Harris, M. N. Kotzalas: Rolling Bearing Analysis, 5th ed., CRC Press 2006",
+            "stiffness of rollers between raceways",
+        ),
+        entry(
+            "ISO281",
+            "ISO 281:2007 Rolling bearings: Dynamic load ratings and rating life",
+            "bearing life",
+        ),
         entry(
             "GBT35089",
             "GB/T 35089-2018 Precision gear transmission for robots: Test method",

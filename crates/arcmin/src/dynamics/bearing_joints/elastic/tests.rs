@@ -3,8 +3,8 @@ use super::super::{JointSettings, Part};
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
-    Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, Linearisation, OutputLoad, Reducer, Run, RunPlan, RunResult,
-    StepControl, System, TimeTable, solve_equilibrium,
+    Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, Linearisation, OutputLoad,
+    Reducer, Run, RunPlan, RunResult, StepControl, System, TimeTable, solve_equilibrium,
 };
 use crate::fem::tests::{discs, reduced};
 use crate::fem::{FemError, FlexibleDiscs};
@@ -40,10 +40,12 @@ fn error(machine: &Machine, settings: &JointSettings, sun: f64, torque: f64) -> 
 fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
     let settings = JointSettings { discs, flank_wear: Relief::uniform(5e-6), ..JointSettings::default() };
     let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.02 };
-    let model = BearingJoints::new(machine, &settings, drive, OutputLoad::Constant { torque: 412.0 }, 5.0).unwrap();
+    let model =
+        BearingJoints::new(machine, &settings, drive, OutputLoad::Constant { torque: 412.0 }, 5.0).unwrap();
     // What differs between two models must not be the local error of their runs.
     let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
-    let mut run = Run::new(&model, RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() }).unwrap();
+    let mut run =
+        Run::new(&model, RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() }).unwrap();
     run.finish().unwrap();
     run.result()
 }
@@ -52,7 +54,10 @@ fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
 fn discs_ten_thousand_times_stiffer_rest_and_run_like_rigid_ones() {
     let machine = machine();
     for (sun, torque) in [(0.0, 412.0), (1.3, -206.0), (7.7, 12.0)] {
-        let (a, b) = (error(&machine, &still(stiff(&machine)), sun, torque), error(&machine, &still(None), sun, torque));
+        let (a, b) = (
+            error(&machine, &still(stiff(&machine)), sun, torque),
+            error(&machine, &still(None), sun, torque),
+        );
         assert!((a - b).abs() < 1e-4, "{sun} {torque}: {a}' {b}'");
     }
     let (a, b) = (run(&machine, stiff(&machine)), run(&machine, None));
@@ -84,8 +89,9 @@ fn the_result_does_not_depend_on_the_number_of_modes() {
     assert!((none / more - 1.0).abs() < 1e-3 && (some / more - 1.0).abs() < 1e-3, "{none} {some} {more}");
 }
 
-/// Bearings, shafts and supports a million times stiffer, without clearance, hold the bores as ideal joints do: the same elastic disc, once by its free modes and once by its held
-/// ones. Both leave the bores' rims free to turn about their centres.
+/// Bearings, shafts and supports a million times stiffer, without clearance, hold the bores as ideal joints
+/// do: the same elastic disc, once by its free modes and once by its held ones. Both leave the bores' rims
+/// free to turn about their centres.
 #[test]
 fn val_stiff_bearings_are_ideal_joints_with_elastic_discs() {
     let mut machine = machine();
@@ -96,7 +102,9 @@ fn val_stiff_bearings_are_ideal_joints_with_elastic_discs() {
         let bearings = error(&machine, &settings, sun, torque);
         let drive = Drive::SpeedTable(TimeTable::new("speed", &[(0.0, 2.0 * sun), (1.0, 0.0)]).unwrap());
         let (load, options) = (OutputLoad::Constant { torque }, FlexibleOptions::default());
-        let ideal = FlexibleJoints::new(&machine, discs(&machine), &Relief::uniform(0.0), drive, load, 0.0, options).unwrap();
+        let ideal =
+            FlexibleJoints::new(&machine, discs(&machine), &Relief::uniform(0.0), drive, load, 0.0, options)
+                .unwrap();
         let output = sun / 81.0;
         let mut start = vec![-39.0 * output, output];
         for _ in 0..2 {
@@ -153,8 +161,8 @@ impl Sink for Forces {
     fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
 }
 
-/// Turning-arm bearings push shaft and deformed disc with equal and opposite forces: none is left over, nor a moment about the centre of the machine. The modes, which are
-/// pushed as well, have no momentum.
+/// Turning-arm bearings push shaft and deformed disc with equal and opposite forces: none is left over, nor a
+/// moment about the centre of the machine. The modes, which are pushed as well, have no momentum.
 #[test]
 fn turning_arms_act_and_react() {
     let machine = machine();
@@ -198,15 +206,24 @@ fn causes_add_up_with_elastic_discs() {
     use crate::dynamics::{BearingMeshing, Cause};
     let machine = crate::templates::rv_40e_81();
     let settings = JointSettings { flank_wear: Relief::uniform(10e-6), ..still(elastic(&machine)) };
-    let split = BearingMeshing::new(&machine, &settings).unwrap().lost_motion_causes(4, &mut Vec::new()).unwrap();
-    let rigid = BearingMeshing::new(&machine, &JointSettings { discs: None, ..settings }).unwrap().lost_motion_causes(4, &mut Vec::new()).unwrap();
+    let split =
+        BearingMeshing::new(&machine, &settings).unwrap().lost_motion_causes(4, &mut Vec::new()).unwrap();
+    let rigid = BearingMeshing::new(&machine, &JointSettings { discs: None, ..settings })
+        .unwrap()
+        .lost_motion_causes(4, &mut Vec::new())
+        .unwrap();
     assert!(split.residual().abs() < 0.01 * split.whole, "{} of {}", split.residual(), split.whole);
     assert!(split.of(Cause::Elastic) > rigid.of(Cause::Elastic), "{split:?} {rigid:?}");
-    assert!((split.of(Cause::FlankWear) / rigid.of(Cause::FlankWear) - 1.0).abs() < 0.05, "{split:?} {rigid:?}");
+    assert!(
+        (split.of(Cause::FlankWear) / rigid.of(Cause::FlankWear) - 1.0).abs() < 0.05,
+        "{split:?} {rigid:?}"
+    );
 }
 
-/// Half a turn of the whole machine brings the first disc onto the second, lobes on lobes and each bore onto that of the other crankshaft, so both deform alike in every position; the
-/// shaft and the planets at one of its ends are all that tells them apart. The second disc takes its modes from the first one's reduction, turned, its bores exchanged.
+/// Half a turn of the whole machine brings the first disc onto the second, lobes on lobes and each bore onto
+/// that of the other crankshaft, so both deform alike in every position; the shaft and the planets at one of
+/// its ends are all that tells them apart. The second disc takes its modes from the first one's reduction,
+/// turned, its bores exchanged.
 #[test]
 fn equal_discs_deform_alike() {
     let machine = machine();
@@ -220,12 +237,16 @@ fn equal_discs_deform_alike() {
         let [first, second] = [0, 1].map(|disc| discs.modal_work(disc, modes[disc]));
         assert!((first / second - 1.0).abs() < 0.02, "{sun}: {first:e} {second:e}");
         for (a, b) in modes[0].iter().zip(modes[1]) {
-            assert!((a - b).abs() < 0.02 * modes[0].iter().fold(0.0, |m: f64, q| m.max(q.abs())), "{sun}: {modes:?}");
+            assert!(
+                (a - b).abs() < 0.02 * modes[0].iter().fold(0.0, |m: f64, q| m.max(q.abs())),
+                "{sun}: {modes:?}"
+            );
         }
     }
 }
 
-/// Pins that are passed over before the modes are known would not touch: with all pins looked at, the forces are the same, at rated torque and at three times that.
+/// Pins that are passed over before the modes are known would not touch: with all pins looked at, the forces
+/// are the same, at rated torque and at three times that.
 #[test]
 fn no_pin_out_of_reach_would_touch() {
     let machine = machine();

@@ -30,7 +30,8 @@ fn speed_law() -> Drive {
 }
 
 fn run<M: Reducer>(model: &M) -> RunResult {
-    // A tenth of the default tolerance: what differs between two models must not be the local error of their runs.
+    // A tenth of the default tolerance: what differs between two models must not be the local error of their
+    // runs.
     let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
     let plan = RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() };
     let mut run = Run::new(model, plan).unwrap();
@@ -41,11 +42,19 @@ fn run<M: Reducer>(model: &M) -> RunResult {
 fn flexible(reduced: &ReducedDisc, mode_frequency: f64) -> FlexibleJoints {
     let options = FlexibleOptions { mode_frequency, ..FlexibleOptions::default() };
     let load = OutputLoad::Constant { torque: 412.0 };
-    FlexibleJoints::new(&machine(), discs(reduced), &Relief::uniform(10e-6), speed_law(), load, 0.0, options).unwrap()
+    FlexibleJoints::new(&machine(), discs(reduced), &Relief::uniform(10e-6), speed_law(), load, 0.0, options)
+        .unwrap()
 }
 
 fn rigid() -> IdealJoints {
-    IdealJoints::new(&machine(), &Relief::uniform(10e-6), speed_law(), OutputLoad::Constant { torque: 412.0 }, 0.0).unwrap()
+    IdealJoints::new(
+        &machine(),
+        &Relief::uniform(10e-6),
+        speed_law(),
+        OutputLoad::Constant { torque: 412.0 },
+        0.0,
+    )
+    .unwrap()
 }
 
 #[test]
@@ -69,7 +78,8 @@ fn excess_over_rigid_discs_is_the_static_compliance() {
         dynamic += b.transmission_error - a.transmission_error;
         let crank = CrankAngle::from_radians(-k.lobe_count * a.input_angle / k.ratio());
         let error = |sharing: crate::load::LoadSharing| sharing.output_error.radians();
-        fixed += error(meshing.rigid().load_sharing(crank, 412.0).unwrap()) - error(meshing.load_sharing(crank, 412.0).unwrap());
+        fixed += error(meshing.rigid().load_sharing(crank, 412.0).unwrap())
+            - error(meshing.load_sharing(crank, 412.0).unwrap());
     }
     assert!(dynamic > 0.0);
     assert!((dynamic / fixed - 1.0).abs() < 0.03, "{}", dynamic / fixed);
@@ -88,25 +98,42 @@ fn energy_balances() {
         let machine = Machine { contact_law: law, ..machine() };
         let load = OutputLoad::Constant { torque: 412.0 };
         let options = FlexibleOptions::default();
-        let model = FlexibleJoints::new(&machine, discs(reduced()), &Relief::uniform(10e-6), speed_law(), load, 0.0, options).unwrap();
+        let model = FlexibleJoints::new(
+            &machine,
+            discs(reduced()),
+            &Relief::uniform(10e-6),
+            speed_law(),
+            load,
+            0.0,
+            options,
+        )
+        .unwrap();
         let residual = run(&model).energy.residual();
         assert!(residual < 1e-6, "{law:?} {residual:e}");
     }
 }
 
-/// Generalised forces are minus the gradient of the stored energy in every coordinate; a law without radius and one with.
+/// Generalised forces are minus the gradient of the stored energy in every coordinate; a law without radius
+/// and one with.
 #[test]
 fn forces_are_the_gradient_of_the_stored_energy() {
     for (law, wear) in [
         (ContactLaw::Linear { stiffness: 2.85e8 }, Relief::uniform(10e-6)),
         (ContactLaw::LineHertz, Relief::uniform(10e-6)),
-        (ContactLaw::LineHertz, Relief::from_samples(Relief::grid(720).map(|phi| 10e-6 * (1.0 + 0.2 * (2.0 * phi).cos())).collect())),
+        (
+            ContactLaw::LineHertz,
+            Relief::from_samples(
+                Relief::grid(720).map(|phi| 10e-6 * (1.0 + 0.2 * (2.0 * phi).cos())).collect(),
+            ),
+        ),
     ] {
         let mut machine = Machine { contact_law: law, ..machine() };
         machine.contact_damping.coefficient = 0.0;
         let options = FlexibleOptions { damping_ratio: 0.0, ..FlexibleOptions::default() };
         let held = Drive::SpeedLaw { speed: 0.0, rise_time: 1.0 };
-        let model = FlexibleJoints::new(&machine, discs(reduced()), &wear, held, OutputLoad::None, 0.0, options).unwrap();
+        let model =
+            FlexibleJoints::new(&machine, discs(reduced()), &wear, held, OutputLoad::None, 0.0, options)
+                .unwrap();
         let n = model.size();
         for crank in [0.0, 0.7, 2.0] {
             // Wound up by about the rated torque, the modes a little off their static place.
@@ -119,7 +146,8 @@ fn forces_are_the_gradient_of_the_stored_energy() {
             // Modes away from the carrier's angle: q = p − c θ.
             for disc in 0..2 {
                 for m in 0..model.discs.mode_count(disc) {
-                    state[model.first_mode(disc) + m] += model.turning_share(disc, m) * state[IdealJoints::OUTPUT];
+                    state[model.first_mode(disc) + m] +=
+                        model.turning_share(disc, m) * state[IdealJoints::OUTPUT];
                 }
             }
             model.evaluate(0.0, &state, &rest, &mut force, &mut lin);
@@ -131,9 +159,12 @@ fn forces_are_the_gradient_of_the_stored_energy() {
             let size = (0..n).map(|i| (force[i] * model.scale[i]).abs()).fold(0.0, f64::max);
             for i in 0..n {
                 let h = 1e-3 * model.scale[i];
-                let slope = -(8.0 * (energy(i, h) - energy(i, -h)) - energy(i, 2.0 * h) + energy(i, -2.0 * h)) / (12.0 * h);
+                let slope = -(8.0 * (energy(i, h) - energy(i, -h)) - energy(i, 2.0 * h)
+                    + energy(i, -2.0 * h))
+                    / (12.0 * h);
                 let difference = (slope - force[i]) * model.scale[i] / size;
-                // Kinks of the tabulated arc length: 1e-3 of the slope of the deformed flank, itself 1e-3 of the force.
+                // Kinks of the tabulated arc length: 1e-3 of the slope of the deformed flank, itself 1e-3 of
+                // the force.
                 assert!(difference.abs() < 2e-6, "{law:?} {crank} {i}: {slope} {}", force[i]);
             }
         }
