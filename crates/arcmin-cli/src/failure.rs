@@ -1,15 +1,21 @@
-use std::error::Error;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
+use arcmin::analyses::AnalysisError;
 use arcmin::design::DesignError;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
-/// Why a command could not do what it was asked for; the exit status is 2.
+use crate::arguments::long_name;
+use crate::run::visible;
+
+/// Why a command could not do what it was asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     #[error("{}", .error.kind)]
     Design { error: Box<DesignError>, source_code: NamedSource<String> },
+    #[error("{}", analysis_message(.error))]
+    Analysis { error: AnalysisError, has_error_findings: bool },
     #[error("cannot read {}: {cause}", .path.display())]
     Read { path: PathBuf, cause: std::io::Error },
     #[error("cannot write {}: {cause}", .path.display())]
@@ -18,14 +24,22 @@ pub enum Failure {
     Exists { path: PathBuf },
     #[error("no template is called \"{name}\"")]
     UnknownTemplate { name: String },
-    #[error("could not {task}: {cause}")]
-    Compute { task: &'static str, cause: Box<dyn Error + Send + Sync> },
-    #[error("stopped before the end; nothing was written")]
-    Cancelled,
-    #[error("stopped at t = {time:.6} s; the checkpoint is {}", .path.display())]
-    Interrupted { time: f64, path: PathBuf },
+    #[error("cannot start the threads: {cause}")]
+    Threads { cause: String },
+    #[error("cannot write JSON: {cause}")]
+    Json { cause: String },
+    #[error("{reason}; what was computed until then is kept")]
+    Unfinished { reason: String },
     #[error("{message}")]
     Usage { message: String, help: String },
+}
+
+/// Options are named as on the command line.
+fn analysis_message(error: &AnalysisError) -> String {
+    match error {
+        AnalysisError::Design(error) => format!("--{}", long_name(&error.kind.to_string())),
+        error => error.to_string(),
+    }
 }
 
 impl Failure {
@@ -34,9 +48,14 @@ impl Failure {
         Failure::Design { error, source_code }
     }
 
-    /// Wraps an error of the library: `.map_err(Failure::compute("share the load"))`.
-    pub fn compute<E: Error + Send + Sync + 'static>(task: &'static str) -> impl FnOnce(E) -> Failure {
-        move |cause| Failure::Compute { task, cause: Box::new(cause) }
+    /// 1 where the design has error findings, which were said before; else 2.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Failure::Analysis { has_error_findings: true, error: AnalysisError::Compute { .. } } => {
+                ExitCode::from(1)
+            }
+            _ => ExitCode::from(2),
+        }
     }
 
     /// Prints to standard error: in colour on a terminal, plain elsewhere.
@@ -49,31 +68,47 @@ impl Failure {
         let handler = GraphicalReportHandler::new_themed(theme).with_width(100).with_links(false);
         let mut text = String::new();
         if handler.render_report(&mut text, self).is_err() {
-            text = format!("{self}\n");
+            text = format!("{}\n", visible(&self.to_string()));
         }
         // Nobody is left to be told if standard error is closed.
         let _ = std::io::stderr().write_all(text.as_bytes());
     }
 }
 
+/// Says something on standard error that is no reason to stop.
+pub fn warn(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", visible(line));
+}
+
 impl Diagnostic for Failure {
     fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
         let help = match self {
-            Failure::Design { error, .. } => return error.hint.as_ref().map(|hint| Box::new(hint) as Box<dyn std::fmt::Display>),
+            Failure::Design { error, .. } => {
+                return error.hint.as_ref().map(|hint| Box::new(hint) as Box<dyn std::fmt::Display>);
+            }
+            Failure::Analysis { error: AnalysisError::Stopped, .. } => "nothing was written".to_owned(),
+            Failure::Analysis { error: AnalysisError::Interrupted { .. }, .. } => {
+                "the same command with --resume goes on from there".to_owned()
+            }
+            Failure::Analysis { error, .. } => return error.help().map(|help| Box::new(help) as _),
             Failure::Read { cause, .. } if cause.kind() == std::io::ErrorKind::NotFound => {
                 "`arcmin new FILE` writes a design file to start from".to_owned()
             }
             Failure::Write { cause, .. } => match cause.kind() {
-                std::io::ErrorKind::StorageFull | std::io::ErrorKind::FileTooLarge | std::io::ErrorKind::QuotaExceeded => {
-                    "make room or choose another place with --out; results under final names are complete, earlier ones untouched".to_owned()
+                std::io::ErrorKind::StorageFull
+                | std::io::ErrorKind::FileTooLarge
+                | std::io::ErrorKind::QuotaExceeded => {
+                    "make room or choose another place with --out; results under final names are complete, \
+                     earlier ones untouched"
+                        .to_owned()
                 }
                 _ => "choose another place with --out".to_owned(),
             },
-            Failure::Interrupted { .. } => "the same command with --resume goes on from there".to_owned(),
             Failure::Usage { help, .. } => help.clone(),
             Failure::Exists { .. } => "--force overwrites it".to_owned(),
             Failure::UnknownTemplate { .. } => {
-                format!("templates are {}", arcmin::templates::TEMPLATES.map(|template| template.name).join(", "))
+                let names = arcmin::templates::TEMPLATES.map(|template| template.name).join(", ");
+                format!("templates are {names}")
             }
             _ => return None,
         };

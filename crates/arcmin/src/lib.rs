@@ -5,11 +5,13 @@
 //! and [`life`] turn that into accuracy against hours, [`dynamics`] integrates the equations of motion.
 //! The crate touches no file, no clock and no terminal.
 
+pub mod analyses;
 pub mod checks;
 pub mod contact;
 pub mod design;
 pub mod dynamics;
 pub mod fem;
+pub mod fidelity;
 pub mod geometry;
 pub mod life;
 pub mod load;
@@ -17,6 +19,7 @@ pub mod machine;
 pub mod materials;
 pub mod progress;
 pub mod report;
+pub mod results;
 pub mod rig;
 pub mod templates;
 pub mod units;

@@ -1,14 +1,67 @@
+use clap::{Arg, ArgAction, ArgMatches, Command};
+
+use super::Ending;
 use crate::failure::Failure;
-use crate::run::{Verdict, say};
+use crate::run::say;
 
-#[derive(Debug, clap::Args)]
-#[command(
-    long_about = "Prints every key of the design file with its unit, range, default and meaning, in Markdown.",
-    after_help = "Examples:\n  arcmin keys | less\n  arcmin keys | grep -i clearance"
-)]
-pub struct Options {}
+pub fn command() -> Command {
+    Command::new("keys")
+        .about("Print the reference of all keys of the design file, or of all results")
+        .long_about(
+            "Prints every key of the design file with its unit, range, default and meaning, in Markdown; with \
+             --results every table, column and figure that the analyses write.",
+        )
+        .after_help("Examples:\n  arcmin keys | less\n  arcmin keys clearance\n  arcmin keys --results lost_motion")
+        .arg(Arg::new("FILTER").help("Only lines that hold this text, under their headings"))
+        .arg(
+            Arg::new("results")
+                .long("results")
+                .action(ArgAction::SetTrue)
+                .help("The results in place of the design file"),
+        )
+}
 
-pub fn run(_: Options) -> Result<Verdict, Failure> {
-    say(arcmin::design::reference_of_keys().trim_end());
-    Ok(Verdict::Fine)
+pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let text = if matches.get_flag("results") {
+        let declared: Vec<_> = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)()).collect();
+        arcmin::results::reference_of_results(&declared)
+    } else {
+        arcmin::design::reference_of_keys()
+    };
+    match matches.get_one::<String>("FILTER") {
+        None => say(text.trim_end())?,
+        Some(filter) => {
+            let found = filtered(&text, filter);
+            if found.is_empty() {
+                let message = format!("nothing here is called \"{filter}\"");
+                let help = "try a part of the word, or no filter".to_owned();
+                return Err(Failure::Usage { message, help });
+            }
+            say(found.trim_end())?;
+        }
+    }
+    Ok(Ending::Fine)
+}
+
+/// Rows of tables that hold the text, and whole sections whose heading does, each under its heading.
+fn filtered(text: &str, filter: &str) -> String {
+    let wanted = filter.to_lowercase();
+    let mut found = String::new();
+    let (mut heading, mut shown, mut whole) = ("", false, false);
+    for line in text.lines() {
+        if line.starts_with('#') {
+            (heading, shown, whole) = (line, false, line.to_lowercase().contains(&wanted));
+            continue;
+        }
+        let row = line.starts_with("| `") && line.to_lowercase().contains(&wanted);
+        if row || (whole && !line.is_empty()) {
+            if !shown {
+                found.push_str(&format!("\n{heading}\n\n"));
+                shown = true;
+            }
+            found.push_str(line);
+            found.push('\n');
+        }
+    }
+    found
 }

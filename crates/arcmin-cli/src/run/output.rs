@@ -3,23 +3,125 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use arcmin::design::Design;
+use serde_json::{Map, Value, json};
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 
+const SUMMARY: &str = "summary.json";
+
+/// The results of one run.
+///
+/// Files are staged beside their final names and renamed together by [`Results::publish`], `summary.json`
+/// last: whoever finds a summary finds the tables that belong to it, and a run that is killed while it
+/// computes leaves the results of the one before.
+pub struct Results {
+    out: PathBuf,
+    staged: Vec<Staged>,
+    /// Files of the run before, by its summary.
+    earlier: Vec<String>,
+}
+
+impl Results {
+    /// Makes the directory and tries to write there, so that an unusable one is noticed before the
+    /// computation. Results of another design are not written over unless `force` says so.
+    pub fn prepare(out: &Path, design: &Design, force: bool) -> Result<Results, Failure> {
+        let try_it = || {
+            std::fs::create_dir_all(out)?;
+            remove_leftovers(out);
+            tempfile::Builder::new().prefix(&prefix()).tempfile_in(out)?.as_file_mut().write_all(&[0; 4096])
+        };
+        try_it().map_err(|cause| Failure::Write { path: out.to_owned(), cause })?;
+        let before: Value = std::fs::read(out.join(SUMMARY))
+            .ok()
+            .and_then(|bytes| serde_json::from_slice(&bytes).ok())
+            .unwrap_or(Value::Null);
+        if let Some(name) = before["design"]["name"].as_str()
+            && name != design.name.value
+            && !force
+        {
+            return Err(Failure::Usage {
+                message: format!("{} holds results of another design, \"{name}\"", out.display()),
+                help: "choose another place with --out, or write over them with --force".to_owned(),
+            });
+        }
+        let files = before["files"].as_array().cloned().unwrap_or_default();
+        let earlier = files.iter().filter_map(|name| name.as_str().map(str::to_owned)).collect();
+        Ok(Results { out: out.to_owned(), staged: Vec::new(), earlier })
+    }
+
+    /// Stages a file.
+    pub fn file(&mut self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        self.staged.push(Staged::write(&self.out, name, bytes)?);
+        Ok(())
+    }
+
+    /// Writes the summary, gives all files their final names, and removes those of the run before that this
+    /// one did not write. The names.
+    pub fn publish(mut self, mut summary: Map<String, Value>) -> Result<Vec<String>, Failure> {
+        let mut names: Vec<String> = self.staged.iter().map(|staged| staged.name.clone()).collect();
+        names.push(SUMMARY.to_owned());
+        summary.insert("files".to_owned(), json!(names));
+        let mut text = serde_json::to_string_pretty(&Value::Object(summary))
+            .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
+        text.push('\n');
+        self.file(SUMMARY, text.as_bytes())?;
+        // From here to the new summary there is none: the old one must not stand beside new tables.
+        remove(&self.out.join(SUMMARY))?;
+        for name in self.earlier.iter().filter(|name| !names.contains(name) && is_plain(name)) {
+            remove(&self.out.join(name))?;
+        }
+        for staged in self.staged {
+            staged.publish()?;
+        }
+        Ok(names)
+    }
+}
+
+/// A file name and nothing else: a summary that was tampered with must not remove anything elsewhere.
+fn is_plain(name: &str) -> bool {
+    Path::new(name).file_name().is_some_and(|file| file.to_str() == Some(name))
+}
+
+/// Temporary names carry the process that owns them.
+fn prefix() -> String {
+    format!(".arcmin-{}-", std::process::id())
+}
+
+/// Removes temporary files of runs that were killed.
+fn remove_leftovers(directory: &Path) {
+    let Ok(entries) = std::fs::read_dir(directory) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let Some(rest) = name.to_str().and_then(|name| name.strip_prefix(".arcmin-")) else { continue };
+        let owner = rest.split_once('-').and_then(|(owner, _)| owner.parse::<u32>().ok());
+        if owner.is_some_and(|owner| owner != std::process::id() && !is_running(owner)) {
+            // Somebody else may have removed it; that is as good.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether a process is there; where that cannot be told, it is taken to be.
+fn is_running(process: u32) -> bool {
+    let all = Path::new("/proc");
+    !all.join("self").exists() || all.join(process.to_string()).exists()
+}
+
 /// A complete file that still has a temporary name in the directory of its final one.
-pub struct Staged {
+struct Staged {
     file: NamedTempFile,
     path: PathBuf,
     name: String,
 }
 
 impl Staged {
-    pub fn write(directory: &Path, name: &str, bytes: &[u8]) -> Result<Staged, Failure> {
+    fn write(directory: &Path, name: &str, bytes: &[u8]) -> Result<Staged, Failure> {
         let path = directory.join(name);
         let write = || {
             let mut file = tempfile::Builder::new()
-                .prefix(".arcmin-")
+                .prefix(&prefix())
                 .permissions(permissions())
                 .tempfile_in(directory)?;
             // Through the file itself: the wrapper's errors name the temporary file, which tells the user
@@ -35,11 +137,7 @@ impl Staged {
         }
     }
 
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    pub fn publish(self) -> Result<(), Failure> {
+    fn publish(self) -> Result<(), Failure> {
         let path = self.path;
         self.file.persist(&path).map_err(|error| Failure::Write { path, cause: error.error })?;
         Ok(())
@@ -52,21 +150,7 @@ fn permissions() -> std::fs::Permissions {
     std::os::unix::fs::PermissionsExt::from_mode(0o666)
 }
 
-/// Makes the output directory and tries to write there, so that an unusable one is noticed before the
-/// computation.
-pub fn prepare(directory: &Path) -> Result<(), Failure> {
-    let try_it = || {
-        std::fs::create_dir_all(directory)?;
-        tempfile::Builder::new()
-            .prefix(".arcmin-")
-            .tempfile_in(directory)?
-            .as_file_mut()
-            .write_all(&[0; 4096])
-    };
-    try_it().map_err(|cause| Failure::Write { path: directory.to_owned(), cause })
-}
-
-/// Writes one file atomically, for commands without an output directory.
+/// Writes one file atomically.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -74,16 +158,11 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 }
 
 /// Removes a file, if there is one.
-pub fn remove(path: &Path) -> Result<(), Failure> {
+fn remove(path: &Path) -> Result<(), Failure> {
     match std::fs::remove_file(path) {
         Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
             Err(Failure::Write { path: path.to_owned(), cause })
         }
         _ => Ok(()),
     }
-}
-
-/// Prints a line; a reader who has gone (`arcmin … | head`) is no reason to fail.
-pub fn say(line: &str) {
-    let _ = writeln!(std::io::stdout(), "{line}");
 }

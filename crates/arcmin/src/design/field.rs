@@ -9,25 +9,25 @@ use written::{integer, number};
 use super::error::{DesignErrorKind, Source};
 use super::hint;
 use super::schema::{At, Key, Kind, Presence, SectionSchema};
-use super::{DesignError, MaterialTable};
+use super::{DesignError, InputFile, MaterialTable};
 use crate::materials::Material;
 
 type Result<T> = std::result::Result<T, Box<DesignError>>;
 
 /// A table of the file with its place and name.
-pub(super) struct Table<'a> {
-    pub source: Source<'a>,
-    pub table: &'a DeTable<'a>,
+pub struct Table<'a> {
+    pub(super) source: Source<'a>,
+    pub(super) table: &'a DeTable<'a>,
     /// Place of the table's header, where missing keys are reported.
-    pub span: Range<usize>,
+    pub(super) span: Range<usize>,
     /// Dotted name; empty for the file as a whole.
-    pub path: String,
+    pub(super) path: String,
     /// All sections of the file, to tell where a misplaced key belongs.
-    pub root: &'static SectionSchema,
+    pub(super) root: &'static SectionSchema,
 }
 
 /// A type that a key of the design file can have.
-pub(super) trait FieldValue: Sized {
+pub trait FieldValue: Sized {
     fn kind() -> Kind;
 
     fn read(key: &Key, value: &Spanned<DeValue<'_>>, table: &Table<'_>) -> Result<Self>;
@@ -38,6 +38,9 @@ pub(super) trait FieldValue: Sized {
     /// Appends `path = value` lines that do not depend on how the file is laid out.
     fn canonical(&self, path: &str, out: &mut Vec<String>);
 
+    /// Appends the files that the value names.
+    fn files(&self, _out: &mut Vec<InputFile>) {}
+
     /// Appends `path` if the value is a default that stands for something (not merely absent).
     fn defaulted(&self, key: &Key, written: bool, path: &str, out: &mut Vec<String>) {
         if !written && matches!(key.rule.presence, Presence::Number(_) | Presence::Word(_)) {
@@ -47,7 +50,7 @@ pub(super) trait FieldValue: Sized {
 }
 
 /// A section, see the `section!` macro.
-pub(super) trait SectionValue: Sized {
+pub trait SectionValue: Sized {
     const SCHEMA: &'static SectionSchema;
 
     fn from_table(table: &Table<'_>) -> Result<Self>;
@@ -58,10 +61,16 @@ pub(super) trait SectionValue: Sized {
 }
 
 /// A closed set of words.
-pub(super) trait Choice: Copy + PartialEq + 'static {
+pub trait Choice: Copy + PartialEq + 'static {
     /// Words and what they stand for.
     const WORDS: &'static [(&'static str, &'static str)];
     const VALUES: &'static [Self];
+
+    /// The word for this value.
+    fn word(self) -> &'static str {
+        let words = Self::VALUES.iter().zip(Self::WORDS);
+        words.into_iter().find(|(value, _)| **value == self).map_or("", |(_, (word, _))| word)
+    }
 }
 
 pub(super) fn join(path: &str, name: &str) -> String {
@@ -102,7 +111,7 @@ impl Table<'_> {
         Table { source: self.source, table, span, path: join(&self.path, name), root: self.root }
     }
 
-    fn wrong_type(
+    pub(super) fn wrong_type(
         &self,
         key: &Key,
         expected: impl Into<String>,
@@ -122,7 +131,7 @@ impl Table<'_> {
         self.source.error(kind, value.span(), hint)
     }
 
-    fn missing(&self, key: &Key) -> Box<DesignError> {
+    pub(super) fn missing(&self, key: &Key) -> Box<DesignError> {
         let section = self.title();
         let hint = format!("add `{} = …`: {}", key.name, first_sentence(key.doc));
         self.source.error(
@@ -291,6 +300,12 @@ impl<T: FieldValue> FieldValue for Option<T> {
     fn canonical(&self, path: &str, out: &mut Vec<String>) {
         if let Some(value) = self {
             value.canonical(path, out);
+        }
+    }
+
+    fn files(&self, out: &mut Vec<InputFile>) {
+        if let Some(value) = self {
+            value.files(out);
         }
     }
 

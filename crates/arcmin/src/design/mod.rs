@@ -11,6 +11,8 @@ mod error;
 mod field;
 mod hint;
 mod manufacturing;
+mod option_values;
+pub(crate) mod options;
 mod reference;
 mod resolve;
 mod schema;
@@ -23,15 +25,22 @@ mod tests;
 pub use deviations::MeasuredFlank;
 pub use error::{DesignError, DesignErrorKind};
 pub use field::Section;
+#[doc(hidden)]
+pub use field::{Choice, FieldValue};
 pub use manufacturing::*;
+pub use option_values::InputFile;
+pub(crate) use options::options;
+pub use options::{OptionReader, OptionSet};
 pub use reference::markdown as reference_of_keys;
+pub(crate) use schema::unit_suffix;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
+pub(crate) use schema::{default, default_word, optional, required, word};
 pub use sections::*;
 pub use service::*;
 
 use error::Source;
 use field::{SectionValue, Table};
-use schema::{default_word, optional, section, word};
+use schema::section;
 use sha2::{Digest, Sha256};
 
 use crate::machine::{FixedMember, Machine, ManufacturingErrors, Tolerances};

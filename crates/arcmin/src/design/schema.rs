@@ -77,6 +77,12 @@ pub enum Kind {
     Number,
     Count,
     Text,
+    /// true or false.
+    Flag,
+    /// Name of a file.
+    File,
+    /// Names of files.
+    Files,
     /// One of the words, each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
     /// Name of a material or an inline table with the keys given.
@@ -141,7 +147,7 @@ pub(super) const UNIT_SUFFIXES: [(&str, &str); 33] = [
 ];
 
 /// Splits a key into its stem and unit.
-pub(super) fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
+pub(crate) fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
     UNIT_SUFFIXES.iter().find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit)))
 }
 

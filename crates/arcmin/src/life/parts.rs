@@ -1,12 +1,11 @@
 //! What the whole machine with its bearings makes of worn surfaces: lost motion by cause, and the wear of
 //! bearings and gears.
 
-use crate::dynamics::{BearingMeshing, JointSettings, LostMotionSplit};
+use crate::dynamics::{BearingMeshing, LostMotionSplit};
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
 use crate::machine::{Machine, PartWear};
-use crate::units::HOUR;
-use crate::wear::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
+use crate::wear::{WearError, WearSnapshot};
 
 /// The machine with bearings at one time of its life.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +16,7 @@ pub struct PartsPoint {
     pub lost_motion: LostMotionSplit,
 }
 
-/// Follows bearings and gears beside the wear of flanks and pins; `None` in place of it for a machine that is
-/// not modelled with bearings (fixed carrier).
+/// Follows bearings and gears beside the wear of flanks and pins.
 ///
 /// Their clearance grows at the rate found at the beginning of each interval: loads on rollers hardly depend
 /// on some micrometres of clearance, so halving the intervals changes little (a test shows it).
@@ -40,12 +38,7 @@ pub(super) fn lost_motion_positions<S: ShareLoad>(meshing: &S) -> usize {
 }
 
 impl<'a> PartsFollower<'a> {
-    /// `settings`: errors and elastic discs, if any; surfaces are shown later.
-    pub fn new(machine: &'a Machine, settings: &JointSettings) -> Option<PartsFollower<'a>> {
-        Some(PartsFollower::with(machine, BearingMeshing::new(machine, settings).ok()?))
-    }
-
-    /// The same for joints at hand, as new.
+    /// Of joints at hand, as new.
     pub fn with(machine: &'a Machine, meshing: BearingMeshing) -> PartsFollower<'a> {
         PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default() }
     }
@@ -87,50 +80,16 @@ impl<'a> PartsFollower<'a> {
     }
 }
 
-/// Settings of the model with bearings after some hours at the duty: surfaces worn with ideal joints,
-/// bearings and gears worn beside them.
-///
-/// # Errors
-/// [`WearError`] when the prediction fails.
-pub fn worn_settings(machine: &Machine, hours: f64) -> Result<JointSettings, WearError> {
-    let options = CoupledOptions::default();
-    let exposure = machine.coupled_exposure(options)?;
-    let mut wear = CoupledWear::new(machine, options);
-    let mut parts =
-        PartsFollower::new(machine, &JointSettings::default()).filter(|_| machine.wear.parts.any());
-    for step in 1..=STEPS {
-        if let Some(parts) = &mut parts {
-            parts.see(wear.state());
-            parts.advance(hours * HOUR / STEPS as f64)?;
-        }
-        wear.advance_to(exposure.at(hours * HOUR * step as f64 / STEPS as f64))?;
-    }
-    let state = wear.state();
-    Ok(JointSettings {
-        flank_wear: state.flank_seen_by_contact().clone(),
-        pin_wear: state.pin_seen_by_contact().clone(),
-        part_wear: parts.map(|parts| parts.wear).unwrap_or_default(),
-        ..JointSettings::default()
-    })
-}
-
-/// Steps of the wear of bearings and gears in [`worn_settings`].
-const STEPS: usize = 8;
-
 /// Lost motion by cause of a machine in the given state, friction aside.
 ///
 /// # Errors
-/// [`WearError::Load`] where no balance is found; `None` for a machine that is not modelled with bearings.
+/// [`WearError::Load`] where no balance is found.
 pub fn lost_motion_causes(
     machine: &Machine,
-    settings: &JointSettings,
-) -> Result<Option<PartsPoint>, WearError> {
-    let Ok(mut meshing) = BearingMeshing::new(machine, settings) else { return Ok(None) };
-    let positions = lost_motion_positions(&meshing);
-    Ok(Some(PartsPoint {
-        wear: settings.part_wear,
-        lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())?,
-    }))
+    joints: BearingMeshing,
+    state: &super::WornState,
+) -> Result<PartsPoint, WearError> {
+    PartsFollower::with(machine, joints).lost_motion_causes(&state.surfaces, state.part_wear)
 }
 
 #[cfg(test)]

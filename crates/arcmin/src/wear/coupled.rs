@@ -78,6 +78,12 @@ impl WearSnapshot {
         WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
     }
 
+    /// The same depth (m) off every flank, pins as new.
+    pub fn uniform(depth: f64) -> WearSnapshot {
+        let (flanks, pins) = (vec![Relief::uniform(depth)], vec![Relief::uniform(0.0)]);
+        WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
+    }
+
     /// The flank that has lost most.
     pub fn flank(&self) -> &Relief {
         deepest(&self.flanks)

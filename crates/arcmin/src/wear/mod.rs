@@ -12,14 +12,12 @@ mod film;
 pub mod paper;
 pub mod parts;
 mod smoothing;
-mod surfaces;
 
 pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
 pub use deposit::FlankArc;
 pub use exposure::Exposure;
 pub use film::film_ratio;
 pub use parts::PartLoads;
-pub use surfaces::WornSurfaces;
 
 #[cfg(test)]
 mod error_tests;

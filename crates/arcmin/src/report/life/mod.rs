@@ -7,15 +7,12 @@ mod accuracy;
 mod flank;
 mod literature;
 mod load;
-mod series;
 mod simulation;
 mod verdict;
 mod wear;
 
 #[cfg(test)]
 mod tests;
-
-pub use series::series_section;
 
 use crate::checks::{Finding, Severity};
 use crate::dynamics::StartSpread;

@@ -1,0 +1,217 @@
+//! The command line, made from the options that the library declares.
+
+use arcmin::analyses::{ALL, Analysis};
+use arcmin::design::{Key, Kind, Presence};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+
+use crate::commands;
+
+const ABOUT: &str = "Accuracy, wear and dynamics of RV (cycloidal) reducers, from one design file";
+
+const HELP: &str = "\
+Start here:
+  arcmin new my-reducer.toml        write a commented design file (an RV-40E-81)
+  arcmin check my-reducer.toml      what is wrong with it, and what to change
+  arcmin life my-reducer.toml       accuracy over its life, as tables and a report
+
+Every analysis writes its tables, report.html and summary.json to out/<design>/<command>; --out puts them
+elsewhere. `arcmin keys` explains the design file, `arcmin keys --results` every result.
+Exit status: 0 fine, 1 the design has error findings, 2 could not compute or wrong usage.";
+
+/// The whole command.
+pub fn command() -> Command {
+    let mut command = Command::new("arcmin")
+        .version(env!("CARGO_PKG_VERSION"))
+        .about(ABOUT)
+        .after_help(HELP)
+        .max_term_width(110)
+        .subcommand_required(true)
+        .arg_required_else_help(true)
+        .subcommand(commands::new::command())
+        .subcommand(commands::keys::command());
+    for analysis in ALL {
+        command = command.subcommand(of_analysis(analysis));
+    }
+    command.subcommand(commands::shell::completions()).subcommand(commands::shell::man())
+}
+
+fn of_analysis(analysis: &'static Analysis) -> Command {
+    let declared = (analysis.results)();
+    let mut guide = analysis.guide.to_owned();
+    guide.push_str("\n\nResults:");
+    for table in &declared.tables {
+        let columns: Vec<&str> = table.columns.iter().map(|column| column.key).collect();
+        guide.push_str(&format!("\n  {}.csv: {}.\n    {}", table.name, table.what, columns.join(", ")));
+    }
+    let mut command = Command::new(analysis.name)
+        .about(analysis.about)
+        .long_about(guide)
+        .after_help(format!("Examples:\n  {}", analysis.examples.join("\n  ")))
+        .arg(
+            Arg::new("DESIGN")
+                .required(true)
+                .value_parser(value_parser!(std::path::PathBuf))
+                .help("Design file (TOML); `arcmin new` writes one"),
+        );
+    for key in (analysis.options)().keys {
+        command = command.arg(of_option(key));
+    }
+    if analysis.name == "check" {
+        let help = "Write the findings as JSON to standard output and nothing to files";
+        command = command.arg(flag("json", help));
+    }
+    let common = "Common options";
+    command
+        .next_help_heading(common)
+        .arg(
+            Arg::new("out")
+                .long("out")
+                .value_name("DIR")
+                .value_parser(value_parser!(std::path::PathBuf))
+                .help("Directory for the results [default: out/<design>/<command>]"),
+        )
+        .arg(
+            Arg::new("cache")
+                .long("cache")
+                .value_name("DIR")
+                .value_parser(value_parser!(std::path::PathBuf))
+                .help("Directory for what is costly to compute again [default: that of the results]"),
+        )
+        .arg(
+            Arg::new("threads")
+                .long("threads")
+                .value_name("N")
+                .value_parser(value_parser!(u16).range(1..=1024))
+                .help("Threads to compute with; results do not depend on it [default: all cores]"),
+        )
+        .arg(flag("force", "Write over the results of another design"))
+        .arg(flag("quiet", "Print nothing but errors").short('q'))
+}
+
+fn flag(name: &'static str, help: &'static str) -> Arg {
+    Arg::new(name).long(name).action(ArgAction::SetTrue).help(help)
+}
+
+/// `torque_nm` is `--torque-nm`.
+pub fn long_name(key: &str) -> String {
+    key.replace('_', "-")
+}
+
+fn of_option(key: &'static Key) -> Arg {
+    let doc = key.doc.split_whitespace().collect::<Vec<_>>().join(" ");
+    let unit = if key.unit().is_empty() { String::new() } else { format!(" in {}", key.unit()) };
+    let default = match key.rule.presence {
+        Presence::Number(number) => format!(" [default: {}]", arcmin::report::compact(number, 6)),
+        Presence::Word(word) if !word.is_empty() => format!(" [default: {word}]"),
+        _ => String::new(),
+    };
+    let help = format!("{}{unit}{default}", doc.trim_end_matches('.'));
+    let mut arg = Arg::new(key.name).help(help);
+    let positional = key.rule.presence == Presence::Required;
+    if !positional {
+        arg = arg.long(long_name(key.name));
+    } else {
+        arg = arg.required(true).value_name(key.name.to_uppercase());
+    }
+    match (key.kind)() {
+        Kind::Flag => arg.action(ArgAction::SetTrue),
+        Kind::Choice(words) => {
+            let one = |(word, meaning): &(&'static str, &'static str)| PossibleValue::new(word).help(meaning);
+            arg.value_parser(PossibleValuesParser::new(words.iter().map(one))).hide_possible_values(false)
+        }
+        Kind::Files => arg.action(ArgAction::Append).value_name("FILE"),
+        Kind::File if positional => arg,
+        Kind::File => arg.value_name("FILE"),
+        Kind::Number | Kind::Count => arg.value_name(value_name(key)).allow_negative_numbers(true),
+        _ => arg.value_name("TEXT"),
+    }
+}
+
+fn value_name(key: &Key) -> &'static str {
+    match key.unit() {
+        "" => "N",
+        "h" => "HOURS",
+        "N·m" => "TORQUE",
+        "µm" | "mm" => "LENGTH",
+        "s" => "TIME",
+        _ => "X",
+    }
+}
+
+/// The options given, as the library reads them.
+pub fn options_text(analysis: &Analysis, matches: &ArgMatches) -> String {
+    let mut text = String::new();
+    for key in (analysis.options)().keys {
+        let quoted = |value: &String| toml_text(value);
+        let line = match (key.kind)() {
+            Kind::Flag if matches.get_flag(key.name) => Some("true".to_owned()),
+            Kind::Flag => None,
+            Kind::Files => matches
+                .get_many::<String>(key.name)
+                .map(|files| format!("[{}]", files.map(quoted).collect::<Vec<_>>().join(", "))),
+            Kind::Number | Kind::Count => matches.get_one::<String>(key.name).map(|word| {
+                // What is no number is handed on as a text, which the reader refuses with its own words.
+                if word.parse::<f64>().is_ok() { number_text(word) } else { toml_text(word) }
+            }),
+            _ => matches.get_one::<String>(key.name).map(quoted),
+        };
+        if let Some(value) = line {
+            text.push_str(&format!("{} = {value}\n", key.name));
+        }
+    }
+    text
+}
+
+fn toml_text(word: &str) -> String {
+    let escape = |c: char| match c {
+        '"' => "\\\"".to_owned(),
+        '\\' => "\\\\".to_owned(),
+        c if c.is_control() => format!("\\u{:04X}", c as u32),
+        c => c.to_string(),
+    };
+    format!("\"{}\"", word.chars().map(escape).collect::<String>())
+}
+
+/// Rust reads more numbers than TOML: `1.`, `.5`, `1e5`, `infinity`.
+fn number_text(word: &str) -> String {
+    match word.parse::<i64>() {
+        Ok(whole) => whole.to_string(),
+        Err(_) => match word.parse::<f64>() {
+            Ok(number) if number.is_finite() => format!("{number:?}"),
+            Ok(number) if number.is_nan() => "nan".to_owned(),
+            Ok(number) => if number > 0.0 { "inf" } else { "-inf" }.to_owned(),
+            Err(_) => toml_text(word),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_is_consistent() {
+        command().debug_assert();
+    }
+
+    #[test]
+    fn every_analysis_reads_its_own_defaults() {
+        for analysis in ALL {
+            let required =
+                (analysis.options)().keys.iter().any(|key| key.rule.presence == Presence::Required);
+            let arguments: Vec<&str> =
+                ["arcmin", analysis.name, "d.toml"].into_iter().chain(required.then_some("x")).collect();
+            let matches = command().try_get_matches_from(arguments).unwrap();
+            let (_, matches) = matches.subcommand().unwrap();
+            analysis.normal_options(&options_text(analysis, matches), "test").unwrap();
+        }
+    }
+
+    #[test]
+    fn numbers_reach_the_reader_as_written() {
+        let all = ["1", "-2", "1.", ".5", "1e5", "nan", "-inf", "1_0"].map(number_text);
+        assert_eq!(all, ["1", "-2", "1.0", "0.5", "100000.0", "nan", "-inf", "\"1_0\""]);
+        assert_eq!(toml_text("a\"\u{1b}\\"), "\"a\\\"\\u001B\\\\\"");
+    }
+}

@@ -1,0 +1,95 @@
+//! Every analysis alike: read the design, say its error findings, run, write, print.
+
+use std::path::{Path, PathBuf};
+
+use arcmin::analyses::{Analysis, AnalysisError, identity};
+use arcmin::checks::{Finding, Severity, check_design};
+use arcmin::report::Provenance;
+use clap::ArgMatches;
+use serde_json::json;
+
+use super::Ending;
+use crate::arguments::options_text;
+use crate::failure::Failure;
+use crate::run::{Results, Terminal, read_design, say, terminal_text};
+
+pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
+    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
+    let design = read_design(path)?;
+    if let Some(threads) = matches.get_one::<u16>("threads") {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
+        pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
+    }
+    let options = options_text(analysis, matches);
+    let is_check = analysis.name == "check";
+    let errors: Vec<Finding> =
+        check_design(&design).into_iter().filter(|finding| finding.severity == Severity::Error).collect();
+    let ending = if errors.is_empty() { Ending::Fine } else { Ending::ErrorFindings };
+    if is_check && matches.get_flag("json") {
+        let host = Terminal::new(path, Path::new("."), Path::new("."), true);
+        let outcome = answered(analysis.run(&design, &options, "the options", &host), &errors)?;
+        let text = serde_json::to_string_pretty(&outcome.summary().to_json());
+        say(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
+        return Ok(ending);
+    }
+    let quiet = matches.get_flag("quiet");
+    let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
+        Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join(analysis.name)
+    });
+    let mut results = Results::prepare(&out, &design, matches.get_flag("force"))?;
+    if !is_check {
+        for finding in &errors {
+            crate::failure::warn(&format!("ERROR {}: {}", finding.code, finding.message));
+        }
+    }
+    let cache = matches.get_one::<PathBuf>("cache").unwrap_or(&out);
+    let host = Terminal::new(path, &out, cache, quiet);
+    let identity = answered(identity(analysis, &design, &options, "the options", &host), &errors)?;
+    host.set_identity(&identity);
+    let outcome = answered(analysis.run(&design, &options, "the options", &host), &errors)?;
+    host.clear();
+
+    for table in outcome.tables() {
+        results.file(&table.file_name(), table.to_csv().as_bytes())?;
+    }
+    for attachment in answered(outcome.attachments(), &errors)? {
+        results.file(&attachment.name, &attachment.bytes)?;
+    }
+    let mut page = outcome.page();
+    page.provenance = Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        design_hash: design.short_hash(),
+        command: std::iter::once("arcmin".to_owned())
+            .chain(std::env::args().skip(1))
+            .collect::<Vec<_>>()
+            .join(" "),
+        seeds: outcome.seeds(),
+    };
+    results.file("report.html", page.render().as_bytes())?;
+    let mut summary = outcome.summary().to_json();
+    summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
+    summary.insert("command".to_owned(), json!(analysis.name));
+    summary.insert("identity".to_owned(), json!(identity));
+    summary.insert("command_line".to_owned(), json!(std::env::args().skip(1).collect::<Vec<_>>()));
+    summary.insert(
+        "design".to_owned(),
+        json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),
+    );
+    summary.insert("error_findings".to_owned(), json!(errors.len()));
+    let names = results.publish(summary)?;
+    host.discard_checkpoint();
+    if !quiet {
+        say(&terminal_text(&outcome.said()))?;
+        say(&format!("{} in {}", names.join(", "), out.display()))?;
+    }
+    match outcome.failure() {
+        Some(reason) => Err(Failure::Unfinished { reason }),
+        None => Ok(ending),
+    }
+}
+
+/// An error of an analysis as the command says it: where the design has error findings, they are the cause to
+/// look at first.
+fn answered<T>(result: Result<T, AnalysisError>, findings: &[Finding]) -> Result<T, Failure> {
+    result.map_err(|error| Failure::Analysis { error, has_error_findings: !findings.is_empty() })
+}

@@ -1,0 +1,187 @@
+//! The host of an analysis on a terminal: files, clock, progress bar, Ctrl-C, cache and checkpoint.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use arcmin::analyses::{AnalysisError, Host, Origin};
+use arcmin::design::InputFile;
+use arcmin::progress::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::write_file;
+use crate::failure::warn;
+
+/// Set by Ctrl-C or SIGTERM; a second one ends the process at once.
+static CANCELLED: AtomicBool = AtomicBool::new(false);
+/// Work shorter than this needs no bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// A run that is killed loses this much at most.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(10);
+/// The first checkpoint comes sooner: by then a run has shown that it takes its time.
+const FIRST_CHECKPOINT: Duration = Duration::from_millis(500);
+const CHECKPOINT: &str = "checkpoint.json";
+
+/// Progress on the terminal, and what an analysis asks of files.
+pub struct Terminal {
+    started: Instant,
+    /// `None` where nobody watches: quiet, or standard error is not a terminal.
+    bar: Option<Mutex<Option<ProgressBar>>>,
+    /// Directory of the design file.
+    beside_design: PathBuf,
+    out: PathBuf,
+    cache: PathBuf,
+    identity: OnceLock<String>,
+    next_checkpoint: Mutex<Duration>,
+}
+
+impl Terminal {
+    pub fn new(design: &Path, out: &Path, cache: &Path, quiet: bool) -> Terminal {
+        // Only a second handler in the same process could fail here; Ctrl-C then keeps its usual effect.
+        let _ = ctrlc::set_handler(|| {
+            if CANCELLED.swap(true, Ordering::SeqCst) {
+                std::process::exit(130);
+            }
+            eprintln!("stopping; Ctrl-C again ends at once");
+        });
+        let watched = !quiet && std::io::stderr().is_terminal();
+        Terminal {
+            started: Instant::now(),
+            bar: watched.then(Mutex::default),
+            beside_design: design.parent().unwrap_or(Path::new(".")).to_owned(),
+            out: out.to_owned(),
+            cache: cache.to_owned(),
+            identity: OnceLock::new(),
+            next_checkpoint: Mutex::new(FIRST_CHECKPOINT),
+        }
+    }
+
+    /// What checkpoints belong to.
+    pub fn set_identity(&self, identity: &str) {
+        let _ = self.identity.set(identity.to_owned());
+    }
+
+    /// Takes the bar off the screen.
+    pub fn clear(&self) {
+        if let Some(shown) = &self.bar
+            && let Some(bar) = shown.lock().unwrap_or_else(PoisonError::into_inner).take()
+        {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// A finished run needs no checkpoint; one that cannot be removed does no harm.
+    pub fn discard_checkpoint(&self) {
+        let _ = std::fs::remove_file(self.out.join(CHECKPOINT));
+    }
+}
+
+impl Progress for Terminal {
+    fn report(&self, stage: &str, share: f64) {
+        let Some(shown) = &self.bar else { return };
+        if self.started.elapsed() < PATIENCE {
+            return;
+        }
+        // Whoever finds the lock taken has nothing to add: progress is shown often enough.
+        let Ok(mut shown) = shown.try_lock() else { return };
+        let bar = shown.get_or_insert_with(|| {
+            let bar = ProgressBar::new(1000);
+            // The bar gives way on a narrow terminal, the words do not.
+            if let Ok(style) = ProgressStyle::with_template("{msg:20!} {wide_bar} {percent:>3} % {elapsed}") {
+                bar.set_style(style);
+            }
+            bar
+        });
+        bar.set_message(stage.to_owned());
+        // A stage that is not over is never shown as done.
+        bar.set_position((share.clamp(0.0, 1.0) * 1000.0).min(999.0) as u64);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        CANCELLED.load(Ordering::Relaxed)
+    }
+}
+
+impl Host for Terminal {
+    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        let path = match origin {
+            Origin::Design => self.beside_design.join(&file.0),
+            Origin::Options => PathBuf::from(&file.0),
+        };
+        std::fs::read(&path).map_err(|cause| AnalysisError::Input {
+            file: path.display().to_string(),
+            line: None,
+            message: format!("cannot be read: {cause}"),
+            help: match origin {
+                Origin::Design => {
+                    "the design names this file; its place is beside the design file".to_owned()
+                }
+                Origin::Options => "check its name and place".to_owned(),
+            },
+        })
+    }
+
+    fn seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+
+    fn cached(&self, name: &str) -> Option<Vec<u8>> {
+        std::fs::read(self.cache.join(name)).ok()
+    }
+
+    fn cache(&self, name: &str, bytes: &[u8]) {
+        let written = std::fs::create_dir_all(&self.cache)
+            .map_err(|cause| crate::failure::Failure::Write { path: self.cache.clone(), cause })
+            .and_then(|()| write_file(&self.cache.join(name), bytes));
+        if let Err(failure) = written {
+            warn(&format!("{failure}; the next run computes it again"));
+        }
+    }
+
+    fn wants_checkpoint(&self) -> bool {
+        let next = self.next_checkpoint.lock().unwrap_or_else(PoisonError::into_inner);
+        self.started.elapsed() >= *next
+    }
+
+    fn keep_checkpoint(&self, bytes: &[u8]) -> Result<(), AnalysisError> {
+        let mut kept = self.identity.get().cloned().unwrap_or_default().into_bytes();
+        kept.push(b'\n');
+        kept.extend_from_slice(bytes);
+        write_file(&self.out.join(CHECKPOINT), &kept).map_err(|failure| {
+            AnalysisError::usage(failure.to_string(), "choose another place with --out")
+        })?;
+        let mut next = self.next_checkpoint.lock().unwrap_or_else(PoisonError::into_inner);
+        *next = self.started.elapsed() + CHECKPOINT_INTERVAL;
+        Ok(())
+    }
+
+    fn checkpoint(&self) -> Result<Vec<u8>, AnalysisError> {
+        let path = self.out.join(CHECKPOINT);
+        let bytes = std::fs::read(&path).map_err(|cause| {
+            AnalysisError::usage(
+                format!("cannot read {}: {cause}", path.display()),
+                "start afresh without --resume",
+            )
+        })?;
+        let identity = self.identity.get().map(String::as_bytes).unwrap_or_default();
+        match bytes.iter().position(|byte| *byte == b'\n') {
+            Some(end) if &bytes[..end] == identity => Ok(bytes[end + 1..].to_vec()),
+            _ => Err(AnalysisError::usage(
+                format!(
+                    "{} belongs to a run of another design, with other options or input files, or of another \
+                     version of the program",
+                    path.display()
+                ),
+                "repeat that run to the letter, or start afresh without --resume",
+            )),
+        }
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}

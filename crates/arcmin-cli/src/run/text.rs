@@ -1,0 +1,63 @@
+//! What the terminal shows.
+
+use std::io::Write;
+
+use arcmin::analyses::{Said, TextTable};
+use comfy_table::{CellAlignment, presets};
+
+use crate::failure::Failure;
+
+/// Prints a line. A reader who has gone (`arcmin … | head`) is no reason to fail; a full disk is.
+pub fn say(line: &str) -> Result<(), Failure> {
+    say_bytes(format!("{}\n", visible(line)).as_bytes())
+}
+
+/// Prints bytes as they are.
+pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Err(cause) if cause.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Write { path: "standard output".into(), cause })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Without control characters, which names in a file could hand to the terminal.
+pub fn visible(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' && c != '\t' { '\u{fffd}' } else { c }).collect()
+}
+
+/// Lines and tables as one text.
+pub fn terminal_text(said: &[Said]) -> String {
+    let one = |said: &Said| match said {
+        Said::Line(line) => line.clone(),
+        Said::Table(table) => table_text(table),
+    };
+    said.iter().map(one).collect::<Vec<_>>().join("\n")
+}
+
+fn table_text(content: &TextTable) -> String {
+    let mut table = comfy_table::Table::new();
+    table.load_style(presets::NOTHING);
+    if !content.header.is_empty() {
+        table.set_header(&content.header);
+    }
+    for row in &content.rows {
+        table.add_row(row);
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        assert_eq!(visible("a\u{1b}[31mb\nc\td\u{7}"), "a\u{fffd}[31mb\nc\td\u{fffd}");
+    }
+}

@@ -1,0 +1,165 @@
+//! Is the design sound? Findings with value, limit, reason and remedy.
+
+use super::{AnalysisError, Host, Outcome, Said};
+use crate::checks::{Finding, Severity, check_design, worst};
+use crate::design::{Design, optional, options};
+use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
+use crate::results::{DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantity};
+
+pub const ABOUT: &str = "Judge a design: findings with value, limit, reason and remedy";
+pub const GUIDE: &str = "Judges a design. Each finding has a code, a value and a limit; warnings and errors \
+                         also say why they matter and what to change. The exit status is 1 if there is an \
+                         error finding.";
+pub const EXAMPLES: &[&str] = &[
+    "arcmin check my-reducer.toml",
+    "arcmin check my-reducer.toml --explain",
+    "arcmin check my-reducer.toml --json",
+];
+
+options! {
+    /// Options of `check`.
+    pub struct Options {
+        /// Explain every check, passed ones included.
+        explain: bool => optional(0.0, 0.0),
+    }
+}
+
+/// Findings of a design, the worst first.
+#[derive(Debug, Clone)]
+pub struct Check {
+    pub findings: Vec<Finding>,
+    name: String,
+    explain: bool,
+}
+
+const FINDINGS: TableOf<Finding> = TableOf {
+    name: "findings",
+    what: "One check of the design a row, the worst first",
+    columns: || {
+        vec![
+            quantity("code", PLAIN, "Stable name of the check.").of(|f: &Finding| f.code.into()),
+            quantity("severity", PLAIN, "info (passed), warning or error.").of(|f| f.severity.word().into()),
+            quantity("value", digits(6), "What was found, in the unit given.").of(|f| f.value.into()),
+            quantity("limit", digits(6), "What it is held against.").of(|f| f.limit.into()),
+            quantity("unit", PLAIN, "Unit of value and limit.").of(|f| f.unit.into()),
+            quantity("message", PLAIN, "The finding in one sentence.").of(|f| f.message.clone().into()),
+            quantity("why", PLAIN, "Why it matters.").of(|f| f.why.into()),
+            quantity("change", PLAIN, "What to change.").of(|f| f.change.into()),
+        ]
+    },
+};
+
+pub const SUMMARY: SummaryOf<Check> = SummaryOf {
+    entries: || {
+        vec![
+            quantity("errors", PLAIN, "Number of error findings: it cannot be built, assembled, or fails.")
+                .of(|o: &Check| o.count(Severity::Error).into()),
+            quantity("warnings", PLAIN, "Number of warnings: it runs, but worse than it could.")
+                .of(|o| o.count(Severity::Warning).into()),
+            quantity("checks", PLAIN, "Number of checks.").of(|o| o.findings.len().into()),
+            quantity("findings", PLAIN, "All findings, with the columns of findings.csv.").of(|o| {
+                let columns = (FINDINGS.columns)();
+                let record = |finding: &Finding| {
+                    Value::Record(columns.iter().map(|c| (c.quantity.key, c.value(finding))).collect())
+                };
+                Value::List(o.findings.iter().map(record).collect())
+            }),
+        ]
+    },
+};
+
+pub fn tables() -> Vec<DeclaredTable> {
+    vec![FINDINGS.into()]
+}
+
+/// Judges a design.
+///
+/// # Errors
+/// None today; the type is that of every analysis.
+pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<Check, AnalysisError> {
+    let mut findings = check_design(design);
+    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    Ok(Check { findings, name: design.name.value.clone(), explain: options.explain })
+}
+
+impl Check {
+    fn count(&self, severity: Severity) -> usize {
+        self.findings.iter().filter(|finding| finding.severity == severity).count()
+    }
+
+    /// Numbers of checks, errors and warnings, in a sentence.
+    fn sentence(&self) -> String {
+        let (errors, warnings) = (self.count(Severity::Error), self.count(Severity::Warning));
+        let many = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+        format!(
+            "{}: {}, {}",
+            many(self.findings.len(), "check"),
+            many(errors, "error"),
+            many(warnings, "warning")
+        )
+    }
+}
+
+impl Outcome for Check {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        vec![FINDINGS.fill(&self.findings)]
+    }
+
+    fn said(&self) -> Vec<Said> {
+        let mut said = Vec::new();
+        for finding in &self.findings {
+            let mark = match finding.severity {
+                Severity::Info => "ok     ",
+                Severity::Warning => "WARNING",
+                Severity::Error => "ERROR  ",
+            };
+            said.push(Said::line(format!("{mark}  {}: {}", finding.code, finding.message)));
+            if self.explain || finding.severity > Severity::Info {
+                said.push(Said::line(format!("           why: {}", finding.why)));
+                said.push(Said::line(format!("           change: {}", finding.change)));
+            }
+        }
+        said.push(Said::line(self.sentence()));
+        said
+    }
+
+    fn page(&self) -> Page {
+        let tone = match worst(&self.findings) {
+            Severity::Error => Tone::Bad,
+            Severity::Warning => Tone::Caution,
+            Severity::Info => Tone::Good,
+        };
+        let row = |f: &Finding| {
+            vec![
+                f.severity.word().to_owned(),
+                f.code.to_owned(),
+                f.message.clone(),
+                f.why.into(),
+                f.change.into(),
+            ]
+        };
+        let table = crate::report::Table {
+            title: "Findings".to_owned(),
+            columns: ["Severity", "Check", "Finding", "Why it matters", "What to change"]
+                .map(Head::text)
+                .into(),
+            rows: self.findings.iter().map(row).collect(),
+            note: "Worst first. The same list is in `findings.csv`.".to_owned(),
+        };
+        Page {
+            title: self.name.clone(),
+            subtitle: "Is the design sound?".to_owned(),
+            provenance: Provenance::default(),
+            verdict: Verdict::new(tone, format!("{}.", self.sentence())),
+            sections: vec![Section::new("findings", "Findings", vec![Block::Table(table)])],
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

@@ -1,0 +1,251 @@
+//! Which pins carry how much, at which pressure; loaded transmission error.
+
+mod closed_form;
+mod declared;
+mod page;
+
+pub use declared::{SUMMARY, tables};
+
+use super::{AnalysisError, Host, Outcome, Said};
+use crate::contact::PinContact;
+use crate::design::{Choice, Design, default, default_word, optional, options};
+use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
+use crate::life::{WornState, worn_after};
+use crate::load::{Cycle, HarmonicError, LoadSharing, PinLoad, ShareLoad};
+use crate::machine::{CrankAngle, Machine};
+use crate::report::Page;
+use crate::results::{Summary, Table};
+use crate::units::UM;
+
+pub const ABOUT: &str = "Share the load among the pins over one turn of the crankshaft";
+pub const GUIDE: &str = "Shares the output torque among the pins over one turn of the crankshaft, input \
+    locked.\n\nThe equilibrium method finds the pose in which all forces and moments vanish, with the real \
+    gaps of both flanks; the closed form is the handbook method of Tao2024 (eqs. 5-10) at one crank position, \
+    with ideal joints.\n\nIn bearings, manufacturing errors act. Errors of single pins repeat after a turn of \
+    the output: the figures are those of that whole turn, pins.csv tells what every pin bears in it, and \
+    contact.csv shows the first turn of the crankshaft.";
+pub const EXAMPLES: &[&str] = &[
+    "arcmin contact my-reducer.toml",
+    "arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10",
+    "arcmin contact my-reducer.toml --joints bearings --discs elastic --hours 2000",
+    "arcmin contact my-reducer.toml --joints bearings --errors drawn --seed 7",
+    "arcmin contact my-reducer.toml --method closed-form",
+];
+
+options! {
+    /// Options of `contact`.
+    pub struct Options {
+        [fidelity: FidelityOptions]
+        /// How to share the load.
+        method: Method => default_word("equilibrium"),
+        /// Output torque, positive against positive output motion. Left out: the rated torque.
+        torque_nm: Option<f64> => optional(-1e7, 1e7),
+        /// Depth removed from the whole flank.
+        wear_um: f64 => default(0.0, 0.0, 1000.0),
+        /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
+        hours: f64 => default(0.0, 0.0, 1e7),
+        /// Crank positions per turn.
+        positions: usize => default(360.0, 8.0, 36_000.0),
+    }
+}
+
+/// How the load is shared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Balance of forces and moments with the real gaps.
+    Equilibrium,
+    /// Handbook method of Tao2024.
+    ClosedForm,
+}
+
+impl Choice for Method {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("equilibrium", "balance of forces and moments with the real gaps"),
+        ("closed-form", "handbook method of Tao2024"),
+    ];
+    const VALUES: &'static [Method] = &[Method::Equilibrium, Method::ClosedForm];
+}
+
+/// Load sharing of a machine.
+#[derive(Debug, Clone)]
+pub struct Contact {
+    pub machine: Machine,
+    pub fidelity: Fidelity,
+    /// N·m.
+    pub torque: f64,
+    pub worn: WornState,
+    pub answer: Answer,
+}
+
+/// By the method asked for.
+#[derive(Debug, Clone)]
+pub enum Answer {
+    Equilibrium(Box<Equilibrium>),
+    ClosedForm(closed_form::Handbook),
+}
+
+/// Load sharing by equilibrium.
+#[derive(Debug, Clone)]
+pub struct Equilibrium {
+    /// One turn of the crankshafts.
+    pub turn: Vec<LoadSharing>,
+    /// Everything that repeats: a pin pitch with ideal joints, a turn of the crankshafts in bearings, one of the
+    /// output with errors of the ring.
+    pub cycle: Cycle,
+    pub pitches: usize,
+    /// Of the loaded error, where the pattern repeats every pin pitch; else empty.
+    pub harmonics: Vec<HarmonicError>,
+    /// What every pin bears, where pins do not bear alike; else empty.
+    pub pins: Vec<PinLoad>,
+    /// The machine without errors, where it has some.
+    pub nominal: Option<Cycle>,
+}
+
+/// Shares the load.
+///
+/// # Errors
+/// [`AnalysisError`] where no load sharing is found, or options contradict each other.
+pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contact, AnalysisError> {
+    let machine = design.machine();
+    let torque = options.torque_nm.unwrap_or(machine.rated.torque);
+    if options.wear_um > 0.0 && options.hours > 0.0 {
+        return Err(AnalysisError::usage(
+            "a flank is worn uniformly (wear_um) or by its duty (hours), not both",
+            "leave one of them out",
+        ));
+    }
+    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    let worn = match options.hours {
+        0.0 => WornState::uniform(options.wear_um * UM),
+        hours => worn_after(&machine, &fidelity, hours, host)?,
+    };
+    let answer = match options.method {
+        Method::Equilibrium => {
+            Answer::Equilibrium(Box::new(equilibrium(&machine, &fidelity, torque, &worn, options, host)?))
+        }
+        Method::ClosedForm => {
+            if options.hours > 0.0 {
+                return Err(AnalysisError::usage(
+                    "the closed form knows uniform wear only",
+                    "give wear_um in place of hours, or leave the method out",
+                ));
+            }
+            refuse_beyond_closed_form("the closed form", &fidelity)?;
+            Answer::ClosedForm(closed_form::solve(&machine, torque, options.wear_um * UM)?)
+        }
+    };
+    Ok(Contact { machine, fidelity, torque, worn, answer })
+}
+
+/// The handbook's methods know ideal joints and rigid discs only.
+pub(crate) fn refuse_beyond_closed_form(method: &str, fidelity: &Fidelity) -> Result<(), AnalysisError> {
+    let what = match (fidelity.joints, &fidelity.elastic) {
+        (Joints::Bearings, _) => "bearings",
+        (Joints::Ideal, Some(_)) => "elastic discs",
+        (Joints::Ideal, None) => return Ok(()),
+    };
+    let help = "it knows ideal joints and rigid discs only: joints = ideal, discs = rigid";
+    Err(AnalysisError::usage(format!("{method} knows no {what}"), help))
+}
+
+fn equilibrium(
+    machine: &Machine,
+    fidelity: &Fidelity,
+    torque: f64,
+    worn: &WornState,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<Equilibrium, AnalysisError> {
+    let mut meshing = fidelity.meshing(machine)?;
+    worn.put_on(machine, &mut meshing);
+    let failed = || AnalysisError::compute("share the load");
+    let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
+    for index in 0..options.positions {
+        if host.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+        let crank = CrankAngle::from_degrees(360.0 * index as f64 / options.positions as f64);
+        let (sharing, found) = meshing.share(crank, torque, start.as_ref()).map_err(failed())?;
+        turn.push(sharing);
+        start = Some(found);
+        host.report("load sharing", 0.5 * (index + 1) as f64 / options.positions as f64);
+    }
+    // Where it takes a turn of the output, enough for every pin to meet every disc at many angles.
+    let positions = if meshing.discs_alike() { 72 } else { 720 };
+    let cycle = meshing.whole_cycle(torque, positions).map_err(failed())?;
+    let kinematics = meshing.kinematics();
+    let harmonics = match meshing.pitches() {
+        1 => cycle.harmonics(kinematics.lobe_count, kinematics.pin_count),
+        _ => Vec::new(),
+    };
+    let pins = if meshing.discs_alike() { Vec::new() } else { cycle.pin_loads() };
+    let nominal = if fidelity.errors.is_zero() {
+        None
+    } else {
+        let mut nominal = fidelity.nominal().meshing(machine)?;
+        if options.hours == 0.0 {
+            worn.put_on(machine, &mut nominal);
+        } else {
+            worn_after(machine, &fidelity.nominal(), options.hours, host)?.put_on(machine, &mut nominal);
+        }
+        Some(nominal.whole_cycle(torque, 72).map_err(failed())?)
+    };
+    Ok(Equilibrium { turn, cycle, pitches: meshing.pitches(), harmonics, pins, nominal })
+}
+
+impl Equilibrium {
+    /// Mean stiffness over the cycle in N·m/rad.
+    pub fn stiffness(&self) -> f64 {
+        let positions = &self.cycle.positions;
+        positions.iter().map(|position| position.stiffness).sum::<f64>() / positions.len() as f64
+    }
+
+    fn contacts(&self) -> impl Iterator<Item = (&LoadSharing, usize, &PinContact)> {
+        self.turn.iter().flat_map(|sharing| {
+            let discs = sharing.discs.iter().enumerate();
+            discs.flat_map(move |(disc, pins)| pins.iter().map(move |contact| (sharing, disc, contact)))
+        })
+    }
+}
+
+impl Contact {
+    /// Largest force of one pin on one disc in N.
+    pub fn max_force(&self) -> f64 {
+        match &self.answer {
+            Answer::Equilibrium(answer) => answer.cycle.max_force(),
+            Answer::ClosedForm(answer) => answer.solution.max_force,
+        }
+    }
+}
+
+impl HasFidelity for Contact {
+    fn fidelity(&self) -> &Fidelity {
+        &self.fidelity
+    }
+}
+
+impl Outcome for Contact {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        declared::fill(self)
+    }
+
+    fn said(&self) -> Vec<Said> {
+        page::said(self)
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
+
+    fn seeds(&self) -> Vec<u64> {
+        self.fidelity.seeds()
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

@@ -1,0 +1,59 @@
+use std::error::Error;
+
+use crate::design::DesignError;
+
+/// Why an analysis gave no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum AnalysisError {
+    /// An option, or a key of a design, is wrong.
+    #[error("{}", .0.kind)]
+    Design(#[from] Box<DesignError>),
+    /// A file cannot be used; the line is counted from 1.
+    #[error("{file}{}: {message}", .line.map_or(String::new(), |line| format!(", line {line}")))]
+    Input { file: String, line: Option<usize>, message: String, help: String },
+    /// What was asked for means nothing.
+    #[error("{message}")]
+    Usage { message: String, help: String },
+    /// A computation found no answer.
+    #[error("could not {task}: {cause}")]
+    Compute { task: &'static str, cause: Box<dyn Error + Send + Sync> },
+    /// The host asked to stop.
+    #[error("stopped before the end")]
+    Stopped,
+    /// The host asked to stop, and a checkpoint was kept.
+    #[error("stopped at t = {time_s:.6} s")]
+    Interrupted { time_s: f64 },
+}
+
+impl AnalysisError {
+    pub fn usage(message: impl Into<String>, help: impl Into<String>) -> AnalysisError {
+        AnalysisError::Usage { message: message.into(), help: help.into() }
+    }
+
+    /// Wraps an error of a solver: `.map_err(AnalysisError::compute("share the load"))`.
+    pub fn compute<E: Error + Send + Sync + 'static>(task: &'static str) -> impl FnOnce(E) -> AnalysisError {
+        move |cause| AnalysisError::Compute { task, cause: Box::new(cause) }
+    }
+
+    /// As [`AnalysisError::compute`] for the wear, which may have been stopped.
+    pub(crate) fn wear(task: &'static str) -> impl FnOnce(crate::wear::WearError) -> AnalysisError {
+        move |error| match error {
+            crate::wear::WearError::Stopped => AnalysisError::Stopped,
+            error => AnalysisError::compute(task)(error),
+        }
+    }
+
+    /// What to do about it.
+    pub fn help(&self) -> Option<String> {
+        match self {
+            AnalysisError::Design(error) => error.hint.clone(),
+            AnalysisError::Input { help, .. } | AnalysisError::Usage { help, .. } => {
+                (!help.is_empty()).then(|| help.clone())
+            }
+            AnalysisError::Interrupted { .. } => {
+                Some("the same call with resume goes on from there".to_owned())
+            }
+            AnalysisError::Compute { .. } | AnalysisError::Stopped => None,
+        }
+    }
+}

@@ -1,0 +1,78 @@
+use super::AnalysisError;
+use crate::design::InputFile;
+use crate::progress::{Progress, Silent};
+
+/// Where the name of a file was written, and so what it is relative to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// In the design file: relative to it.
+    Design,
+    /// In the options: relative to where the user stands.
+    Options,
+}
+
+/// What an analysis asks of whoever runs it. The library itself touches no file and no clock.
+pub trait Host: Progress {
+    /// The content of a file.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Input`] for a file that cannot be read.
+    fn read(&self, file: &InputFile, _origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        Err(AnalysisError::Input {
+            file: file.0.clone(),
+            line: None,
+            message: "there are no files here".to_owned(),
+            help: "give the values themselves".to_owned(),
+        })
+    }
+
+    /// Seconds since some moment; 0 where there is no clock.
+    fn seconds(&self) -> f64 {
+        0.0
+    }
+
+    /// What [`Host::cache`] kept under this name, perhaps in an earlier run.
+    fn cached(&self, _name: &str) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// Keeps bytes that are costly to compute again. A host that cannot says so itself.
+    fn cache(&self, _name: &str, _bytes: &[u8]) {}
+
+    /// Whether it is time to keep a checkpoint.
+    fn wants_checkpoint(&self) -> bool {
+        false
+    }
+
+    /// Keeps the state of a run in place of the one before.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where it cannot be kept.
+    fn keep_checkpoint(&self, _bytes: &[u8]) -> Result<(), AnalysisError> {
+        Ok(())
+    }
+
+    /// The checkpoint kept last.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where there is none.
+    fn checkpoint(&self) -> Result<Vec<u8>, AnalysisError> {
+        Err(AnalysisError::usage("there is no checkpoint to go on from", "start afresh without resume"))
+    }
+}
+
+/// A host without files, clock, progress and cancellation.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoHost;
+
+impl Progress for NoHost {
+    fn report(&self, stage: &str, share: f64) {
+        Silent.report(stage, share);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+impl Host for NoHost {}

@@ -1,0 +1,89 @@
+use std::fmt::Debug;
+
+use crate::report::Page;
+use crate::results::{Quantity, Summary, Table, Value};
+
+/// Answer of an analysis; owns all that it holds.
+pub trait Outcome: Debug + Send + Sync {
+    /// Its figures by key.
+    fn summary(&self) -> Summary;
+
+    /// Its tables, each a file.
+    fn tables(&self) -> Vec<Table>;
+
+    /// What a terminal shows.
+    fn said(&self) -> Vec<Said>;
+
+    /// The report, without provenance: that is the caller's to fill in.
+    fn page(&self) -> Page;
+
+    /// Seeds of everything that was drawn.
+    fn seeds(&self) -> Vec<u64> {
+        Vec::new()
+    }
+
+    /// Further files: a mesh for ParaView.
+    fn attachments(&self) -> Result<Vec<Attachment>, super::AnalysisError> {
+        Ok(Vec::new())
+    }
+
+    /// Whether it came to its end; a run that broke off keeps what it has and says why.
+    fn failure(&self) -> Option<String> {
+        None
+    }
+
+    /// For callers who know which analysis it is.
+    fn as_any(&self) -> &dyn std::any::Any;
+}
+
+/// A file that is neither table nor report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attachment {
+    pub name: String,
+    pub bytes: Vec<u8>,
+}
+
+/// A piece of what a terminal shows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Said {
+    Line(String),
+    Table(TextTable),
+}
+
+/// A small table of text; the first column is set left, the others right.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TextTable {
+    pub header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Said {
+    pub fn line(text: impl Into<String>) -> Said {
+        Said::Line(text.into())
+    }
+
+    /// Some columns of a table at some of its rows, named and formatted as declared.
+    pub fn columns(table: &Table, keys: &[&str], rows: impl IntoIterator<Item = usize>) -> Said {
+        let columns: Vec<_> = keys.iter().filter_map(|key| table.column(key)).collect();
+        let header = columns.iter().map(|column| heading(&column.quantity)).collect();
+        let row = |row| columns.iter().map(|column| column.quantity.show(&column.cells.value(row))).collect();
+        Said::Table(TextTable { header, rows: rows.into_iter().map(row).collect() })
+    }
+
+    /// Some figures of a summary, one a row.
+    pub fn figures(summary: &Summary, keys: &[&str]) -> Said {
+        let row = |key: &&str| {
+            let (quantity, value) = summary.entries.iter().find(|(quantity, _)| quantity.key == *key)?;
+            (*value != Value::Absent).then(|| vec![heading(quantity), quantity.show(value)])
+        };
+        Said::Table(TextTable { header: Vec::new(), rows: keys.iter().filter_map(row).collect() })
+    }
+}
+
+/// Name and unit of a quantity, as the head of a column.
+fn heading(quantity: &Quantity) -> String {
+    match quantity.unit() {
+        "" => quantity.label(),
+        unit => format!("{} {unit}", quantity.label()),
+    }
+}

@@ -1,0 +1,254 @@
+//! The flank of the cycloid disc: points, normals, curvature, modifications.
+
+use std::f64::consts::TAU;
+
+use super::{AnalysisError, Host, Outcome, Said};
+use crate::design::{Design, default, options};
+use crate::geometry::{Profile, Relief, Vec2};
+use crate::report::{Axis, Block, Page, Plot, Provenance, Section, Series, Tone, Verdict};
+use crate::results::{
+    DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q,
+    quantity,
+};
+use crate::units::{DEG, MM, UM, wrap_angle};
+
+pub const ABOUT: &str = "Compute the flank of the cycloid disc: points, normals, curvature";
+pub const GUIDE: &str = "Computes the flank of the cycloid disc over one full turn, as cut: with its \
+                         modifications, and less the wear.";
+pub const EXAMPLES: &[&str] = &[
+    "arcmin profile my-reducer.toml --points 400",
+    "arcmin profile my-reducer.toml --wear-um 60 --out flank60",
+];
+
+options! {
+    /// Options of `profile`.
+    pub struct Options {
+        /// Points per lobe.
+        points: usize => default(200.0, 4.0, 1e5),
+        /// Depth removed from the whole flank.
+        wear_um: f64 => default(0.0, 0.0, 1000.0),
+    }
+}
+
+/// A point of the flank.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlankPoint {
+    /// Parameter around the disc in rad.
+    pub tau: f64,
+    /// Meshing angle in rad.
+    pub meshing_angle: f64,
+    /// The worn flank and the flank as cut, in m.
+    pub worn: Vec2,
+    pub unworn: Vec2,
+    /// Unit normal into the metal.
+    pub normal: Vec2,
+    /// Curvature radius of the worn flank in m, concave positive; infinite where straight.
+    pub curvature_radius: f64,
+}
+
+/// The flank around the disc.
+#[derive(Debug, Clone)]
+pub struct FlankProfile {
+    pub points: Vec<FlankPoint>,
+    pub profile: Profile,
+    /// Uniform wear in m.
+    pub wear: f64,
+    pub points_per_lobe: usize,
+    ratio: f64,
+    name: String,
+}
+
+const PROFILE: TableOf<FlankPoint> = TableOf {
+    name: "profile",
+    what: "One point of the flank a row, one full turn of the disc",
+    columns: || {
+        vec![
+            quantity("tau_deg", decimals(4), "Parameter around the disc.")
+                .of(|p: &FlankPoint| (p.tau / DEG).into()),
+            q::MESHING_ANGLE.of(|p| (p.meshing_angle / DEG).into()),
+            quantity("x_mm", decimals(6), "The flank less the wear.").of(|p| (p.worn.x / MM).into()),
+            quantity("y_mm", decimals(6), "The flank less the wear, across.").of(|p| (p.worn.y / MM).into()),
+            quantity("normal_x", decimals(6), "Unit normal into the metal.").of(|p| p.normal.x.into()),
+            quantity("normal_y", decimals(6), "Unit normal into the metal, across.")
+                .of(|p| p.normal.y.into()),
+            quantity(
+                "curvature_radius_mm",
+                digits(6),
+                "Curvature radius of the worn flank, concave positive; empty where it is straight.",
+            )
+            .of(|p| (p.curvature_radius / MM).into()),
+            quantity("unworn_x_mm", decimals(6), "The flank as cut.").of(|p| (p.unworn.x / MM).into()),
+            quantity("unworn_y_mm", decimals(6), "The flank as cut, across.")
+                .of(|p| (p.unworn.y / MM).into()),
+        ]
+    },
+};
+
+pub const SUMMARY: SummaryOf<FlankProfile> = SummaryOf {
+    entries: || {
+        vec![
+            q::RATIO.of(|o: &FlankProfile| o.ratio.into()),
+            quantity(
+                "short_width_coefficient",
+                decimals(4),
+                "K1 = a z_p/R_p: how far the trochoid is from its cusps, below 1.",
+            )
+            .of(|o| o.profile.short_width_coefficient().into()),
+            quantity(
+                "inflection_deg",
+                decimals(3),
+                "Meshing angle where the flank turns from concave to convex.",
+            )
+            .of(|o| Value::from(o.profile.inflection().map(|angle| angle / DEG))),
+            quantity(
+                "min_convex_flank_radius_mm",
+                decimals(3),
+                "Sharpest convex radius of the flank less the wear. At zero and below the flank is undercut.",
+            )
+            .of(|o| (o.sharpest() / MM).into()),
+            quantity(
+                "min_convex_flank_radius_at_deg",
+                decimals(2),
+                "Meshing angle of the sharpest convex radius.",
+            )
+            .of(|o| (o.profile.sharpest_convex_trace().1 / DEG).into()),
+            q::WEAR_UM.of(|o| (o.wear / UM).into()),
+            quantity("points_per_lobe", PLAIN, "Points per lobe of the table.")
+                .of(|o| o.points_per_lobe.into()),
+        ]
+    },
+};
+
+pub fn tables() -> Vec<DeclaredTable> {
+    vec![PROFILE.into()]
+}
+
+/// Computes the flank.
+///
+/// # Errors
+/// None today; the type is that of every analysis.
+pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<FlankProfile, AnalysisError> {
+    let machine = design.machine();
+    let profile = machine.profile();
+    let relief = machine.designed_relief();
+    let wear = options.wear_um * UM;
+    let worn = relief.plus(&Relief::uniform(wear));
+    let (lobes, per_lobe) = (profile.lobe_count(), options.points);
+    let point = |index: usize| {
+        let tau = TAU * index as f64 / (lobes * per_lobe) as f64;
+        // From the whole number of steps within the lobe: exact at root and tip, equal on every lobe.
+        let meshing_angle = wrap_angle(-TAU * (index % per_lobe) as f64 / per_lobe as f64);
+        let outward = profile.outward_normal(tau);
+        let at = |relief: &Relief| profile.flank_point(tau) - relief.at(meshing_angle).depth * outward;
+        FlankPoint {
+            tau,
+            meshing_angle,
+            worn: at(&worn),
+            unworn: at(&relief),
+            normal: -outward,
+            curvature_radius: worn_curvature_radius(&profile, &worn, meshing_angle),
+        }
+    };
+    Ok(FlankProfile {
+        points: (0..lobes * per_lobe).map(point).collect(),
+        ratio: machine.kinematics().ratio(),
+        name: machine.name.clone(),
+        profile,
+        wear,
+        points_per_lobe: per_lobe,
+    })
+}
+
+/// Curvature radius in m of the flank less the depth w: 1/ρ of the parallel curve, less w″ along the flank.
+fn worn_curvature_radius(profile: &Profile, worn: &Relief, meshing_angle: f64) -> f64 {
+    let cos = meshing_angle.cos();
+    let curvature = profile.flank_curvature(cos);
+    let sample = worn.at(meshing_angle);
+    let length = profile.flank_length_per_meshing_angle(cos);
+    1.0 / (curvature / (1.0 + sample.depth * curvature) - sample.bend / (length * length))
+}
+
+impl FlankProfile {
+    /// Sharpest convex radius of the flank less the wear, in m.
+    pub fn sharpest(&self) -> f64 {
+        self.profile.sharpest_convex_trace().0 - self.profile.pin_radius - self.wear
+    }
+
+    fn sentence(&self) -> String {
+        format!(
+            "K1 {:.4}   inflection {}   sharpest convex flank radius {:.3} mm at {:.2}°",
+            self.profile.short_width_coefficient(),
+            self.profile.inflection().map_or("none".to_owned(), |angle| format!("{:.3}°", angle / DEG)),
+            self.sharpest() / MM,
+            self.profile.sharpest_convex_trace().1 / DEG
+        )
+    }
+}
+
+impl Outcome for FlankProfile {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        vec![PROFILE.fill(&self.points)]
+    }
+
+    fn said(&self) -> Vec<Said> {
+        vec![Said::line(self.sentence())]
+    }
+
+    fn page(&self) -> Page {
+        let undercut = self.sharpest() <= 0.0;
+        let tone = if undercut { Tone::Bad } else { Tone::Neutral };
+        let around = self.points.iter().chain(self.points.first());
+        let mut outline = Plot::new("Flank of the disc", Axis::new("x", "mm"), Axis::new("y", "mm"))
+            .with(Series::line("flank", around.map(|p| (p.worn.x / MM, p.worn.y / MM))))
+            .noted("The flank as cut, less the wear, around the whole disc.");
+        outline.equal_scales = true;
+        let lobe = || {
+            let mut lobe: Vec<&FlankPoint> = self.points.iter().take(self.points_per_lobe).collect();
+            lobe.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
+            lobe
+        };
+        let curvature = Plot::new(
+            "Curvature of one lobe",
+            Axis::new("Meshing angle", "°"),
+            Axis::new("Curvature, concave positive", "1/mm"),
+        )
+        .with(Series::line(
+            "1/ρ",
+            lobe().into_iter().map(|p| (p.meshing_angle / DEG, MM / p.curvature_radius)),
+        ))
+        .half();
+        let depth = Plot::new(
+            "Metal removed beyond the cut",
+            Axis::new("Meshing angle", "°"),
+            Axis::new("Depth", "µm").from_zero(),
+        )
+        .with(Series::line(
+            "depth",
+            lobe().into_iter().map(|p| {
+                let cut = self.profile.flank_point(p.tau);
+                (p.meshing_angle / DEG, (cut - p.worn).norm() / UM)
+            }),
+        ))
+        .noted("Rotation, free form and wear; the two offsets belong to the cut itself.")
+        .half();
+        Page {
+            title: self.name.clone(),
+            subtitle: "Flank of the cycloid disc".to_owned(),
+            provenance: Provenance::default(),
+            verdict: Verdict::new(tone, self.sentence()),
+            sections: vec![Section::new(
+                "flank",
+                "Flank",
+                vec![Block::Plot(outline), Block::Plot(curvature), Block::Plot(depth)],
+            )],
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

@@ -1,0 +1,133 @@
+//! Tables and figures of wear.
+
+use super::{Mode, Station, Wear};
+use crate::fidelity::Fidelity;
+use crate::geometry::Relief;
+use crate::load::FlankForce;
+use crate::results::{
+    DeclaredTable, PLAIN, SummaryOf, Table, TableOf, decimals, quantities as q, quantity,
+};
+use crate::units::{DEG, UM};
+
+/// One place of a flank at one time.
+struct Place {
+    hours: f64,
+    meshing_angle: f64,
+    depth: f64,
+    force: f64,
+    sliding: f64,
+    disc: Option<usize>,
+}
+
+const WEAR: TableOf<Place> = TableOf {
+    name: "wear",
+    what: "One place of the flank at one time a row",
+    columns: || {
+        vec![
+            q::HOURS.of(|p: &Place| p.hours.into()),
+            q::MESHING_ANGLE.of(|p| (p.meshing_angle / DEG).into()),
+            quantity("depth_um", decimals(3), "Depth worn off the flank there.").of(|p| (p.depth / UM).into()),
+            q::FORCE.of(|p| p.force.into()),
+            q::SPECIFIC_SLIDING.of(|p| p.sliding.into()),
+            q::DISC.of(|p| p.disc.into()),
+        ]
+    },
+};
+
+const HISTORY: TableOf<Station> = TableOf {
+    name: "wear_history",
+    what: "The machine at one time a row",
+    columns: || {
+        vec![
+            q::HOURS.of(|s: &Station| s.hours().into()),
+            q::MAX_DEPTH.of(|s| (s.accuracy.max_depth / UM).into()),
+            q::MAX_FORCE.of(|s| s.max_force().into()),
+            q::LOADED_PAIRS.of(|s| s.loaded_pairs().into()),
+            q::PLAY.of(|s| s.accuracy.play.arcmin().into()),
+            q::MAX_DEPTH_AT.of(|s| (s.worst_angle() / DEG).into()),
+            q::MAX_PIN_DEPTH.of(|s| (s.state.surfaces.pin().deepest().0 / UM).into()),
+            q::TE_LOADED.of(|s| s.accuracy.loaded_error.arcmin().into()),
+        ]
+    },
+};
+
+pub fn tables() -> Vec<DeclaredTable> {
+    vec![WEAR.into(), HISTORY.into()]
+}
+
+pub(super) fn fill(wear: &Wear) -> Vec<Table> {
+    let profile = wear.machine.profile();
+    let sliding = |phi: f64| profile.specific_sliding(phi.cos());
+    let mut places = Vec::new();
+    for station in &wear.stations {
+        let hours = station.hours();
+        if let Some((solution, _)) = &station.handbook {
+            places.extend(solution.pairs.iter().map(|pair| Place {
+                hours,
+                meshing_angle: pair.meshing_angle,
+                depth: station.accuracy.max_depth,
+                force: pair.force,
+                sliding: sliding(pair.meshing_angle),
+                disc: None,
+            }));
+            continue;
+        }
+        let flanks = &station.state.surfaces.flanks;
+        for (disc, flank) in flanks.iter().enumerate() {
+            let forces = &station.accuracy.flank_forces[disc];
+            let of_disc = (flanks.len() > 1).then_some(disc);
+            places.extend(Relief::grid(flank.samples().len()).zip(flank.samples()).map(|(phi, depth)| Place {
+                hours,
+                meshing_angle: phi,
+                depth: *depth,
+                force: force_at(forces, phi),
+                sliding: sliding(phi),
+                disc: of_disc,
+            }));
+        }
+    }
+    vec![WEAR.fill(&places), HISTORY.fill(&wear.stations)]
+}
+
+/// By straight lines between the contacts, which are sorted by meshing angle.
+fn force_at(forces: &[FlankForce], phi: f64) -> f64 {
+    let at = forces.partition_point(|force| force.meshing_angle < phi);
+    match (forces.get(at.wrapping_sub(1)), forces.get(at)) {
+        (Some(a), Some(b)) => {
+            a.force
+                + (b.force - a.force) * (phi - a.meshing_angle) / (b.meshing_angle - a.meshing_angle).max(1e-12)
+        }
+        (Some(only), None) | (None, Some(only)) => only.force,
+        (None, None) => 0.0,
+    }
+}
+
+pub const SUMMARY: SummaryOf<Wear> = SummaryOf {
+    entries: || {
+        let mut entries = vec![
+            quantity("mode", PLAIN, "How wear and load are coupled: coupled or tao2024.").of(|o: &Wear| {
+                match o.mode {
+                    Mode::Coupled => "coupled".into(),
+                    Mode::Tao2024 => "tao2024".into(),
+                }
+            }),
+            q::HOURS.of(|o| o.last().hours().into()),
+            q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
+            q::MAX_DEPTH_AT.of(|o| (o.last().worst_angle() / DEG).into()),
+            q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
+            q::PLAY.of(|o| o.last().accuracy.play.arcmin().into()),
+            q::MAX_FORCE.of(|o| o.last().max_force().into()),
+            q::LOADED_PAIRS.of(|o| o.last().loaded_pairs().into()),
+            q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
+            q::WEAR_COEFFICIENT.of(|o| o.exposure.coefficient.into()),
+            quantity("flank_updates", PLAIN, "Updates of the flank: steps of the coupled computation.")
+                .of(|o| o.updates.into()),
+            quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")
+                .of(|o| (o.increment / UM).into()),
+            quantity("hours_to_50_um", decimals(0), "Hours until 50 µm of uniform depth.")
+                .of(|o| o.hours_to_50_um.into()),
+        ];
+        entries.extend(Fidelity::entries());
+        entries
+    },
+};

@@ -1,0 +1,237 @@
+//! How deep the flanks wear, where, when.
+
+mod declared;
+mod page;
+
+pub use declared::{SUMMARY, tables};
+
+use super::contact::refuse_beyond_closed_form;
+use super::{AnalysisError, Host, Outcome, Said};
+use crate::design::{Choice, Design, default, default_word, optional, options};
+use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity};
+use crate::geometry::Relief;
+use crate::life::{Accuracy, Course, WornState, accuracy};
+use crate::load::closed_form::{self, ClosedForm};
+use crate::machine::Machine;
+use crate::report::Page;
+use crate::results::{Summary, Table};
+use crate::units::{HOUR, UM};
+use crate::wear::paper::PaperWear;
+use crate::wear::{CoupledOptions, Exposure};
+
+pub const ABOUT: &str = "Wear the flanks over the hours of service";
+pub const GUIDE: &str = "Wears flanks (and pins, bearings and gears, where the design says so) over the hours \
+    of service at the design's duty.\n\nThe coupled mode lets the worn flank change the load sharing: wear \
+    slows down by itself. The mode tao2024 is the study of that paper: one uniform depth that grows by the \
+    largest k (F/B) ξ of all pins, with ideal joints.";
+pub const EXAMPLES: &[&str] = &[
+    "arcmin wear my-reducer.toml",
+    "arcmin wear my-reducer.toml --mode tao2024 --joints ideal",
+    "arcmin wear my-reducer.toml --hours 2000 --points 40",
+];
+
+options! {
+    /// Options of `wear`.
+    pub struct Options {
+        [fidelity: FidelityOptions, joints = "bearings"]
+        /// Coupled to the load sharing, or the uniform depth of Tao2024.
+        mode: Mode => default_word("coupled"),
+        /// Hours of service. Left out: the service life of the design.
+        hours: Option<f64> => optional(0.0, 1e7),
+        /// Times between new and the end at which results are written.
+        points: usize => default(30.0, 1.0, 10_000.0),
+        /// Largest depth worn off between two updates of the flank; the elastic approach of a contact is about 1.5 µm.
+        increment_um: f64 => default(0.08, 1e-3, 1.0),
+    }
+}
+
+/// How wear and load are coupled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    Coupled,
+    Tao2024,
+}
+
+impl Choice for Mode {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("coupled", "the worn flank changes the load sharing"),
+        ("tao2024", "one uniform depth that grows by the largest k (F/B) ξ of all pins"),
+    ];
+    const VALUES: &'static [Mode] = &[Mode::Coupled, Mode::Tao2024];
+}
+
+/// Crank positions at which accuracy is evaluated.
+const POSITIONS: usize = 36;
+
+/// Wear over the hours.
+#[derive(Debug, Clone)]
+pub struct Wear {
+    pub machine: Machine,
+    pub fidelity: Fidelity,
+    pub mode: Mode,
+    /// From new to the end.
+    pub stations: Vec<Station>,
+    pub exposure: Exposure,
+    /// Updates of the flank; 0 for the uniform depth.
+    pub updates: usize,
+    pub increment: f64,
+    /// Of the uniform depth: hours until 50 µm.
+    pub hours_to_50_um: Option<f64>,
+}
+
+/// The machine at one time.
+#[derive(Debug, Clone)]
+pub struct Station {
+    pub state: WornState,
+    pub accuracy: Accuracy,
+    /// Of the uniform depth: load sharing in closed form, and |φ| in rad of the pin that sets the rate.
+    pub handbook: Option<(ClosedForm, f64)>,
+}
+
+impl Station {
+    pub fn hours(&self) -> f64 {
+        self.accuracy.hours
+    }
+
+    /// |φ| in rad where the flank loses most.
+    pub fn worst_angle(&self) -> f64 {
+        self.handbook.as_ref().map_or(self.accuracy.max_depth_at.abs(), |(_, angle)| *angle)
+    }
+
+    pub(super) fn max_force(&self) -> f64 {
+        self.handbook.as_ref().map_or(self.accuracy.max_force, |(solution, _)| solution.max_force)
+    }
+
+    pub(super) fn loaded_pairs(&self) -> f64 {
+        match &self.handbook {
+            Some((solution, _)) => solution.loaded_pairs() as f64,
+            None => self.accuracy.loaded_pairs,
+        }
+    }
+}
+
+/// Wears the machine.
+///
+/// # Errors
+/// [`AnalysisError`] where no load sharing is found or options contradict each other.
+pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Wear, AnalysisError> {
+    let machine = design.machine();
+    let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
+    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    match options.mode {
+        Mode::Coupled => coupled(machine, fidelity, end, options, host),
+        Mode::Tao2024 => {
+            refuse_beyond_closed_form("the study of Tao2024", &fidelity)?;
+            uniform(machine, fidelity, end, options, host)
+        }
+    }
+}
+
+fn times(end: f64, points: usize) -> impl Iterator<Item = (f64, f64)> {
+    (0..=points).map(move |index| {
+        let share = index as f64 / points as f64;
+        (end * share, share)
+    })
+}
+
+fn coupled(
+    machine: Machine,
+    fidelity: Fidelity,
+    end: f64,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<Wear, AnalysisError> {
+    let failed = || AnalysisError::wear("compute the wear");
+    let increment = options.increment_um * UM;
+    let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
+    let mut course = Course::new(&machine, &fidelity, settings)?;
+    let mut stations = Vec::with_capacity(options.points + 1);
+    for (hours, share) in times(end, options.points) {
+        course.advance_to(hours, host).map_err(failed())?;
+        let state = course.state();
+        let flank = state.surfaces.flank().clone();
+        let accuracy = accuracy(&machine, course.meshing(), &flank, hours, POSITIONS).map_err(failed())?;
+        stations.push(Station { state, accuracy, handbook: None });
+        host.report("wear", share);
+    }
+    let (exposure, updates) = (course.exposure().clone(), course.updates());
+    drop(course);
+    let mode = Mode::Coupled;
+    Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um: None })
+}
+
+fn uniform(
+    machine: Machine,
+    fidelity: Fidelity,
+    end: f64,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<Wear, AnalysisError> {
+    let failed = || AnalysisError::wear("compute the wear in closed form");
+    let wear = PaperWear::deep_enough(&machine, end).map_err(failed())?;
+    let mut stations = Vec::with_capacity(options.points + 1);
+    for (hours, share) in times(end, options.points) {
+        if host.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+        let depth = wear.depth_at(hours).max(0.0);
+        let flank = Relief::uniform(depth);
+        let mut meshing = machine.meshing(&flank);
+        let accuracy = accuracy(&machine, &mut meshing, &flank, hours, POSITIONS).map_err(failed())?;
+        let solution = closed_form::solve(&machine, machine.rated.torque.abs(), depth)
+            .map_err(AnalysisError::compute("share the load in closed form"))?;
+        let state = WornState { hours, ..WornState::uniform(depth) };
+        stations.push(Station { state, accuracy, handbook: Some((solution, wear.worst_angle_at(depth))) });
+        host.report("wear", share);
+    }
+    Ok(Wear {
+        hours_to_50_um: Some(wear.hours_at(50.0 * UM)),
+        exposure: wear.exposure,
+        machine,
+        fidelity,
+        mode: Mode::Tao2024,
+        stations,
+        updates: 0,
+        increment: options.increment_um * UM,
+    })
+}
+
+impl Wear {
+    /// The machine at the end.
+    pub fn last(&self) -> &Station {
+        // A run has the new machine at least.
+        &self.stations[self.stations.len() - 1]
+    }
+}
+
+impl HasFidelity for Wear {
+    fn fidelity(&self) -> &Fidelity {
+        &self.fidelity
+    }
+}
+
+impl Outcome for Wear {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        declared::fill(self)
+    }
+
+    fn said(&self) -> Vec<Said> {
+        page::said(self)
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
+
+    fn seeds(&self) -> Vec<u64> {
+        self.fidelity.seeds()
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

@@ -1,0 +1,106 @@
+//! Terminal and report of wear.
+
+use super::{Mode, Outcome, Wear};
+use crate::analyses::Said;
+use crate::geometry::Relief;
+use crate::report::{
+    Axis, Block, Colour, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, significant,
+};
+use crate::units::{DEG, UM};
+
+const COLUMNS: &[&str] =
+    &["hours", "max_depth_um", "max_depth_at_deg", "play_arcmin", "te_loaded_arcmin", "max_force_n", "loaded_pairs"];
+
+/// As many of `count` things as a reader can tell apart, the first and the last among them.
+pub(crate) fn stations(count: usize, most: usize) -> impl Iterator<Item = usize> {
+    let last = count.saturating_sub(1);
+    let shown = most.saturating_sub(1).min(last).max(1);
+    (0..=shown).map(move |index| last * index / shown).take(count)
+}
+
+fn headline(wear: &Wear) -> String {
+    let last = wear.last();
+    let depth = significant(last.accuracy.max_depth / UM, 3);
+    let (angle, play) = (last.worst_angle() / DEG, last.accuracy.play.arcmin());
+    let how = match wear.mode {
+        Mode::Coupled => format!("{depth} µm at {angle:.0}° meshing angle"),
+        Mode::Tao2024 => format!("{depth} µm everywhere, set by the pin at {angle:.0}°"),
+    };
+    format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours())
+}
+
+pub(super) fn said(wear: &Wear) -> Vec<Said> {
+    let tables = wear.tables();
+    let history = tables.iter().find(|table| table.name == "wear_history");
+    let mut said = vec![Said::line(format!("{}: {}", wear.machine.name, wear.fidelity.sentence()))];
+    said.extend(history.map(|table| Said::columns(table, COLUMNS, stations(table.rows(), 7))));
+    let k = wear.exposure.coefficient;
+    said.push(Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear), k * 1e6)));
+    said
+}
+
+pub(super) fn page(wear: &Wear) -> Page {
+    let last = wear.last();
+    let mut verdict = Verdict::new(Tone::Neutral, headline(wear));
+    let figure = |label: &str, value: f64, digits: usize, unit: &str, note: &str| KeyFigure {
+        label: label.to_owned(),
+        value: significant(value, digits),
+        unit: unit.to_owned(),
+        note: note.to_owned(),
+        tone: Tone::Neutral,
+    };
+    verdict.figures = vec![
+        figure("Deepest wear", last.accuracy.max_depth / UM, 3, "µm", "largest depth lost by a flank"),
+        figure("Play", last.accuracy.play.arcmin(), 3, "arcmin", "one-sided, at the output, input locked"),
+        figure("Largest force", last.max_force(), 3, "N", "of one pin on one disc at rated torque"),
+    ];
+    verdict.answers.push(("Which physics".to_owned(), wear.fidelity.sentence()));
+    let over = |title: &str, axis: Axis, value: &dyn Fn(&super::Station) -> f64, note: &str| {
+        let points: Vec<(f64, f64)> = wear.stations.iter().map(|s| (s.hours(), value(s))).collect();
+        let name = axis.label.to_lowercase();
+        Plot::new(title, Axis::new("Running time", "h"), axis).with(Series::line(name, points)).noted(note).half()
+    };
+    let mut flank = Plot::new(
+        "Depth along the flank",
+        Axis::new("Meshing angle", "°").between(-180.0, 180.0),
+        Axis::new("Depth", "µm").from_zero(),
+    )
+    .noted("Of the disc that has lost most, at some of the hours.");
+    let count = wear.stations.len();
+    for index in stations(count, 6) {
+        let station = &wear.stations[index];
+        let depths = station.state.surfaces.flank().samples();
+        let points: Vec<(f64, f64)> =
+            Relief::grid(depths.len()).zip(depths).map(|(phi, depth)| (phi / DEG, depth / UM)).collect();
+        let colour = Colour::Ordered(index as f64 / count.saturating_sub(1).max(1) as f64);
+        flank.series.push(Series::line(format!("{:.0} h", station.hours()), points).coloured(colour));
+    }
+    let blocks = vec![
+        Block::Plot(flank),
+        Block::Plot(over(
+            "Deepest wear",
+            Axis::new("Depth", "µm").from_zero(),
+            &|s| s.accuracy.max_depth / UM,
+            "Largest depth lost by a flank.",
+        )),
+        Block::Plot(over(
+            "Play",
+            Axis::new("Play", "arcmin"),
+            &|s| s.accuracy.play.arcmin(),
+            "One-sided, at the output, input locked, no load. Negative with interference.",
+        )),
+        Block::Plot(over(
+            "Largest force",
+            Axis::new("Force", "N").from_zero(),
+            &|s| s.max_force(),
+            "Of one pin on one disc at rated torque.",
+        )),
+    ];
+    Page {
+        title: wear.machine.name.clone(),
+        subtitle: "Wear of the flanks".to_owned(),
+        provenance: Provenance::default(),
+        verdict,
+        sections: vec![Section::new("wear", "Wear", blocks)],
+    }
+}

@@ -1,0 +1,116 @@
+//! Elastic discs of a fidelity: reduced once, kept by the host between runs.
+
+use super::{Bores, Element, FidelityOptions};
+use crate::analyses::{AnalysisError, Host};
+use crate::dynamics::{ElasticDiscs, FlexibleOptions};
+use crate::fem::{
+    BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc,
+};
+use crate::geometry::Relief;
+use crate::load::LoadSharing;
+use crate::machine::{CrankAngle, Machine};
+
+/// Reduced discs and the choices they were reduced with.
+#[derive(Debug, Clone)]
+pub struct Elastic {
+    reduced: FlexibleDiscs,
+    /// With bores that bearings move; none where they are tied to one spider.
+    free: Option<ElasticDiscs>,
+    options: FidelityOptions,
+}
+
+impl Elastic {
+    /// Reduces the discs of a machine, or takes them from the host's cache. A damaged or foreign cache entry
+    /// is replaced.
+    pub(super) fn reduce(
+        machine: &Machine,
+        options: &FidelityOptions,
+        host: &dyn Host,
+    ) -> Result<Elastic, AnalysisError> {
+        host.report("reducing the discs", 0.0);
+        let reduced = FlexibleDiscs::with(machine, |shape| {
+            let settings = settings(options, shape);
+            let key = CacheKey::of(shape, &settings);
+            let name = format!("disc-{}.reduced", &key.hex()[..16]);
+            let cached =
+                host.cached(&name).and_then(|bytes| ReducedDisc::from_bytes(&bytes, shape, &settings).ok());
+            if let Some(reduced) = cached {
+                return Ok(reduced);
+            }
+            if host.is_cancelled() {
+                return Err(AnalysisError::Stopped);
+            }
+            let (reduced, _) = DiscModel::new(shape.clone(), settings)
+                .and_then(|model| model.reduce())
+                .map_err(AnalysisError::compute("reduce the elastic disc"))?;
+            host.cache(&name, &reduced.to_bytes(&key));
+            Ok(reduced)
+        })?;
+        let free = match options.bores {
+            Bores::Common => None,
+            Bores::PerBore => Some(
+                ElasticDiscs::free(machine, reduced.clone(), options.dynamics())
+                    .map_err(AnalysisError::compute("free the bores of the elastic disc"))?,
+            ),
+        };
+        Ok(Elastic { reduced, free, options: options.clone() })
+    }
+
+    /// The reductions, bores held.
+    pub fn reduced(&self) -> &FlexibleDiscs {
+        &self.reduced
+    }
+
+    /// The discs with bores that bearings move.
+    ///
+    /// # Errors
+    /// Wrong usage where one spider holds all bores.
+    pub fn free(&self) -> Result<&ElasticDiscs, AnalysisError> {
+        self.free.as_ref().ok_or_else(|| {
+            AnalysisError::usage(
+                "bearings move every bore by itself: one spider for all bores leaves none to them",
+                "leave bores = common out, or choose joints = ideal",
+            )
+        })
+    }
+
+    pub(super) fn bores_are_tied(&self) -> bool {
+        self.free.is_none()
+    }
+
+    /// Modes and damping.
+    pub fn dynamics(&self) -> FlexibleOptions {
+        self.options.dynamics()
+    }
+
+    /// The full model of the first disc, and the load sharing of the unworn machine at rated torque.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where meshing the disc or sharing the load fails.
+    pub fn under_rated_torque(&self, machine: &Machine) -> Result<(DiscModel, LoadSharing), AnalysisError> {
+        let shape = DiscShape::of(machine, 0);
+        let model = DiscModel::new(shape.clone(), settings(&self.options, &shape))
+            .map_err(AnalysisError::compute("mesh the elastic disc"))?;
+        let meshing = machine.flexible_meshing(&Relief::uniform(0.0), self.reduced.clone());
+        let sharing = meshing
+            .load_sharing(CrankAngle::from_radians(0.0), machine.rated.torque)
+            .map_err(AnalysisError::compute("load the elastic disc"))?;
+        Ok((model, sharing))
+    }
+}
+
+fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {
+    let settings = match options.element {
+        Element::PlaneStress => FlexibleSettings::plane_stress(shape),
+        Element::Solid => FlexibleSettings::solid(shape),
+    };
+    let interface = match options.bores {
+        Bores::PerBore => BoreInterface::PerBore,
+        Bores::Common => BoreInterface::Common,
+    };
+    FlexibleSettings {
+        interface,
+        mode_frequency: settings.mode_frequency.max(options.mode_frequency_hz),
+        ..settings
+    }
+}

@@ -1,0 +1,128 @@
+//! One type that shares load for every fidelity.
+
+use crate::contact::PinContacts;
+use crate::dynamics::BearingMeshing;
+use crate::geometry::Relief;
+use crate::load::{Cycle, FlexibleMeshing, FreeTravel, LoadError, LoadSharing, Meshing, ShareLoad};
+use crate::machine::{CrankAngle, Kinematics, OutputAngle, PartWear};
+
+/// Load sharing with ideal joints, on elastic discs, or of the machine in its bearings.
+#[derive(Debug, Clone)]
+pub enum MachineMeshing {
+    Ideal(Meshing),
+    Elastic(Box<FlexibleMeshing>),
+    Bearings(Box<BearingMeshing>),
+}
+
+/// Where a neighbouring solution may start.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeshingStart {
+    Error(OutputAngle),
+    Deviation(Vec<f64>),
+}
+
+macro_rules! each {
+    ($self:ident, $meshing:ident => $body:expr) => {
+        match $self {
+            MachineMeshing::Ideal($meshing) => $body,
+            MachineMeshing::Elastic($meshing) => {
+                let $meshing = $meshing.as_ref();
+                $body
+            }
+            MachineMeshing::Bearings($meshing) => {
+                let $meshing = $meshing.as_ref();
+                $body
+            }
+        }
+    };
+    (mut $self:ident, $meshing:ident => $body:expr) => {
+        match $self {
+            MachineMeshing::Ideal($meshing) => $body,
+            MachineMeshing::Elastic($meshing) => {
+                let $meshing = $meshing.as_mut();
+                $body
+            }
+            MachineMeshing::Bearings($meshing) => {
+                let $meshing = $meshing.as_mut();
+                $body
+            }
+        }
+    };
+}
+
+impl ShareLoad for MachineMeshing {
+    type Start = MeshingStart;
+
+    fn kinematics(&self) -> &Kinematics {
+        each!(self, meshing => ShareLoad::kinematics(meshing))
+    }
+
+    fn contacts(&self) -> &PinContacts {
+        each!(self, meshing => ShareLoad::contacts(meshing))
+    }
+
+    fn set_relief(&mut self, relief: Relief) {
+        each!(mut self, meshing => ShareLoad::set_relief(meshing, relief));
+    }
+
+    fn set_pin_relief(&mut self, relief: Relief) {
+        each!(mut self, meshing => ShareLoad::set_pin_relief(meshing, relief));
+    }
+
+    fn set_surfaces(&mut self, flanks: Vec<Relief>, pins: Vec<Relief>) {
+        each!(mut self, meshing => ShareLoad::set_surfaces(meshing, flanks, pins));
+    }
+
+    fn set_part_wear(&mut self, wear: &PartWear) {
+        each!(mut self, meshing => ShareLoad::set_part_wear(meshing, wear));
+    }
+
+    fn pitches(&self) -> usize {
+        each!(self, meshing => ShareLoad::pitches(meshing))
+    }
+
+    fn share(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&MeshingStart>,
+    ) -> Result<(LoadSharing, MeshingStart), LoadError> {
+        let error = match start {
+            Some(MeshingStart::Error(error)) => Some(error),
+            _ => None,
+        };
+        let (sharing, found) = match self {
+            MachineMeshing::Ideal(meshing) => meshing.share(crank, torque, error)?,
+            MachineMeshing::Elastic(meshing) => meshing.share(crank, torque, error)?,
+            MachineMeshing::Bearings(meshing) => {
+                let deviation = match start {
+                    Some(MeshingStart::Deviation(deviation)) => Some(deviation),
+                    _ => None,
+                };
+                let (sharing, found) = meshing.share(crank, torque, deviation)?;
+                return Ok((sharing, MeshingStart::Deviation(found)));
+            }
+        };
+        Ok((sharing, MeshingStart::Error(found)))
+    }
+
+    fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
+        each!(mut self, meshing => ShareLoad::travel(meshing, crank))
+    }
+
+    fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
+        each!(self, meshing => ShareLoad::crank_position(meshing, index, count, offset, shift))
+    }
+
+    fn discs_alike(&self) -> bool {
+        each!(self, meshing => ShareLoad::discs_alike(meshing))
+    }
+
+    fn pitch_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        each!(mut self, meshing => ShareLoad::pitch_cycle(meshing, torque, count))
+    }
+
+    fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        each!(mut self, meshing => ShareLoad::whole_cycle(meshing, torque, count))
+    }
+}

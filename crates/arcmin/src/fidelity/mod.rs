@@ -1,0 +1,230 @@
+//! How finely a machine is modelled: joints × discs × manufacturing errors, and how far it is worn.
+//!
+//! A [`Fidelity`] is made once from the words that every analysis takes alike (`joints`, `discs`, `errors`,
+//! `seed`) and then answers for all of them: [`Fidelity::meshing`] shares load, [`Fidelity::joint_settings`]
+//! is what the multibody model takes, [`worn_after`] is the machine after some hours. "After H hours" thus
+//! means the same wherever it is asked.
+
+mod elastic;
+mod meshing;
+mod options;
+
+pub use elastic::Elastic;
+pub use meshing::{MachineMeshing, MeshingStart};
+pub use options::{Bores, DiscBodies, Element, ErrorSource, FidelityOptions, Joints};
+
+use crate::analyses::{AnalysisError, Host, Origin};
+use crate::design::{Choice, Design, InputFile};
+use crate::dynamics::{BearingMeshing, ElasticDiscs, JointSettings};
+use crate::geometry::Relief;
+use crate::machine::{Machine, ManufacturingErrors};
+use crate::results::{Column, Value, quantities as q};
+
+/// How finely a machine is modelled.
+#[derive(Debug, Clone)]
+pub struct Fidelity {
+    pub joints: Joints,
+    /// Elastic discs; `None` for rigid ones.
+    pub elastic: Option<Elastic>,
+    pub errors: ManufacturingErrors,
+    pub source: ErrorSource,
+    /// Seed of a drawn machine.
+    pub seed: Option<u64>,
+    /// Whether the design gives errors that ideal joints leave out.
+    pub errors_left_out: bool,
+}
+
+impl Fidelity {
+    /// Without bearings, elasticity of the discs and errors.
+    pub fn ideal() -> Fidelity {
+        Fidelity {
+            joints: Joints::Ideal,
+            elastic: None,
+            errors: ManufacturingErrors::default(),
+            source: ErrorSource::None,
+            seed: None,
+            errors_left_out: false,
+        }
+    }
+
+    /// From options: reads measured flanks, draws the errors, reduces elastic discs (or takes them from the
+    /// host's cache).
+    ///
+    /// # Errors
+    /// Combinations that mean nothing say why; files that cannot be read; discs that cannot be reduced.
+    pub fn resolve(
+        design: &Design,
+        options: &FidelityOptions,
+        host: &dyn Host,
+    ) -> Result<Fidelity, AnalysisError> {
+        let machine = design.machine();
+        let mut fidelity = Fidelity { joints: options.joints, ..Fidelity::ideal() };
+        fidelity.take_errors(design, &machine, options, host)?;
+        if options.discs == DiscBodies::Elastic {
+            fidelity.elastic = Some(Elastic::reduce(&machine, options, host)?);
+        }
+        Ok(fidelity)
+    }
+
+    fn take_errors(
+        &mut self,
+        design: &Design,
+        machine: &Machine,
+        options: &FidelityOptions,
+        host: &dyn Host,
+    ) -> Result<(), AnalysisError> {
+        let given = design.given_errors();
+        if options.joints == Joints::Ideal {
+            if matches!(options.errors, Some(ErrorSource::Given | ErrorSource::Drawn)) {
+                return Err(AnalysisError::usage(
+                    "ideal joints have no place for manufacturing errors",
+                    "choose joints = bearings",
+                ));
+            }
+            self.errors_left_out = options.errors.is_none() && given.is_some();
+        } else {
+            self.source = options.errors.unwrap_or(match given {
+                Some(_) => ErrorSource::Given,
+                None => ErrorSource::None,
+            });
+        }
+        if options.seed.is_some() && self.source != ErrorSource::Drawn {
+            return Err(AnalysisError::usage("a seed draws nothing here", "it goes with errors = drawn"));
+        }
+        match self.source {
+            ErrorSource::None => {}
+            ErrorSource::Given => {
+                self.errors = given.ok_or_else(|| {
+                    AnalysisError::usage(
+                        "the design gives no manufacturing errors",
+                        "add a section [errors]; `arcmin keys errors` lists its keys",
+                    )
+                })?;
+                for flank in design.measured_flanks() {
+                    let file = InputFile(flank.file.clone());
+                    let bytes = host.read(&file, Origin::Design)?;
+                    let measured =
+                        crate::analyses::inputs::measured_flank(&file, &bytes, machine.ring.pin_count - 1)?;
+                    if self.errors.discs.len() <= flank.disc {
+                        self.errors.discs.resize_with(flank.disc + 1, Default::default);
+                    }
+                    self.errors.discs[flank.disc].flank.measured = measured.measured;
+                }
+            }
+            ErrorSource::Drawn => {
+                let tolerances = design.drawing_tolerances().ok_or_else(|| {
+                    AnalysisError::usage(
+                        "the design gives no tolerances to draw from",
+                        "add a section [tolerances]; `arcmin keys tolerances` lists its keys",
+                    )
+                })?;
+                let seed = options.seed.unwrap_or(1) as u64;
+                self.seed = Some(seed);
+                self.errors = ManufacturingErrors::draw(machine, &tolerances, seed);
+            }
+        }
+        Ok(())
+    }
+
+    /// The same without manufacturing errors.
+    pub fn nominal(&self) -> Fidelity {
+        Fidelity {
+            errors: ManufacturingErrors::default(),
+            source: ErrorSource::None,
+            seed: None,
+            ..self.clone()
+        }
+    }
+
+    /// Another machine of the same series.
+    pub fn with_errors(&self, errors: ManufacturingErrors, seed: u64) -> Fidelity {
+        Fidelity { errors, source: ErrorSource::Drawn, seed: Some(seed), ..self.clone() }
+    }
+
+    /// Load sharing of the machine with new surfaces.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where the machine cannot be modelled so.
+    pub fn meshing(&self, machine: &Machine) -> Result<MachineMeshing, AnalysisError> {
+        Ok(match (self.joints, &self.elastic) {
+            (Joints::Ideal, None) => MachineMeshing::Ideal(machine.meshing(&Relief::uniform(0.0))),
+            (Joints::Ideal, Some(elastic)) => {
+                let discs = elastic.reduced().clone();
+                MachineMeshing::Elastic(Box::new(machine.flexible_meshing(&Relief::uniform(0.0), discs)))
+            }
+            (Joints::Bearings, _) => MachineMeshing::Bearings(Box::new(self.in_bearings(machine)?)),
+        })
+    }
+
+    /// The whole machine in its bearings, whatever the joints asked for.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where the machine cannot be modelled so.
+    pub fn in_bearings(&self, machine: &Machine) -> Result<BearingMeshing, AnalysisError> {
+        BearingMeshing::new(machine, &self.joint_settings()?)
+            .map_err(AnalysisError::compute("set up the machine in its bearings"))
+    }
+
+    /// What the multibody model in bearings takes, new surfaces.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where bores tied to one spider leave the bearings no bores to move.
+    pub fn joint_settings(&self) -> Result<JointSettings, AnalysisError> {
+        let discs = self.free_discs()?;
+        Ok(JointSettings { errors: self.errors.clone(), discs, ..JointSettings::default() })
+    }
+
+    /// Elastic discs whose bores go their own way; rigid ones where bores are tied to one spider and the
+    /// joints are ideal: such a disc has no bores that bearings could move.
+    fn free_discs(&self) -> Result<Option<ElasticDiscs>, AnalysisError> {
+        match &self.elastic {
+            None => Ok(None),
+            Some(elastic) if elastic.bores_are_tied() && self.joints == Joints::Ideal => Ok(None),
+            Some(elastic) => elastic.free().map(|discs| Some(discs.clone())),
+        }
+    }
+
+    /// Columns of every summary that say which physics answered.
+    pub(crate) fn entries<O: HasFidelity>() -> Vec<Column<O>> {
+        vec![
+            q::JOINTS.of(|o: &O| o.fidelity().joints.word().into()),
+            q::DISCS.of(|o: &O| o.fidelity().discs_word().into()),
+            q::ERRORS_SOURCE.of(|o: &O| o.fidelity().source.word().into()),
+            q::ERRORS_SEED.of(|o: &O| Value::from(o.fidelity().seed)),
+        ]
+    }
+
+    pub(crate) fn discs_word(&self) -> &'static str {
+        if self.elastic.is_some() { "elastic" } else { "rigid" }
+    }
+
+    /// Which physics answers, in words for terminal and report.
+    pub fn sentence(&self) -> String {
+        let joints = match self.joints {
+            Joints::Ideal => "ideal joints (no bearing clearance, no compliance but that of the teeth)",
+            Joints::Bearings => "every body in its bearings",
+        };
+        let discs = if self.elastic.is_some() { "elastic discs" } else { "rigid discs" };
+        let errors = match (self.source, self.seed) {
+            (ErrorSource::None, _) if self.errors_left_out => {
+                ", the design's [errors] left out: they enter with joints = bearings".to_owned()
+            }
+            (ErrorSource::None, _) => ", nominal machine".to_owned(),
+            (ErrorSource::Given, _) => ", manufacturing errors of the design".to_owned(),
+            (ErrorSource::Drawn, seed) => {
+                format!(", machine drawn from the tolerances with seed {}", seed.unwrap_or(1))
+            }
+        };
+        format!("{joints}, {discs}{errors}")
+    }
+
+    /// Seeds of everything drawn.
+    pub fn seeds(&self) -> Vec<u64> {
+        self.seed.into_iter().collect()
+    }
+}
+
+/// Outcomes that say which physics answered.
+pub(crate) trait HasFidelity {
+    fn fidelity(&self) -> &Fidelity;
+}

@@ -1,0 +1,126 @@
+use crate::design::{Choice, default, default_word, optional, options};
+use crate::dynamics::FlexibleOptions;
+
+options! {
+    /// How finely the machine is modelled.
+    pub struct FidelityOptions {
+        /// Joints between the bodies.
+        joints: Joints => default_word("ideal"),
+        /// Cycloid discs.
+        discs: DiscBodies => default_word("rigid"),
+        /// Manufacturing errors; they act in bearings. Left out: those of the design's [errors], if it has any.
+        errors: Option<ErrorSource> => optional(0.0, 0.0),
+        /// Seed of the machine that errors = drawn draws. Left out: 1.
+        seed: Option<usize> => optional(0.0, 9e15),
+        /// Finite elements of elastic discs.
+        element: Element => default_word("plane-stress"),
+        /// What the bores of elastic discs are tied to; in bearings each bore goes its own way.
+        bores: Bores => default_word("per-bore"),
+        /// Elastic discs: modes up to this frequency vibrate, the compliance of the others acts without inertia.
+        mode_frequency_hz: f64 => default(MODE_FREQUENCY, 0.0, 1e6),
+        /// Elastic discs: damping ratio of every mode.
+        damping_ratio: f64 => default(DAMPING_RATIO, 0.0, 0.99),
+    }
+}
+
+const MODE_FREQUENCY: f64 = 20e3;
+const DAMPING_RATIO: f64 = 0.02;
+
+impl FidelityOptions {
+    pub(super) fn dynamics(&self) -> FlexibleOptions {
+        FlexibleOptions { mode_frequency: self.mode_frequency_hz, damping_ratio: self.damping_ratio }
+    }
+}
+
+/// How the bodies are joined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joints {
+    /// Without clearance and compliance.
+    Ideal,
+    /// Every body free in its bearings.
+    Bearings,
+}
+
+impl Choice for Joints {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("ideal", "without clearance and compliance"), ("bearings", "every body free in its bearings")];
+    const VALUES: &'static [Joints] = &[Joints::Ideal, Joints::Bearings];
+}
+
+/// Whether the discs deform.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DiscBodies {
+    Rigid,
+    /// Finite elements, reduced to modes and flank compliances.
+    Elastic,
+}
+
+impl Choice for DiscBodies {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("rigid", "rigid discs"), ("elastic", "finite elements, reduced to modes and flank compliances")];
+    const VALUES: &'static [DiscBodies] = &[DiscBodies::Rigid, DiscBodies::Elastic];
+}
+
+/// Where manufacturing errors come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorSource {
+    /// Those of the design's `[errors]`.
+    Given,
+    /// Drawn from the design's `[tolerances]`.
+    Drawn,
+    /// The nominal machine.
+    None,
+}
+
+impl Choice for ErrorSource {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("given", "those of the design's [errors]"),
+        ("drawn", "drawn from the design's [tolerances] with a seed"),
+        ("none", "the nominal machine"),
+    ];
+    const VALUES: &'static [ErrorSource] = &[ErrorSource::Given, ErrorSource::Drawn, ErrorSource::None];
+}
+
+/// Finite elements of an elastic disc.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Element {
+    /// Six-node triangles in plane stress.
+    PlaneStress,
+    /// Ten-node tetrahedra through the width.
+    Solid,
+}
+
+impl Choice for Element {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("plane-stress", "six-node triangles in plane stress"),
+        ("solid", "ten-node tetrahedra through the width"),
+    ];
+    const VALUES: &'static [Element] = &[Element::PlaneStress, Element::Solid];
+}
+
+/// What the bores of an elastic disc are tied to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bores {
+    /// Each bore carries its own bearing.
+    PerBore,
+    /// One rigid spider for all bores.
+    Common,
+}
+
+impl Choice for Bores {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("per-bore", "each bore carries its own bearing"), ("common", "one rigid spider for all bores")];
+    const VALUES: &'static [Bores] = &[Bores::PerBore, Bores::Common];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_those_of_the_model() {
+        let options = FidelityOptions::parse("", "options").unwrap();
+        assert_eq!(options.dynamics(), FlexibleOptions::default());
+        assert_eq!((options.joints, options.discs, options.errors), (Joints::Ideal, DiscBodies::Rigid, None));
+    }
+}

@@ -1,0 +1,108 @@
+//! Accuracy and loads of one state of wear.
+
+use crate::geometry::Relief;
+use crate::load::{Cycle, FlankForce, PinLoad, ShareLoad};
+use crate::machine::{Machine, OutputAngle};
+use crate::wear::WearError;
+
+/// What a state of wear makes of play, errors, forces and pressures.
+#[derive(Debug, Clone)]
+pub struct Accuracy {
+    pub hours: f64,
+    /// Largest depth lost by a flank in m, and the meshing angle there in rad.
+    pub max_depth: f64,
+    pub max_depth_at: f64,
+    /// One-sided play at the output, input locked, no load; mean over the cycle.
+    pub play: OutputAngle,
+    /// Both sides together.
+    pub free_travel: OutputAngle,
+    /// Mean output error under vanishing rated-side torque: the play, signed.
+    pub no_load_error: OutputAngle,
+    /// Mean output error under rated torque.
+    pub loaded_error: OutputAngle,
+    /// Peak-to-peak output error under rated torque over the cycle.
+    pub loaded_peak_to_peak: OutputAngle,
+    /// N, Pa, pairs of one disc.
+    pub max_force: f64,
+    pub max_pressure: f64,
+    pub loaded_pairs: f64,
+    /// Load sharing at rated torque over one pin pitch of crank angle.
+    pub cycle: Cycle,
+    /// Forces on the flank by meshing angle: of all discs, or per disc the mean of all pins over everything
+    /// that repeats.
+    pub flank_forces: Vec<Vec<FlankForce>>,
+    /// The largest of all pins and discs.
+    pub flank_peaks: Vec<FlankForce>,
+    /// What every pin bears over everything that repeats; empty where all bear the same.
+    pub pin_loads: Vec<PinLoad>,
+    /// The flank that has lost most.
+    pub flank: Relief,
+}
+
+/// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
+const RING_POSITIONS: usize = 4;
+/// Steps of the meshing angle for forces that differ from pin to pin.
+const FLANK_CELLS: usize = 72;
+
+/// The largest force of all discs in each cell.
+fn highest(discs: &[Vec<FlankForce>]) -> Vec<FlankForce> {
+    let mut all: Vec<FlankForce> = discs.iter().flatten().copied().collect();
+    all.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
+    let cell =
+        |force: &FlankForce| (force.meshing_angle / std::f64::consts::TAU * FLANK_CELLS as f64).floor();
+    all.chunk_by(|a, b| cell(a) == cell(b))
+        .filter_map(|cell| cell.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force)))
+        .collect()
+}
+
+/// Accuracy of one state of wear, which `meshing` has on.
+///
+/// # Errors
+/// [`WearError::Load`] when a load sharing fails.
+pub fn accuracy<S: ShareLoad>(
+    machine: &Machine,
+    meshing: &mut S,
+    flank: &Relief,
+    hours: f64,
+    crank_positions: usize,
+) -> Result<Accuracy, WearError> {
+    let alike = meshing.discs_alike();
+    let cycle = meshing.whole_cycle(
+        machine.rated.torque,
+        if alike { crank_positions } else { RING_POSITIONS * crank_positions },
+    )?;
+    let pitch = if meshing.pitches() == 1 {
+        cycle.clone()
+    } else {
+        meshing.pitch_cycle(machine.rated.torque, crank_positions)?
+    };
+    let (flank_forces, flank_peaks) = if alike {
+        (vec![pitch.flank_forces()], pitch.flank_forces())
+    } else {
+        let (means, peaks): (Vec<_>, Vec<_>) =
+            (0..machine.disc_count).map(|disc| cycle.flank_cells(disc, FLANK_CELLS)).unzip();
+        (means, highest(&peaks))
+    };
+    let pin_loads = if alike { Vec::new() } else { cycle.pin_loads() };
+    let (max_depth, max_depth_at) = flank.deepest();
+    let play = cycle.mean_play();
+    let sign = if machine.rated.torque < 0.0 { 1.0 } else { -1.0 };
+    Ok(Accuracy {
+        hours,
+        max_depth,
+        max_depth_at,
+        play,
+        free_travel: cycle.mean_free_travel(),
+        no_load_error: OutputAngle::from_radians(sign * play.radians()),
+        loaded_error: cycle.mean_error(),
+        loaded_peak_to_peak: cycle.peak_to_peak_error(),
+        max_force: cycle.max_force(),
+        max_pressure: cycle.max_pressure(meshing.contacts().contact()),
+        loaded_pairs: cycle.loaded_pairs(),
+        flank: flank.clone(),
+        cycle: pitch,
+        flank_forces,
+        flank_peaks,
+        pin_loads,
+    })
+}

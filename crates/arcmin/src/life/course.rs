@@ -1,0 +1,192 @@
+//! Wear of flanks, pins, bearings and gears, followed side by side over running hours.
+
+use super::PartsFollower;
+use crate::analyses::AnalysisError;
+use crate::dynamics::JointSettings;
+use crate::fidelity::{Fidelity, MachineMeshing};
+use crate::geometry::Relief;
+use crate::load::ShareLoad;
+use crate::machine::{Machine, PartWear};
+use crate::progress::Progress;
+use crate::units::HOUR;
+use crate::wear::calibrate::coupled_exposure;
+use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearError, WearSnapshot};
+
+/// The machine after some hours of its duty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WornState {
+    pub hours: f64,
+    /// What flanks and pins have lost.
+    pub surfaces: WearSnapshot,
+    /// What bearings and gears have lost.
+    pub part_wear: PartWear,
+}
+
+impl WornState {
+    /// The new machine.
+    pub fn new() -> WornState {
+        WornState::uniform(0.0)
+    }
+
+    /// The same depth (m) off every flank; pins, bearings and gears as new.
+    pub fn uniform(depth: f64) -> WornState {
+        WornState { hours: 0.0, surfaces: WearSnapshot::uniform(depth), part_wear: PartWear::default() }
+    }
+
+    /// Largest depth lost by a flank, in m.
+    pub fn deepest(&self) -> f64 {
+        self.surfaces.flank().deepest().0
+    }
+
+    /// Puts surfaces and parts as they are now on joints of the machine.
+    pub fn put_on<S: ShareLoad>(&self, machine: &Machine, joints: &mut S) {
+        self.surfaces.put_on(&machine.designed_relief(), joints);
+        joints.set_part_wear(&self.part_wear);
+    }
+
+    /// Settings of the multibody model with this wear in place of its own.
+    pub fn on(&self, settings: JointSettings) -> JointSettings {
+        JointSettings {
+            flank_wear: self.surfaces.flank_seen_by_contact().clone(),
+            pin_wear: self.surfaces.pin_seen_by_contact().clone(),
+            part_wear: self.part_wear,
+            ..settings
+        }
+    }
+
+    /// Flank and pin of the first disc, as the contact sees them.
+    pub fn first(&self) -> (&Relief, &Relief) {
+        (self.surfaces.flank_seen_by_contact(), self.surfaces.pin_seen_by_contact())
+    }
+}
+
+impl Default for WornState {
+    fn default() -> WornState {
+        WornState::new()
+    }
+}
+
+/// Intervals of the service life at which bearings and gears take over what flanks and pins have become, and
+/// the other way round. The same for every question, so that "after H hours" is one state; twice as many
+/// change the growth of the clearances by less than 1 % (tested).
+const INTERVALS: usize = 30;
+
+/// A machine on its way through its hours.
+pub struct Course<'a> {
+    machine: &'a Machine,
+    wear: CoupledWear<'a, MachineMeshing>,
+    parts: PartsFollower<'a>,
+    exposure: Exposure,
+    hours: f64,
+}
+
+impl<'a> Course<'a> {
+    /// The new machine. The wear coefficient belongs to the design: where it is to be calibrated, the nominal
+    /// machine is.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where the machine cannot be modelled so, or the calibration finds no answer.
+    pub fn new(
+        machine: &'a Machine,
+        fidelity: &Fidelity,
+        options: CoupledOptions,
+    ) -> Result<Course<'a>, AnalysisError> {
+        let exposure = coupled_exposure(machine, fidelity.nominal().meshing(machine)?, options)
+            .map_err(AnalysisError::wear("find the wear coefficient"))?;
+        Course::with_exposure(machine, fidelity, options, exposure)
+    }
+
+    /// The new machine with a wear coefficient at hand.
+    ///
+    /// # Errors
+    /// As [`Course::new`].
+    pub fn with_exposure(
+        machine: &'a Machine,
+        fidelity: &Fidelity,
+        options: CoupledOptions,
+        exposure: Exposure,
+    ) -> Result<Course<'a>, AnalysisError> {
+        Ok(Course {
+            wear: CoupledWear::with(machine, fidelity.meshing(machine)?, options),
+            parts: PartsFollower::with(machine, fidelity.in_bearings(machine)?),
+            machine,
+            exposure,
+            hours: 0.0,
+        })
+    }
+
+    /// The wear coefficient over time.
+    pub fn exposure(&self) -> &Exposure {
+        &self.exposure
+    }
+
+    pub fn hours(&self) -> f64 {
+        self.hours
+    }
+
+    /// Updates of the flank so far.
+    pub fn updates(&self) -> usize {
+        self.wear.updates()
+    }
+
+    /// The machine as it is now.
+    pub fn state(&self) -> WornState {
+        WornState { hours: self.hours, surfaces: self.wear.state().clone(), part_wear: *self.parts.wear() }
+    }
+
+    /// Joints that share load, with the surfaces reached.
+    pub fn meshing(&mut self) -> &mut MachineMeshing {
+        self.wear.meshing_mut()
+    }
+
+    /// The whole machine in its bearings beside it.
+    pub fn parts(&self) -> &PartsFollower<'a> {
+        &self.parts
+    }
+
+    /// Goes on to the given hours.
+    ///
+    /// # Errors
+    /// [`WearError`]; `Stopped` when `progress` was cancelled.
+    pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
+        let interval = self.machine.limits.service_life / HOUR / INTERVALS as f64;
+        while self.hours < hours {
+            let next = (((self.hours / interval) + 1e-9).floor() + 1.0) * interval;
+            let next = next.min(hours);
+            if self.machine.wear.parts.any() {
+                self.parts.see(self.wear.state());
+                self.parts.advance((next - self.hours) * HOUR)?;
+                self.wear.set_part_wear(self.parts.wear());
+            }
+            let mut stopped = false;
+            self.wear.advance_until(self.exposure.at(next * HOUR), |_| {
+                stopped = progress.is_cancelled();
+                stopped
+            })?;
+            if stopped {
+                return Err(WearError::Stopped);
+            }
+            self.hours = next;
+        }
+        self.parts.see(self.wear.state());
+        Ok(())
+    }
+}
+
+/// The machine after some hours at its duty, in the fidelity asked for: one state for every question.
+///
+/// # Errors
+/// [`AnalysisError`] where no load sharing or no wear coefficient is found, or the host stops it.
+pub fn worn_after(
+    machine: &Machine,
+    fidelity: &Fidelity,
+    hours: f64,
+    progress: &dyn Progress,
+) -> Result<WornState, AnalysisError> {
+    if hours == 0.0 {
+        return Ok(WornState::new());
+    }
+    let mut course = Course::new(machine, fidelity, CoupledOptions::default())?;
+    course.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
+    Ok(course.state())
+}

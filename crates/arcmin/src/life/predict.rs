@@ -1,0 +1,227 @@
+//! The prediction of one machine over its service life.
+
+use rayon::prelude::*;
+
+use super::parts::{PartsPoint, lost_motion_positions};
+use super::{Accuracy, Course, WornState, accuracy};
+use crate::analyses::AnalysisError;
+use crate::fidelity::Fidelity;
+use crate::load::lost_motion;
+use crate::machine::{Machine, OutputAngle};
+use crate::progress::Progress;
+use crate::units::HOUR;
+use crate::wear::{CoupledOptions, Exposure, WearError};
+
+/// The machine at one time of its life.
+#[derive(Debug, Clone)]
+pub struct LifePoint {
+    pub state: WornState,
+    pub accuracy: Accuracy,
+    /// Lost motion of the tooth contacts alone: ideal joints, the same surfaces.
+    pub contact_lost_motion: OutputAngle,
+    /// Lost motion of the whole machine in its bearings by cause.
+    pub parts: PartsPoint,
+}
+
+impl LifePoint {
+    pub fn hours(&self) -> f64 {
+        self.state.hours
+    }
+
+    /// Lost motion of the whole machine in its bearings: what the limit is about.
+    pub fn lost_motion(&self) -> OutputAngle {
+        OutputAngle::from_radians(self.parts.lost_motion.whole)
+    }
+}
+
+/// The prediction: wear coupled to the load.
+#[derive(Debug, Clone)]
+pub struct Prediction {
+    /// At equidistant hours from new to the end of the service life.
+    pub points: Vec<LifePoint>,
+    pub exposure: Exposure,
+    /// Updates of the flank over the service life.
+    pub updates: usize,
+    /// Hours until the lost motion of the whole machine reaches the design's limit; `None` if it does not
+    /// within [`Prediction::searched_hours`].
+    pub hours_to_limit: Option<f64>,
+    /// How far the limit was looked for.
+    pub searched_hours: f64,
+}
+
+/// Numerical choices of a life computation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LifeOptions {
+    pub wear: CoupledOptions,
+    /// Intervals of the service life at which accuracy is evaluated.
+    pub intervals: usize,
+    /// Crank positions of each evaluation.
+    pub crank_positions: usize,
+    /// The limit is looked for up to this multiple of the service life.
+    pub search_factor: f64,
+}
+
+impl Default for LifeOptions {
+    fn default() -> LifeOptions {
+        LifeOptions {
+            wear: CoupledOptions::default(),
+            intervals: 30,
+            crank_positions: 36,
+            search_factor: 4.0,
+        }
+    }
+}
+
+/// Follows the coupled wear over the service life and on until the limit of the lost motion is reached or
+/// `search_factor` service lives are over. `seen` is shown every state as soon as it is reached: what is
+/// computed from it can begin before the prediction ends.
+///
+/// # Errors
+/// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
+pub fn predict(
+    machine: &Machine,
+    fidelity: &Fidelity,
+    options: LifeOptions,
+    progress: &dyn Progress,
+    mut seen: impl FnMut(&WornState),
+) -> Result<Prediction, AnalysisError> {
+    let failed = || AnalysisError::wear("predict the wear");
+    let mut course = Course::new(machine, fidelity, options.wear)?;
+    let service_hours = machine.limits.service_life / HOUR;
+    let mut states = Vec::with_capacity(options.intervals + 1);
+    for interval in 0..=options.intervals {
+        let share = interval as f64 / options.intervals as f64;
+        course.advance_to(service_hours * share, progress).map_err(failed())?;
+        states.push(course.state());
+        seen(&states[interval]);
+        progress.report("wear", share);
+    }
+    let joints = course.meshing().clone();
+    let points = states
+        .into_par_iter()
+        .map(|state| {
+            if progress.is_cancelled() {
+                return Err(WearError::Stopped);
+            }
+            let mut joints = joints.clone();
+            state.put_on(machine, &mut joints);
+            let flank = state.surfaces.flank();
+            let accuracy = accuracy(machine, &mut joints, flank, state.hours, options.crank_positions)?;
+            let parts = course.parts().lost_motion_causes(&state.surfaces, state.part_wear)?;
+            let contact_lost_motion = of_contacts(machine, &state)?;
+            Ok(LifePoint { accuracy, contact_lost_motion, parts, state })
+        })
+        .collect::<Result<Vec<LifePoint>, WearError>>()
+        .map_err(failed())?;
+    let (updates, exposure) = (course.updates(), course.exposure().clone());
+    let history = points.iter().map(|point| (point.hours(), point.lost_motion().radians())).collect();
+    let (hours_to_limit, searched_hours) =
+        search_limit(&mut course, machine, options, history, progress).map_err(failed())?;
+    Ok(Prediction { points, exposure, updates, hours_to_limit, searched_hours })
+}
+
+/// Lost motion of the tooth contacts alone.
+fn of_contacts(machine: &Machine, state: &WornState) -> Result<OutputAngle, WearError> {
+    let mut meshing = state.surfaces.meshing(machine);
+    let positions = lost_motion_positions(&meshing);
+    Ok(lost_motion(&mut meshing, machine.rated.torque, positions)?)
+}
+
+/// Goes on beyond the service life until the lost motion reaches its limit: hours to there, and how far was
+/// looked. `history` holds (h, rad) over the service life.
+fn search_limit(
+    course: &mut Course<'_>,
+    machine: &Machine,
+    options: LifeOptions,
+    mut history: Vec<(f64, f64)>,
+    progress: &dyn Progress,
+) -> Result<(Option<f64>, f64), WearError> {
+    let service_hours = machine.limits.service_life / HOUR;
+    let limit = machine.limits.lost_motion;
+    let furthest = options.search_factor.max(1.0) * service_hours;
+    let mut hours_to_limit = crossing(&history, limit);
+    let mut searched_hours = service_hours;
+    while hours_to_limit.is_none() && searched_hours < furthest {
+        let hours = (searched_hours + service_hours / 4.0).min(furthest);
+        let lost = course.advance_to(hours, progress).and_then(|()| {
+            let state = course.state();
+            Ok(course.parts().lost_motion_causes(&state.surfaces, state.part_wear)?.lost_motion.whole)
+        });
+        match lost {
+            Ok(lost) => history.push((hours, lost)),
+            // Far beyond the service life a flank may be worn out of the model's reach; the search ends where
+            // it still held.
+            Err(WearError::Load(_)) => break,
+            Err(error) => return Err(error),
+        }
+        searched_hours = hours;
+        hours_to_limit = crossing(&history, limit);
+    }
+    Ok((hours_to_limit, searched_hours))
+}
+
+/// First abscissa at which the values reach `limit`, by linear interpolation.
+pub(crate) fn crossing(history: &[(f64, f64)], limit: f64) -> Option<f64> {
+    if history.first().is_some_and(|(_, value)| *value >= limit) {
+        return Some(history[0].0);
+    }
+    history.windows(2).find(|pair| pair[1].1 >= limit).map(|pair| {
+        let ((h0, v0), (h1, v1)) = (pair[0], pair[1]);
+        h0 + (h1 - h0) * (limit - v0) / (v1 - v0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Silent;
+
+    #[test]
+    fn life_starts_new_and_loses_accuracy_monotonically() {
+        let machine = crate::templates::rv_40e_81();
+        let options = LifeOptions { intervals: 5, crank_positions: 6, ..LifeOptions::default() };
+        let prediction = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
+        assert_eq!(prediction.points.len(), 6);
+        assert_eq!(prediction.points[0].accuracy.max_depth, 0.0);
+        assert!(prediction.points[0].accuracy.play.arcmin().abs() < 1e-9);
+        let grows = |p: &[LifePoint]| {
+            p[1].lost_motion() > p[0].lost_motion()
+                && p[1].contact_lost_motion > p[0].contact_lost_motion
+                && p[1].accuracy.max_depth > p[0].accuracy.max_depth
+        };
+        assert!(prediction.points.windows(2).all(grows));
+        assert!(prediction.updates >= 100);
+    }
+
+    #[test]
+    fn a_limit_already_exceeded_is_reached_at_zero_hours() {
+        assert_eq!(crossing(&[(0.0, 2.0), (10.0, 3.0)], 1.0), Some(0.0));
+        assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 1.0), Some(2.5));
+        assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 5.0), None);
+    }
+
+    #[test]
+    fn a_cancelled_prediction_says_so() {
+        struct Cancelled;
+        impl Progress for Cancelled {
+            fn report(&self, _: &str, _: f64) {}
+            fn is_cancelled(&self) -> bool {
+                true
+            }
+        }
+        let machine = crate::templates::rv_40e_81();
+        let stopped = predict(&machine, &Fidelity::ideal(), LifeOptions::default(), &Cancelled, |_| ());
+        assert!(matches!(stopped, Err(AnalysisError::Stopped)));
+    }
+
+    /// "After H hours" is one state: that of the prediction and that of every other question, to the bit.
+    #[test]
+    fn a_state_is_the_same_wherever_it_is_asked() {
+        let machine = crate::templates::rv_40e_81();
+        let options = LifeOptions { intervals: 6, crank_positions: 6, ..LifeOptions::default() };
+        let prediction = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
+        let hours = prediction.points[2].hours();
+        let state = super::super::worn_after(&machine, &Fidelity::ideal(), hours, &Silent).unwrap();
+        assert_eq!(state.surfaces.flanks, prediction.points[2].state.surfaces.flanks);
+    }
+}

@@ -1,0 +1,152 @@
+//! Quantities that several tables and summaries share: one name and one meaning everywhere.
+
+use super::{PLAIN, Quantity, decimals, digits, quantity};
+
+pub const HOURS: Quantity = quantity("hours", decimals(0), "Running hours since new.");
+
+pub const RATIO: Quantity = quantity(
+    "ratio",
+    digits(6),
+    "Ratio of input to output speed; negative where they turn against each other.",
+);
+
+pub const DISC: Quantity =
+    quantity("disc", PLAIN, "Cycloid disc, counted from 0; empty where all discs are alike.");
+
+pub const PIN: Quantity = quantity("pin", PLAIN, "Pin of the ring, counted from 0 at the x axis.");
+
+pub const CRANK_ANGLE: Quantity =
+    quantity("crank_angle_deg", decimals(2), "Angle of the crankshafts in the frame of the housing.");
+
+pub const MESHING_ANGLE: Quantity = quantity(
+    "meshing_angle_deg",
+    decimals(2),
+    "Meshing angle: angle of the pin from the direction of the eccentric, in (−180, 180]. Negative angles \
+     carry a positive torque.",
+);
+
+pub const MAX_DEPTH: Quantity = quantity(
+    "max_depth_um",
+    decimals(2),
+    "Largest depth worn off a flank. The flank that has lost most, where discs differ.",
+);
+
+pub const MAX_DEPTH_AT: Quantity =
+    quantity("max_depth_at_deg", decimals(1), "Size |φ| of the meshing angle where the flank has lost most.");
+
+pub const MAX_PIN_DEPTH: Quantity =
+    quantity("max_pin_depth_um", decimals(2), "Largest depth worn off a pin.");
+
+pub const PLAY: Quantity = quantity(
+    "play_arcmin",
+    decimals(3),
+    "One-sided play at the output with the input locked, no load, mean over everything that repeats. \
+     Negative with interference: minus the relief that would just free the mechanism, as an angle.",
+);
+
+pub const FREE_TRAVEL: Quantity = quantity(
+    "free_travel_arcmin",
+    decimals(3),
+    "Travel of the output at no load from one flank to the other, input locked.",
+);
+
+pub const TE_NO_LOAD: Quantity = quantity(
+    "te_no_load_arcmin",
+    decimals(3),
+    "Mean output error θ_out − θ_in/i where the flank of the rated torque just touches. Negative: the output \
+     lags.",
+);
+
+pub const TE_LOADED: Quantity = quantity(
+    "te_loaded_arcmin",
+    decimals(3),
+    "Mean output error θ_out − θ_in/i under load, input locked: play and elastic wind-up. Negative: the \
+     output lags.",
+);
+
+pub const TE_LOADED_PEAK_TO_PEAK: Quantity = quantity(
+    "te_loaded_peak_to_peak_arcmin",
+    decimals(4),
+    "Peak to peak of the output error under load over everything that repeats.",
+);
+
+pub const LOST_MOTION: Quantity = quantity(
+    "lost_motion_arcmin",
+    decimals(3),
+    "Lost motion of the whole machine in its bearings: output angle between −3 % and +3 % of rated torque, \
+     input locked. What the limit is about.",
+);
+
+pub const CONTACT_LOST_MOTION: Quantity = quantity(
+    "contact_lost_motion_arcmin",
+    decimals(3),
+    "Lost motion of the tooth contacts alone, with ideal joints.",
+);
+
+pub const MAX_FORCE: Quantity = quantity(
+    "max_force_n",
+    decimals(0),
+    "Largest force of one pin on one disc over everything that repeats.",
+);
+
+pub const MAX_PRESSURE: Quantity = quantity(
+    "max_pressure_mpa",
+    decimals(0),
+    "Largest Hertz pressure between pin and flank over everything that repeats.",
+);
+
+pub const LOADED_PAIRS: Quantity =
+    quantity("loaded_pairs", decimals(1), "Mean number of pins that carry force on one disc.");
+
+pub const TORSIONAL_STIFFNESS: Quantity = quantity(
+    "torsional_stiffness_n_m_per_arcmin",
+    decimals(0),
+    "Tangent stiffness of the output against torque, input locked, mean over the cycle. With ideal joints \
+     that of the teeth alone.",
+);
+
+pub const TORQUE: Quantity =
+    quantity("torque_n_m", decimals(1), "Output torque; positive against positive output motion.");
+
+pub const FORCE: Quantity = quantity(
+    "force_n",
+    decimals(1),
+    "Force between pin and flank. At one crank position in contact.csv; in wear.csv the mean over everything \
+     that repeats, at this place of the flank.",
+);
+
+pub const PRESSURE: Quantity =
+    quantity("pressure_mpa", decimals(0), "Largest Hertz pressure in the contact.");
+
+pub const WEAR_UM: Quantity =
+    quantity("wear_um", decimals(2), "Depth taken off the whole flank before the computation.");
+
+pub const WEAR_COEFFICIENT: Quantity = quantity(
+    "wear_coefficient_per_pa",
+    digits(4),
+    "Wear coefficient k of Archard's law, depth per pass Δh = k (F/B) ξ. In mm²/N it is 10⁶ times this.",
+);
+
+pub const ORDER: Quantity = quantity("order", digits(5), "Order: periods per turn of the output.");
+
+pub const AMPLITUDE: Quantity = quantity("amplitude_arcmin", digits(3), "Amplitude of the line.");
+
+pub const SPECIFIC_SLIDING: Quantity = quantity(
+    "specific_sliding",
+    digits(4),
+    "Specific sliding ξ on the disc: sliding speed over the speed of the contact along the flank.",
+);
+
+pub const JOINTS: Quantity = quantity("joints", PLAIN, "Joints between the bodies: ideal or bearings.");
+
+pub const DISCS: Quantity = quantity("discs", PLAIN, "Cycloid discs: rigid or elastic.");
+
+pub const ERRORS_SOURCE: Quantity = quantity(
+    "errors.source",
+    PLAIN,
+    "Manufacturing errors: given in the design, drawn from its tolerances, or none.",
+);
+
+pub const ERRORS_SEED: Quantity = quantity("errors.seed", PLAIN, "Seed of the machine drawn.");
+
+pub const METHOD: Quantity = quantity("method", PLAIN, "How the load is shared: equilibrium or closed-form.");

@@ -1,0 +1,50 @@
+//! Reference of all results, from their declarations.
+
+use super::Quantity;
+
+/// What an analysis gives, for the reference.
+#[derive(Debug, Clone)]
+pub struct Declared {
+    pub analysis: &'static str,
+    pub about: &'static str,
+    pub tables: Vec<DeclaredTable>,
+    pub summary: Vec<Quantity>,
+}
+
+/// A table and its columns.
+#[derive(Debug, Clone)]
+pub struct DeclaredTable {
+    pub name: &'static str,
+    pub what: &'static str,
+    pub columns: Vec<Quantity>,
+}
+
+impl<R> From<super::TableOf<R>> for DeclaredTable {
+    fn from(table: super::TableOf<R>) -> DeclaredTable {
+        DeclaredTable { name: table.name, what: table.what, columns: table.quantities() }
+    }
+}
+
+/// The reference in Markdown: one section per analysis, one table per file.
+pub fn markdown(all: &[Declared]) -> String {
+    let mut text = String::new();
+    for declared in all {
+        text.push_str(&format!("## `arcmin {}`\n\n{}.\n\n", declared.analysis, declared.about));
+        for table in &declared.tables {
+            text.push_str(&format!("### `{}.csv`\n\n{}.\n\n", table.name, table.what.trim_end_matches('.')));
+            rows(&mut text, "column", &table.columns);
+        }
+        text.push_str("### `summary.json`\n\n");
+        rows(&mut text, "key", &declared.summary);
+    }
+    text
+}
+
+fn rows(text: &mut String, head: &str, quantities: &[Quantity]) {
+    text.push_str(&format!("| {head} | unit | meaning |\n|---|---|---|\n"));
+    for quantity in quantities {
+        let what = quantity.what.replace('|', "\\|");
+        text.push_str(&format!("| `{}` | {} | {what} |\n", quantity.key, quantity.unit()));
+    }
+    text.push('\n');
+}
