@@ -3,8 +3,8 @@ use std::time::{Duration, Instant};
 
 use arcmin::contact::MeshContact;
 use arcmin::dynamics::{
-    BearingJoints, Checkpoint, DynamicsError, FlexibleJoints, IdealJoints, JointSettings, Reducer,
-    Run as Motion, RunPlan, StepControl, spread_over_starts,
+    BearingJoints, Checkpoint, DynamicsError, FlexibleJoints, IdealJoints, JointSettings,
+    Model as MovingModel, Run as Motion, RunPlan, StepControl, spread_over_starts,
 };
 use arcmin::fem::boundary::FlankArc;
 use arcmin::life::worn_settings;
@@ -275,7 +275,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
             };
             let model =
                 BearingJoints::new(&machine, &settings, drive, load, options.drag_nm).map_err(invalid)?;
-            execute(run, &options, &model, model.output_index(), plan, &case)
+            execute(run, &options, model.into(), plan, &case)
         }
         (Model::Rigid, Joints::Ideal) => {
             let mut model =
@@ -284,7 +284,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 model.set_pin_wear(&worn.pin);
             }
             facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
-            execute(run, &options, &model, IdealJoints::OUTPUT, plan, &case)
+            execute(run, &options, model.into(), plan, &case)
         }
         (Model::Flexible, Joints::Ideal) => {
             run.progress().report("reducing the discs", 0.0);
@@ -297,7 +297,7 @@ pub fn run(options: Options) -> Result<Verdict, Failure> {
                 model.set_pin_wear(&worn.pin);
             }
             facets.iter().for_each(|(contact, nodes)| model.set_facets(*contact, nodes));
-            execute(run, &options, &model, IdealJoints::OUTPUT, plan, &case)
+            execute(run, &options, model.into(), plan, &case)
         }
     }
 }
@@ -330,28 +330,24 @@ fn plan(options: &Options) -> RunPlan {
 }
 
 /// Runs a model to its end, or to Ctrl-C, and writes everything.
-fn execute<M: Reducer + Sync>(
+fn execute(
     mut run: Run,
     options: &Options,
-    model: &M,
-    output_index: usize,
+    model: MovingModel,
     plan: RunPlan,
     case: &Case,
 ) -> Result<Verdict, Failure> {
     let started = Instant::now();
+    let first = Motion::new(model, plan, run.progress()).map_err(setup)?;
     let saved = SavedRun {
         design_hash: run.design.hash(),
         settings: settings(options),
-        checkpoint: Motion::new(model, plan).map_err(setup)?.checkpoint(),
+        checkpoint: first.checkpoint(),
     };
     let path = run.path(CHECKPOINT);
-    let mut motion = if options.resume {
-        resume(model, &path, &saved)?
-    } else {
-        Motion::new(model, plan).map_err(setup)?
-    };
+    let mut motion = if options.resume { resume(first.model().clone(), &path, &saved)? } else { first };
     let mut last_save = Instant::now();
-    let save = |motion: &Motion<M>| {
+    let save = |motion: &Motion| {
         let saved = SavedRun { checkpoint: motion.checkpoint(), ..saved.clone() };
         let text = serde_json::to_vec(&saved).map_err(Failure::compute("write the checkpoint"))?;
         write_file(&path, &text)
@@ -366,18 +362,28 @@ fn execute<M: Reducer + Sync>(
             save(&motion)?;
             last_save = Instant::now();
         }
-        failed = motion.proceed(500).err();
+        failed = match motion.proceed(500, run.progress()) {
+            Err(DynamicsError::Cancelled { .. }) => continue,
+            outcome => outcome.err(),
+        };
         run.progress().report("simulating", motion.time() / plan.end);
     }
     let result = motion.result();
     let spread = if case.unloaded && failed.is_none() && options.starts > 0 {
         run.progress().report("perturbed starts", 0.0);
-        Some(spread_over_starts(model, plan, output_index, options.starts).map_err(setup)?)
+        Some(spread_over_starts(motion.model(), plan, options.starts, run.progress()).map_err(setup)?)
     } else {
         None
     };
-    let summary =
-        results::write(&mut run, case, model, &result, spread.as_ref(), failed.as_ref(), started.elapsed())?;
+    let summary = results::write(
+        &mut run,
+        case,
+        motion.model(),
+        &result,
+        spread.as_ref(),
+        failed.as_ref(),
+        started.elapsed(),
+    )?;
     run.finish(summary)?;
     // A finished run needs no checkpoint; one that cannot be removed does no harm.
     let _ = std::fs::remove_file(&path);
@@ -443,7 +449,7 @@ fn settings(options: &Options) -> String {
     )
 }
 
-fn resume<'m, M: Reducer>(model: &'m M, path: &Path, expected: &SavedRun) -> Result<Motion<'m, M>, Failure> {
+fn resume(model: MovingModel, path: &Path, expected: &SavedRun) -> Result<Motion, Failure> {
     let bytes = std::fs::read(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
     let saved: SavedRun = serde_json::from_slice(&bytes).map_err(Failure::compute("read the checkpoint"))?;
     if saved.design_hash != expected.design_hash || saved.settings != expected.settings {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use arcmin::dynamics::{DynamicsError, Reducer, RunResult, StartSpread};
+use arcmin::dynamics::{DynamicsError, Model, Reducer, RunResult, StartSpread};
 use arcmin::rig::name_orders;
 use arcmin::units::{ARCMIN, DEG, UM};
 use serde_json::{Value, json};
@@ -12,10 +12,10 @@ use crate::commands::rig::orders_summary;
 use crate::failure::Failure;
 use crate::run::{Run, Table};
 
-pub(super) fn write<M: Reducer>(
+pub(super) fn write(
     run: &mut Run,
     case: &Case,
-    model: &M,
+    model: &Model,
     result: &RunResult,
     spread: Option<&StartSpread>,
     failed: Option<&DynamicsError>,
