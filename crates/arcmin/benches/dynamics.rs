@@ -8,6 +8,7 @@ use arcmin::dynamics::{
 };
 use arcmin::fem::{FlexibleDiscs, FlexibleSettings};
 use arcmin::geometry::Relief;
+use arcmin::progress::Silent;
 use arcmin::units::{ARCMIN, RPM, UM};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -34,8 +35,9 @@ fn runs(criterion: &mut Criterion) {
         let model = model(law, load);
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
-                let mut run = Run::new(&model, RunPlan::default()).unwrap_or_else(|error| panic!("{error}"));
-                run.finish().unwrap_or_else(|error| panic!("{error}"));
+                let mut run = Run::new(model.clone(), RunPlan::default(), &Silent)
+                    .unwrap_or_else(|error| panic!("{error}"));
+                run.finish(&Silent).unwrap_or_else(|error| panic!("{error}"));
                 run.result().counts
             });
         });
@@ -79,8 +81,9 @@ fn elastic(criterion: &mut Criterion) {
     group.sample_size(10);
     group.bench_function("run_0.8_s", |bencher| {
         bencher.iter(|| {
-            let mut run = Run::new(&model, RunPlan::default()).unwrap_or_else(|error| panic!("{error}"));
-            run.finish().unwrap_or_else(|error| panic!("{error}"));
+            let mut run = Run::new(model.clone(), RunPlan::default(), &Silent)
+                .unwrap_or_else(|error| panic!("{error}"));
+            run.finish(&Silent).unwrap_or_else(|error| panic!("{error}"));
             run.result().counts
         });
     });

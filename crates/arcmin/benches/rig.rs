@@ -1,6 +1,7 @@
 //! Wall time of the model with bearings: one evaluation, the 0.8 s run, one hysteresis loop, one output turn.
 
 use arcmin::dynamics::{BearingJoints, Drive, JointSettings, OutputLoad, Run, RunPlan, System};
+use arcmin::progress::Silent;
 use arcmin::rig::{TransmissionSettings, hysteresis_loop, transmission_error_curves};
 use arcmin::units::RPM;
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -26,8 +27,9 @@ fn bearings(criterion: &mut Criterion) {
     });
     group.bench_function("run_0.8_s", |bencher| {
         bencher.iter(|| {
-            let mut run = Run::new(&model, RunPlan::default()).unwrap_or_else(|error| panic!("{error}"));
-            run.finish().unwrap_or_else(|error| panic!("{error}"));
+            let mut run = Run::new(model.clone(), RunPlan::default(), &Silent)
+                .unwrap_or_else(|error| panic!("{error}"));
+            run.finish(&Silent).unwrap_or_else(|error| panic!("{error}"));
             black_box(run.result().counts)
         })
     });

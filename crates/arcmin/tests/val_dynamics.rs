@@ -5,6 +5,7 @@ use arcmin::dynamics::*;
 use arcmin::geometry::Relief;
 use arcmin::load::ShareLoad;
 use arcmin::machine::{FixedMember, Machine};
+use arcmin::progress::Silent;
 use arcmin::units::{ARCMIN, RPM, UM};
 
 /// The reference machine with the linear contact of the published figures: 2.85e8 N/m per pin.
@@ -150,10 +151,14 @@ fn val_independent_bdf_solver_agrees() {
     let mut solver = problem.bdf::<NalgebraLU<f64>>().unwrap();
     let series = [1e-5, 1e-6].map(|tolerance| {
         let control = StepControl { tolerance, ..StepControl::default() };
-        let mut run =
-            Run::from_state(&model, RunPlan { end: 0.15, control, ..RunPlan::default() }, &rest, &[0.0, 0.0])
-                .unwrap();
-        run.finish().unwrap();
+        let mut run = Run::from_state(
+            model.clone(),
+            RunPlan { end: 0.15, control, ..RunPlan::default() },
+            &rest,
+            &[0.0, 0.0],
+        )
+        .unwrap();
+        run.finish(&Silent).unwrap();
         run.result().series
     });
     let mut worst = [0.0_f64; 2];
@@ -249,21 +254,19 @@ fn every_contact_law_runs_and_keeps_energy() {
 fn interrupted_run_continues_bit_by_bit() {
     let model = IdealJoints::new(&linear(), &Relief::uniform(10.0 * UM), speed_law(), SINE, 0.0).unwrap();
     let plan = RunPlan { end: 0.12, ..RunPlan::default() };
-    let mut whole = Run::new(&model, plan).unwrap();
-    whole.finish().unwrap();
-    let mut first = Run::new(&model, plan).unwrap();
-    first.proceed(777).unwrap();
-    let mut second = Run::resume(&model, first.checkpoint()).unwrap();
-    second.finish().unwrap();
+    let mut whole = Run::new(model.clone(), plan, &Silent).unwrap();
+    whole.finish(&Silent).unwrap();
+    let mut first = Run::new(model.clone(), plan, &Silent).unwrap();
+    first.proceed(777, &Silent).unwrap();
+    let mut second = Run::resume(model, first.checkpoint()).unwrap();
+    second.finish(&Silent).unwrap();
     assert_eq!(whole.result(), second.result());
     // Perturbed starts and studies do not depend on the number of threads.
     let study = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let settings = StudySettings { plan, perturbed_starts: 2, ..StudySettings::tao2024(&linear()) };
         let wear = [Relief::uniform(10.0 * UM), Relief::uniform(20.0 * UM)];
-        pool.install(|| {
-            transmission_error_study(&linear(), &wear, &settings, &arcmin::progress::Silent).unwrap()
-        })
+        pool.install(|| transmission_error_study(&linear(), &wear, &settings, &Silent).unwrap())
     };
     assert_eq!(study(1), study(3));
 }
@@ -279,8 +282,8 @@ fn a_run_that_fails_keeps_what_was_computed() {
         0.0,
     )
     .unwrap();
-    let mut run = Run::new(&model, RunPlan { end: 0.1, ..RunPlan::default() }).unwrap();
-    let error = run.finish().unwrap_err();
+    let mut run = Run::new(model, RunPlan { end: 0.1, ..RunPlan::default() }, &Silent).unwrap();
+    let error = run.finish(&Silent).unwrap_err();
     assert!(error.to_string().starts_with("the step at t = 0.05"), "{error}");
     assert!(error.to_string().contains("crank angle") && error.to_string().contains("residual"), "{error}");
     assert!(run.result().series.len() > 200);

@@ -1,7 +1,9 @@
-use super::{DynamicsError, TimeTable};
+use serde::{Deserialize, Serialize};
 
-/// What turns the input.
-#[derive(Debug, Clone, PartialEq)]
+use super::{DynamicsError, GivenMotion, GivenTorque, MotorInput, TimeTable};
+
+/// What turns the input: a law of time, or what is set from outside as the simulation goes on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Drive {
     /// θ̇_s = ω STEP(t, 0, 0, T, 1): the speed rises smoothly to ω (rad/s) within T (s) and never exceeds it.
     SpeedLaw { speed: f64, rise_time: f64 },
@@ -14,6 +16,10 @@ pub enum Drive {
     /// A motor with free sun whose torque is gain × (reference speed − θ̇_s); gain in N·m·s/rad, reference as
     /// in the speed law.
     Governed { speed: f64, rise_time: f64, gain: f64 },
+    /// Motion set from outside ([`Simulation::set_motor`](super::Simulation::set_motor)).
+    GivenMotion(GivenMotion),
+    /// A motor with free sun whose torque is set from outside.
+    GivenTorque(GivenTorque),
 }
 
 /// Prescribed motion of the input.
@@ -60,6 +66,8 @@ impl Drive {
                 )?;
             }
             Drive::SpeedTable(_) | Drive::TorqueTable(_) => {}
+            Drive::GivenMotion(motion) => motion.validate("input angle")?,
+            Drive::GivenTorque(torque) => torque.validate("motor torque")?,
         }
         if let Drive::Governed { gain, .. } = *self {
             check(gain > 0.0 && gain.is_finite(), "governor gain", gain, "N·m·s/rad", "must be positive")?;
@@ -69,7 +77,7 @@ impl Drive {
 
     /// Whether the sun's angle is a coordinate of the motion rather than prescribed.
     pub fn leaves_sun_free(&self) -> bool {
-        matches!(self, Drive::TorqueTable(_) | Drive::Governed { .. })
+        matches!(self, Drive::TorqueTable(_) | Drive::Governed { .. } | Drive::GivenTorque(_))
     }
 
     /// Prescribed angle and speed at `time` (s); zero for a free sun.
@@ -81,28 +89,36 @@ impl Drive {
                 InputMotion { angle: speed * time * value, speed: speed * (value + time / rise_time * slope) }
             }
             Drive::SpeedTable(table) => InputMotion { angle: table.integral(time), speed: table.value(time) },
-            Drive::TorqueTable(_) | Drive::Governed { .. } => InputMotion::default(),
+            Drive::GivenMotion(given) => {
+                let (angle, speed) = given.at(time);
+                InputMotion { angle, speed }
+            }
+            Drive::TorqueTable(_) | Drive::Governed { .. } | Drive::GivenTorque(_) => InputMotion::default(),
         }
+    }
+
+    /// What this law sets at the input over an interval that begins at `time` (s) and lasts `interval` (s),
+    /// for a simulation that is driven from outside: the angle of a prescribed input with the speed that
+    /// brings it to the right place, or the torque in the middle. `speed` (rad/s) is that of a free input.
+    pub fn input(&self, time: f64, interval: f64, speed: f64) -> MotorInput {
+        if self.leaves_sun_free() {
+            return MotorInput::Torque { torque: self.torque(time + 0.5 * interval, speed).0, rate: 0.0 };
+        }
+        let (from, to) = (self.motion(time), self.motion(time + interval));
+        let acceleration = (to.speed - from.speed) / interval;
+        let speed = (to.angle - from.angle) / interval - 0.5 * acceleration * interval;
+        MotorInput::Angle { angle: from.angle, speed, acceleration }
     }
 
     /// Motor torque in N·m on a free sun turning with `speed` (rad/s), and −∂(torque)/∂(speed).
     pub fn torque(&self, time: f64, speed: f64) -> (f64, f64) {
         match self {
             Drive::TorqueTable(table) => (table.value(time), 0.0),
+            Drive::GivenTorque(given) => (given.at(time), 0.0),
             Drive::Governed { speed: reference, rise_time, gain } => {
                 (gain * (speed_law(*reference, *rise_time, time).speed - speed), *gain)
             }
             _ => (0.0, 0.0),
-        }
-    }
-
-    /// Direction of motion, +1 or −1: where friction and drag point before anything moves.
-    pub fn direction(&self) -> f64 {
-        match self {
-            Drive::SpeedLaw { speed, .. } | Drive::AngleLaw { speed, .. } | Drive::Governed { speed, .. } => {
-                speed.signum()
-            }
-            Drive::SpeedTable(_) | Drive::TorqueTable(_) => 1.0,
         }
     }
 }

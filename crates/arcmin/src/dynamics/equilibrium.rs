@@ -66,6 +66,20 @@ pub fn solve_equilibrium<S: System>(
     start: &[f64],
     control: EquilibriumControl,
 ) -> Result<Equilibrium, DynamicsError> {
+    solve_equilibrium_unless(system, time, start, control, &|| false)
+}
+
+/// [`solve_equilibrium`] that asks before every iteration whether it is still wanted.
+///
+/// # Errors
+/// As there, and [`DynamicsError::Cancelled`].
+pub fn solve_equilibrium_unless<S: System>(
+    system: &S,
+    time: f64,
+    start: &[f64],
+    control: EquilibriumControl,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<Equilibrium, DynamicsError> {
     let n = system.size();
     let (mass, scale) = (system.mass(), system.scale());
     let rest = vec![0.0; n];
@@ -93,6 +107,9 @@ pub fn solve_equilibrium<S: System>(
     // Size of the forces that was halved last, and when.
     let mut halved = (f64::INFINITY, 0);
     for iteration in 0..control.largest_iteration_count {
+        if cancelled() {
+            return Err(DynamicsError::Cancelled { time });
+        }
         let size = work(&force);
         if !size.is_finite() {
             break;

@@ -26,6 +26,9 @@ pub enum DynamicsError {
     ElasticDisc(#[from] crate::fem::FemError),
     #[error("the simulation was stopped at t = {time:.6} s")]
     Cancelled { time: f64 },
+    /// An input from outside that this model does not take.
+    #[error("this input cannot be set: {reason}")]
+    WrongInput { reason: &'static str },
     /// A checkpoint that belongs to another model.
     #[error("the checkpoint does not fit this run: {reason}")]
     ForeignCheckpoint { reason: &'static str },

@@ -213,6 +213,10 @@ impl IdealJoints {
         for (index, member) in self.members.iter().enumerate() {
             (angle[*member], speed[*member]) = (position[index], velocity[index]);
         }
+        if let Some(motion) = self.load.motion() {
+            let output = self.members[IdealJoints::OUTPUT];
+            (angle[output], speed[output]) = motion.at(time);
+        }
         (angle, speed)
     }
 
@@ -365,6 +369,7 @@ impl System for IdealJoints {
                 lin.add_damping(i, j, total.damping[*row][*column]);
             }
         }
+        self.impose_output(time, self.mass[IdealJoints::OUTPUT], force, lin, &mut total.balance);
         total.balance
     }
 
@@ -378,11 +383,26 @@ impl System for IdealJoints {
 }
 
 impl IdealJoints {
+    /// Takes the output, of this moment of inertia, along a motion that is prescribed.
+    fn impose_output(
+        &self,
+        time: f64,
+        inertia: f64,
+        force: &mut [f64],
+        lin: &mut DenseLinearisation,
+        balance: &mut Balance,
+    ) {
+        if let Some(motion) = self.load.motion() {
+            motion.impose(time, IdealJoints::OUTPUT, inertia, force, lin, balance);
+        }
+    }
+
     /// Load, drag and drive: the last to be added, as the input torque balances everything on the sun.
     fn add_drive_and_load(&self, time: f64, speed: &[f64; 4], total: &mut Torques) {
         let output = self.members[IdealJoints::OUTPUT];
         let load = self.load.torque(time);
         total.torque[output] -= load;
+        total.balance.load_torque = load;
         total.balance.load_power = load * speed[output];
         let reach = 1.0 / speed[output].hypot(self.drag_speed);
         total.torque[output] -= self.drag * speed[output] * reach;
@@ -397,6 +417,7 @@ impl IdealJoints {
         } else {
             self.oil_drag * speed[SUN] - total.torque[SUN]
         };
+        total.balance.input_torque = input_torque;
         total.balance.input_power = input_torque * speed[SUN];
     }
 }
@@ -410,21 +431,39 @@ impl Reducer for IdealJoints {
         (motion.angle, motion.speed)
     }
 
-    fn output(&self, position: &[f64], velocity: &[f64]) -> (f64, f64) {
-        (position[IdealJoints::OUTPUT], velocity[IdealJoints::OUTPUT])
+    fn output_index(&self) -> usize {
+        IdealJoints::OUTPUT
     }
 
     fn ratio(&self) -> f64 {
         self.ratio
     }
 
-    fn load_torque(&self, time: f64) -> f64 {
-        self.load.torque(time)
+    fn drive(&self) -> Option<&Drive> {
+        Some(&self.drive)
     }
 
-    /// Everything at angle zero.
-    fn nominal_position(&self) -> Vec<f64> {
-        vec![0.0; self.members.len()]
+    fn set_drive(&mut self, drive: Drive) {
+        self.drive = drive;
+    }
+
+    fn output_load(&self) -> &OutputLoad {
+        &self.load
+    }
+
+    fn set_output_load(&mut self, load: OutputLoad) {
+        self.load = load;
+    }
+
+    fn nominal_position_at(&self, input: f64) -> Vec<f64> {
+        let mut angle = [0.0; 4];
+        if input != 0.0 {
+            let output = self.members[IdealJoints::OUTPUT];
+            angle[SUN] = input;
+            angle[output] = input / self.ratio;
+            angle[CRANK] = angle[HOUSING] - self.kinematics.lobe_count * (angle[CARRIER] - angle[HOUSING]);
+        }
+        self.members.iter().map(|member| angle[*member]).collect()
     }
 
     fn free_input(&self) -> Option<usize> {
@@ -437,11 +476,9 @@ impl Reducer for IdealJoints {
             ForceSummary { mesh_force: self.mesh_at(&angle, &speed).force, ..ForceSummary::default() };
         for disc in 0..self.rings.len() {
             let (pose, rate) = self.disc_state(disc, &angle, &speed);
+            let law = self.rings[disc].contact();
             self.rings[disc].visit(pose, rate, false, |contact| {
-                if contact.force > 0.0 {
-                    summary.loaded_pins += 1;
-                    summary.largest_pin_force = summary.largest_pin_force.max(contact.force);
-                }
+                summary.add_pin(contact.force, law.pressure(contact.force, 1.0 / contact.relative_curvature));
             });
         }
         summary

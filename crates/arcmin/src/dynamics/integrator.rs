@@ -2,88 +2,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{Balance, DynamicsError, Linearisation, System, Weights};
 
-/// How the integrator chooses its steps.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct StepControl {
-    /// Local error per step, in units of [`System::scale`].
-    pub tolerance: f64,
-    /// Constant step in s instead of error control. Steps still end at breakpoints.
-    pub fixed_step: Option<f64>,
-    /// s.
-    pub first_step: f64,
-    /// s.
-    pub largest_step: f64,
-    /// s; a step that would have to be shorter is an error.
-    pub smallest_step: f64,
-    /// s: an error of velocity counts as the error of position that it makes over this time (or over the
-    /// step, if longer).
-    pub velocity_time: f64,
-    /// ρ∞ of the generalised-α method in [0, 1]: amplitude left per step of motion much faster than the step.
-    /// 1 is the trapezoidal rule.
-    pub spectral_radius: f64,
-}
+mod control;
 
-impl Default for StepControl {
-    fn default() -> Self {
-        StepControl {
-            tolerance: 5e-5,
-            fixed_step: None,
-            first_step: 1e-7,
-            largest_step: 1e-4,
-            smallest_step: 1e-13,
-            velocity_time: 1e-4,
-            spectral_radius: 0.9,
-        }
-    }
-}
-
-impl StepControl {
-    /// # Errors
-    /// [`DynamicsError::InvalidValue`] for steps and tolerances that are not positive or contradict each
-    /// other.
-    pub fn validate(&self) -> Result<(), DynamicsError> {
-        let check = DynamicsError::require;
-        check(
-            self.tolerance > 0.0 && self.tolerance < 1.0,
-            "tolerance",
-            self.tolerance,
-            "",
-            "must lie between 0 and 1",
-        )?;
-        check(self.smallest_step > 0.0, "smallest step", self.smallest_step, "s", "must be positive")?;
-        check(
-            self.largest_step > self.smallest_step && self.largest_step.is_finite(),
-            "largest step",
-            self.largest_step,
-            "s",
-            "must exceed the smallest",
-        )?;
-        check(
-            self.first_step >= self.smallest_step,
-            "first step",
-            self.first_step,
-            "s",
-            "must not be below the smallest",
-        )?;
-        check(
-            (0.0..=1.0).contains(&self.spectral_radius),
-            "spectral radius",
-            self.spectral_radius,
-            "",
-            "must lie between 0 and 1",
-        )?;
-        if let Some(step) = self.fixed_step {
-            check(
-                step > self.smallest_step && step.is_finite(),
-                "fixed step",
-                step,
-                "s",
-                "must be positive and above the smallest step",
-            )?;
-        }
-        Ok(())
-    }
-}
+pub use control::StepControl;
 
 /// State at one end of a step. Vectors have one entry per coordinate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -147,6 +68,32 @@ pub struct IntegratorState {
     pub counts: StepCounts,
 }
 
+impl IntegratorState {
+    fn check_size(&self, n: usize) -> Result<(), DynamicsError> {
+        let fits =
+            |node: &Node| [&node.position, &node.velocity, &node.acceleration].iter().all(|v| v.len() == n);
+        if fits(&self.current) && fits(&self.previous) && self.auxiliary.len() == n && self.jerk.len() == n {
+            return Ok(());
+        }
+        Err(DynamicsError::ForeignCheckpoint { reason: "its number of coordinates is another one" })
+    }
+
+    /// As `clone_from`, without new memory where lengths agree.
+    pub(super) fn copy_from(&mut self, other: &IntegratorState) {
+        for (own, node) in [(&mut self.current, &other.current), (&mut self.previous, &other.previous)] {
+            own.time = node.time;
+            own.position.clone_from(&node.position);
+            own.velocity.clone_from(&node.velocity);
+            own.acceleration.clone_from(&node.acceleration);
+            own.balance = node.balance;
+        }
+        self.auxiliary.clone_from(&other.auxiliary);
+        self.jerk.clone_from(&other.jerk);
+        (self.last_step, self.next_step) = (other.last_step, other.next_step);
+        (self.energy, self.counts) = (other.energy, other.counts);
+    }
+}
+
 /// Generalised-α coefficients (Chung & Hulbert 1993) for a given ρ∞, in the form of Arnold & Brüls 2007:
 /// (1−α_m) a_{n+1} + α_m a_n = (1−α_f) q̈_{n+1} + α_f q̈_n, with M q̈ = Q at the nodes and Newmark's formulas
 /// for q and q̇.
@@ -193,8 +140,9 @@ impl Coefficients {
 /// within a step was not foreseen by the extrapolation, so its step fails the test and is repeated shorter;
 /// the step is kept below the time in which an open contact can close ([`Balance::onset_rate`]), so that a
 /// bounce cannot begin and end within one step.
-pub struct Integrator<'s, S: System> {
-    system: &'s S,
+#[derive(Debug, Clone)]
+pub struct Integrator<S: System> {
+    system: S,
     control: StepControl,
     coefficients: Coefficients,
     state: IntegratorState,
@@ -218,13 +166,13 @@ enum Attempt {
     Failed(f64),
 }
 
-impl<'s, S: System> Integrator<'s, S> {
+impl<S: System> Integrator<S> {
     /// Starts at the given state.
     ///
     /// # Errors
     /// A step control without meaning, or a state with forces that are not finite.
     pub fn new(
-        system: &'s S,
+        system: S,
         control: StepControl,
         time: f64,
         position: &[f64],
@@ -262,29 +210,15 @@ impl<'s, S: System> Integrator<'s, S> {
     ///
     /// # Errors
     /// [`DynamicsError::ForeignCheckpoint`] if the number of coordinates differs.
-    pub fn resume(
-        system: &'s S,
-        control: StepControl,
-        state: IntegratorState,
-    ) -> Result<Self, DynamicsError> {
+    pub fn resume(system: S, control: StepControl, state: IntegratorState) -> Result<Self, DynamicsError> {
         control.validate()?;
         let n = system.size();
-        let fits =
-            |node: &Node| [&node.position, &node.velocity, &node.acceleration].iter().all(|v| v.len() == n);
-        if !fits(&state.current)
-            || !fits(&state.previous)
-            || state.auxiliary.len() != n
-            || state.jerk.len() != n
-        {
-            return Err(DynamicsError::ForeignCheckpoint {
-                reason: "its number of coordinates is another one",
-            });
-        }
+        state.check_size(n)?;
         Ok(Integrator {
+            lin: system.linearisation(),
             system,
             control,
             coefficients: Coefficients::new(control.spectral_radius),
-            lin: system.linearisation(),
             trial: state.current.clone(),
             force: vec![0.0; n],
             correction: vec![0.0; n],
@@ -317,8 +251,48 @@ impl<'s, S: System> Integrator<'s, S> {
         &self.state.previous
     }
 
-    /// Recomputes the accelerations at the current state, after a jump of force.
-    fn restart(&mut self) -> Result<(), DynamicsError> {
+    pub fn system(&self) -> &S {
+        &self.system
+    }
+
+    /// The system, to change what acts on it; [`Integrator::restart`] afterwards.
+    pub fn system_mut(&mut self) -> &mut S {
+        &mut self.system
+    }
+
+    pub fn control(&self) -> StepControl {
+        self.control
+    }
+
+    /// Goes back, or on, to a saved state of this system.
+    ///
+    /// # Errors
+    /// [`DynamicsError::ForeignCheckpoint`] if the number of coordinates differs.
+    pub fn set_state(&mut self, state: &IntegratorState) -> Result<(), DynamicsError> {
+        state.check_size(self.force.len())?;
+        self.state.copy_from(state);
+        Ok(())
+    }
+
+    /// Puts one coordinate elsewhere, for a motion that is given from outside and jumps.
+    pub(super) fn displace(&mut self, coordinate: usize, position: f64, velocity: f64) {
+        self.state.current.position[coordinate] = position;
+        self.state.current.velocity[coordinate] = velocity;
+    }
+
+    /// Books work (J) done at an instant, such as that of a given motion that jumps.
+    pub(super) fn book(&mut self, input: f64, load: f64) {
+        let energy = &mut self.state.energy;
+        energy.input += input;
+        energy.load += load;
+        energy.turnover += input.abs() + load.abs();
+    }
+
+    /// Recomputes balance, accelerations and energy at the current state, after a jump of force.
+    ///
+    /// # Errors
+    /// [`DynamicsError::StepFailed`] for forces that are not finite.
+    pub fn restart(&mut self) -> Result<(), DynamicsError> {
         let node = &mut self.state.current;
         node.balance =
             self.system.evaluate(node.time, &node.position, &node.velocity, &mut self.force, &mut self.lin);
@@ -336,6 +310,7 @@ impl<'s, S: System> Integrator<'s, S> {
         if self.control.fixed_step.is_none() {
             self.state.next_step = self.state.next_step.min(self.control.first_step);
         }
+        self.state.energy.current = self.total_energy();
         Ok(())
     }
 

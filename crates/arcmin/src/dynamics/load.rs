@@ -1,9 +1,12 @@
 use std::f64::consts::TAU;
 
-use super::{DynamicsError, TimeTable};
+use serde::{Deserialize, Serialize};
 
-/// External torque at the output in N·m; positive against positive (counter-clockwise) output motion.
-#[derive(Debug, Clone, PartialEq, Default)]
+use super::{DynamicsError, GivenMotion, GivenTorque, TimeTable};
+
+/// External torque at the output in N·m, positive against positive (counter-clockwise) output motion: a law
+/// of time, or what is set from outside as the simulation goes on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub enum OutputLoad {
     #[default]
     None,
@@ -21,6 +24,10 @@ pub enum OutputLoad {
     Stepped(Vec<(f64, f64)>),
     /// Phases (duration in s, torque) that repeat for ever, with jumps in between.
     DutyCycle(Vec<(f64, f64)>),
+    /// Torque set from outside ([`Simulation::set_load`](super::Simulation::set_load)).
+    GivenTorque(GivenTorque),
+    /// Motion of the output set from outside; the torque is a result.
+    GivenMotion(GivenMotion),
 }
 
 impl OutputLoad {
@@ -37,6 +44,8 @@ impl OutputLoad {
                 torque_check(*amplitude)?;
                 check(*period > 0.0 && period.is_finite(), "load period", *period, "s", "must be positive")
             }
+            OutputLoad::GivenTorque(given) => given.validate("load torque"),
+            OutputLoad::GivenMotion(motion) => motion.validate("output angle"),
             OutputLoad::Stepped(steps) => TimeTable::new("stepped load", steps).map(|_| ()),
             OutputLoad::DutyCycle(phases) => {
                 if phases.is_empty() {
@@ -57,10 +66,19 @@ impl OutputLoad {
         }
     }
 
-    /// Torque in N·m at `time` (s); at a jump, the value after it.
+    /// Motion of an output that is prescribed.
+    pub fn motion(&self) -> Option<&GivenMotion> {
+        match self {
+            OutputLoad::GivenMotion(motion) => Some(motion),
+            _ => None,
+        }
+    }
+
+    /// Torque in N·m at `time` (s); at a jump, the value after it. 0 for a prescribed motion.
     pub fn torque(&self, time: f64) -> f64 {
         match self {
-            OutputLoad::None => 0.0,
+            OutputLoad::None | OutputLoad::GivenMotion(_) => 0.0,
+            OutputLoad::GivenTorque(given) => given.at(time),
             OutputLoad::Constant { torque } => *torque,
             OutputLoad::Sine { amplitude, period } => amplitude * (TAU * time / period).sin(),
             OutputLoad::Table(table) => table.value(time),

@@ -1,40 +1,77 @@
 use serde::{Deserialize, Serialize};
 
-use super::{DynamicsError, EquilibriumControl, System, solve_equilibrium};
+use super::{Drive, DynamicsError, EquilibriumControl, OutputLoad, System, solve_equilibrium_unless};
+use crate::progress::Progress;
 
 /// A [`System`] that is a reducer: what a run needs to know beyond the equations of motion.
 pub trait Reducer: System {
     /// Angle (rad) and speed (rad/s) of the input: the sun, or the motor behind an elastic shaft.
     fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64);
 
+    /// Coordinate of the output angle.
+    fn output_index(&self) -> usize;
+
     /// Angle (rad) and speed (rad/s) of the output.
-    fn output(&self, position: &[f64], velocity: &[f64]) -> (f64, f64);
+    fn output(&self, position: &[f64], velocity: &[f64]) -> (f64, f64) {
+        (position[self.output_index()], velocity[self.output_index()])
+    }
 
     /// i = θ_s/θ_out.
     fn ratio(&self) -> f64;
 
-    /// External torque at the output in N·m.
-    fn load_torque(&self, time: f64) -> f64;
+    /// What turns the input; `None` where it is held.
+    fn drive(&self) -> Option<&Drive>;
+
+    /// Replaces the drive by another one that leaves the same coordinates free.
+    fn set_drive(&mut self, drive: Drive);
+
+    /// What acts on the output.
+    fn output_load(&self) -> &OutputLoad;
+
+    fn set_output_load(&mut self, load: OutputLoad);
+
+    /// External torque at the output in N·m; 0 where its motion is prescribed.
+    fn load_torque(&self, time: f64) -> f64 {
+        self.output_load().torque(time)
+    }
 
     /// Coordinate of an input that a torque drives.
     fn free_input(&self) -> Option<usize> {
         None
     }
 
+    /// Coordinates of the nominal machine at an angle of the input in rad.
+    fn nominal_position_at(&self, input: f64) -> Vec<f64>;
+
     /// Coordinates of the nominal pose at time 0, where the search for the first equilibrium starts.
-    fn nominal_position(&self) -> Vec<f64>;
+    fn nominal_position(&self) -> Vec<f64> {
+        let free = self.free_input().is_some();
+        let input = match (self.drive(), self.output_load().motion()) {
+            (_, Some(output)) if free => output.at(0.0).0 * self.ratio(),
+            (Some(drive), _) => drive.motion(0.0).angle,
+            _ => 0.0,
+        };
+        self.nominal_position_at(input)
+    }
 
     /// State of rest at time 0 from which a run starts: static equilibrium with the load. A free input is
     /// held until then: under load nothing else keeps it at rest.
     ///
     /// # Errors
-    /// [`DynamicsError::NoEquilibrium`].
-    fn rest_position(&self) -> Result<Vec<f64>, DynamicsError>
+    /// [`DynamicsError::NoEquilibrium`]; [`DynamicsError::Cancelled`] if `progress` says so.
+    fn rest_position(&self, progress: &dyn Progress) -> Result<Vec<f64>, DynamicsError>
     where
         Self: Sized,
     {
-        let control = EquilibriumControl { held: self.free_input(), ..EquilibriumControl::default() };
-        Ok(solve_equilibrium(self, 0.0, &self.nominal_position(), control)?.position)
+        let mut start = self.nominal_position();
+        let mut held = self.free_input();
+        if let Some(motion) = self.output_load().motion() {
+            start[self.output_index()] = motion.at(0.0).0;
+            held = Some(self.output_index());
+        }
+        let control = EquilibriumControl { held, ..EquilibriumControl::default() };
+        let cancelled = || progress.is_cancelled();
+        Ok(solve_equilibrium_unless(self, 0.0, &start, control, &cancelled)?.position)
     }
 
     /// Largest forces at one state.
@@ -53,6 +90,19 @@ pub struct ForceSummary {
     pub largest_pin_force: f64,
     /// Pins that carry force, over all discs.
     pub loaded_pins: usize,
+    /// Largest Hertz pressure between pin and flank, on any disc, in Pa.
+    pub largest_pin_pressure: f64,
     /// Force on the line of action, all sun–planet meshes together.
     pub mesh_force: f64,
+}
+
+impl ForceSummary {
+    /// Counts a pin with the force (N) and Hertz pressure (Pa) between it and the flank.
+    pub(super) fn add_pin(&mut self, force: f64, pressure: f64) {
+        if force > 0.0 {
+            self.loaded_pins += 1;
+            self.largest_pin_force = self.largest_pin_force.max(force);
+            self.largest_pin_pressure = self.largest_pin_pressure.max(pressure);
+        }
+    }
 }

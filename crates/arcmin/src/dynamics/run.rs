@@ -1,11 +1,10 @@
 use serde::{Deserialize, Serialize};
 
-use super::integrator::hermite;
+use super::simulation::{Instant, Simulation, SimulationState};
 use super::spectrum::{SpectrumLine, order_spectrum};
 use super::statistics::{ErrorIntegrals, ErrorStatistics};
-use super::{
-    DynamicsError, EnergyAccount, ForceSummary, Integrator, IntegratorState, Reducer, StepControl, StepCounts,
-};
+use super::{DynamicsError, EnergyAccount, ForceSummary, Model, Reducer, StepControl, StepCounts};
+use crate::progress::Progress;
 
 /// What to compute and what to write down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -99,18 +98,18 @@ struct Record {
     window_angles: Option<(f64, f64)>,
 }
 
-/// Everything needed to go on with a run: state of the integrator and what was written down.
+/// Everything needed to go on with a run: state of the simulation and what was written down.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     plan: RunPlan,
-    state: IntegratorState,
+    state: SimulationState,
     record: Record,
 }
 
 impl Checkpoint {
     /// Time reached, in s.
     pub fn time(&self) -> f64 {
-        self.state.current.time
+        self.state.time()
     }
 
     pub fn plan(&self) -> &RunPlan {
@@ -135,87 +134,94 @@ pub struct RunResult {
     pub reached: f64,
 }
 
-/// A run in progress.
-pub struct Run<'m, M: Reducer> {
-    model: &'m M,
+/// A simulation that runs by itself, with a record of it: time series, statistics, spectrum.
+#[derive(Debug, Clone)]
+pub struct Run {
     plan: RunPlan,
-    integrator: Integrator<'m, M>,
+    simulation: Simulation,
     record: Record,
-    position: Vec<f64>,
-    velocity: Vec<f64>,
+    /// State inside the last step, for samples.
+    instant: Instant,
 }
 
-impl<'m, M: Reducer> Run<'m, M> {
+impl Run {
     /// A run from rest in static equilibrium with the load at time 0.
     ///
     /// # Errors
-    /// Values without meaning in the plan, or no equilibrium.
-    pub fn new(model: &'m M, plan: RunPlan) -> Result<Self, DynamicsError> {
+    /// Values without meaning in the plan, no equilibrium, or [`DynamicsError::Cancelled`].
+    pub fn new(
+        model: impl Into<Model>,
+        plan: RunPlan,
+        progress: &dyn Progress,
+    ) -> Result<Run, DynamicsError> {
         plan.validate()?;
-        let rest = model.rest_position()?;
-        Run::from_state(model, plan, &rest, &vec![0.0; rest.len()])
+        Ok(Run::of(Simulation::from_rest(model, plan.control, progress)?, plan))
     }
 
-    /// A run from a given state at time 0.
+    /// A run from given coordinates (m, rad) and velocities at time 0.
     ///
     /// # Errors
     /// Values without meaning in the plan.
     pub fn from_state(
-        model: &'m M,
+        model: impl Into<Model>,
         plan: RunPlan,
         position: &[f64],
         velocity: &[f64],
-    ) -> Result<Self, DynamicsError> {
+    ) -> Result<Run, DynamicsError> {
         plan.validate()?;
-        let integrator = Integrator::new(model, plan.control, 0.0, position, velocity)?;
-        let n = position.len();
-        let mut run = Run {
-            model,
-            plan,
-            integrator,
-            record: Record::default(),
-            position: vec![0.0; n],
-            velocity: vec![0.0; n],
-        };
+        Ok(Run::of(Simulation::from_state(model, plan.control, position, velocity)?, plan))
+    }
+
+    fn of(simulation: Simulation, plan: RunPlan) -> Run {
+        let instant = Instant::of(simulation.integrator().current());
+        let mut run = Run { plan, simulation, record: Record::default(), instant };
         run.write_samples();
-        Ok(run)
+        run
     }
 
     /// Goes on from a checkpoint, bit by bit as if there had been no break.
     ///
     /// # Errors
     /// [`DynamicsError::ForeignCheckpoint`] if the checkpoint does not fit the model.
-    pub fn resume(model: &'m M, checkpoint: Checkpoint) -> Result<Self, DynamicsError> {
+    pub fn resume(model: impl Into<Model>, checkpoint: Checkpoint) -> Result<Run, DynamicsError> {
         let Checkpoint { plan, state, record } = checkpoint;
         plan.validate()?;
-        let integrator = Integrator::resume(model, plan.control, state)?;
-        let n = model.size();
-        Ok(Run { model, plan, integrator, record, position: vec![0.0; n], velocity: vec![0.0; n] })
+        let simulation = Simulation::resume(model, &state)?;
+        let instant = Instant::of(simulation.integrator().current());
+        Ok(Run { plan, simulation, record, instant })
     }
 
     pub fn checkpoint(&self) -> Checkpoint {
-        Checkpoint { plan: self.plan, state: self.integrator.state().clone(), record: self.record.clone() }
+        Checkpoint { plan: self.plan, state: self.simulation.save(), record: self.record.clone() }
+    }
+
+    pub fn model(&self) -> &Model {
+        self.simulation.model()
     }
 
     /// Time reached in s.
     pub fn time(&self) -> f64 {
-        self.integrator.time()
+        self.simulation.time()
     }
 
     pub fn is_finished(&self) -> bool {
         self.time() >= self.plan.end
     }
 
-    /// Takes up to `steps` steps.
+    /// Takes up to `steps` steps; `progress` is asked before every one whether to go on.
     ///
     /// # Errors
-    /// [`DynamicsError::StepFailed`]; what was computed so far stays available.
-    pub fn proceed(&mut self, steps: usize) -> Result<(), DynamicsError> {
+    /// [`DynamicsError::StepFailed`] or [`DynamicsError::Cancelled`]; what was computed so far stays
+    /// available, and one can go on from there.
+    pub fn proceed(&mut self, steps: usize, progress: &dyn Progress) -> Result<(), DynamicsError> {
         for _ in 0..steps {
             if self.is_finished() {
                 break;
             }
-            self.integrator.advance(self.plan.end)?;
+            if progress.is_cancelled() {
+                return Err(DynamicsError::Cancelled { time: self.time() });
+            }
+            self.simulation.step(self.plan.end)?;
             self.write_step();
         }
         Ok(())
@@ -225,68 +231,63 @@ impl<'m, M: Reducer> Run<'m, M> {
     ///
     /// # Errors
     /// As [`Run::proceed`].
-    pub fn finish(&mut self) -> Result<(), DynamicsError> {
+    pub fn finish(&mut self, progress: &dyn Progress) -> Result<(), DynamicsError> {
         while !self.is_finished() {
-            self.proceed(10_000)?;
+            self.proceed(10_000, progress)?;
         }
         Ok(())
     }
 
     /// State inside the last step.
     fn interpolate(&mut self, time: f64) {
-        let (old, new) = (self.integrator.previous(), self.integrator.current());
-        let h = new.time - old.time;
-        if h <= 0.0 {
-            self.position.copy_from_slice(&new.position);
-            self.velocity.copy_from_slice(&new.velocity);
-            return;
-        }
-        let x = (time - old.time) / h;
-        for i in 0..self.position.len() {
-            (self.position[i], self.velocity[i]) =
-                hermite(h, x, old.position[i], new.position[i], old.velocity[i], new.velocity[i]);
-        }
+        self.instant.time = time;
+        let integrator = self.simulation.integrator();
+        self.instant.set(integrator.previous(), integrator.current());
     }
 
     fn error_at(&mut self, time: f64) -> f64 {
         self.interpolate(time);
-        self.model.transmission_error(time, &self.position, &self.velocity)
+        let Instant { position, velocity, .. } = &self.instant;
+        self.model().transmission_error(time, position, velocity)
     }
 
     fn write_step(&mut self) {
-        let (start, end) = (self.integrator.previous().time, self.integrator.current().time);
+        let integrator = self.simulation.integrator();
+        let (start, end) = (integrator.previous().time, integrator.current().time);
         if end > self.plan.window_start && end > start {
             let from = start.max(self.plan.window_start);
             let values = [self.error_at(from), self.error_at(0.5 * (from + end)), self.error_at(end)];
             self.record.integrals.add(end - from, values);
             if self.record.window_angles.is_none() {
                 self.interpolate(from);
-                let input = self.model.input(from, &self.position, &self.velocity).0;
-                self.record.window_angles =
-                    Some((input, self.model.output(&self.position, &self.velocity).0));
+                let (model, Instant { position, velocity, .. }) = (self.model(), &self.instant);
+                let input = model.input(from, position, velocity).0;
+                self.record.window_angles = Some((input, model.output(position, velocity).0));
             }
         }
         self.write_samples();
     }
 
     fn write_samples(&mut self) {
-        let end = self.integrator.current().time;
+        let end = self.simulation.integrator().current().time;
         loop {
             let time = self.record.series.len() as f64 * self.plan.sample_interval;
             if time > end {
                 break;
             }
             self.interpolate(time);
-            let (input_angle, input_speed) = self.model.input(time, &self.position, &self.velocity);
-            let (output_angle, output_speed) = self.model.output(&self.position, &self.velocity);
-            self.record.series.push(Sample {
+            let (model, Instant { position, velocity, .. }) = (self.model(), &self.instant);
+            let (input_angle, input_speed) = model.input(time, position, velocity);
+            let (output_angle, output_speed) = model.output(position, velocity);
+            let sample = Sample {
                 time,
                 input_speed,
                 output_speed,
-                load: self.model.load_torque(time),
-                transmission_error: output_angle - input_angle / self.model.ratio(),
+                load: model.load_torque(time),
+                transmission_error: output_angle - input_angle / model.ratio(),
                 input_angle,
-            });
+            };
+            self.record.series.push(sample);
         }
         loop {
             let time = self.record.forces.len() as f64 * self.plan.force_interval;
@@ -294,26 +295,26 @@ impl<'m, M: Reducer> Run<'m, M> {
                 break;
             }
             self.interpolate(time);
-            self.record
-                .forces
-                .push(ForceSample { time, forces: self.model.forces(time, &self.position, &self.velocity) });
+            let Instant { position, velocity, .. } = &self.instant;
+            let forces = self.model().forces(time, position, velocity);
+            self.record.forces.push(ForceSample { time, forces });
         }
     }
 
     /// Results of what was computed so far.
     pub fn result(&self) -> RunResult {
-        let state = self.integrator.state();
+        let (model, state) = (self.model(), self.simulation.integrator().state());
         let window: Vec<(f64, f64)> = self
             .record
             .series
             .iter()
             .filter(|sample| sample.time >= self.plan.window_start)
-            .map(|sample| (sample.input_angle / self.model.ratio(), sample.transmission_error))
+            .map(|sample| (sample.input_angle / model.ratio(), sample.transmission_error))
             .collect();
         let current = &state.current;
         let mean_ratio = self.record.window_angles.map(|(input, output)| {
-            let input_now = self.model.input(current.time, &current.position, &current.velocity).0;
-            (input_now - input) / (self.model.output(&current.position, &current.velocity).0 - output)
+            let input_now = model.input(current.time, &current.position, &current.velocity).0;
+            (input_now - input) / (model.output(&current.position, &current.velocity).0 - output)
         });
         RunResult {
             series: self.record.series.clone(),

@@ -3,13 +3,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::{
-    Drive, DynamicsError, ErrorStatistics, FlexibleJoints, FlexibleOptions, IdealJoints, OutputLoad, Reducer,
-    Run, RunPlan, RunResult,
+    Drive, DynamicsError, ErrorStatistics, FlexibleJoints, FlexibleOptions, IdealJoints, Model, OutputLoad,
+    Reducer, Run, RunPlan, RunResult,
 };
 use crate::fem::FlexibleDiscs;
 use crate::geometry::Relief;
 use crate::machine::Machine;
-use crate::progress::Progress;
+use crate::progress::{Progress, Silent};
 use crate::units::ARCMIN;
 
 /// Static and dynamic transmission error of one model over a list of wear states.
@@ -90,8 +90,8 @@ pub fn simulate_rigid(
     plan: RunPlan,
 ) -> Result<RunResult, DynamicsError> {
     let model = IdealJoints::new(machine, wear, drive.clone(), load.clone(), drag)?;
-    let mut run = Run::new(&model, plan)?;
-    run.finish()?;
+    let mut run = Run::new(model, plan, &Silent)?;
+    run.finish(&Silent)?;
     Ok(run.result())
 }
 
@@ -99,12 +99,12 @@ pub fn simulate_rigid(
 /// is the same for any number of threads.
 ///
 /// # Errors
-/// As [`Run`].
-pub fn spread_over_starts<M: Reducer + Sync>(
-    model: &M,
+/// As [`Run`]; [`DynamicsError::Cancelled`] if `progress` says so.
+pub fn spread_over_starts(
+    model: &Model,
     plan: RunPlan,
-    output_index: usize,
     count: usize,
+    progress: &dyn Progress,
 ) -> Result<StartSpread, DynamicsError> {
     let runs = (0..count)
         .into_par_iter()
@@ -112,9 +112,9 @@ pub fn spread_over_starts<M: Reducer + Sync>(
             let mut start = model.nominal_position();
             // Irrational steps, so that no two starts mirror each other.
             let place = ((i as f64 + 1.0) * 0.618_033_988_749_894_9).fract() - 0.5;
-            start[output_index] += 0.1 * ARCMIN * place;
-            let mut run = Run::from_state(model, plan, &start, &vec![0.0; start.len()])?;
-            run.finish()?;
+            start[model.output_index()] += 0.1 * ARCMIN * place;
+            let mut run = Run::from_state(model.clone(), plan, &start, &vec![0.0; start.len()])?;
+            run.finish(progress)?;
             Ok(run.result().statistics)
         })
         .collect::<Result<Vec<_>, DynamicsError>>()?;
@@ -170,9 +170,8 @@ pub fn flexible_transmission_error_study(
     })
 }
 
-/// Two runs of a model of the ideal-joint kind, whose output is coordinate [`IdealJoints::OUTPUT`], at every
-/// wear state.
-fn study<M: Reducer + Sync>(
+/// Two runs of a model at every wear state.
+fn study<M: Into<Model>>(
     wear: &[Relief],
     settings: &StudySettings,
     progress: &dyn Progress,
@@ -184,20 +183,10 @@ fn study<M: Reducer + Sync>(
         .into_par_iter()
         .map(|(i, loaded)| {
             let model = model(&wear[i], if loaded { settings.load.clone() } else { OutputLoad::None })?;
-            let mut run = Run::new(&model, settings.plan)?;
-            while !run.is_finished() {
-                if progress.is_cancelled() {
-                    return Err(DynamicsError::Cancelled { time: run.time() });
-                }
-                run.proceed(1000)?;
-            }
+            let mut run = Run::new(model, settings.plan, progress)?;
+            run.finish(progress)?;
             let spread = if !loaded && settings.perturbed_starts > 0 {
-                Some(spread_over_starts(
-                    &model,
-                    settings.plan,
-                    IdealJoints::OUTPUT,
-                    settings.perturbed_starts,
-                )?)
+                Some(spread_over_starts(run.model(), settings.plan, settings.perturbed_starts, progress)?)
             } else {
                 None
             };

@@ -70,7 +70,7 @@ pub struct Weights {
 #[error("singular matrix")]
 pub struct Singular;
 
-/// Powers and stored energy at one state: what the energy balance needs.
+/// Powers, stored energy and torques at the flanges at one state: what the energy balance needs.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Balance {
     /// Power that the drive puts in, in W.
@@ -81,6 +81,10 @@ pub struct Balance {
     pub dissipation: f64,
     /// Elastic energy in J.
     pub stored: f64,
+    /// Torque that the drive puts in at the input, in N·m.
+    pub input_torque: f64,
+    /// Torque that the output passes on, in N·m; positive against positive motion.
+    pub load_torque: f64,
     /// 1/s: the largest rate at which an open contact is closing relative to its gap (plus a tolerable
     /// depth); the step stays below its inverse, so that no contact is entered deeper than tolerable in one
     /// go. 0 where nothing approaches.

@@ -1,7 +1,9 @@
+use serde::{Deserialize, Serialize};
+
 use super::DynamicsError;
 
 /// A quantity given at rising times, straight in between and constant beyond the ends.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeTable {
     times: Vec<f64>,
     values: Vec<f64>,

@@ -1,6 +1,6 @@
 use super::assembly::{Assembly, Sink};
 use super::{BearingJoints, Input};
-use crate::dynamics::{Balance, DenseLinearisation, ForceSummary, Reducer, System};
+use crate::dynamics::{Balance, DenseLinearisation, Drive, ForceSummary, OutputLoad, Reducer, System};
 
 impl BearingJoints {
     /// All coordinates and velocities, those held or prescribed included.
@@ -14,6 +14,10 @@ impl BearingJoints {
         if !self.layout.has_free_input() {
             let input = self.layout.input();
             (q[input], v[input]) = self.input_motion(time);
+        }
+        if let Some(motion) = self.load.motion() {
+            let output = self.layout.output();
+            (q[output], v[output]) = motion.at(time);
         }
         (q, v)
     }
@@ -56,6 +60,7 @@ impl BearingJoints {
         let output = self.layout.output();
         let load = self.load.torque(time);
         assembly.add_force(output, -load);
+        assembly.balance.load_torque = load;
         assembly.balance.load_power = load * v[output];
         if self.drag > 0.0 {
             let reach = 1.0 / v[output].hypot(self.drag_speed);
@@ -76,8 +81,13 @@ impl BearingJoints {
             }
             _ => -assembly.prescribed_torque,
         };
+        assembly.balance.input_torque = input_torque;
         assembly.balance.input_power = input_torque * v[input];
-        (assembly.balance, input_torque)
+        let mut balance = assembly.balance;
+        if let Some(motion) = self.load.motion() {
+            motion.impose(time, output, self.mass[output], force, linearisation, &mut balance);
+        }
+        (balance, input_torque)
     }
 }
 
@@ -125,24 +135,39 @@ impl Reducer for BearingJoints {
         self.input_motion(time)
     }
 
-    fn output(&self, position: &[f64], velocity: &[f64]) -> (f64, f64) {
-        (position[self.layout.output()], velocity[self.layout.output()])
+    fn output_index(&self) -> usize {
+        self.layout.output()
     }
 
     fn ratio(&self) -> f64 {
         self.kinematics.ratio()
     }
 
-    fn load_torque(&self, time: f64) -> f64 {
-        self.load.torque(time)
+    fn drive(&self) -> Option<&Drive> {
+        match &self.input {
+            Input::Driven(drive) => Some(drive),
+            Input::Held { .. } => None,
+        }
+    }
+
+    fn set_drive(&mut self, drive: Drive) {
+        self.input = Input::Driven(drive);
+    }
+
+    fn output_load(&self) -> &OutputLoad {
+        &self.load
+    }
+
+    fn set_output_load(&mut self, load: OutputLoad) {
+        self.load = load;
     }
 
     fn free_input(&self) -> Option<usize> {
         self.layout.has_free_input().then(|| self.layout.input())
     }
 
-    fn nominal_position(&self) -> Vec<f64> {
-        self.nominal_position_at(0.0)
+    fn nominal_position_at(&self, input: f64) -> Vec<f64> {
+        self.layout.nominal(&self.kinematics, &self.carrier_bores, input)
     }
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
@@ -152,9 +177,9 @@ impl Reducer for BearingJoints {
             summary.mesh_force += self.mesh_state(k, &q, &v).force;
         }
         for disc in 0..self.layout.discs {
-            self.visit_loaded(disc, &q, &v, |_, force, _| {
-                summary.loaded_pins += 1;
-                summary.largest_pin_force = summary.largest_pin_force.max(force);
+            let law = self.rings[disc].contact();
+            self.visit_loaded(disc, &q, &v, |contact, force, _| {
+                summary.add_pin(force, law.pressure(force, 1.0 / contact.relative_curvature));
             });
         }
         summary

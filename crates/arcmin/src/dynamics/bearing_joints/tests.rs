@@ -1,10 +1,11 @@
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
-    EquilibriumControl, IdealJoints, Linearisation, Reducer, Run, RunPlan, RunResult, StepControl, System,
-    solve_equilibrium,
+    EquilibriumControl, IdealJoints, Linearisation, Model, Reducer, Run, RunPlan, RunResult, StepControl,
+    System, solve_equilibrium,
 };
 use crate::machine::FixedMember;
+use crate::progress::Silent;
 use crate::units::ARCMIN;
 
 pub(super) fn machine() -> Machine {
@@ -179,12 +180,12 @@ fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
 }
 
 /// Series of a run with bearings, the error of the output in arcmin, and the energy residual.
-fn run<M: Reducer>(model: &M, end: f64, tolerance: f64) -> RunResult {
+fn run<M: Clone + Into<Model>>(model: &M, end: f64, tolerance: f64) -> RunResult {
     let control =
         StepControl { tolerance: tolerance * StepControl::default().tolerance, ..StepControl::default() };
     let plan = RunPlan { end, window_start: 0.5 * end, control, ..RunPlan::default() };
-    let mut run = Run::new(model, plan).unwrap();
-    run.finish().unwrap();
+    let mut run = Run::new(model.clone(), plan, &Silent).unwrap();
+    run.finish(&Silent).unwrap();
     run.result()
 }
 

@@ -18,6 +18,7 @@ use crate::machine::Machine;
 ///
 /// Coordinates: those of the rigid model, then p disc by disc. Not modelled: the modes' coupling to the
 /// motion of the disc *centre* (it deforms the disc by some nanometres).
+#[derive(Debug, Clone)]
 pub struct FlexibleJoints {
     rigid: IdealJoints,
     discs: ElasticDiscs,
@@ -244,6 +245,8 @@ impl System for FlexibleJoints {
                 lin.add_damping(i, j, total.damping[*row][*column]);
             }
         }
+        let inertia = self.mass[IdealJoints::OUTPUT];
+        self.rigid.impose_output(time, inertia, force, lin, &mut total.balance);
         total.balance
     }
 
@@ -262,24 +265,43 @@ impl Reducer for FlexibleJoints {
         self.rigid.input(time, &position[..members], &velocity[..members])
     }
 
-    fn output(&self, position: &[f64], velocity: &[f64]) -> (f64, f64) {
-        self.rigid.output(position, velocity)
+    fn output_index(&self) -> usize {
+        IdealJoints::OUTPUT
     }
 
     fn ratio(&self) -> f64 {
         self.rigid.ratio()
     }
 
-    fn load_torque(&self, time: f64) -> f64 {
-        self.rigid.load_torque(time)
+    fn drive(&self) -> Option<&Drive> {
+        self.rigid.drive()
+    }
+
+    fn set_drive(&mut self, drive: Drive) {
+        self.rigid.set_drive(drive);
+    }
+
+    fn output_load(&self) -> &OutputLoad {
+        self.rigid.output_load()
+    }
+
+    fn set_output_load(&mut self, load: OutputLoad) {
+        self.rigid.set_output_load(load);
     }
 
     fn free_input(&self) -> Option<usize> {
         self.rigid.free_input()
     }
 
-    fn nominal_position(&self) -> Vec<f64> {
-        vec![0.0; self.mass.len()]
+    /// Discs without deformation: p = c θ_c.
+    fn nominal_position_at(&self, input: f64) -> Vec<f64> {
+        let mut position = self.rigid.nominal_position_at(input);
+        let carrier = self.coordinate(CARRIER).map_or(0.0, |index| position[index]);
+        for disc in 0..self.discs.count() {
+            let shares = (0..self.discs.mode_count(disc)).map(|m| self.turning_share(disc, m) * carrier);
+            position.extend(shares.map(|p| if carrier == 0.0 { 0.0 } else { p }));
+        }
+        position
     }
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
@@ -293,16 +315,10 @@ impl Reducer for FlexibleJoints {
             let (modes, rates) = self.modal_state(disc, position, velocity, &angle, &speed);
             let (pose, velocity) = self.rigid.disc_state(disc, &angle, &speed);
             let motion = DiscMotion { pose, velocity, modes: &modes, rates: &rates };
-            for force in self
-                .discs
-                .contacts(disc, &self.rigid.rings[disc], motion)
-                .forces
-                .force
-                .iter()
-                .filter(|force| **force > 0.0)
-            {
-                summary.loaded_pins += 1;
-                summary.largest_pin_force = summary.largest_pin_force.max(*force);
+            let ring = &self.rigid.rings[disc];
+            let state = self.discs.contacts(disc, ring, motion);
+            for (force, coupled) in state.forces.force.iter().zip(&state.coupled) {
+                summary.add_pin(*force, ring.contact().pressure(*force, coupled.equivalent_radius));
             }
         }
         summary

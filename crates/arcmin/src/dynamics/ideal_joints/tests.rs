@@ -1,6 +1,7 @@
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{EquilibriumControl, solve_equilibrium};
+use crate::progress::Silent;
 use crate::units::{RPM, UM};
 
 fn drive() -> Drive {
@@ -200,8 +201,8 @@ fn meshed_flanks_give_the_smooth_transmission_error_in_the_limit() {
             model.set_facets(contact, &arc.nodes((arc.lobe_length() / size).round() as usize));
         }
         let plan = crate::dynamics::RunPlan { end: 0.06, window_start: 0.02, ..Default::default() };
-        let mut run = crate::dynamics::Run::new(&model, plan).unwrap();
-        run.finish().unwrap();
+        let mut run = crate::dynamics::Run::new(model, plan, &Silent).unwrap();
+        run.finish(&Silent).unwrap();
         run.result().statistics.unwrap().mean / ARCMIN
     };
     let smooth = mean(None);

@@ -3,6 +3,7 @@ use super::*;
 
 /// A ball of 1 kg between two walls, started with 1 m/s; wall stiffness in N/m, gravity in N, jump of the
 /// force at a given time.
+#[derive(Clone, Copy)]
 struct Ball {
     wall: f64,
     damping: f64,
@@ -60,7 +61,7 @@ impl System for Ball {
 }
 
 fn run(ball: &Ball, control: StepControl, position: f64, velocity: f64, end: f64) -> IntegratorState {
-    let mut integrator = Integrator::new(ball, control, 0.0, &[position], &[velocity]).unwrap();
+    let mut integrator = Integrator::new(*ball, control, 0.0, &[position], &[velocity]).unwrap();
     while integrator.time() < end {
         integrator.advance(end).unwrap();
     }
@@ -120,15 +121,15 @@ fn a_jump_of_force_is_met_exactly() {
 fn resumed_run_is_bit_identical() {
     let ball = Ball { pull: 0.3, ..FREE };
     let control = StepControl::default();
-    let mut whole = Integrator::new(&ball, control, 0.0, &[0.0], &[1.0]).unwrap();
+    let mut whole = Integrator::new(ball, control, 0.0, &[0.0], &[1.0]).unwrap();
     for _ in 0..700 {
         whole.advance(10.0).unwrap();
     }
-    let mut first = Integrator::new(&ball, control, 0.0, &[0.0], &[1.0]).unwrap();
+    let mut first = Integrator::new(ball, control, 0.0, &[0.0], &[1.0]).unwrap();
     for _ in 0..300 {
         first.advance(10.0).unwrap();
     }
-    let mut second = Integrator::resume(&ball, control, first.into_state()).unwrap();
+    let mut second = Integrator::resume(ball, control, first.into_state()).unwrap();
     for _ in 0..400 {
         second.advance(10.0).unwrap();
     }
@@ -138,7 +139,7 @@ fn resumed_run_is_bit_identical() {
 #[test]
 fn forces_without_a_number_stop_the_run_and_keep_the_state() {
     let ball = Ball { jump: Some((0.5, f64::NAN)), ..FREE };
-    let mut integrator = Integrator::new(&ball, StepControl::default(), 0.0, &[0.0], &[1.0]).unwrap();
+    let mut integrator = Integrator::new(ball, StepControl::default(), 0.0, &[0.0], &[1.0]).unwrap();
     let error = loop {
         if let Err(error) = integrator.advance(1.0) {
             break error;
@@ -147,7 +148,7 @@ fn forces_without_a_number_stop_the_run_and_keep_the_state() {
     assert!(matches!(error, DynamicsError::StepFailed { time, .. } if (time - 0.5).abs() < 1e-9), "{error}");
     assert!((integrator.current().position[0] - 0.5).abs() < 1e-9);
     let negative = StepControl { largest_step: -1.0, ..StepControl::default() };
-    assert!(Integrator::new(&ball, negative, 0.0, &[0.0], &[1.0]).is_err());
+    assert!(Integrator::new(ball, negative, 0.0, &[0.0], &[1.0]).is_err());
 }
 
 #[test]

@@ -10,6 +10,7 @@ use crate::fem::tests::{discs, reduced};
 use crate::fem::{FemError, FlexibleDiscs};
 use crate::geometry::Relief;
 use crate::machine::Machine;
+use crate::progress::Silent;
 use crate::units::ARCMIN;
 
 fn elastic(machine: &Machine) -> Option<ElasticDiscs> {
@@ -45,8 +46,9 @@ fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
     // What differs between two models must not be the local error of their runs.
     let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
     let mut run =
-        Run::new(&model, RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() }).unwrap();
-    run.finish().unwrap();
+        Run::new(model, RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() }, &Silent)
+            .unwrap();
+    run.finish(&Silent).unwrap();
     run.result()
 }
 

@@ -1,8 +1,9 @@
 use super::*;
 use crate::contact::ContactLaw;
-use crate::dynamics::{Run, RunPlan, RunResult, StepControl};
+use crate::dynamics::{Model, Run, RunPlan, RunResult, StepControl};
 use crate::fem::{FemError, FlexibleSettings, ReducedDisc};
 use crate::machine::CrankAngle;
+use crate::progress::Silent;
 use crate::units::ARCMIN;
 use std::sync::OnceLock;
 
@@ -29,13 +30,13 @@ fn speed_law() -> Drive {
     Drive::SpeedLaw { speed: machine().rated.input_speed, rise_time: 0.02 }
 }
 
-fn run<M: Reducer>(model: &M) -> RunResult {
+fn run<M: Clone + Into<Model>>(model: &M) -> RunResult {
     // A tenth of the default tolerance: what differs between two models must not be the local error of their
     // runs.
     let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
     let plan = RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() };
-    let mut run = Run::new(model, plan).unwrap();
-    run.finish().unwrap();
+    let mut run = Run::new(model.clone(), plan, &Silent).unwrap();
+    run.finish(&Silent).unwrap();
     run.result()
 }
 

@@ -1,0 +1,104 @@
+use serde::{Deserialize, Serialize};
+
+use super::{Balance, DenseLinearisation, DynamicsError, Linearisation};
+
+/// A torque set from outside at an instant: torque + rate × (t − since).
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct GivenTorque {
+    /// s.
+    pub since: f64,
+    /// N·m.
+    pub torque: f64,
+    /// N·m/s.
+    pub rate: f64,
+}
+
+impl GivenTorque {
+    /// Constant from time 0 on.
+    pub fn constant(torque: f64) -> GivenTorque {
+        GivenTorque { torque, ..GivenTorque::default() }
+    }
+
+    /// N·m.
+    pub fn at(&self, time: f64) -> f64 {
+        self.torque + self.rate * (time - self.since)
+    }
+
+    pub(super) fn validate(&self, name: &'static str) -> Result<(), DynamicsError> {
+        let finite = self.since.is_finite() && self.torque.is_finite() && self.rate.is_finite();
+        DynamicsError::require(finite, name, self.torque, "N·m", "must be finite, and so must its rate")
+    }
+}
+
+/// A motion set from outside at an instant: angle + speed × x + acceleration × x²/2 with x = t − since.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct GivenMotion {
+    /// s.
+    pub since: f64,
+    /// rad.
+    pub angle: f64,
+    /// rad/s.
+    pub speed: f64,
+    /// rad/s².
+    pub acceleration: f64,
+}
+
+impl GivenMotion {
+    /// Angle in rad and speed in rad/s.
+    pub fn at(&self, time: f64) -> (f64, f64) {
+        let x = time - self.since;
+        (self.angle + x * (self.speed + 0.5 * self.acceleration * x), self.speed + self.acceleration * x)
+    }
+
+    pub(super) fn validate(&self, name: &'static str) -> Result<(), DynamicsError> {
+        let finite = [self.since, self.angle, self.speed, self.acceleration].iter().all(|x| x.is_finite());
+        DynamicsError::require(finite, name, self.angle, "rad", "must be finite, and so must its rates")
+    }
+
+    /// The same place, at rest.
+    pub(super) fn stopped(&self) -> GivenMotion {
+        GivenMotion { speed: 0.0, acceleration: 0.0, ..*self }
+    }
+
+    /// Takes an output of moment of inertia `inertia` (kg·m²) along this motion: nothing else moves it, and
+    /// what the machine does to it beyond its own acceleration goes to the outside.
+    pub(super) fn impose(
+        &self,
+        time: f64,
+        coordinate: usize,
+        inertia: f64,
+        force: &mut [f64],
+        linearisation: &mut DenseLinearisation,
+        balance: &mut Balance,
+    ) {
+        let own = inertia * self.acceleration;
+        balance.load_torque = force[coordinate] - own;
+        balance.load_power = balance.load_torque * self.at(time).1;
+        force[coordinate] = own;
+        linearisation.hold(coordinate);
+    }
+}
+
+/// What is set at the input from outside, from the present time on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum MotorInput {
+    /// The input goes on from where it is at this speed (rad/s) and acceleration (rad/s²).
+    Speed { speed: f64, acceleration: f64 },
+    /// The input stands at this angle (rad) and goes on from there. An angle that differs from the present
+    /// one is a jump: the contacts take it at once.
+    Angle { angle: f64, speed: f64, acceleration: f64 },
+    /// A motor torque (N·m) and its rate (N·m/s), on the inertia of motor and sun.
+    Torque { torque: f64, rate: f64 },
+}
+
+/// What is set at the output from outside, from the present time on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum LoadInput {
+    /// A torque (N·m), positive against positive motion, and its rate (N·m/s).
+    Torque { torque: f64, rate: f64 },
+    /// The output goes on from where it is at this speed (rad/s) and acceleration (rad/s²); the torque it
+    /// passes on is a result.
+    Speed { speed: f64, acceleration: f64 },
+    /// The output stands at this angle (rad) and goes on from there.
+    Angle { angle: f64, speed: f64, acceleration: f64 },
+}

@@ -1,0 +1,132 @@
+use super::{
+    Balance, BearingJoints, DenseLinearisation, Drive, FlexibleJoints, ForceSummary, IdealJoints, OutputLoad,
+    Reducer, System,
+};
+
+/// Any of the models of the reducer, owned: what a [`Simulation`](super::Simulation) moves.
+#[derive(Debug, Clone)]
+pub enum Model {
+    /// Rigid discs in ideal joints.
+    Ideal(Box<IdealJoints>),
+    /// Elastic discs in ideal joints.
+    Flexible(Box<FlexibleJoints>),
+    /// Rigid or elastic discs in bearings.
+    Bearings(Box<BearingJoints>),
+}
+
+impl From<IdealJoints> for Model {
+    fn from(model: IdealJoints) -> Model {
+        Model::Ideal(Box::new(model))
+    }
+}
+
+impl From<FlexibleJoints> for Model {
+    fn from(model: FlexibleJoints) -> Model {
+        Model::Flexible(Box::new(model))
+    }
+}
+
+impl From<BearingJoints> for Model {
+    fn from(model: BearingJoints) -> Model {
+        Model::Bearings(Box::new(model))
+    }
+}
+
+/// Hands a call to whichever model it is.
+macro_rules! each {
+    ($model:expr, $inner:ident => $call:expr) => {
+        match $model {
+            Model::Ideal($inner) => $call,
+            Model::Flexible($inner) => $call,
+            Model::Bearings($inner) => $call,
+        }
+    };
+}
+
+impl Model {
+    /// Which model it is, for saved states.
+    pub(super) fn kind(&self) -> u8 {
+        match self {
+            Model::Ideal(_) => 0,
+            Model::Flexible(_) => 1,
+            Model::Bearings(_) => 2,
+        }
+    }
+}
+
+impl System for Model {
+    type Linearisation = DenseLinearisation;
+
+    fn linearisation(&self) -> DenseLinearisation {
+        each!(self, model => model.linearisation())
+    }
+
+    fn mass(&self) -> &[f64] {
+        each!(self, model => model.mass())
+    }
+
+    fn scale(&self) -> &[f64] {
+        each!(self, model => model.scale())
+    }
+
+    fn evaluate(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+        force: &mut [f64],
+        linearisation: &mut DenseLinearisation,
+    ) -> Balance {
+        each!(self, model => model.evaluate(time, position, velocity, force, linearisation))
+    }
+
+    fn next_breakpoint(&self, time: f64) -> Option<f64> {
+        each!(self, model => model.next_breakpoint(time))
+    }
+
+    fn crank_angle(&self, position: &[f64]) -> f64 {
+        each!(self, model => model.crank_angle(position))
+    }
+}
+
+impl Reducer for Model {
+    fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64) {
+        each!(self, model => model.input(time, position, velocity))
+    }
+
+    fn output_index(&self) -> usize {
+        each!(self, model => Reducer::output_index(model.as_ref()))
+    }
+
+    fn ratio(&self) -> f64 {
+        each!(self, model => model.ratio())
+    }
+
+    fn drive(&self) -> Option<&Drive> {
+        each!(self, model => model.drive())
+    }
+
+    fn set_drive(&mut self, drive: Drive) {
+        each!(self, model => model.set_drive(drive));
+    }
+
+    fn output_load(&self) -> &OutputLoad {
+        each!(self, model => model.output_load())
+    }
+
+    fn set_output_load(&mut self, load: OutputLoad) {
+        each!(self, model => model.set_output_load(load));
+    }
+
+    fn free_input(&self) -> Option<usize> {
+        each!(self, model => model.free_input())
+    }
+
+    fn nominal_position_at(&self, input: f64) -> Vec<f64> {
+        each!(self, model => Reducer::nominal_position_at(model.as_ref(), input))
+    }
+
+    fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
+        each!(self, model => model.forces(time, position, velocity))
+    }
+}

@@ -1,0 +1,496 @@
+use serde::{Deserialize, Serialize};
+
+use super::integrator::hermite;
+use super::{
+    Balance, Drive, DynamicsError, EnergyAccount, ForceSummary, GivenMotion, GivenTorque, Integrator,
+    IntegratorState, LoadInput, Model, MotorInput, Node, OutputLoad, Reducer, StepControl, StepCounts,
+    System,
+};
+use crate::progress::Progress;
+
+/// A machine in motion that owns its model and is driven from outside.
+///
+/// Inputs are values: motor angle, speed or torque ([`Simulation::set_motor`]), torque or motion of the
+/// output ([`Simulation::set_load`]). They hold from the present time on until they are set anew; laws of
+/// time ([`Drive`], [`OutputLoad`]) that the model was built with go on by themselves.
+/// [`Simulation::advance_to`] takes its own adaptive steps. The last of them may end beyond the time asked
+/// for; results there come from the cubic through both ends, and an input that changes takes the machine
+/// back to the state before that step. So results do not depend on how often they are asked for, to the bit.
+///
+/// ```
+/// use arcmin::dynamics::*;
+/// use arcmin::progress::Silent;
+/// # fn main() -> Result<(), DynamicsError> {
+/// let machine = arcmin::templates::rv_40e_81();
+/// let drive = Drive::GivenMotion(GivenMotion::default());
+/// let load = OutputLoad::GivenTorque(GivenTorque::constant(100.0));
+/// let wear = arcmin::geometry::Relief::uniform(10e-6);
+/// let model = IdealJoints::new(&machine, &wear, drive, load, 5.0)?;
+/// let mut simulation = Simulation::from_rest(model, StepControl::default(), &Silent)?;
+/// simulation.set_motor(MotorInput::Speed { speed: 0.0, acceleration: 1500.0 })?;
+/// simulation.advance_to(0.01, &Silent)?;
+/// simulation.set_load(LoadInput::Torque { torque: 412.0, rate: 0.0 })?;
+/// simulation.advance_to(0.02, &Silent)?;
+/// assert!((simulation.outputs()?.input_speed - 30.0).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    integrator: Integrator<Model>,
+    /// Time asked for; the integrator may stand beyond it, by less than its last step.
+    time: f64,
+    /// State before that step.
+    before: Option<IntegratorState>,
+}
+
+/// What the machine does at one instant. Angles and torques count positive against the clock.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Outputs {
+    /// s.
+    pub time: f64,
+    /// Angle of the input in rad: the sun, or the motor behind an elastic shaft.
+    pub input_angle: f64,
+    /// rad/s.
+    pub input_speed: f64,
+    /// rad.
+    pub output_angle: f64,
+    /// rad/s.
+    pub output_speed: f64,
+    /// θ_out − θ_in/i in rad; negative where the output lags behind a positive motion.
+    pub transmission_error: f64,
+    /// θ_in − i θ_out in rad: the twist between the flanges as the motor sees it, play and elastic parts
+    /// together.
+    pub wind_up: f64,
+    /// Torque that the motor puts in at the input flange, N·m.
+    pub input_torque: f64,
+    /// Torque that the output flange passes on, N·m; positive against positive motion. Where the motion of
+    /// the output is set from outside, this is what it takes, its own inertia included.
+    pub output_torque: f64,
+    /// Pins, pressures and meshes.
+    pub forces: ForceSummary,
+    /// Powers in W and elastic energy in J.
+    pub balance: Balance,
+    /// Kinetic energy in J.
+    pub kinetic_energy: f64,
+    /// What went in, out and was lost since the start, in J.
+    pub energy: EnergyAccount,
+}
+
+/// A simulation put aside: with the same model it goes on from here to the bit as if it had never stopped.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SimulationState {
+    /// Which model, its number of coordinates, and its mass coordinate by coordinate.
+    kind: u8,
+    mass: Vec<f64>,
+    control: StepControl,
+    time: f64,
+    drive: Option<Drive>,
+    load: OutputLoad,
+    state: IntegratorState,
+    before: Option<IntegratorState>,
+}
+
+impl SimulationState {
+    /// Time reached in s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// As bytes; every number keeps all its bits.
+    ///
+    /// # Errors
+    /// [`DynamicsError::ForeignCheckpoint`] if memory for them cannot be had.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, DynamicsError> {
+        postcard::to_allocvec(self)
+            .map_err(|_| DynamicsError::ForeignCheckpoint { reason: "it cannot be written" })
+    }
+
+    /// # Errors
+    /// [`DynamicsError::ForeignCheckpoint`] for bytes that are not a saved state.
+    pub fn from_bytes(bytes: &[u8]) -> Result<SimulationState, DynamicsError> {
+        postcard::from_bytes(bytes)
+            .map_err(|_| DynamicsError::ForeignCheckpoint { reason: "these bytes are not a saved state" })
+    }
+}
+
+/// Largest |transmission error| in rad at which a start with both flanks prescribed makes sense: beyond it
+/// the pins would stand in other lobes.
+const LARGEST_START_ERROR: f64 = 0.02;
+
+impl Simulation {
+    /// Starts at time 0 from rest, in static equilibrium with the load. Motions given from outside count as
+    /// standing still until then.
+    ///
+    /// # Errors
+    /// Values without meaning in the control, no equilibrium, or [`DynamicsError::Cancelled`].
+    pub fn from_rest(
+        model: impl Into<Model>,
+        control: StepControl,
+        progress: &dyn Progress,
+    ) -> Result<Simulation, DynamicsError> {
+        let mut model: Model = model.into();
+        control.validate()?;
+        let (drive, load) = (model.drive().cloned(), model.output_load().clone());
+        if let Some(Drive::GivenMotion(motion)) = &drive {
+            model.set_drive(Drive::GivenMotion(motion.stopped()));
+        }
+        if let Some(motion) = load.motion() {
+            model.set_output_load(OutputLoad::GivenMotion(motion.stopped()));
+            if let (None, Some(Drive::GivenMotion(input))) = (model.free_input(), &drive) {
+                let error = motion.at(0.0).0 - input.at(0.0).0 / model.ratio();
+                DynamicsError::require(
+                    error.abs() < LARGEST_START_ERROR,
+                    "difference between output angle and input angle over the ratio",
+                    error,
+                    "rad",
+                    "must be small: the teeth are in mesh",
+                )?;
+            }
+        }
+        let rest = model.rest_position(progress)?;
+        drive.into_iter().for_each(|drive| model.set_drive(drive));
+        model.set_output_load(load);
+        let mut velocity = vec![0.0; rest.len()];
+        if let Some(motion) = model.output_load().motion() {
+            velocity[model.output_index()] = motion.at(0.0).1;
+        }
+        Simulation::from_state(model, control, &rest, &velocity)
+    }
+
+    /// Starts at time 0 from given coordinates (m, rad) and velocities.
+    ///
+    /// # Errors
+    /// Values without meaning in the control, or a state with forces that are not finite.
+    pub fn from_state(
+        model: impl Into<Model>,
+        control: StepControl,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Result<Simulation, DynamicsError> {
+        let integrator = Integrator::new(model.into(), control, 0.0, position, velocity)?;
+        Ok(Simulation { integrator, time: 0.0, before: None })
+    }
+
+    /// Time reached in s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    pub fn model(&self) -> &Model {
+        self.integrator.system()
+    }
+
+    /// Work done by the time integration.
+    pub fn counts(&self) -> StepCounts {
+        self.integrator.state().counts
+    }
+
+    pub(super) fn integrator(&self) -> &Integrator<Model> {
+        &self.integrator
+    }
+
+    /// Moves on to `time` (s). `progress` is asked before every step whether to go on.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for a time in the past, [`DynamicsError::StepFailed`], or
+    /// [`DynamicsError::Cancelled`]; the state stays that of the last accepted step, from which one can go
+    /// on.
+    pub fn advance_to(&mut self, time: f64, progress: &dyn Progress) -> Result<(), DynamicsError> {
+        DynamicsError::require(
+            time >= self.time && time.is_finite(),
+            "time to reach",
+            time,
+            "s",
+            "must not lie in the past",
+        )?;
+        while self.integrator.time() < time {
+            if progress.is_cancelled() {
+                self.time = self.time.max(self.integrator.time());
+                return Err(DynamicsError::Cancelled { time: self.time });
+            }
+            match &mut self.before {
+                Some(before) => before.copy_from(self.integrator.state()),
+                None => self.before = Some(self.integrator.state().clone()),
+            }
+            if let Err(error) = self.integrator.advance(f64::INFINITY) {
+                self.time = self.time.max(self.integrator.time());
+                return Err(error);
+            }
+        }
+        self.time = time;
+        Ok(())
+    }
+
+    /// Takes one step of the integrator that ends at `until` (s) or before.
+    pub(super) fn step(&mut self, until: f64) -> Result<(), DynamicsError> {
+        self.integrator.advance(until)?;
+        self.time = self.integrator.time();
+        self.before = None;
+        Ok(())
+    }
+
+    /// Sets the motor from the present time on.
+    ///
+    /// # Errors
+    /// [`DynamicsError::WrongInput`] for a motion where the model has a free input, or a torque where it has
+    /// none; [`DynamicsError::InvalidValue`] for numbers that are not finite.
+    pub fn set_motor(&mut self, input: MotorInput) -> Result<(), DynamicsError> {
+        let since = self.time;
+        let Some(old) = self.model().drive() else {
+            return Err(DynamicsError::WrongInput { reason: "the input of this model is held" });
+        };
+        let free = old.leaves_sun_free();
+        let motion = |angle: f64, speed: f64, acceleration: f64| match old {
+            // The same motion goes on as if nothing had been set.
+            Drive::GivenMotion(old) if continues(old, since, angle, speed, acceleration) => {
+                Drive::GivenMotion(*old)
+            }
+            _ => Drive::GivenMotion(GivenMotion { since, angle, speed, acceleration }),
+        };
+        let new = match input {
+            MotorInput::Torque { torque, rate } if free => match old {
+                Drive::GivenTorque(old) if goes_on(old, since, torque, rate) => Drive::GivenTorque(*old),
+                _ => Drive::GivenTorque(GivenTorque { since, torque, rate }),
+            },
+            MotorInput::Angle { angle, speed, acceleration } if !free => motion(angle, speed, acceleration),
+            MotorInput::Speed { speed, acceleration } if !free => {
+                motion(old.motion(since).angle, speed, acceleration)
+            }
+            MotorInput::Torque { .. } => {
+                return Err(DynamicsError::WrongInput {
+                    reason: "the motor moves as prescribed; build the model with Drive::GivenTorque",
+                });
+            }
+            _ => {
+                return Err(DynamicsError::WrongInput {
+                    reason: "a torque drives the motor; build the model with Drive::GivenMotion",
+                });
+            }
+        };
+        new.validate()?;
+        if new == *old {
+            return Ok(());
+        }
+        self.return_to_present()?;
+        let before = self.integrator.state().energy.current;
+        self.integrator.system_mut().set_drive(new);
+        self.integrator.restart()?;
+        let work = self.integrator.state().energy.current - before;
+        self.integrator.book(work, 0.0);
+        Ok(())
+    }
+
+    /// Sets what acts on the output from the present time on.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for numbers that are not finite.
+    pub fn set_load(&mut self, input: LoadInput) -> Result<(), DynamicsError> {
+        let since = self.time;
+        let old = self.model().output_load();
+        let motion = |angle: f64, speed: f64, acceleration: f64| match old {
+            OutputLoad::GivenMotion(old) if continues(old, since, angle, speed, acceleration) => {
+                OutputLoad::GivenMotion(*old)
+            }
+            _ => OutputLoad::GivenMotion(GivenMotion { since, angle, speed, acceleration }),
+        };
+        let new = match input {
+            LoadInput::Torque { torque, rate } => match old {
+                OutputLoad::GivenTorque(old) if goes_on(old, since, torque, rate) => {
+                    OutputLoad::GivenTorque(*old)
+                }
+                _ => OutputLoad::GivenTorque(GivenTorque { since, torque, rate }),
+            },
+            LoadInput::Angle { angle, speed, acceleration } => motion(angle, speed, acceleration),
+            LoadInput::Speed { speed, acceleration } => {
+                let angle =
+                    old.motion().map_or_else(|| self.node().output(self.model()).0, |m| m.at(since).0);
+                motion(angle, speed, acceleration)
+            }
+        };
+        new.validate()?;
+        if new == *old {
+            return Ok(());
+        }
+        self.return_to_present()?;
+        let before = self.integrator.state().energy.current;
+        let output = self.model().output_index();
+        if let Some((angle, speed)) = new.motion().map(|motion| motion.at(since)) {
+            self.integrator.displace(output, angle, speed);
+        }
+        self.integrator.system_mut().set_output_load(new);
+        self.integrator.restart()?;
+        let work = self.integrator.state().energy.current - before;
+        self.integrator.book(0.0, -work);
+        Ok(())
+    }
+
+    /// Takes the integrator back to the present time where its last step went beyond.
+    fn return_to_present(&mut self) -> Result<(), DynamicsError> {
+        if let Some(before) = self.before.take()
+            && self.integrator.time() > self.time
+        {
+            self.integrator.set_state(&before)?;
+            while self.integrator.time() < self.time {
+                self.integrator.advance(self.time)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// State at the present time, inside the last step.
+    fn node(&self) -> Instant {
+        let (old, new) = (self.integrator.previous(), self.integrator.current());
+        let mut instant = Instant::of(new);
+        if self.time != new.time {
+            instant.time = self.time;
+            instant.set(old, new);
+        }
+        instant
+    }
+
+    /// What the machine does at the present time.
+    ///
+    /// # Errors
+    /// [`DynamicsError::StepFailed`] for forces that are not finite.
+    pub fn outputs(&self) -> Result<Outputs, DynamicsError> {
+        let model = self.model();
+        let Instant { time, position, velocity } = self.node();
+        let mut force = vec![0.0; position.len()];
+        let balance = model.evaluate(time, &position, &velocity, &mut force, &mut model.linearisation());
+        let (input_angle, input_speed) = model.input(time, &position, &velocity);
+        let (output_angle, output_speed) = model.output(&position, &velocity);
+        let kinetic_energy = velocity.iter().zip(model.mass()).map(|(v, m)| 0.5 * m * v * v).sum::<f64>();
+        let mut energy = self.integrator.state().energy;
+        if let Some(before) = self.before.as_ref().filter(|_| self.integrator.time() > time) {
+            energy = before.energy;
+            let (old, new) = (&before.current, self.integrator.current());
+            let (h, x) = (new.time - old.time, time - old.time);
+            // As the integrator: powers are straight lines within a step.
+            let part = |f: fn(&Balance) -> f64| {
+                x * (f(&old.balance) + 0.5 * (x / h) * (f(&new.balance) - f(&old.balance)))
+            };
+            energy.input += part(|balance| balance.input_power);
+            energy.load += part(|balance| balance.load_power);
+            energy.dissipated += part(|balance| balance.dissipation);
+            energy.turnover +=
+                part(|balance| balance.input_power.abs() + balance.load_power.abs() + balance.dissipation);
+            energy.current = kinetic_energy + balance.stored;
+        }
+        Ok(Outputs {
+            time,
+            input_angle,
+            input_speed,
+            output_angle,
+            output_speed,
+            transmission_error: output_angle - input_angle / model.ratio(),
+            wind_up: input_angle - model.ratio() * output_angle,
+            input_torque: balance.input_torque,
+            output_torque: balance.load_torque,
+            forces: model.forces(time, &position, &velocity),
+            balance,
+            kinetic_energy,
+            energy,
+        })
+    }
+
+    /// Everything that the further course depends on, but for the model itself.
+    pub fn save(&self) -> SimulationState {
+        SimulationState {
+            kind: self.model().kind(),
+            mass: self.model().mass().to_vec(),
+            control: self.integrator.control(),
+            time: self.time,
+            drive: self.model().drive().cloned(),
+            load: self.model().output_load().clone(),
+            state: self.integrator.state().clone(),
+            before: self.before.clone(),
+        }
+    }
+
+    /// Goes back, or on, to a saved state of the same model, its inputs and laws included.
+    ///
+    /// # Errors
+    /// [`DynamicsError::ForeignCheckpoint`] if it belongs to another model.
+    pub fn restore(&mut self, saved: &SimulationState) -> Result<(), DynamicsError> {
+        let foreign = |reason: &'static str| Err(DynamicsError::ForeignCheckpoint { reason });
+        let model = self.model();
+        if saved.kind != model.kind() {
+            return foreign("its joints or discs are of another kind");
+        }
+        if saved.mass != model.mass() {
+            return foreign("its bodies have other masses");
+        }
+        let free = |drive: Option<&Drive>| drive.map(Drive::leaves_sun_free);
+        if free(saved.drive.as_ref()) != free(model.drive()) {
+            return foreign("its input is driven in another way");
+        }
+        saved.drive.as_ref().map_or(Ok(()), Drive::validate)?;
+        saved.load.validate()?;
+        let mut model = model.clone();
+        saved.drive.iter().for_each(|drive| model.set_drive(drive.clone()));
+        model.set_output_load(saved.load.clone());
+        self.integrator = Integrator::resume(model, saved.control, saved.state.clone())?;
+        self.time = saved.time;
+        self.before.clone_from(&saved.before);
+        Ok(())
+    }
+
+    /// A simulation of `model` from a saved state.
+    ///
+    /// # Errors
+    /// As [`Simulation::restore`].
+    pub fn resume(model: impl Into<Model>, saved: &SimulationState) -> Result<Simulation, DynamicsError> {
+        let integrator = Integrator::resume(model.into(), saved.control, saved.state.clone())?;
+        let mut simulation = Simulation { integrator, time: saved.time, before: None };
+        simulation.restore(saved)?;
+        Ok(simulation)
+    }
+}
+
+/// Whether a torque set now is what the old one gives from now on.
+fn goes_on(old: &GivenTorque, now: f64, torque: f64, rate: f64) -> bool {
+    old.at(now) == torque && old.rate == rate
+}
+
+/// The same of a motion.
+fn continues(old: &GivenMotion, now: f64, angle: f64, speed: f64, acceleration: f64) -> bool {
+    old.at(now) == (angle, speed) && old.acceleration == acceleration
+}
+
+/// Coordinates and velocities at one time.
+#[derive(Debug, Clone)]
+pub(super) struct Instant {
+    pub time: f64,
+    pub position: Vec<f64>,
+    pub velocity: Vec<f64>,
+}
+
+impl Instant {
+    /// The state at an end of a step.
+    pub fn of(node: &Node) -> Instant {
+        Instant { time: node.time, position: node.position.clone(), velocity: node.velocity.clone() }
+    }
+
+    /// Fills in the state at its time between the two ends of a step, by Hermite's cubic.
+    pub fn set(&mut self, old: &Node, new: &Node) {
+        let h = new.time - old.time;
+        if h <= 0.0 {
+            self.position.copy_from_slice(&new.position);
+            self.velocity.copy_from_slice(&new.velocity);
+            return;
+        }
+        let x = (self.time - old.time) / h;
+        for i in 0..self.position.len() {
+            (self.position[i], self.velocity[i]) =
+                hermite(h, x, old.position[i], new.position[i], old.velocity[i], new.velocity[i]);
+        }
+    }
+
+    fn output(&self, model: &Model) -> (f64, f64) {
+        model.output(&self.position, &self.velocity)
+    }
+}
+
+#[cfg(test)]
+mod tests;
