@@ -8,29 +8,32 @@
 mod consistency;
 mod deviations;
 mod error;
-mod field;
+pub(crate) mod field;
 mod hint;
 mod manufacturing;
 mod reference;
 mod resolve;
-mod schema;
+pub(crate) mod schema;
 mod sections;
 mod service;
 mod solids;
 #[cfg(test)]
 mod tests;
+pub(crate) mod tree;
+mod values;
 
 pub use deviations::MeasuredFlank;
-pub use error::{DesignError, DesignErrorKind};
-pub use field::Section;
+pub use error::{DesignError, DesignErrorKind, TextPlace};
 pub use manufacturing::*;
 pub use reference::markdown as reference_of_keys;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub use sections::*;
 pub use service::*;
+pub use values::Section;
 
-use error::Source;
-use field::{SectionValue, Table};
+pub(crate) use error::Source;
+
+use field::SectionValue;
 use schema::{default_word, optional, section, word};
 use sha2::{Digest, Sha256};
 
@@ -102,22 +105,13 @@ impl Design {
     /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not
     /// finite or outside of what is believable, values that contradict each other.
     pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
-        let source = Source { text, file_name };
-        let parsed = toml::de::DeTable::parse(text).map_err(|error| {
-            let span = error.span().unwrap_or(0..0);
-            source.error(DesignErrorKind::Syntax { message: error.message().replace('\n', ", ") }, span, None)
-        })?;
-        let table = Table {
-            source,
-            table: parsed.get_ref(),
-            span: 0..0,
-            path: String::new(),
-            root: &DesignSections::SCHEMA,
-        };
-        let sections = DesignSections::from_table(&table)?;
-        consistency::check(&sections, &source)?;
-        let machine = resolve::machine(&sections, &source)?;
-        let errors = deviations::errors(&sections, &source)?;
+        let source = Source { text, file_name, title: "the design file" };
+        let tree = field::parse(&source)?;
+        let sections: DesignSections = field::read(&tree, &source)?;
+        let located = |error| field::with_path(error, &tree);
+        consistency::check(&sections, &source).map_err(located)?;
+        let machine = resolve::machine(&sections, &source).map_err(located)?;
+        let errors = deviations::errors(&sections, &source).map_err(located)?;
         Ok(Design { sections, machine, errors, text: text.to_owned() })
     }
 

@@ -59,10 +59,13 @@ fn value(key: &Key) -> String {
     match (key.kind)() {
         Kind::Number => range,
         Kind::Count => format!("whole, {range}"),
+        Kind::Flag => "true or false".to_owned(),
         Kind::Text => "text".to_owned(),
         Kind::Choice(_) => "one of those listed".to_owned(),
         Kind::Material(_) => "material".to_owned(),
         Kind::Pairs => "pairs [°, µm]".to_owned(),
+        Kind::Numbers => format!("list, {range}"),
+        Kind::Texts => "list of texts".to_owned(),
         Kind::Section(_) | Kind::Sections(_) => "section".to_owned(),
     }
 }
@@ -72,6 +75,10 @@ fn default(key: &Key) -> String {
         Presence::Required => "required".to_owned(),
         Presence::Optional => "may be left out".to_owned(),
         Presence::Number(number) => plain(number),
+        Presence::Flag(flag) => flag.to_string(),
+        Presence::Numbers(numbers) => {
+            numbers.iter().map(|number| plain(*number)).collect::<Vec<_>>().join(", ")
+        }
         Presence::Word("") => "none".to_owned(),
         Presence::Word(word) => format!("`\"{word}\"`"),
     }
