@@ -28,11 +28,32 @@ pub const TEMPLATES: [Template; 2] = [
     },
 ];
 
+/// A shipped design by its name.
+///
+/// # Errors
+/// A name that is none of [`TEMPLATES`].
+pub fn design(name: &str) -> Result<Design, UnknownTemplate> {
+    let template = TEMPLATES.iter().find(|template| template.name == name);
+    let template = template.ok_or_else(|| UnknownTemplate { name: name.to_owned() })?;
+    Ok(read(template))
+}
+
+/// No design is shipped under this name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("no template is called \"{name}\"; there are {}", TEMPLATES.map(|template| template.name).join(", "))]
+pub struct UnknownTemplate {
+    pub name: String,
+}
+
 /// The RV-40E-81 of Tao2024, with the assumptions that the paper leaves open.
 pub fn rv_40e_81() -> Machine {
+    read(&TEMPLATES[0]).machine()
+}
+
+fn read(template: &Template) -> Design {
     // The text is part of the program and a test reads it, so a failure here is a fault of the build.
-    match Design::parse(TEMPLATES[0].text, "rv-40e-81.toml") {
-        Ok(design) => design.machine(),
+    match Design::parse(template.text, &format!("{}.toml", template.name)) {
+        Ok(design) => design,
         Err(error) => unreachable!("shipped design: {error}"),
     }
 }

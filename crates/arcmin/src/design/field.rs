@@ -27,6 +27,9 @@ pub(crate) struct Table<'a> {
 
 /// A type that a key of a file can have.
 pub(crate) trait FieldValue: Sized {
+    /// Whether nothing at all stands for the key where it is left out.
+    const MAY_BE_ABSENT: bool = false;
+
     fn kind() -> Kind;
 
     fn read(key: &Key, item: &Item, table: &Table<'_>) -> Result<Self>;

@@ -8,7 +8,7 @@ pub(super) fn for_unknown_key(
     key: &str,
     written: &str,
     schema: &SectionSchema,
-    root: &'static SectionSchema,
+    root: &SectionSchema,
     title: &str,
 ) -> (DesignErrorKind, String) {
     let named = || key.to_owned();

@@ -7,10 +7,14 @@
 
 mod consistency;
 mod deviations;
+mod edit;
+#[cfg(test)]
+mod edit_tests;
 mod error;
 pub(crate) mod field;
 mod hint;
 mod manufacturing;
+mod path;
 mod reference;
 mod resolve;
 pub(crate) mod schema;
@@ -19,23 +23,30 @@ mod service;
 mod solids;
 #[cfg(test)]
 mod tests;
+mod text;
 pub(crate) mod tree;
+mod value;
 mod values;
 
 pub use deviations::MeasuredFlank;
+pub use edit::KeyEntry;
 pub use error::{DesignError, DesignErrorKind, TextPlace};
 pub use manufacturing::*;
 pub use reference::markdown as reference_of_keys;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub use sections::*;
 pub use service::*;
+pub use value::Value;
 pub use values::Section;
 
 pub(crate) use error::Source;
 
+use edit::Change;
 use field::SectionValue;
 use schema::{default_word, optional, section, word};
 use sha2::{Digest, Sha256};
+use std::sync::{Arc, OnceLock};
+use tree::Branch;
 
 use crate::machine::{FixedMember, Machine, ManufacturingErrors, Tolerances};
 
@@ -81,13 +92,36 @@ section! {
     }
 }
 
+/// What the reader calls a design file.
+const TITLE: &str = "the design file";
+
 /// A design as written: trade units, every value with its place in the file, free of contradictions.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Design {
     sections: DesignSections,
     machine: Machine,
     errors: Option<ManufacturingErrors>,
+    tree: Branch,
+    base: Arc<Base>,
+    /// What differs from the base.
+    changes: Vec<Change>,
+    /// The changed text, made when it is asked for.
+    text: OnceLock<String>,
+}
+
+/// What a design was read from.
+#[derive(Debug)]
+struct Base {
     text: String,
+    file_name: String,
+    tree: Branch,
+}
+
+/// Designs are equal whose files are.
+impl PartialEq for Design {
+    fn eq(&self, other: &Design) -> bool {
+        self.text() == other.text()
+    }
 }
 
 impl std::ops::Deref for Design {
@@ -105,19 +139,51 @@ impl Design {
     /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not
     /// finite or outside of what is believable, values that contradict each other.
     pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
-        let source = Source { text, file_name, title: "the design file" };
-        let tree = field::parse(&source)?;
-        let sections: DesignSections = field::read(&tree, &source)?;
-        let located = |error| field::with_path(error, &tree);
-        consistency::check(&sections, &source).map_err(located)?;
-        let machine = resolve::machine(&sections, &source).map_err(located)?;
-        let errors = deviations::errors(&sections, &source).map_err(located)?;
-        Ok(Design { sections, machine, errors, text: text.to_owned() })
+        let tree = field::parse(&Source { text, file_name, title: TITLE })?;
+        let base = Base { text: text.to_owned(), file_name: file_name.to_owned(), tree: tree.clone() };
+        Design::from_tree(Arc::new(base), tree, Vec::new()).map_err(|(error, _)| error)
     }
 
-    /// The text it was read from.
+    /// Reads and judges a tree; an error hands the changes back.
+    fn from_tree(
+        base: Arc<Base>,
+        tree: Branch,
+        changes: Vec<Change>,
+    ) -> Result<Design, (Box<DesignError>, Vec<Change>)> {
+        let source = Source { text: &base.text, file_name: &base.file_name, title: TITLE };
+        let read = || {
+            let sections: DesignSections = field::read(&tree, &source)?;
+            let located = |error| field::with_path(error, &tree);
+            consistency::check(&sections, &source).map_err(located)?;
+            let machine = resolve::machine(&sections, &source).map_err(located)?;
+            let errors = deviations::errors(&sections, &source).map_err(located)?;
+            Ok((sections, machine, errors))
+        };
+        match read() {
+            Ok((sections, machine, errors)) => {
+                Ok(Design { sections, machine, errors, tree, base, changes, text: OnceLock::new() })
+            }
+            Err(error) => Err((error, changes)),
+        }
+    }
+
+    /// The text of the design file: the one it was read from, with every change since made in it; comments
+    /// and layout stay.
     pub fn text(&self) -> &str {
-        &self.text
+        if self.changes.is_empty() {
+            return &self.base.text;
+        }
+        self.text.get_or_init(|| text::edited(&self.base.text, &self.changes))
+    }
+
+    /// [`Design::text`] to keep.
+    pub fn to_toml(&self) -> String {
+        self.text().to_owned()
+    }
+
+    /// Name of the file as given to [`Design::parse`].
+    pub fn file_name(&self) -> &str {
+        &self.base.file_name
     }
 
     /// The design in SI units.

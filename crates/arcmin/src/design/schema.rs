@@ -82,6 +82,8 @@ pub struct Key {
     pub doc: &'static str,
     pub rule: Rule,
     pub kind: fn() -> Kind,
+    /// Whether nothing at all stands for the key where it is left out.
+    pub may_be_absent: bool,
 }
 
 /// What kind of value a key takes.
@@ -182,6 +184,7 @@ macro_rules! section {
                     doc: concat!($($field_doc, "\n"),*),
                     rule: $rule,
                     kind: <$Type as $crate::design::field::FieldValue>::kind,
+                    may_be_absent: <$Type as $crate::design::field::FieldValue>::MAY_BE_ABSENT,
                 },)*],
             };
         }

@@ -113,6 +113,8 @@ impl FieldValue for String {
 }
 
 impl<T: FieldValue> FieldValue for Option<T> {
+    const MAY_BE_ABSENT: bool = true;
+
     fn kind() -> Kind {
         T::kind()
     }
