@@ -46,7 +46,7 @@ impl Design {
     ///
     /// ```
     /// use arcmin::design::Value;
-    /// let design = arcmin::templates::design("rv-40e-81")?;
+    /// let design = arcmin::templates::design("rv-40e-81").unwrap();
     /// assert_eq!(design.get("crankshafts.eccentricity_mm")?, Value::Number(1.3));
     /// assert_eq!(design.get("duty[0].share")?, Value::Number(1.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -72,7 +72,7 @@ impl Design {
     /// out. Comments and layout of the text are kept ([`Design::text`]).
     ///
     /// ```
-    /// let design = arcmin::templates::design("rv-40e-81")?;
+    /// let design = arcmin::templates::design("rv-40e-81").unwrap();
     /// let wider = design.with("disc.width_mm", 9.5)?;
     /// assert_eq!(wider.get("disc.width_mm")?, 9.5.into());
     /// assert!(wider.text().contains("width_mm = 9.5 "));
@@ -168,14 +168,14 @@ fn default(key: &Key) -> Value {
         (Presence::Flag(flag), _) => Value::Flag(flag),
         (Presence::Numbers(numbers), _) => Value::Numbers(numbers.to_vec()),
         (Presence::Optional, Kind::Pairs) => Value::Pairs(Vec::new()),
-        (Presence::Optional, Kind::Texts) => Value::Texts(Vec::new()),
+        (Presence::Optional, Kind::Texts | Kind::Files) => Value::Texts(Vec::new()),
         (Presence::Optional | Presence::Required, _) => Value::LeftOut,
     }
 }
 
 /// The value at the end of the steps; `there` tells whether the section is, written or by default. The error
 /// is the number of rows of a list that has fewer than asked for.
-fn look_up(
+pub(super) fn look_up(
     schema: &SectionSchema,
     branch: Option<&Branch>,
     steps: &[Step],
@@ -224,7 +224,7 @@ fn list(schema: &SectionSchema, branch: Option<&Branch>, there: bool, prefix: &s
                     }
                 }
             }
-            (Kind::Sections(_), _) => {}
+            (Kind::Sections(_) | Kind::Variations(_), _) => {}
             _ => {
                 let value = match node {
                     Some(node) => Value::of(node, kind),

@@ -283,3 +283,171 @@ mod properties {
         }
     }
 }
+
+#[test]
+fn unknowns_are_read_with_their_nominal_values() {
+    use super::variation::Distribution;
+    for template in templates::TEMPLATES {
+        let design = templates::design(template.name).unwrap();
+        let unknowns = design.unknowns();
+        assert!(unknowns.len() > 20);
+        for unknown in &unknowns {
+            assert_eq!(design.get(&unknown.path).unwrap().as_number(), Some(unknown.nominal));
+            // Either end of each is a design of its own.
+            for end in unknown.distribution.bounds() {
+                let free = design.with("unknowns", Value::LeftOut).unwrap();
+                free.with(&unknown.path, end).unwrap_or_else(|error| panic!("{}: {error}", unknown.path));
+            }
+        }
+    }
+    let unknowns = design().unknowns();
+    let of = |path: &str| unknowns.iter().find(|unknown| unknown.path == path).unwrap();
+    let clearance = of("bearings.turning_arm.clearance_um");
+    assert_eq!((clearance.unit, clearance.nominal), ("µm", 5.0));
+    assert_eq!(clearance.distribution, Distribution::Uniform { low: 2.0, high: 12.0 });
+    let [low, high] = of("wear.coupled.coefficient_mm2_per_n").distribution.bounds();
+    assert!((low / 2.8e-13 - 1.0).abs() < 1e-12 && (high / 2.52e-12 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn wrong_unknowns_are_answered_with_line_and_remedy() {
+    let base = design();
+    let start = base.text().find("[unknowns]").unwrap();
+    let line = base.text()[..start].lines().count() + 2;
+    for (row, message, hint) in [
+        (
+            "\"ring.pin_radios_mm\" = { factor = 2 }",
+            "unknown key `ring.pin_radios_mm` in the design file",
+            "did you mean `ring.pin_radius_mm`?",
+        ),
+        (
+            "\"ring.material\" = { factor = 2 }",
+            "`ring.material` has no number in this design that could be unknown",
+            "name a key with a number that the design gives or leaves to its default",
+        ),
+        (
+            "\"disc.mass_kg\" = { factor = 2 }",
+            "`disc.mass_kg` has no number in this design that could be unknown",
+            "name a key with a number that the design gives or leaves to its default",
+        ),
+        (
+            "\"ring.pin_radius_mm\" = { low = 4, high = 5 }",
+            "`ring.pin_radius_mm` is 3 in this design, outside of 4 to 5, between which it is said to lie",
+            "correct the one or the other",
+        ),
+        (
+            "\"ring.pin_radius_mm\" = { low = 0, high = 5 }",
+            "`ring.pin_radius_mm` would vary from 0 to 5, beyond what this program believes",
+            "0.1 to 200 mm are believable",
+        ),
+        (
+            "\"gear_stage.backlash_um\" = { factor = 2 }",
+            "`gear_stage.backlash_um` cannot vary so",
+            "a factor on 0 says nothing: give `low` and `high`",
+        ),
+        (
+            "\"ring.pin_radius_mm\" = { low = 2 }",
+            "`ring.pin_radius_mm` does not say how it varies in one of the ways there are",
+            "write { low = …, high = … }, { factor = … }, { mean = …, deviation = … } or a list of values",
+        ),
+        (
+            "\"ring.pin_radius_mm\" = { low = 2, hihg = 4 }",
+            "unknown key `hihg` in [unknowns.\"ring.pin_radius_mm\"]",
+            "did you mean `high`?",
+        ),
+        (
+            "\"ring.pin_radius_mm\" = { mean = 3, deviation = 1, distribution = \"uniform\" }",
+            "`deviation` makes `ring.pin_radius_mm` normal, but its `distribution` is another",
+            "write { low = …, high = … }, { factor = … }, { mean = …, deviation = … } or a list of values",
+        ),
+    ] {
+        let text = format!("{}[unknowns]\n{row}\n", &base.text()[..start]);
+        let error = Design::parse(&text, "d.toml").unwrap_err();
+        assert_eq!(
+            (error.kind.to_string().as_str(), error.hint(), error.line()),
+            (message, Some(hint), Some(line))
+        );
+    }
+}
+
+/// Quantiles against closed forms, and against the normal distribution's table: 68.27 % lie within one
+/// deviation of an uncut one, the cut leaves 99.73 %.
+#[test]
+fn quantiles_follow_their_distributions() {
+    use super::variation::Distribution;
+    let uniform = Distribution::Uniform { low: 2.0, high: 12.0 };
+    let log = Distribution::LogUniform { low: 1.0, high: 100.0 };
+    let normal = Distribution::Normal { mean: 8.0, deviation: 0.5 };
+    let list = Distribution::OneOf(vec![2.0, 3.0]);
+    assert_eq!([0.0, 0.25, 1.0].map(|u| uniform.quantile(u)), [2.0, 4.5, 12.0]);
+    assert!((log.quantile(0.5) - 10.0).abs() < 1e-12 && (log.quantile(0.25) - 10f64.sqrt()).abs() < 1e-12);
+    assert_eq!([0.0, 0.49, 0.5, 1.0].map(|u| list.quantile(u)), [2.0, 2.0, 3.0, 3.0]);
+    assert_eq!(normal.quantile(0.5), 8.0);
+    assert!((normal.quantile(0.0) - 6.5).abs() < 1e-9 && (normal.quantile(1.0) - 9.5).abs() < 1e-9);
+    let one_deviation = 0.5 + 0.5 * 0.682_689_492_137 / 0.997_300_203_937;
+    assert!((normal.quantile(one_deviation) - 8.5).abs() < 1e-9);
+}
+
+#[test]
+fn given_masses_that_no_longer_fit_are_named() {
+    let base = design();
+    assert!(base.stale_masses().is_empty());
+    assert!(base.with("friction.seal_drag_n_m", 3).unwrap().stale_masses().is_empty());
+    let wide = base.with("gear_stage.face_width_mm", 12).unwrap();
+    let stale = wide.stale_masses();
+    let paths: Vec<&str> = stale.iter().map(|mass| mass.path).collect();
+    assert_eq!(paths, ["crankshafts.mass_kg", "crankshafts.inertia_kg_m2", "gear_stage.sun_inertia_kg_m2"]);
+    // Shaft Ø18 × 40 and planet Ø54 × 10, then 12; the eccentrics have the shaft's diameter.
+    let volume = |width: f64| 9f64.powi(2) * 40.0 + 27f64.powi(2) * width;
+    assert!((stale[0].factor / (volume(12.0) / volume(10.0)) - 1.0).abs() < 1e-12 && stale[0].given == 0.27);
+    assert!((stale[2].factor - 1.2).abs() < 1e-12);
+    let findings = crate::checks::check_design(&wide);
+    assert!(findings.iter().any(|finding| finding.code == "stale-mass"));
+    // Changed along or left out, nothing is stale.
+    let along =
+        wide.with_all([("crankshafts.mass_kg", Value::LeftOut), ("crankshafts.inertia_kg_m2", 5e-5.into())]);
+    assert_eq!(along.unwrap().stale_masses().len(), 1);
+    let free = base
+        .with_all([("crankshafts.mass_kg", Value::LeftOut), ("crankshafts.eccentricity_mm", 1.4.into())])
+        .unwrap();
+    assert!(free.stale_masses().is_empty(), "{:?}", free.stale_masses());
+}
+
+/// Not a test of speed, which depends on the machine: `cargo test --release -- --ignored --nocapture cost_of`.
+#[test]
+#[ignore = "prints times"]
+fn cost_of_a_change() {
+    for template in templates::TEMPLATES {
+        let base = templates::design(template.name).unwrap();
+        for (path, low) in [("crankshafts.eccentricity_mm", 1.2), ("bearings.turning_arm.clearance_um", 5.0)]
+        {
+            let start = std::time::Instant::now();
+            for i in 0..2000 {
+                std::hint::black_box(base.with(path, low + i as f64 * 1e-6).unwrap());
+            }
+            println!("{} {path}: {:.1} µs", template.name, start.elapsed().as_secs_f64() / 2000.0 * 1e6);
+        }
+        let changed = base.with("crankshafts.eccentricity_mm", 1.2).unwrap();
+        let start = std::time::Instant::now();
+        for _ in 0..200 {
+            std::hint::black_box(super::text::edited(&changed.base.text, &changed.changes));
+        }
+        println!("{} text: {:.1} µs", template.name, start.elapsed().as_secs_f64() / 200.0 * 1e6);
+        let start = std::time::Instant::now();
+        for _ in 0..200 {
+            std::hint::black_box(Design::parse(template.text, "d").unwrap());
+        }
+        println!("{} parse: {:.1} µs", template.name, start.elapsed().as_secs_f64() / 200.0 * 1e6);
+    }
+}
+
+#[test]
+#[ignore = "temporary"]
+fn write_reference() {
+    std::fs::write(
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/design-file.md"),
+        super::reference_of_keys(),
+    )
+    .unwrap();
+    std::fs::write("/tmp/w/design/target/arcmin.schema.json", super::json_schema()).unwrap();
+}

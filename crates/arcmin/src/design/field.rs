@@ -2,31 +2,31 @@
 
 use std::ops::Range;
 
-use super::DesignError;
 use super::error::{DesignErrorKind, Source};
 use super::hint;
 use super::schema::{At, Key, Kind, Presence, SectionSchema};
 use super::tree::{Branch, Item, Node, number};
+use super::{DesignError, InputFile};
 
-pub(crate) type Result<T> = std::result::Result<T, Box<DesignError>>;
+pub(super) type Result<T> = std::result::Result<T, Box<DesignError>>;
 
 /// A table of the file with its place and name.
-pub(crate) struct Table<'a> {
-    pub source: &'a Source<'a>,
-    pub branch: &'a Branch,
+pub struct Table<'a> {
+    pub(super) source: &'a Source<'a>,
+    pub(super) branch: &'a Branch,
     /// Place of the table's header, where missing keys are reported.
-    pub span: Range<usize>,
+    pub(super) span: Range<usize>,
     /// Name in the table around it; empty for the file as a whole.
-    pub name: &'a str,
+    pub(super) name: &'a str,
     /// Number in a list of tables.
-    pub row: Option<usize>,
-    pub parent: Option<&'a Table<'a>>,
+    pub(super) row: Option<usize>,
+    pub(super) parent: Option<&'a Table<'a>>,
     /// All sections of the file, to tell where a misplaced key belongs.
-    pub root: &'static SectionSchema,
+    pub(super) root: &'static SectionSchema,
 }
 
 /// A type that a key of a file can have.
-pub(crate) trait FieldValue: Sized {
+pub trait FieldValue: Sized {
     /// Whether nothing at all stands for the key where it is left out.
     const MAY_BE_ABSENT: bool = false;
 
@@ -40,6 +40,9 @@ pub(crate) trait FieldValue: Sized {
     /// Appends `path = value` lines that do not depend on how the file is laid out.
     fn canonical(&self, path: &str, out: &mut Vec<String>);
 
+    /// Appends the files that the value names.
+    fn files(&self, _out: &mut Vec<InputFile>) {}
+
     /// Appends `path` if the value is a default that stands for something (not merely absent).
     fn defaulted(&self, key: &Key, written: bool, path: &str, out: &mut Vec<String>) {
         if !written && !matches!(key.rule.presence, Presence::Required | Presence::Optional) {
@@ -49,7 +52,7 @@ pub(crate) trait FieldValue: Sized {
 }
 
 /// A section, see the `section!` macro.
-pub(crate) trait SectionValue: Sized {
+pub trait SectionValue: Sized {
     fn schema() -> &'static SectionSchema;
 
     fn from_table(table: &Table<'_>) -> Result<Self>;
@@ -60,10 +63,16 @@ pub(crate) trait SectionValue: Sized {
 }
 
 /// A closed set of words.
-pub(crate) trait Choice: Copy + PartialEq + 'static {
+pub trait Choice: Copy + PartialEq + 'static {
     /// Words and what they stand for.
     const WORDS: &'static [(&'static str, &'static str)];
     const VALUES: &'static [Self];
+
+    /// The word for this value.
+    fn word(self) -> &'static str {
+        let words = Self::VALUES.iter().zip(Self::WORDS);
+        words.into_iter().find(|(value, _)| **value == self).map_or("", |(_, (word, _))| word)
+    }
 }
 
 pub(crate) fn join(path: &str, name: &str) -> String {
@@ -87,16 +96,8 @@ pub(crate) fn parse(source: &Source<'_>) -> Result<Branch> {
 /// # Errors
 /// All unknown keys at once, otherwise the first value that is missing, ill-typed or out of range.
 pub(crate) fn read<T: SectionValue>(branch: &Branch, source: &Source<'_>) -> Result<T> {
-    let root = T::schema();
-    let table = Table { source, branch, span: 0..0, name: "", row: None, parent: None, root };
-    let mut unknown = Vec::new();
-    table.collect_unknown(root, &mut unknown);
-    unknown.sort_by_key(|error| error.span().map(|span| span.start));
-    let mut unknown = unknown.into_iter();
-    if let Some(mut first) = unknown.next() {
-        first.others = unknown.collect();
-        return Err(Box::new(first));
-    }
+    let table = Table::root(source, branch, T::schema());
+    table.reject_unknown_keys()?;
     T::from_table(&table).map_err(|error| with_path(error, branch))
 }
 
@@ -111,25 +112,49 @@ pub(crate) fn with_path(mut error: Box<DesignError>, branch: &Branch) -> Box<Des
 }
 
 impl<'a> Table<'a> {
+    /// The file as a whole.
+    pub(super) fn root(
+        source: &'a Source<'a>,
+        branch: &'a Branch,
+        root: &'static SectionSchema,
+    ) -> Table<'a> {
+        Table { source, branch, span: 0..0, name: "", row: None, parent: None, root }
+    }
+
+    /// All keys that the schema of the file does not have are one error.
+    pub(super) fn reject_unknown_keys(&self) -> Result<()> {
+        let mut unknown = Vec::new();
+        self.collect_unknown(self.root, &mut unknown);
+        unknown.sort_by_key(|error| error.span().map(|span| span.start));
+        let mut unknown = unknown.into_iter();
+        match unknown.next() {
+            None => Ok(()),
+            Some(mut first) => {
+                first.others = unknown.collect();
+                Err(Box::new(first))
+            }
+        }
+    }
+
     /// Dotted name without numbers of rows, as in the header of the table.
-    pub fn path(&self) -> String {
+    pub(super) fn path(&self) -> String {
         self.parent.map_or_else(String::new, |parent| join(&parent.path(), self.name))
     }
 
     /// Dotted name with the numbers of rows.
-    pub fn address(&self) -> String {
+    pub(super) fn address(&self) -> String {
         let Some(parent) = self.parent else { return String::new() };
         let name = join(&parent.address(), self.name);
         self.row.map_or(name.clone(), |row| format!("{name}[{row}]"))
     }
 
     /// The table as an engineer would call it.
-    pub fn title(&self) -> String {
+    pub(super) fn title(&self) -> String {
         if self.parent.is_none() { self.source.title.to_owned() } else { format!("[{}]", self.path()) }
     }
 
     /// Reads the next key of a section.
-    pub fn read<T: FieldValue>(&self, keys: &mut std::slice::Iter<'_, Key>) -> Result<At<T>> {
+    pub(super) fn read<T: FieldValue>(&self, keys: &mut std::slice::Iter<'_, Key>) -> Result<At<T>> {
         // `keys` and the fields of the struct come from the same declaration, so they run out together.
         let Some(key) = keys.next() else { unreachable!("a section has as many keys as fields") };
         match self.branch.get(key.name) {
@@ -162,16 +187,32 @@ impl<'a> Table<'a> {
                         }
                     }
                 }
+                (Kind::Variations(inner), Node::Table(paths)) => {
+                    let section = self.sub_table(key.name, paths, entry.item.span.clone());
+                    for path in &paths.entries {
+                        if let Node::Table(branch) = &path.item.node {
+                            let name = super::tree::quoted_key(&path.key);
+                            section
+                                .sub_table(&name, branch, path.item.span.clone())
+                                .collect_unknown(inner, out);
+                        }
+                    }
+                }
                 _ => {}
             }
         }
     }
 
-    pub fn sub_table<'b>(&'b self, name: &'b str, branch: &'b Branch, span: Range<usize>) -> Table<'b> {
+    pub(super) fn sub_table<'b>(
+        &'b self,
+        name: &'b str,
+        branch: &'b Branch,
+        span: Range<usize>,
+    ) -> Table<'b> {
         Table { source: self.source, branch, span, name, row: None, parent: Some(self), root: self.root }
     }
 
-    pub fn row_table<'b>(
+    pub(super) fn row_table<'b>(
         &'b self,
         name: &'b str,
         row: usize,
@@ -181,7 +222,7 @@ impl<'a> Table<'a> {
         Table { row: Some(row), ..self.sub_table(name, branch, span) }
     }
 
-    pub fn wrong_type(&self, key: &Key, expected: impl Into<String>, item: &Item) -> Box<DesignError> {
+    pub(super) fn wrong_type(&self, key: &Key, expected: impl Into<String>, item: &Item) -> Box<DesignError> {
         let kind = DesignErrorKind::WrongType {
             key: key.name.to_owned(),
             expected: expected.into(),
@@ -196,7 +237,7 @@ impl<'a> Table<'a> {
         self.source.error(kind, item.span.clone(), hint)
     }
 
-    pub fn missing(&self, key: &Key) -> Box<DesignError> {
+    pub(super) fn missing(&self, key: &Key) -> Box<DesignError> {
         let section = self.title();
         let hint = format!("add `{} = …`: {}", key.name, first_sentence(key.doc));
         let kind = DesignErrorKind::MissingKey { key: key.name, section };
@@ -205,7 +246,7 @@ impl<'a> Table<'a> {
         error
     }
 
-    pub fn missing_section(&self, key: &Key) -> Box<DesignError> {
+    pub(super) fn missing_section(&self, key: &Key) -> Box<DesignError> {
         let section = format!("the section [{}]", join(&self.path(), key.name));
         let hint = format!("add it: {}", first_sentence(key.doc));
         let kind = DesignErrorKind::MissingSection { section };
@@ -214,7 +255,7 @@ impl<'a> Table<'a> {
         error
     }
 
-    pub fn in_range(&self, key: &Key, number: f64, span: Range<usize>) -> Result<f64> {
+    pub(super) fn in_range(&self, key: &Key, number: f64, span: Range<usize>) -> Result<f64> {
         let name = || key.name.to_owned();
         if !number.is_finite() {
             return Err(self.source.error(

@@ -13,7 +13,10 @@ mod edit_tests;
 mod error;
 pub(crate) mod field;
 mod hint;
+mod json_schema;
 mod manufacturing;
+mod option_values;
+pub(crate) mod options;
 mod path;
 mod reference;
 mod resolve;
@@ -25,17 +28,29 @@ mod solids;
 mod tests;
 mod text;
 pub(crate) mod tree;
+mod unknowns;
 mod value;
 mod values;
+pub mod variation;
 
 pub use deviations::MeasuredFlank;
 pub use edit::KeyEntry;
 pub use error::{DesignError, DesignErrorKind, TextPlace};
+#[doc(hidden)]
+pub use field::{Choice, FieldValue};
+pub use json_schema::json_schema;
 pub use manufacturing::*;
+pub use option_values::InputFile;
+pub(crate) use options::options;
+pub use options::{OptionReader, OptionSet};
 pub use reference::markdown as reference_of_keys;
+pub use resolve::StaleMass;
+pub(crate) use schema::unit_suffix;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
+pub(crate) use schema::{default, default_word, optional, required, word};
 pub use sections::*;
 pub use service::*;
+pub use unknowns::Unknown;
 pub use value::Value;
 pub use values::Section;
 
@@ -43,10 +58,11 @@ pub(crate) use error::Source;
 
 use edit::Change;
 use field::SectionValue;
-use schema::{default_word, optional, section, word};
+use schema::section;
 use sha2::{Digest, Sha256};
 use std::sync::{Arc, OnceLock};
 use tree::Branch;
+use variation::Variations;
 
 use crate::machine::{FixedMember, Machine, ManufacturingErrors, Tolerances};
 
@@ -89,6 +105,10 @@ section! {
         errors: Option<Section<ErrorsSection>> => optional(0.0, 0.0),
         /// Tolerances that machines are drawn from. Left out: none can be drawn.
         tolerances: Option<Section<TolerancesSection>> => optional(0.0, 0.0),
+        /// What is not known exactly: paths of keys in quotation marks, such as
+        /// `"bearings.turning_arm.clearance_um" = { low = 2, high = 12 }`, `{ factor = 3 }` or `{ mean = 8,
+        /// deviation = 2 }`. The value of the key must lie inside. A study can vary them all.
+        unknowns: Variations => optional(0.0, 0.0),
     }
 }
 
@@ -105,6 +125,7 @@ pub struct Design {
     base: Arc<Base>,
     /// What differs from the base.
     changes: Vec<Change>,
+    unknowns: Vec<Unknown>,
     /// The changed text, made when it is asked for.
     text: OnceLock<String>,
 }
@@ -157,11 +178,13 @@ impl Design {
             consistency::check(&sections, &source).map_err(located)?;
             let machine = resolve::machine(&sections, &source).map_err(located)?;
             let errors = deviations::errors(&sections, &source).map_err(located)?;
-            Ok((sections, machine, errors))
+            let unknowns = unknowns::unknowns(&sections, &tree, &source).map_err(located)?;
+            Ok((sections, machine, errors, unknowns))
         };
         match read() {
-            Ok((sections, machine, errors)) => {
-                Ok(Design { sections, machine, errors, tree, base, changes, text: OnceLock::new() })
+            Ok((sections, machine, errors, unknowns)) => {
+                let text = OnceLock::new();
+                Ok(Design { sections, machine, errors, tree, base, changes, unknowns, text })
             }
             Err(error) => Err((error, changes)),
         }
@@ -205,6 +228,23 @@ impl Design {
     /// What machines are drawn from, in SI units; `None` if the file gives no tolerances.
     pub fn drawing_tolerances(&self) -> Option<Tolerances> {
         deviations::tolerances(&self.sections)
+    }
+
+    /// What the design does not know exactly, from its section `[unknowns]`, in the order of the file. A study
+    /// that varies one of these keys on its own takes the section out first:
+    /// `design.with("unknowns", Value::LeftOut)`.
+    pub fn unknowns(&self) -> Vec<Unknown> {
+        self.unknowns.clone()
+    }
+
+    /// Masses and moments of inertia that the file gives and that no longer fit: the geometry they were given
+    /// for has been changed since by [`Design::with`]. Those the file leaves out follow by themselves.
+    pub fn stale_masses(&self) -> Vec<StaleMass> {
+        if self.changes.is_empty() {
+            return Vec::new();
+        }
+        let read = field::read::<DesignSections>(&self.base.tree, &self.source());
+        read.map_or_else(|_| Vec::new(), |base| resolve::stale_masses(&base, &self.sections))
     }
 
     /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout,

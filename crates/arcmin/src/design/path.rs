@@ -26,7 +26,7 @@ pub(super) struct Target {
 impl Target {
     /// Whether it is a value and not a section or a list of sections.
     pub fn is_value(&self) -> bool {
-        !matches!((self.key.kind)(), Kind::Section(_) | Kind::Sections(_))
+        !matches!((self.key.kind)(), Kind::Section(_) | Kind::Sections(_) | Kind::Variations(_))
     }
 }
 
@@ -91,6 +91,8 @@ pub(super) fn find(
                 };
                 found = Some((key, false));
             }
+            // Paths of keys are free; the reader judges them.
+            (Step::Key(_), None, Some((key, false))) if matches!((key.kind)(), Kind::Variations(_)) => {}
             (Step::Row(_), None, Some((key, false))) if matches!((key.kind)(), Kind::Sections(_)) => {
                 if let Kind::Sections(inner) = (key.kind)() {
                     schema = Some(inner);
@@ -160,6 +162,7 @@ fn all_paths(schema: &SectionSchema) -> Vec<String> {
                 paths.push(key.name.to_owned());
                 paths.extend(inner(schema, key.name));
             }
+            Kind::Variations(_) => {}
             _ => paths.push(key.name.to_owned()),
         }
     }

@@ -93,6 +93,10 @@ pub enum Kind {
     Count,
     /// true or false.
     Flag,
+    /// Name of a file.
+    File,
+    /// Names of files.
+    Files,
     Text,
     /// One of the words, each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
@@ -104,6 +108,8 @@ pub enum Kind {
     Numbers,
     /// A list of texts.
     Texts,
+    /// A table of paths of keys, each with how its value varies.
+    Variations(&'static SectionSchema),
     /// A table of its own.
     Section(&'static SectionSchema),
     /// A list of tables.
@@ -162,7 +168,7 @@ pub(super) const UNIT_SUFFIXES: [(&str, &str); 33] = [
 ];
 
 /// Splits a key into its stem and unit.
-pub(super) fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
+pub(crate) fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
     UNIT_SUFFIXES.iter().find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit)))
 }
 
@@ -194,7 +200,7 @@ macro_rules! section {
                 &$Name::SCHEMA
             }
 
-            fn from_table(table: &$crate::design::field::Table<'_>) -> Result<Self, Box<$crate::design::DesignError>> {
+            fn from_table(table: &$crate::design::field::Table<'_>) -> std::result::Result<Self, Box<$crate::design::DesignError>> {
                 let mut keys = $Name::SCHEMA.keys.iter();
                 Ok($Name { $($field: table.read(&mut keys)?,)* })
             }

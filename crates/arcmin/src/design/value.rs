@@ -76,7 +76,7 @@ impl Value {
             (Node::Text(text), _) => Value::Text(text.to_string()),
             (Node::Flag(flag), _) => Value::Flag(*flag),
             (Node::List(rows), Kind::Pairs) => Value::Pairs(rows.iter().filter_map(pair).collect()),
-            (Node::List(rows), Kind::Texts) => {
+            (Node::List(rows), Kind::Texts | Kind::Files) => {
                 let text = |row: &Item| match &row.node {
                     Node::Text(text) => Some(text.to_string()),
                     _ => None,

@@ -1,11 +1,11 @@
 //! The kinds of value a key can have: how each is read, and what it is where the key is left out.
 
-use super::MaterialTable;
 use super::error::DesignErrorKind;
 use super::field::{Choice, FieldValue, Result, SectionValue, Table, join};
 use super::hint;
 use super::schema::{At, Key, Kind, Presence};
 use super::tree::{Branch, Item, Node};
+use super::{InputFile, MaterialTable};
 use crate::materials::Material;
 
 impl FieldValue for f64 {
@@ -74,6 +74,7 @@ impl FieldValue for bool {
     fn absent(key: &Key, table: &Table<'_>) -> Result<bool> {
         match key.rule.presence {
             Presence::Flag(flag) => Ok(flag),
+            Presence::Optional => Ok(false),
             _ => Err(table.missing(key)),
         }
     }
@@ -133,6 +134,12 @@ impl<T: FieldValue> FieldValue for Option<T> {
         }
     }
 
+    fn files(&self, out: &mut Vec<InputFile>) {
+        if let Some(value) = self {
+            value.files(out);
+        }
+    }
+
     fn defaulted(&self, key: &Key, written: bool, path: &str, out: &mut Vec<String>) {
         if let Some(value) = self {
             value.defaulted(key, written, path, out);
@@ -176,8 +183,7 @@ impl<T: Choice> FieldValue for T {
     }
 
     fn canonical(&self, path: &str, out: &mut Vec<String>) {
-        let word = T::VALUES.iter().position(|value| value == self).map_or("", |index| T::WORDS[index].0);
-        out.push(format!("{path} = {word:?}"));
+        out.push(format!("{path} = {:?}", self.word()));
     }
 }
 
