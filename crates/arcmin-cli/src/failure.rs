@@ -125,9 +125,18 @@ impl Diagnostic for Failure {
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         match self {
             Failure::Design { error, .. } => {
-                // A label over many lines (a whole section) would bury the message: mark its first line.
-                let first_line = error.text.lines().next().unwrap_or_default().trim_end().len();
-                Some(Box::new(std::iter::once(LabeledSpan::underline((error.span.start, first_line)))))
+                // What is wrong first stands in the title already.
+                let label = |(index, error): (usize, &DesignError)| {
+                    let text = match (index, error.hint()) {
+                        (0, _) => None,
+                        (_, Some(hint)) => Some(format!("{}: {hint}", error.kind)),
+                        (_, None) => Some(error.kind.to_string()),
+                    };
+                    // A label over many lines (a whole section) would bury the message: mark its first line.
+                    let first_line = error.text.lines().next().unwrap_or_default().trim_end().len();
+                    Some(LabeledSpan::new(text, error.span()?.start, first_line))
+                };
+                Some(Box::new(error.all().enumerate().filter_map(label)))
             }
             _ => None,
         }

@@ -30,19 +30,19 @@ pub const TEMPLATES: [Template; 2] = [
 
 /// A shipped design by its name; `None` if there is none of that name.
 pub fn design(name: &str) -> Option<Design> {
-    let template = TEMPLATES.iter().find(|template| template.name == name)?;
-    match Design::parse(template.text, &format!("{name}.toml")) {
-        Ok(design) => Some(design),
-        // The text is part of the program and a test reads it, so a failure here is a fault of the build.
-        Err(error) => unreachable!("shipped design: {error}"),
-    }
+    TEMPLATES.iter().find(|template| template.name == name).map(read)
 }
 
 /// The RV-40E-81 of Tao2024, with the assumptions that the paper leaves open.
 pub fn rv_40e_81() -> Machine {
-    match design("rv-40e-81") {
-        Some(design) => design.machine(),
-        None => unreachable!("the first template"),
+    read(&TEMPLATES[0]).machine()
+}
+
+fn read(template: &Template) -> Design {
+    // The text is part of the program and a test reads it, so a failure here is a fault of the build.
+    match Design::parse(template.text, &format!("{}.toml", template.name)) {
+        Ok(design) => design,
+        Err(error) => unreachable!("shipped design: {error}"),
     }
 }
 

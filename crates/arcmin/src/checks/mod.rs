@@ -75,7 +75,30 @@ pub fn check_design(design: &Design) -> Vec<Finding> {
         why: "a default is an assumption; results are no better than the inputs nobody has looked at",
         change: "write the keys with their true values (`arcmin keys` explains each)",
     });
+    findings.extend(stale_masses(design));
     findings
+}
+
+/// Masses given for another geometry; nothing for a design as it stands in its file.
+fn stale_masses(design: &Design) -> Option<Finding> {
+    let stale = design.stale_masses();
+    let worst = stale.iter().map(|mass| mass.factor.ln().abs().exp()).reduce(f64::max)?;
+    let list: Vec<String> = stale
+        .iter()
+        .map(|mass| {
+            format!("{} = {} (its solid is {:.3} times what it was)", mass.path, mass.given, mass.factor)
+        })
+        .collect();
+    Some(Finding {
+        code: "stale-mass",
+        severity: Severity::Warning,
+        message: format!("given for another geometry: {}", list.join(", ")),
+        value: worst,
+        limit: 1.0,
+        unit: "",
+        why: "a mass that a design gives stays as it is when the geometry changes; motion is then computed with the old one",
+        change: "leave the key out, so that it follows from the solid, or change it along",
+    })
 }
 
 /// The worst severity among findings.

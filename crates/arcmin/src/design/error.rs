@@ -1,25 +1,79 @@
+use std::fmt;
 use std::ops::Range;
 
-/// Why a design file cannot be used, with the place in the file.
+/// Why a file cannot be used, with the place in the file.
 ///
 /// A design error means that the question cannot be asked; an engineering verdict on a design that can be
 /// computed is a finding of [`crate::checks`] instead.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{file_name}:{line}:{column}: {kind}")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DesignError {
     pub kind: DesignErrorKind,
-    /// Name of the design file as the caller gave it.
+    /// Name of the file as the caller gave it.
     pub file_name: String,
+    /// Where in the text it is; `None` for an error of a path or value that no text holds.
+    pub place: Option<TextPlace>,
+    /// The offending text itself.
+    pub text: String,
+    /// What to write instead.
+    pub hint: Option<String>,
+    /// Dotted path of the key, where there is one.
+    pub path: Option<String>,
+    /// What else is wrong in the same file, in its order: all unknown keys are told at once.
+    pub others: Vec<DesignError>,
+}
+
+/// A place in a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TextPlace {
     /// Bytes of the offending text.
     pub span: Range<usize>,
     /// Line, counted from 1.
     pub line: usize,
     /// Column in characters, counted from 1.
     pub column: usize,
-    /// The offending text itself.
-    pub text: String,
+}
+
+impl fmt::Display for DesignError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.place {
+            Some(place) => write!(f, "{}:{}:{}: {}", self.file_name, place.line, place.column, self.kind),
+            None => write!(f, "{}: {}", self.file_name, self.kind),
+        }
+    }
+}
+
+impl std::error::Error for DesignError {}
+
+impl DesignError {
+    /// Dotted path of the key it is about, such as `duty[0].share`.
+    pub fn key(&self) -> Option<&str> {
+        self.path.as_deref()
+    }
+
+    /// Line in the file, counted from 1.
+    pub fn line(&self) -> Option<usize> {
+        self.place.as_ref().map(|place| place.line)
+    }
+
+    /// Column in characters, counted from 1.
+    pub fn column(&self) -> Option<usize> {
+        self.place.as_ref().map(|place| place.column)
+    }
+
+    /// Bytes of the offending text.
+    pub fn span(&self) -> Option<Range<usize>> {
+        self.place.as_ref().map(|place| place.span.clone())
+    }
+
     /// What to write instead.
-    pub hint: Option<String>,
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+
+    /// This error and all others of the same file.
+    pub fn all(&self) -> impl Iterator<Item = &DesignError> {
+        std::iter::once(self).chain(&self.others)
+    }
 }
 
 /// The kinds of [`DesignError`].
@@ -55,11 +109,13 @@ pub enum DesignErrorKind {
     Contradiction { message: String },
 }
 
-/// The text of a design file and its name, to place errors in it.
+/// The text of a file, its name and what it is, to place errors in it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     pub text: &'a str,
     pub file_name: &'a str,
+    /// What the reader calls the file as a whole: "the design file".
+    pub title: &'static str,
 }
 
 impl Source<'_> {
@@ -68,14 +124,32 @@ impl Source<'_> {
         let end = floor_char_boundary(self.text, span.end).max(start);
         let before = &self.text[..start];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let place = TextPlace {
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            span: start..end,
+        };
         Box::new(DesignError {
             kind,
             file_name: self.file_name.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
+            place: Some(place),
             text: self.text[start..end].to_owned(),
-            span: start..end,
             hint,
+            path: None,
+            others: Vec::new(),
+        })
+    }
+
+    /// An error of what stands in no text, about the key with this path.
+    pub fn error_at_path(&self, kind: DesignErrorKind, path: &str, hint: String) -> Box<DesignError> {
+        Box::new(DesignError {
+            kind,
+            file_name: self.file_name.to_owned(),
+            place: None,
+            text: path.to_owned(),
+            hint: Some(hint),
+            path: Some(path.to_owned()),
+            others: Vec::new(),
         })
     }
 }

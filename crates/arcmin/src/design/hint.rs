@@ -8,7 +8,7 @@ pub(super) fn for_unknown_key(
     key: &str,
     written: &str,
     schema: &SectionSchema,
-    root: &'static SectionSchema,
+    root: &SectionSchema,
     title: &str,
 ) -> (DesignErrorKind, String) {
     let named = || key.to_owned();
@@ -123,32 +123,13 @@ fn strip_all_units(key: &str) -> &str {
     UNIT_SUFFIXES.iter().find_map(|(suffix, _)| key.strip_suffix(suffix)).unwrap_or(key)
 }
 
-/// The nearest word, if it is near enough to be a slip of the pen.
-fn closest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+/// The nearest word, if it is near enough to be a slip of the pen: by insertions, deletions, replacements and
+/// swaps of neighbours.
+pub(crate) fn closest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).clamp(1, 4);
     known
-        .map(|candidate| (distance(&word.to_lowercase(), &candidate.to_lowercase()), candidate))
+        .map(|candidate| (strsim::osa_distance(&word.to_lowercase(), &candidate.to_lowercase()), candidate))
         .filter(|near| near.0 <= limit)
         .min()
         .map(|near| near.1)
-}
-
-/// Edits (insert, delete, replace, swap of neighbours) between two words: the optimal string alignment
-/// distance.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let substitution = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut best = substitution.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(best);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }

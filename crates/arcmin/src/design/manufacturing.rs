@@ -1,6 +1,7 @@
 //! What one real machine deviates by: given one by one, or as the tolerances it is drawn from.
 
-use super::field::{Choice, Section};
+use super::Section;
+use super::field::Choice;
 use super::schema::{At, default, optional, required, section, word};
 use super::sections::SECTION_OR_DEFAULTS;
 use crate::geometry::FlankDirection;

@@ -7,41 +7,62 @@
 
 mod consistency;
 mod deviations;
+mod edit;
+#[cfg(test)]
+mod edit_tests;
 mod error;
-mod field;
+pub(crate) mod field;
 mod hint;
+mod json_schema;
 mod manufacturing;
 mod option_values;
 pub(crate) mod options;
+mod path;
 mod reference;
 mod resolve;
-mod schema;
+pub(crate) mod schema;
 mod sections;
 mod service;
 mod solids;
 #[cfg(test)]
 mod tests;
+mod text;
+pub(crate) mod tree;
+mod unknowns;
+mod value;
+mod values;
+pub mod variation;
 
 pub use deviations::MeasuredFlank;
-pub use error::{DesignError, DesignErrorKind};
-pub use field::Section;
+pub use edit::KeyEntry;
+pub use error::{DesignError, DesignErrorKind, TextPlace};
 #[doc(hidden)]
 pub use field::{Choice, FieldValue};
+pub use json_schema::json_schema;
 pub use manufacturing::*;
 pub use option_values::InputFile;
 pub(crate) use options::options;
 pub use options::{OptionReader, OptionSet};
 pub use reference::markdown as reference_of_keys;
+pub use resolve::StaleMass;
 pub(crate) use schema::unit_suffix;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub(crate) use schema::{default, default_word, optional, required, word};
 pub use sections::*;
 pub use service::*;
+pub use unknowns::Unknown;
+pub use value::Value;
+pub use values::Section;
 
-use error::Source;
-use field::{SectionValue, Table};
+pub(crate) use error::Source;
+
+use edit::Change;
+use field::SectionValue;
 use schema::section;
 use sha2::{Digest, Sha256};
+use std::sync::{Arc, OnceLock};
+use tree::Branch;
+use variation::Variations;
 
 use crate::machine::{FixedMember, Machine, ManufacturingErrors, Tolerances};
 
@@ -84,16 +105,44 @@ section! {
         errors: Option<Section<ErrorsSection>> => optional(0.0, 0.0),
         /// Tolerances that machines are drawn from. Left out: none can be drawn.
         tolerances: Option<Section<TolerancesSection>> => optional(0.0, 0.0),
+        /// What is not known exactly: paths of keys in quotation marks, such as
+        /// `"bearings.turning_arm.clearance_um" = { low = 2, high = 12 }`, `{ factor = 3 }` or `{ mean = 8,
+        /// deviation = 2 }`. The value of the key must lie inside. A study can vary them all.
+        unknowns: Variations => optional(0.0, 0.0),
     }
 }
 
+/// What the reader calls a design file.
+const TITLE: &str = "the design file";
+
 /// A design as written: trade units, every value with its place in the file, free of contradictions.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Design {
     sections: DesignSections,
     machine: Machine,
     errors: Option<ManufacturingErrors>,
+    tree: Branch,
+    base: Arc<Base>,
+    /// What differs from the base.
+    changes: Vec<Change>,
+    unknowns: Vec<Unknown>,
+    /// The changed text, made when it is asked for.
+    text: OnceLock<String>,
+}
+
+/// What a design was read from.
+#[derive(Debug)]
+struct Base {
     text: String,
+    file_name: String,
+    tree: Branch,
+}
+
+/// Designs are equal whose files are.
+impl PartialEq for Design {
+    fn eq(&self, other: &Design) -> bool {
+        self.text() == other.text()
+    }
 }
 
 impl std::ops::Deref for Design {
@@ -111,28 +160,53 @@ impl Design {
     /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not
     /// finite or outside of what is believable, values that contradict each other.
     pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
-        let source = Source { text, file_name };
-        let parsed = toml::de::DeTable::parse(text).map_err(|error| {
-            let span = error.span().unwrap_or(0..0);
-            source.error(DesignErrorKind::Syntax { message: error.message().replace('\n', ", ") }, span, None)
-        })?;
-        let table = Table {
-            source,
-            table: parsed.get_ref(),
-            span: 0..0,
-            path: String::new(),
-            root: &DesignSections::SCHEMA,
-        };
-        let sections = DesignSections::from_table(&table)?;
-        consistency::check(&sections, &source)?;
-        let machine = resolve::machine(&sections, &source)?;
-        let errors = deviations::errors(&sections, &source)?;
-        Ok(Design { sections, machine, errors, text: text.to_owned() })
+        let tree = field::parse(&Source { text, file_name, title: TITLE })?;
+        let base = Base { text: text.to_owned(), file_name: file_name.to_owned(), tree: tree.clone() };
+        Design::from_tree(Arc::new(base), tree, Vec::new()).map_err(|(error, _)| error)
     }
 
-    /// The text it was read from.
+    /// Reads and judges a tree; an error hands the changes back.
+    fn from_tree(
+        base: Arc<Base>,
+        tree: Branch,
+        changes: Vec<Change>,
+    ) -> Result<Design, (Box<DesignError>, Vec<Change>)> {
+        let source = Source { text: &base.text, file_name: &base.file_name, title: TITLE };
+        let read = || {
+            let sections: DesignSections = field::read(&tree, &source)?;
+            let located = |error| field::with_path(error, &tree);
+            consistency::check(&sections, &source).map_err(located)?;
+            let machine = resolve::machine(&sections, &source).map_err(located)?;
+            let errors = deviations::errors(&sections, &source).map_err(located)?;
+            let unknowns = unknowns::unknowns(&sections, &tree, &source).map_err(located)?;
+            Ok((sections, machine, errors, unknowns))
+        };
+        match read() {
+            Ok((sections, machine, errors, unknowns)) => {
+                let text = OnceLock::new();
+                Ok(Design { sections, machine, errors, tree, base, changes, unknowns, text })
+            }
+            Err(error) => Err((error, changes)),
+        }
+    }
+
+    /// The text of the design file: the one it was read from, with every change since made in it; comments
+    /// and layout stay.
     pub fn text(&self) -> &str {
-        &self.text
+        if self.changes.is_empty() {
+            return &self.base.text;
+        }
+        self.text.get_or_init(|| text::edited(&self.base.text, &self.changes))
+    }
+
+    /// [`Design::text`] to keep.
+    pub fn to_toml(&self) -> String {
+        self.text().to_owned()
+    }
+
+    /// Name of the file as given to [`Design::parse`].
+    pub fn file_name(&self) -> &str {
+        &self.base.file_name
     }
 
     /// The design in SI units.
@@ -154,6 +228,23 @@ impl Design {
     /// What machines are drawn from, in SI units; `None` if the file gives no tolerances.
     pub fn drawing_tolerances(&self) -> Option<Tolerances> {
         deviations::tolerances(&self.sections)
+    }
+
+    /// What the design does not know exactly, from its section `[unknowns]`, in the order of the file. A study
+    /// that varies one of these keys on its own takes the section out first:
+    /// `design.with("unknowns", Value::LeftOut)`.
+    pub fn unknowns(&self) -> Vec<Unknown> {
+        self.unknowns.clone()
+    }
+
+    /// Masses and moments of inertia that the file gives and that no longer fit: the geometry they were given
+    /// for has been changed since by [`Design::with`]. Those the file leaves out follow by themselves.
+    pub fn stale_masses(&self) -> Vec<StaleMass> {
+        if self.changes.is_empty() {
+            return Vec::new();
+        }
+        let read = field::read::<DesignSections>(&self.base.tree, &self.source());
+        read.map_or_else(|_| Vec::new(), |base| resolve::stale_masses(&base, &self.sections))
     }
 
     /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout,

@@ -1,11 +1,9 @@
 //! Kinds of values that options have and design files have not.
 
-use toml::Spanned;
-use toml::de::DeValue;
-
 use super::DesignError;
 use super::field::{FieldValue, Table};
-use super::schema::{Key, Kind, Presence};
+use super::schema::{Key, Kind};
+use super::tree::{Item, Node};
 
 type Result<T> = std::result::Result<T, Box<DesignError>>;
 
@@ -18,10 +16,10 @@ impl FieldValue for InputFile {
         Kind::File
     }
 
-    fn read(key: &Key, value: &Spanned<DeValue<'_>>, table: &Table<'_>) -> Result<InputFile> {
-        match value.get_ref() {
-            DeValue::String(name) if !name.trim().is_empty() => Ok(InputFile(name.to_string())),
-            _ => Err(table.wrong_type(key, "the name of a file", value)),
+    fn read(key: &Key, item: &Item, table: &Table<'_>) -> Result<InputFile> {
+        match &item.node {
+            Node::Text(name) if !name.trim().is_empty() => Ok(InputFile(name.to_string())),
+            _ => Err(table.wrong_type(key, "the name of a file", item)),
         }
     }
 
@@ -43,10 +41,10 @@ impl FieldValue for Vec<InputFile> {
         Kind::Files
     }
 
-    fn read(key: &Key, value: &Spanned<DeValue<'_>>, table: &Table<'_>) -> Result<Vec<InputFile>> {
-        match value.get_ref() {
-            DeValue::Array(names) => names.iter().map(|name| InputFile::read(key, name, table)).collect(),
-            _ => InputFile::read(key, value, table).map(|one| vec![one]),
+    fn read(key: &Key, item: &Item, table: &Table<'_>) -> Result<Vec<InputFile>> {
+        match &item.node {
+            Node::List(names) => names.iter().map(|name| InputFile::read(key, name, table)).collect(),
+            _ => InputFile::read(key, item, table).map(|one| vec![one]),
         }
     }
 
@@ -61,29 +59,5 @@ impl FieldValue for Vec<InputFile> {
 
     fn files(&self, out: &mut Vec<InputFile>) {
         out.extend_from_slice(self);
-    }
-}
-
-impl FieldValue for bool {
-    fn kind() -> Kind {
-        Kind::Flag
-    }
-
-    fn read(key: &Key, value: &Spanned<DeValue<'_>>, table: &Table<'_>) -> Result<bool> {
-        match value.get_ref() {
-            DeValue::Boolean(flag) => Ok(*flag),
-            _ => Err(table.wrong_type(key, "true or false", value)),
-        }
-    }
-
-    fn absent(key: &Key, table: &Table<'_>) -> Result<bool> {
-        match key.rule.presence {
-            Presence::Optional => Ok(false),
-            _ => Err(table.missing(key)),
-        }
-    }
-
-    fn canonical(&self, path: &str, out: &mut Vec<String>) {
-        out.push(format!("{path} = {self}"));
     }
 }

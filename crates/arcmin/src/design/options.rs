@@ -3,7 +3,7 @@
 
 use super::field::Table;
 use super::schema::{Key, Presence, SectionSchema};
-use super::{DesignError, DesignErrorKind, InputFile};
+use super::{DesignError, InputFile};
 use crate::design::error::Source;
 
 type Result<T> = std::result::Result<T, Box<DesignError>>;
@@ -30,15 +30,13 @@ pub trait OptionSet: Sized {
     /// # Errors
     /// The first option that is unknown, ill-typed or out of range.
     fn parse(text: &str, origin: &str) -> Result<Self> {
-        let source = Source { text, file_name: origin };
-        let parsed = toml::de::DeTable::parse(text).map_err(|error| {
-            let span = error.span().unwrap_or(0..0);
-            source.error(DesignErrorKind::Syntax { message: error.message().replace('\n', ", ") }, span, None)
-        })?;
+        let source = Source { text, file_name: origin, title: "the options" };
+        let branch = super::field::parse(&source)?;
         let schema = Self::schema();
-        let table = Table { source, table: parsed.get_ref(), span: 0..0, path: String::new(), root: schema };
-        table.reject_unknown_keys(schema)?;
+        let table = Table::root(&source, &branch, schema);
+        table.reject_unknown_keys()?;
         Self::take(&mut OptionReader { table: &table, keys: schema.keys.iter() })
+            .map_err(|error| super::field::with_path(error, &branch))
     }
 
     /// All options with their values, one `key = value` a line, independent of how they were given: part of
@@ -104,6 +102,7 @@ macro_rules! options {
                             doc: concat!($($field_doc, "\n"),*),
                             rule: $rule,
                             kind: <$Type as $crate::design::FieldValue>::kind,
+                            may_be_absent: <$Type as $crate::design::FieldValue>::MAY_BE_ABSENT,
                         });)*
                         $crate::design::SectionSchema { doc: concat!($($doc, "\n"),*), keys: keys.leak() }
                     });

@@ -34,8 +34,10 @@ pub fn markdown() -> String {
 }
 
 fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
-    let (inner, own): (Vec<&Key>, Vec<&Key>) =
-        schema.keys.iter().partition(|key| matches!((key.kind)(), Kind::Section(_) | Kind::Sections(_)));
+    let (inner, own): (Vec<&Key>, Vec<&Key>) = schema
+        .keys
+        .iter()
+        .partition(|key| matches!((key.kind)(), Kind::Section(_) | Kind::Sections(_) | Kind::Variations(_)));
     out.push_str(&format!("\n## {title}\n\n{}\n", paragraph(schema.doc)));
     if !own.is_empty() {
         out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");
@@ -48,6 +50,10 @@ fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
         match (key.kind)() {
             Kind::Section(schema) => section(out, schema, &path, &format!("`[{path}]`")),
             Kind::Sections(schema) => section(out, schema, &path, &format!("`[[{path}]]`, any number")),
+            Kind::Variations(schema) => {
+                section(out, schema, &path, &format!("`[{path}]`"));
+                out.push_str(&format!("\n{}\n", paragraph(key.doc)));
+            }
             _ => {}
         }
     }
@@ -55,18 +61,24 @@ fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
 
 fn value(key: &Key) -> String {
     let unit = if key.unit().is_empty() { String::new() } else { format!(" {}", key.unit()) };
-    let range = format!("{} … {}{unit}", plain(key.rule.low), plain(key.rule.high));
+    let range = match (key.rule.low.is_finite(), key.rule.high.is_finite()) {
+        (true, true) => format!("{} … {}{unit}", plain(key.rule.low), plain(key.rule.high)),
+        (true, false) => format!("from {}{unit}", plain(key.rule.low)),
+        _ => format!("number{unit}"),
+    };
     match (key.kind)() {
         Kind::Number => range,
         Kind::Count => format!("whole, {range}"),
-        Kind::Text => "text".to_owned(),
         Kind::Flag => "true or false".to_owned(),
+        Kind::Text => "text".to_owned(),
         Kind::File => "file name".to_owned(),
         Kind::Files => "file names".to_owned(),
         Kind::Choice(_) => "one of those listed".to_owned(),
         Kind::Material(_) => "material".to_owned(),
         Kind::Pairs => "pairs [°, µm]".to_owned(),
-        Kind::Section(_) | Kind::Sections(_) => "section".to_owned(),
+        Kind::Numbers => format!("list, {range}"),
+        Kind::Texts => "list of texts".to_owned(),
+        Kind::Section(_) | Kind::Sections(_) | Kind::Variations(_) => "section".to_owned(),
     }
 }
 
@@ -75,6 +87,10 @@ fn default(key: &Key) -> String {
         Presence::Required => "required".to_owned(),
         Presence::Optional => "may be left out".to_owned(),
         Presence::Number(number) => plain(number),
+        Presence::Flag(flag) => flag.to_string(),
+        Presence::Numbers(numbers) => {
+            numbers.iter().map(|number| plain(*number)).collect::<Vec<_>>().join(", ")
+        }
         Presence::Word("") => "none".to_owned(),
         Presence::Word(word) => format!("`\"{word}\"`"),
     }

@@ -24,7 +24,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
     let gear_stage = gear_stage(design);
     let disc = disc(design);
     let bearings = bearings(design);
-    let crankshafts = crankshafts(design, &disc, &gear_stage, &bearings);
+    let crankshafts = crankshafts(design);
     let load = &design.load;
     let rated =
         DutyPoint { torque: *load.rated_torque_n_m, input_speed: *load.input_speed_rpm * RPM, share: 1.0 };
@@ -88,7 +88,7 @@ fn ring(design: &DesignSections) -> PinRing {
 
 /// Pins and a ring of cast iron, where the design gives no values: from the pin circle to 1.25 of its radius,
 /// 1.25 times as wide as all discs.
-fn housing(design: &DesignSections) -> Housing {
+fn housing_solid(design: &DesignSections) -> (f64, f64) {
     // EN-GJS-450, the QT450 of Tao2024.
     const CAST_IRON: f64 = 7060.0;
     let ring = ring(design);
@@ -98,9 +98,14 @@ fn housing(design: &DesignSections) -> Housing {
     let pins = ring.pin_count as f64 * pin.0;
     let (hole, solid) =
         (solids::cylinder(2.0 * inner, width, CAST_IRON), solids::cylinder(2.0 * outer, width, CAST_IRON));
+    (pins + solid.0 - hole.0, pins * inner * inner + solid.1 - hole.1)
+}
+
+fn housing(design: &DesignSections) -> Housing {
+    let solid = housing_solid(design);
     Housing {
-        mass: design.housing.mass_kg.unwrap_or(pins + solid.0 - hole.0),
-        inertia: design.housing.inertia_kg_m2.unwrap_or(pins * inner * inner + solid.1 - hole.1),
+        mass: design.housing.mass_kg.unwrap_or(solid.0),
+        inertia: design.housing.inertia_kg_m2.unwrap_or(solid.1),
     }
 }
 
@@ -162,22 +167,28 @@ fn holes(design: &DesignSections) -> Vec<(Bore, Option<std::ops::Range<usize>>)>
     all
 }
 
-fn disc(design: &DesignSections) -> CycloidDisc {
+/// Mass in kg and moment of inertia in kg·m² of one disc as a solid.
+fn disc_solid(design: &DesignSections) -> (f64, f64) {
     let disc = &design.disc;
-    let width = *disc.width_mm * MM;
     let solid = bores(design)
         .iter()
         .fold(Solid::inside_flank(&profile(design)), |solid, (_, bore, _)| solid.without(bore));
-    let mass_per_area = disc.material.density * width;
+    let mass_per_area = disc.material.density * (*disc.width_mm * MM);
+    (mass_per_area * solid.area, mass_per_area * solid.polar_moment)
+}
+
+fn disc(design: &DesignSections) -> CycloidDisc {
+    let disc = &design.disc;
+    let solid = disc_solid(design);
     CycloidDisc {
-        width,
+        width: *disc.width_mm * MM,
         material: disc.material.value.clone(),
         modification: modification(&disc.modification),
         crank_bore_radius: 0.5 * *disc.crank_bore_diameter_mm * MM,
         centre_hole_radius: 0.5 * *disc.centre_hole_diameter_mm * MM,
         holes: holes(design).into_iter().map(|(bore, _)| bore).collect(),
-        mass: disc.mass_kg.unwrap_or(mass_per_area * solid.area),
-        inertia: disc.inertia_kg_m2.unwrap_or(mass_per_area * solid.polar_moment),
+        mass: disc.mass_kg.unwrap_or(solid.0),
+        inertia: disc.inertia_kg_m2.unwrap_or(solid.1),
     }
 }
 
@@ -220,34 +231,89 @@ fn between(points: &[[f64; 2]], phi: f64) -> f64 {
         + h * s * t * (s * slope(left) - t * slope(left + 1))
 }
 
-fn crankshafts(
-    design: &DesignSections,
-    disc: &CycloidDisc,
-    gear_stage: &GearStage,
-    bearings: &BearingSet,
-) -> Crankshafts {
+/// Mass in kg and moment of inertia in kg·m² of one crankshaft with its planet, from cylinders.
+fn crankshaft_solid(design: &DesignSections) -> (f64, f64) {
     let section = &design.crankshafts;
+    let (gear_stage, bearings) = (gear_stage(design), bearings(design));
     let eccentricity = *section.eccentricity_mm * MM;
     let shaft_diameter = *section.shaft_diameter_mm * MM;
+    let disc_width = *design.disc.width_mm * MM;
     let density = section.material.density;
     let discs = *design.disc.count as f64;
     let shaft = solids::cylinder(shaft_diameter, bearings.crank_support_span, density);
     let eccentric_diameter = bearings.turning_arm.pitch_diameter - bearings.turning_arm.roller_diameter;
     // The eccentrics stand around the shaft: what they add to it, shifted by the eccentricity.
-    let eccentric = solids::cylinder(eccentric_diameter, disc.width, density);
-    let core = solids::cylinder(shaft_diameter, disc.width, density);
+    let eccentric = solids::cylinder(eccentric_diameter, disc_width, density);
+    let core = solids::cylinder(shaft_diameter, disc_width, density);
     let added = (eccentric.0 - core.0).max(0.0);
     let added_inertia = (eccentric.1 - core.1).max(0.0) + eccentric.0 * eccentricity * eccentricity;
     let planet = solids::cylinder(2.0 * gear_stage.planet_pitch_radius(), gear_stage.face_width, density);
+    (shaft.0 + discs * added + planet.0, shaft.1 + discs * added_inertia + planet.1)
+}
+
+fn crankshafts(design: &DesignSections) -> Crankshafts {
+    let section = &design.crankshafts;
+    let solid = crankshaft_solid(design);
     Crankshafts {
         count: *section.count,
-        eccentricity,
+        eccentricity: *section.eccentricity_mm * MM,
         first_angle: *section.first_angle_deg * DEG,
-        mass: section.mass_kg.unwrap_or(shaft.0 + discs * added + planet.0),
-        inertia: section.inertia_kg_m2.unwrap_or(shaft.1 + discs * added_inertia + planet.1),
-        shaft_diameter,
+        mass: section.mass_kg.unwrap_or(solid.0),
+        inertia: section.inertia_kg_m2.unwrap_or(solid.1),
+        shaft_diameter: *section.shaft_diameter_mm * MM,
         material: section.material.value.clone(),
     }
+}
+
+/// A mass or moment of inertia that a file gives for a geometry which has been changed since.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StaleMass {
+    /// Path of the key.
+    pub path: &'static str,
+    /// The value given, in the unit of the key.
+    pub given: f64,
+    /// By how much the solid has grown since it was given: what follows geometry would be `given` times this.
+    pub factor: f64,
+}
+
+/// Part of a mass by which its solid must have changed for a given mass to be called stale.
+const STALE: f64 = 1e-3;
+
+/// What `design` gives as `base` did, although the solid is another.
+pub(super) fn stale_masses(base: &DesignSections, design: &DesignSections) -> Vec<StaleMass> {
+    let (before, now) = (given_masses(base), given_masses(design));
+    let stale =
+        now.into_iter().zip(before).filter_map(|((path, given, solid), (_, given_before, solid_before))| {
+            let (given, factor) = (given?, solid / solid_before);
+            (Some(given) == given_before && (factor - 1.0).abs() > STALE).then_some(StaleMass {
+                path,
+                given,
+                factor,
+            })
+        });
+    stale.collect()
+}
+
+/// Every mass and inertia that a file can give, and the solid it belongs to: in kg and kg·m² where the solid is
+/// known, otherwise in proportion to the space it has.
+fn given_masses(design: &DesignSections) -> [(&'static str, Option<f64>, f64); 9] {
+    let (disc, crank, housing) = (disc_solid(design), crankshaft_solid(design), housing_solid(design));
+    let carrier = &design.carrier;
+    let (radius, span) = (*design.ring.pin_circle_radius_mm, *design.bearings.crank_support_span_mm);
+    let bulk = carrier.material.density * radius * radius * span;
+    let gear = &design.gear_stage;
+    let sun = (*gear.module_mm * *gear.sun_teeth as f64).powi(4) * *gear.face_width_mm;
+    [
+        ("disc.mass_kg", *design.disc.mass_kg, disc.0),
+        ("disc.inertia_kg_m2", *design.disc.inertia_kg_m2, disc.1),
+        ("crankshafts.mass_kg", *design.crankshafts.mass_kg, crank.0),
+        ("crankshafts.inertia_kg_m2", *design.crankshafts.inertia_kg_m2, crank.1),
+        ("housing.mass_kg", *design.housing.mass_kg, housing.0),
+        ("housing.inertia_kg_m2", *design.housing.inertia_kg_m2, housing.1),
+        ("carrier.mass_kg", Some(*carrier.mass_kg), bulk),
+        ("carrier.inertia_kg_m2", Some(*carrier.inertia_kg_m2), bulk * radius * radius),
+        ("gear_stage.sun_inertia_kg_m2", Some(*gear.sun_inertia_kg_m2), sun),
+    ]
 }
 
 fn gear_stage(design: &DesignSections) -> GearStage {

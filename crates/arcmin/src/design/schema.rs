@@ -1,4 +1,4 @@
-//! One declaration per section of the design file feeds the reader, the reference chapter of the book and the
+//! One declaration per section of a file feeds the reader, the reference chapter of the book and the
 //! hash.
 
 use std::ops::{Deref, Range};
@@ -7,7 +7,8 @@ use std::ops::{Deref, Range};
 #[derive(Debug, Clone, PartialEq)]
 pub struct At<T> {
     pub value: T,
-    /// Bytes of the value in the file, `None` where the value is a default.
+    /// Bytes of the value in the text that was read, `None` where the value is a default; 0..0 where a
+    /// program has put it ([`Design::with`](crate::design::Design::with)).
     pub span: Option<Range<usize>>,
 }
 
@@ -26,6 +27,8 @@ pub enum Presence {
     Optional,
     Number(f64),
     Word(&'static str),
+    Flag(bool),
+    Numbers(&'static [f64]),
 }
 
 /// Presence of a key and the closed range of numbers accepted.
@@ -61,6 +64,16 @@ pub const fn default_word(word: &'static str) -> Rule {
     Rule { presence: Presence::Word(word), low: 0.0, high: 0.0 }
 }
 
+/// A switch that is `flag` where it is left out.
+pub const fn default_flag(flag: bool) -> Rule {
+    Rule { presence: Presence::Flag(flag), low: 0.0, high: 0.0 }
+}
+
+/// A list of numbers in `low..=high` that is `numbers` where it is left out.
+pub const fn default_numbers(numbers: &'static [f64], low: f64, high: f64) -> Rule {
+    Rule { presence: Presence::Numbers(numbers), low, high }
+}
+
 /// One key of a section.
 #[derive(Debug, Clone, Copy)]
 pub struct Key {
@@ -69,6 +82,8 @@ pub struct Key {
     pub doc: &'static str,
     pub rule: Rule,
     pub kind: fn() -> Kind,
+    /// Whether nothing at all stands for the key where it is left out.
+    pub may_be_absent: bool,
 }
 
 /// What kind of value a key takes.
@@ -76,6 +91,12 @@ pub struct Key {
 pub enum Kind {
     Number,
     Count,
+    /// true or false.
+    Flag,
+    /// Name of a file.
+    File,
+    /// Names of files.
+    Files,
     Text,
     /// true or false.
     Flag,
@@ -86,9 +107,15 @@ pub enum Kind {
     /// One of the words, each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
     /// Name of a material or an inline table with the keys given.
-    Material(&'static [Key]),
+    Material(&'static SectionSchema),
     /// A list of pairs of numbers.
     Pairs,
+    /// A list of numbers.
+    Numbers,
+    /// A list of texts.
+    Texts,
+    /// A table of paths of keys, each with how its value varies.
+    Variations(&'static SectionSchema),
     /// A table of its own.
     Section(&'static SectionSchema),
     /// A list of tables.
@@ -169,15 +196,17 @@ macro_rules! section {
                     doc: concat!($($field_doc, "\n"),*),
                     rule: $rule,
                     kind: <$Type as $crate::design::field::FieldValue>::kind,
+                    may_be_absent: <$Type as $crate::design::field::FieldValue>::MAY_BE_ABSENT,
                 },)*],
             };
         }
 
         impl $crate::design::field::SectionValue for $Name {
-            const SCHEMA: &'static $crate::design::schema::SectionSchema = &$Name::SCHEMA;
+            fn schema() -> &'static $crate::design::schema::SectionSchema {
+                &$Name::SCHEMA
+            }
 
-            fn from_table(table: &$crate::design::field::Table<'_>) -> Result<Self, Box<$crate::design::DesignError>> {
-                table.reject_unknown_keys(&$Name::SCHEMA)?;
+            fn from_table(table: &$crate::design::field::Table<'_>) -> std::result::Result<Self, Box<$crate::design::DesignError>> {
                 let mut keys = $Name::SCHEMA.keys.iter();
                 Ok($Name { $($field: table.read(&mut keys)?,)* })
             }
@@ -197,4 +226,4 @@ macro_rules! section {
     )*};
 }
 
-pub(super) use section;
+pub(crate) use section;

@@ -1,6 +1,7 @@
 //! The sections of the design file that describe the mechanism.
 
-use super::field::{Choice, Section};
+use super::Section;
+use super::field::Choice;
 use super::schema::{At, default, default_word, optional, required, section, word};
 use crate::machine::{FixedMember, PinMounting};
 use crate::materials::Material;

@@ -1,6 +1,7 @@
 //! The sections of the design file that describe supports, losses, loads, wear and limits.
 
-use super::field::{Choice, Section};
+use super::Section;
+use super::field::Choice;
 use super::schema::{default, default_word, optional, required, section, word};
 use super::sections::SECTION_OR_DEFAULTS;
 use crate::machine::RollerKind;

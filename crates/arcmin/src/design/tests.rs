@@ -172,8 +172,11 @@ mod properties {
         fn any_file_gives_an_error_or_a_sound_machine(text in mutated()) {
             match Design::parse(&text, "d.toml") {
                 Err(error) => {
-                    prop_assert!(error.span.end <= text.len() && error.line >= 1 && error.column >= 1);
-                    prop_assert_eq!(text.get(error.span.clone()), Some(error.text.as_str()));
+                    for error in error.all() {
+                        let span = error.span().unwrap();
+                        prop_assert!(span.end <= text.len() && error.line() >= Some(1) && error.column() >= Some(1));
+                        prop_assert_eq!(text.get(span), Some(error.text.as_str()));
+                    }
                 }
                 Ok(design) => sound(&design)?,
             }
@@ -346,8 +349,8 @@ fn wrong_manufacturing_errors_are_answered_with_line_and_remedy() {
     ] {
         let error = Design::parse(&with(lines), "d.toml").unwrap_err();
         assert_eq!(
-            (error.kind.to_string().as_str(), error.hint.as_deref(), error.line),
-            (message, Some(hint), first + line),
+            (error.kind.to_string().as_str(), error.hint(), error.line()),
+            (message, Some(hint), Some(first + line)),
             "{lines}"
         );
     }

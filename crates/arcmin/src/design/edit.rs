@@ -1,0 +1,303 @@
+//! Designs by their keys: list, look up, derive.
+
+use std::sync::Arc;
+
+use super::error::{DesignErrorKind, Source};
+use super::field::SectionValue;
+use super::path::{self, Step};
+use super::schema::{Key, Kind, Presence, SectionSchema};
+use super::tree::{Branch, Entry, Item, Node};
+use super::value::{Value, material_branch};
+use super::{Design, DesignError, DesignSections};
+use crate::materials::Material;
+
+/// A key of a design with what the declaration and the file say about it.
+#[derive(Debug, Clone)]
+pub struct KeyEntry {
+    /// Dotted path with numbers of rows from 0, such as `duty[0].share`.
+    pub path: String,
+    /// Unit as a reader writes it; empty for what has none.
+    pub unit: &'static str,
+    /// Least and largest number accepted, for numbers, counts and lists of them.
+    pub range: Option<[f64; 2]>,
+    /// What stands for the key where it is left out; [`Value::LeftOut`] if nothing does.
+    pub default: Value,
+    /// Whether its section must have it.
+    pub required: bool,
+    pub kind: Kind,
+    /// What it means, in Markdown on one line.
+    pub documentation: String,
+    /// What holds in this design.
+    pub value: Value,
+    /// Whether the file gives it.
+    pub written: bool,
+}
+
+impl Design {
+    /// Every key of the design, in the order of the reference: those of optional sections that the file does
+    /// not have, too (their value is [`Value::LeftOut`]); rows of lists as far as the file has them.
+    pub fn keys(&self) -> Vec<KeyEntry> {
+        let mut out = Vec::new();
+        list(&DesignSections::SCHEMA, Some(&self.tree), true, "", &mut out);
+        out
+    }
+
+    /// The value of a key in its unit, written or by default.
+    ///
+    /// ```
+    /// use arcmin::design::Value;
+    /// let design = arcmin::templates::design("rv-40e-81").unwrap();
+    /// assert_eq!(design.get("crankshafts.eccentricity_mm")?, Value::Number(1.3));
+    /// assert_eq!(design.get("duty[0].share")?, Value::Number(1.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A path that leads to no value, with the nearest one as hint.
+    pub fn get(&self, path: &str) -> Result<Value, Box<DesignError>> {
+        let source = self.source();
+        let target = path::find(path, "", DesignSections::schema(), &source)?;
+        if !target.is_value() {
+            let hint = format!("`{path}` is a section: ask for one of its keys");
+            return Err(source.error_at_path(no_value(path), path, hint));
+        }
+        look_up(&DesignSections::SCHEMA, Some(&self.tree), &target.steps, true)
+            .map_err(|rows| no_row(path, rows, &source))
+    }
+
+    /// The design with one key set: what every sweep, tolerance and optimisation is made of.
+    ///
+    /// It is read and judged exactly as if the file had the new value; masses and inertias that the file
+    /// leaves out follow, those it gives stay (see [`Design::stale_masses`]). [`Value::LeftOut`] takes a key
+    /// out. Comments and layout of the text are kept ([`Design::text`]).
+    ///
+    /// ```
+    /// let design = arcmin::templates::design("rv-40e-81").unwrap();
+    /// let wider = design.with("disc.width_mm", 9.5)?;
+    /// assert_eq!(wider.get("disc.width_mm")?, 9.5.into());
+    /// assert!(wider.text().contains("width_mm = 9.5 "));
+    /// let error = design.with("disc.widht_mm", 9.5).unwrap_err();
+    /// assert_eq!(error.hint(), Some("did you mean `disc.width_mm`?"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// An unknown path, with the nearest one as hint; a value that a file could not have either, with the
+    /// same message, place (in the changed text) and hint.
+    pub fn with(&self, path: &str, value: impl Into<Value>) -> Result<Design, Box<DesignError>> {
+        self.with_all([(path, value)])
+    }
+
+    /// The design with several keys set at once, in this order: for keys that only go together, such as
+    /// `ring.pin_count` and `disc.lobe_count`. See [`Design::with`].
+    ///
+    /// # Errors
+    /// As [`Design::with`].
+    pub fn with_all<P: AsRef<str>, V: Into<Value>>(
+        &self,
+        changes: impl IntoIterator<Item = (P, V)>,
+    ) -> Result<Design, Box<DesignError>> {
+        let source = self.source();
+        let mut tree = self.tree.clone();
+        let mut all = self.changes.to_vec();
+        for (path, value) in changes {
+            let (path, value) = (path.as_ref(), value.into());
+            let written = value.to_string();
+            let target = path::find(path, &written, DesignSections::schema(), &source)?;
+            let node = value.node();
+            if node.is_some() && (target.row || !target.is_value()) {
+                let hint = format!("`{path}` is a section: set its keys, or leave it out as a whole");
+                return Err(source.error_at_path(no_value(path), path, hint));
+            }
+            set(&mut tree, &target.steps, node.as_ref()).map_err(|rows| no_row(path, rows, &source))?;
+            all.push(Change {
+                steps: target.steps,
+                whole: matches!((target.key.kind)(), Kind::Count),
+                value,
+            });
+        }
+        match Design::from_tree(self.base.clone(), tree, all) {
+            Ok(design) => Ok(design),
+            Err((error, changes)) => {
+                // What is wrong is told as the file would: with its place in the changed text.
+                let text = super::text::edited(&self.base.text, &changes);
+                match Design::parse(&text, &self.base.file_name) {
+                    Err(error) => Err(error),
+                    Ok(_) => Err(Box::new(DesignError { place: None, ..*error })),
+                }
+            }
+        }
+    }
+
+    pub(super) fn source(&self) -> Source<'_> {
+        Source { text: &self.base.text, file_name: &self.base.file_name, title: super::TITLE }
+    }
+}
+
+/// One key that differs from the text a design was read from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Change {
+    pub steps: Vec<Step>,
+    /// Whether it is a count, which is written without a fraction.
+    pub whole: bool,
+    pub value: Value,
+}
+
+fn no_value(path: &str) -> DesignErrorKind {
+    DesignErrorKind::Contradiction { message: format!("`{path}` is no single value") }
+}
+
+fn no_row(path: &str, rows: usize, source: &Source<'_>) -> Box<DesignError> {
+    let message = format!("`{path}` does not exist: the design has {rows} of these rows, counted from 0");
+    let hint = format!(
+        "write {0}, or [{rows}] with all its required keys to add one",
+        match rows {
+            0 => "no row".to_owned(),
+            _ => format!("a number from 0 to {}", rows - 1),
+        }
+    );
+    source.error_at_path(DesignErrorKind::Contradiction { message }, path, hint)
+}
+
+/// What stands for a key that is left out of a section that is there.
+fn default(key: &Key) -> Value {
+    match (key.rule.presence, (key.kind)()) {
+        (Presence::Number(number), Kind::Count) => Value::Count(number as usize),
+        (Presence::Number(number), _) => Value::Number(number),
+        (Presence::Word(word), _) => Value::Text(word.to_owned()),
+        (Presence::Flag(flag), _) => Value::Flag(flag),
+        (Presence::Numbers(numbers), _) => Value::Numbers(numbers.to_vec()),
+        (Presence::Optional, Kind::Pairs) => Value::Pairs(Vec::new()),
+        (Presence::Optional, Kind::Texts | Kind::Files) => Value::Texts(Vec::new()),
+        (Presence::Optional | Presence::Required, _) => Value::LeftOut,
+    }
+}
+
+/// The value at the end of the steps; `there` tells whether the section is, written or by default. The error
+/// is the number of rows of a list that has fewer than asked for.
+pub(super) fn look_up(
+    schema: &SectionSchema,
+    branch: Option<&Branch>,
+    steps: &[Step],
+    there: bool,
+) -> Result<Value, usize> {
+    let [Step::Key(name), rest @ ..] = steps else { return Ok(Value::LeftOut) };
+    let Some(key) = schema.keys.iter().find(|key| key.name == name) else { return Ok(Value::LeftOut) };
+    let item = branch.and_then(|branch| branch.get(name));
+    match ((key.kind)(), item.map(|item| &item.node), rest) {
+        (kind, Some(node), []) => Ok(Value::of(node, kind)),
+        (_, None, []) => Ok(if there { default(key) } else { Value::LeftOut }),
+        (Kind::Section(inner) | Kind::Material(inner), Some(Node::Table(branch)), _) => {
+            look_up(inner, Some(branch), rest, there)
+        }
+        (Kind::Section(inner), _, _) => look_up(inner, None, rest, there && !key.may_be_absent),
+        (Kind::Material(inner), Some(Node::Text(name)), _) => {
+            let named = Material::by_name(name).map(|material| material_branch(&material));
+            look_up(inner, named.as_ref(), rest, named.is_some())
+        }
+        (Kind::Sections(inner), rows, [Step::Row(row), rest @ ..]) => {
+            let rows = match rows {
+                Some(Node::List(rows)) => &rows[..],
+                _ => &[],
+            };
+            match rows.get(*row).map(|item| &item.node) {
+                Some(Node::Table(branch)) => look_up(inner, Some(branch), rest, there),
+                _ => Err(rows.len()),
+            }
+        }
+        _ => Ok(Value::LeftOut),
+    }
+}
+
+fn list(schema: &SectionSchema, branch: Option<&Branch>, there: bool, prefix: &str, out: &mut Vec<KeyEntry>) {
+    for key in schema.keys {
+        let path = super::field::join(prefix, key.name);
+        let node = branch.and_then(|branch| branch.get(key.name)).map(|item| &item.node);
+        let kind = (key.kind)();
+        match (kind, node) {
+            (Kind::Section(inner), Some(Node::Table(branch))) => list(inner, Some(branch), there, &path, out),
+            (Kind::Section(inner), _) => list(inner, None, there && !key.may_be_absent, &path, out),
+            (Kind::Sections(inner), Some(Node::List(rows))) => {
+                for (index, row) in rows.iter().enumerate() {
+                    if let Node::Table(branch) = &row.node {
+                        list(inner, Some(branch), there, &format!("{path}[{index}]"), out);
+                    }
+                }
+            }
+            (Kind::Sections(_) | Kind::Variations(_), _) => {}
+            _ => {
+                let value = match node {
+                    Some(node) => Value::of(node, kind),
+                    None if there => default(key),
+                    None => Value::LeftOut,
+                };
+                let numeric = matches!(kind, Kind::Number | Kind::Count | Kind::Numbers | Kind::Pairs);
+                out.push(KeyEntry {
+                    path,
+                    unit: key.unit(),
+                    range: numeric.then_some([key.rule.low, key.rule.high]),
+                    default: default(key),
+                    required: key.rule.presence == Presence::Required,
+                    kind,
+                    documentation: key.doc.split_whitespace().collect::<Vec<_>>().join(" "),
+                    value,
+                    written: node.is_some(),
+                });
+            }
+        }
+    }
+}
+
+/// Sets or, with `None`, takes out what the steps lead to. The error is the number of rows of a list that has
+/// fewer than asked for.
+fn set(branch: &mut Branch, steps: &[Step], node: Option<&Node>) -> Result<(), usize> {
+    let [Step::Key(name), rest @ ..] = steps else { return Ok(()) };
+    let place = branch.entries.iter().position(|entry| &*entry.key == name.as_str());
+    let index = match (place, node) {
+        (Some(index), None) if rest.is_empty() => {
+            branch.entries.remove(index);
+            return Ok(());
+        }
+        (Some(index), _) => index,
+        (None, None) => return Ok(()),
+        (None, Some(_)) => {
+            let empty = match rest.first() {
+                Some(Step::Row(_)) => Node::List(Arc::default()),
+                _ => Node::Table(Arc::default()),
+            };
+            let item = Item::made(empty);
+            branch.entries.push(Entry { key: name.as_str().into(), key_span: 0..0, item });
+            branch.entries.len() - 1
+        }
+    };
+    let item = &mut branch.entries[index].item;
+    if let (Node::Text(name), false) = (&item.node, rest.is_empty()) {
+        // A part of a material that was given by name: the others stay.
+        let parts = Material::by_name(name).map(|material| material_branch(&material)).unwrap_or_default();
+        *item = Item::made(Node::Table(Arc::new(parts)));
+    }
+    match (rest, &mut item.node, node) {
+        ([], _, Some(node)) => *item = Item::made(node.clone()),
+        ([Step::Row(row)], Node::List(rows), None) => {
+            if *row >= rows.len() {
+                return Err(rows.len());
+            }
+            Arc::make_mut(rows).remove(*row);
+        }
+        ([Step::Row(row), rest @ ..], Node::List(rows), _) => {
+            let rows = Arc::make_mut(rows);
+            if *row > rows.len() || (node.is_none() && *row == rows.len()) {
+                return Err(rows.len());
+            }
+            if *row == rows.len() {
+                rows.push(Item::made(Node::Table(Arc::default())));
+            }
+            if let Node::Table(inner) = &mut rows[*row].node {
+                set(Arc::make_mut(inner), rest, node)?;
+            }
+        }
+        (rest, Node::Table(inner), _) => set(Arc::make_mut(inner), rest, node)?,
+        _ => {}
+    }
+    Ok(())
+}

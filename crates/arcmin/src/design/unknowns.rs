@@ -1,0 +1,81 @@
+//! What nobody knows exactly: keys of the design with what they may be.
+
+use super::DesignSections;
+use super::consistency::contradiction;
+use super::edit::look_up;
+use super::error::Source;
+use super::field::Result;
+use super::hint::plain;
+use super::path;
+use super::schema::{Key, Kind};
+use super::tree::Branch;
+use super::variation::{Distribution, Variation, Varied};
+
+/// A value of the design that is not known exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unknown {
+    /// Path of the key.
+    pub path: String,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// What the design says.
+    pub nominal: f64,
+    pub variation: Variation,
+    /// What it may be.
+    pub distribution: Distribution,
+}
+
+/// All unknowns of a design; each names a numeric key that has a value, varies within what the key accepts, and
+/// has its nominal value inside.
+pub(super) fn unknowns(design: &DesignSections, tree: &Branch, source: &Source) -> Result<Vec<Unknown>> {
+    design.unknowns.0.iter().map(|varied| unknown(varied, tree, source)).collect()
+}
+
+fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Unknown> {
+    let at = |message: String, hint: &str| contradiction(source, &Some(varied.span.clone()), message, hint);
+    let path = &varied.path;
+    let target = path::find(path, "", &DesignSections::SCHEMA, source)
+        .map_err(|error| source.error(error.kind, varied.path_span.clone(), error.hint))?;
+    let numeric = matches!((target.key.kind)(), Kind::Number | Kind::Count) && !target.row;
+    let nominal = match look_up(&DesignSections::SCHEMA, Some(tree), &target.steps, true) {
+        Ok(value) if numeric => value.as_number(),
+        _ => None,
+    };
+    let Some(nominal) = nominal else {
+        return Err(contradiction(
+            source,
+            &Some(varied.path_span.clone()),
+            format!("`{path}` has no number in this design that could be unknown"),
+            "name a key with a number that the design gives or leaves to its default",
+        ));
+    };
+    let distribution =
+        varied.variation.about(nominal).map_err(|why| at(format!("`{path}` cannot vary so"), &why))?;
+    let [low, high] = distribution.bounds();
+    let Key { rule, .. } = target.key;
+    let unit = target.key.unit();
+    if low < rule.low || high > rule.high {
+        let message = format!(
+            "`{path}` would vary from {} to {}, beyond what this program believes",
+            plain(low),
+            plain(high)
+        );
+        let space = if unit.is_empty() { "" } else { " " };
+        return Err(at(
+            message,
+            &format!("{} to {}{space}{unit} are believable", plain(rule.low), plain(rule.high)),
+        ));
+    }
+    // A bound computed from the nominal value may miss it by rounding.
+    let slack = 1e-12 * nominal.abs();
+    if nominal < low - slack || nominal > high + slack {
+        let message = format!(
+            "`{path}` is {} in this design, outside of {} to {}, between which it is said to lie",
+            plain(nominal),
+            plain(low),
+            plain(high)
+        );
+        return Err(at(message, "correct the one or the other"));
+    }
+    Ok(Unknown { path: path.clone(), unit, nominal, variation: varied.variation.clone(), distribution })
+}
