@@ -18,6 +18,7 @@ pub mod materials;
 pub mod progress;
 pub mod report;
 pub mod rig;
+pub mod tables;
 pub mod templates;
 pub mod units;
 pub mod wear;
