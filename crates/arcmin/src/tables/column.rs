@@ -1,0 +1,169 @@
+use super::unit::{self, Dimension};
+
+/// A column that a table may or must have, named like a key of the design: what it is and its unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    pub(super) name: &'static str,
+    pub(super) aliases: &'static [&'static str],
+    pub(super) holds: Holds,
+    pub(super) required: bool,
+    pub(super) blanks: bool,
+    pub(super) order: Order,
+    pub(super) within: (f64, f64),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Holds {
+    Numbers,
+    Words,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    Any,
+    Rising,
+    NotFalling,
+}
+
+impl Column {
+    /// A column of finite numbers, required, in any order. A unit at the end of the name is the one in which
+    /// the numbers are given back.
+    pub const fn number(name: &'static str) -> Column {
+        Column {
+            name,
+            aliases: &[],
+            holds: Holds::Numbers,
+            required: true,
+            blanks: false,
+            order: Order::Any,
+            within: (f64::NEG_INFINITY, f64::INFINITY),
+        }
+    }
+
+    /// A column of words, required.
+    pub const fn words(name: &'static str) -> Column {
+        Column { holds: Holds::Words, blanks: true, ..Column::number(name) }
+    }
+
+    /// The table may do without it.
+    pub const fn optional(self) -> Column {
+        Column { required: false, ..self }
+    }
+
+    /// Other names without units that mean the same.
+    pub const fn also(self, aliases: &'static [&'static str]) -> Column {
+        Column { aliases, ..self }
+    }
+
+    /// Fields may be empty; [`super::Table::gaps`] gives them back.
+    pub const fn with_gaps(self) -> Column {
+        Column { blanks: true, ..self }
+    }
+
+    /// Each number is larger than the one before.
+    pub const fn rising(self) -> Column {
+        Column { order: Order::Rising, ..self }
+    }
+
+    /// No number is smaller than the one before.
+    pub const fn not_falling(self) -> Column {
+        Column { order: Order::NotFalling, ..self }
+    }
+
+    /// Believable numbers, in the unit of the name.
+    pub const fn within(self, low: f64, high: f64) -> Column {
+        Column { within: (low, high), ..self }
+    }
+
+    pub(super) fn quantity(&self) -> &'static str {
+        unit::split(self.name).0
+    }
+}
+
+/// How a name in a header fits a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Fit {
+    /// Not this column.
+    No,
+    /// This column; its numbers times the factor are in the unit asked for.
+    Yes(f64),
+    /// This column, but without a unit.
+    NoUnit,
+    /// This column with a unit that measures something else, or is not known.
+    WrongUnit(Dimension),
+}
+
+/// A name of a header in lower case with single underscores, and what stood in brackets behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Name {
+    key: String,
+    bracket: Option<String>,
+}
+
+impl Name {
+    pub(super) fn new(written: &str) -> Name {
+        let written = written.trim();
+        let (before, bracket) = match written.find(['[', '(']) {
+            Some(at) if written.ends_with([']', ')']) => {
+                let inner = &written[at + 1..];
+                let inner = &inner[..inner.len() - 1];
+                (&written[..at], Some(inner.trim().to_owned()))
+            }
+            _ => (written, None),
+        };
+        let mut key = String::with_capacity(before.len());
+        for c in before.trim().chars() {
+            if c.is_alphanumeric() {
+                key.extend(c.to_lowercase());
+            } else if !key.ends_with('_') && !key.is_empty() {
+                key.push('_');
+            }
+        }
+        key.truncate(key.trim_end_matches('_').len());
+        let bracket = bracket.filter(|text| !matches!(text.as_str(), "" | "-" | "1"));
+        Name { key, bracket }
+    }
+
+    pub(super) fn fits(&self, column: &Column) -> Fit {
+        let (quantity, wanted) = unit::split(column.name);
+        std::iter::once(quantity)
+            .chain(column.aliases.iter().copied())
+            .map(|quantity| self.fits_quantity(quantity, wanted))
+            .find(|fit| *fit != Fit::No)
+            .unwrap_or(Fit::No)
+    }
+
+    fn fits_quantity(&self, quantity: &str, wanted: Option<&'static unit::Unit>) -> Fit {
+        let Some(rest) = self.key.strip_prefix(quantity) else { return Fit::No };
+        let given = match (rest.strip_prefix('_'), &self.bracket) {
+            (None, _) if !rest.is_empty() => return Fit::No,
+            (None, None) => None,
+            (None, Some(bracket)) => match unit::by_writing(bracket) {
+                Some(unit) => Some(unit),
+                None => {
+                    return match wanted {
+                        Some(wanted) => Fit::WrongUnit(wanted.dimension),
+                        None => Fit::No,
+                    };
+                }
+            },
+            // `torque_limit_n_m` is another quantity than `torque_n_m`; units in both places are one too many.
+            (Some(ending), None) => match unit::by_ending(ending) {
+                Some(unit) => Some(unit),
+                None => return Fit::No,
+            },
+            (Some(_), Some(_)) => return Fit::No,
+        };
+        match (given, wanted) {
+            (None, None) => Fit::Yes(1.0),
+            (None, Some(_)) => Fit::NoUnit,
+            (Some(given), Some(wanted)) if given.dimension == wanted.dimension => {
+                // The same unit leaves every bit as written.
+                Fit::Yes(if given.size == wanted.size { 1.0 } else { given.size / wanted.size })
+            }
+            (Some(_), Some(wanted)) => Fit::WrongUnit(wanted.dimension),
+            (Some(given), None) if given.dimension == Dimension::Share => Fit::Yes(given.size),
+            (Some(_), None) => Fit::No,
+        }
+    }
+}

@@ -1,0 +1,234 @@
+use super::*;
+use proptest::prelude::*;
+
+fn form() -> Form {
+    Form::new(&[
+        Column::number("hours").not_falling(),
+        Column::number("depth_um").also(&["wear_depth"]).within(-500.0, 500.0),
+        Column::words("note").optional(),
+    ])
+}
+
+fn read(text: &str) -> Result<Table, TableError> {
+    form().read(text.as_bytes(), "t.csv")
+}
+
+fn depths(text: &str) -> Vec<f64> {
+    read(text).unwrap().numbers("depth_um").unwrap().to_vec()
+}
+
+fn refused(text: &str) -> (Option<usize>, TableErrorKind) {
+    let error = read(text).unwrap_err();
+    assert!(!error.remedy().is_empty());
+    (error.line, error.kind)
+}
+
+#[test]
+fn the_same_table_in_every_dialect() {
+    for text in [
+        "hours,depth_um\n0,1.5\n10,2\n",
+        "depth_um,hours\r\n1.5,0\r\n2,10",
+        "\u{feff}hours;depth_um\n0;1,5\n10;2,0\n",
+        "# of the shop\n\nhours\tdepth_um\n0\t1,5\n  # half way\n10\t2\n\n",
+        "sep=;\nHours;Depth [µm]\r0;1.5\r10;2\r",
+        "hours,\"depth (mm)\"\n0,0.0015\n10,2e-3\n",
+        "hours,depth_um,\n0,1.5,\n10,2,\n,,\n",
+        "hours,depth_um\n\"0\",\"1,5\"\n\"10\",\"2,0\"\n",
+        "Hours;wear depth (um);NOTE\n0;1,5;\"x;y\"\n10;2;\n",
+    ] {
+        let table = read(text).unwrap_or_else(|e| panic!("{text:?}: {e}"));
+        assert_eq!(table.numbers("hours").unwrap(), [0.0, 10.0], "{text:?}");
+        let depths = table.numbers("depth_um").unwrap();
+        assert!((depths[0] - 1.5).abs() < 1e-15 && depths[1] == 2.0, "{text:?}: {depths:?}");
+    }
+}
+
+#[test]
+fn encodings() {
+    let text = "hours;depth [µm]\n0;−1,25\n";
+    let sixteen: Vec<u8> =
+        [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    assert_eq!(form().read(&sixteen, "t").unwrap().numbers("depth_um").unwrap(), [-1.25]);
+    let big: Vec<u8> =
+        [0xfe, 0xff].into_iter().chain(text.encode_utf16().flat_map(u16::to_be_bytes)).collect();
+    assert_eq!(form().read(&big, "t").unwrap().numbers("depth_um").unwrap(), [-1.25]);
+    let latin = b"hours;depth [\xb5m]\n0;1,25\n";
+    assert_eq!(form().read(latin, "t").unwrap().numbers("depth_um").unwrap(), [1.25]);
+    assert_eq!(form().read(b"hours;depth_um\n0;\x93\n", "t").unwrap_err().kind, TableErrorKind::NotText);
+    assert_eq!(form().read(b"PK\x03\x04", "t").unwrap_err().kind, TableErrorKind::ControlCharacter(3));
+}
+
+/// The two files that were once read as (1, 0) and as 1 µm, and their like.
+#[test]
+fn trap_decimal_commas_between_commas() {
+    let counts = |text: &str| matches!(refused(text), (Some(2), TableErrorKind::FieldCount { .. }));
+    assert!(counts("hours,depth_um\n1,0,078\n"));
+    assert!(counts("hours,depth_um\n37,1,54\n"));
+    // Enough fields, if only by a name that is left out.
+    assert!(matches!(
+        refused("hours,depth_um,note\n1,0,078\n1,2\n").1,
+        TableErrorKind::FieldCount { header: 3, found: 2, .. }
+    ));
+    let three = Form::new(&[Column::number("a"), Column::number("b"), Column::number("c")]);
+    let error = three.read(b"a,b,c\n1,0,078\n", "t").unwrap_err();
+    assert!(matches!(error.kind, TableErrorKind::LeadingZero { .. }), "{error}");
+    // One column: a comma cannot be told from a separator.
+    let one = Form::new(&[Column::number("a")]);
+    assert!(matches!(
+        one.read(b"a\n0,078\n", "t").unwrap_err().kind,
+        TableErrorKind::FieldCount { header: 1, .. }
+    ));
+    assert_eq!(one.read(b"a\n0.078\n", "t").unwrap().numbers("a").unwrap(), [0.078]);
+}
+
+#[test]
+fn thousands_are_not_decimals() {
+    assert!(matches!(
+        refused("hours;depth_um\n0;1,5\n1;2.5\n"),
+        (Some(2), TableErrorKind::MixedMarks { point: 3 })
+    ));
+    for field in ["1.234,5", "1,234.5", "1'234", "1 234", "1,234,567", "1\u{a0}234"] {
+        let (line, kind) = refused(&format!("hours;depth_um\n0;{field}\n"));
+        assert!(line == Some(2) && matches!(kind, TableErrorKind::Grouped { .. }), "{field} {kind}");
+    }
+    let tab = |rest: &str| format!("hours\tdepth_um\n0\t1,234\n{rest}");
+    assert!(matches!(refused(&tab("")), (Some(2), TableErrorKind::AmbiguousComma { .. })));
+    assert!(matches!(refused("hours,depth_um\n0,\"1,234\"\n").1, TableErrorKind::AmbiguousComma { .. }));
+    assert_eq!(depths(&tab("1\t0,5\n")), [1.234, 0.5]);
+    assert_eq!(depths("hours;depth_um\n0;1,234\n"), [1.234]);
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_line() {
+    use TableErrorKind::*;
+    let cases: &[(&str, Option<usize>, fn(&TableErrorKind) -> bool)] = &[
+        ("", None, |k| *k == Empty),
+        ("# only words\n", None, |k| *k == Empty),
+        ("hours,depth_um\n", Some(1), |k| *k == NoRows),
+        ("0,1.5\n10,2\n", Some(1), |k| matches!(k, NoHeader { .. })),
+        ("0;1,5\n10;2\n", Some(1), |k| matches!(k, NoHeader { .. })),
+        ("#x\nhours,depth_um,colour\n0,1,2\n", Some(2), |k| matches!(k, Unknown { .. })),
+        ("hours,depth\n0,1\n", Some(1), |k| matches!(k, NoUnit { .. })),
+        ("hours,depth_deg\n0,1\n", Some(1), |k| matches!(k, WrongUnit { .. })),
+        ("hours,depth [in]\n0,1\n", Some(1), |k| matches!(k, WrongUnit { .. })),
+        ("hours,depth_um,depth_mm\n0,1,1\n", Some(1), |k| matches!(k, Twice { .. })),
+        ("depth_um\n0\n", Some(1), |k| matches!(k, Missing { .. })),
+        ("hours;depth_um,note\n0;1\n", Some(1), |k| matches!(k, MixedSeparators { .. })),
+        ("hours,depth_um\n0,1\n\n# c\n5,\n", Some(5), |k| matches!(k, Blank { .. })),
+        ("hours,depth_um\n0,1\n5,NaN\n", Some(3), |k| matches!(k, NotANumber { .. })),
+        ("hours,depth_um\n0,inf\n", Some(2), |k| matches!(k, NotANumber { .. })),
+        ("hours,depth_um\n0,1e999\n", Some(2), |k| matches!(k, NotANumber { .. })),
+        ("hours,depth_um\n0,0x1f\n", Some(2), |k| matches!(k, NotANumber { .. })),
+        ("hours,depth_um\n0;1\n", Some(2), |k| matches!(k, FieldCount { .. })),
+        ("hours,depth_um,\n0,1,2\n", Some(2), |k| *k == Unnamed(3)),
+        ("hours,depth_um\n5,1\n0,1\n", Some(3), |k| matches!(k, Order { .. })),
+        ("hours,depth_um\n5,1e4\n", Some(2), |k| matches!(k, Unbelievable { .. })),
+        ("hours,depth_um\n5,\"1\n6,2\n", Some(2), |k| *k == OpenQuote),
+        ("hours,depth_um\n5,1\u{1b}[2J\n", Some(2), |k| *k == ControlCharacter(27)),
+    ];
+    for (text, line, is) in cases {
+        let (found, kind) = refused(text);
+        assert!(found == *line && is(&kind), "{text:?}: {found:?} {kind:?}");
+    }
+}
+
+#[test]
+fn limits_gaps_and_strangers() {
+    let small = form().with_limits(Limits { bytes: 60, rows: 2, columns: 3 });
+    assert!(matches!(
+        small.read(b"hours,depth_um\n0,1\n1,1\n2,1\n", "t").unwrap_err(),
+        TableError { line: Some(4), kind: TableErrorKind::TooLarge { .. }, .. }
+    ));
+    assert!(matches!(small.read(&[b'x'; 61], "t").unwrap_err().kind, TableErrorKind::TooLarge { .. }));
+    let log = Form::new(&[Column::number("torque_n_m").with_gaps()]).with_others();
+    let table = log.read(b"state,Torque (Nm),torque_limit_n_m\n7a,,3\nok,2.5,3\n", "t").unwrap();
+    assert_eq!(table.gaps("torque_n_m").unwrap(), [None, Some(2.5)]);
+    assert_eq!(table.numbers("torque_n_m").unwrap_err().line, Some(2));
+    assert_eq!(table.wrong(1, "a", "b").line, Some(3));
+    assert!(table.numbers("x").is_err() && table.words("torque_n_m").is_err() && !table.has("x"));
+}
+
+#[test]
+fn messages_verbatim() {
+    let error = read("hours,depth_um\n37,1,54\n").unwrap_err();
+    assert_eq!(error.to_string(), "t.csv, line 2: the header names 2 columns, but here are 3 fields");
+    assert_eq!(
+        error.remedy(),
+        "if these are decimal commas, separate the fields by semicolons or write decimal points"
+    );
+    let error = read("hours,depth\n0,1\n").unwrap_err();
+    assert_eq!(error.to_string(), "t.csv, line 1: the column \"depth\" does not say its unit");
+    assert_eq!(error.remedy(), "name it depth with one of the endings _m, _mm, _um");
+}
+
+/// A table as a spreadsheet writes it.
+fn written(numbers: &[(f64, f64)], separator: char, mark: char, end: &str) -> String {
+    let number = |x: f64| x.to_string().replace('.', &mark.to_string());
+    let mut text = format!("a{separator}b{end}");
+    for (a, b) in numbers {
+        text += &format!("{}{separator}{}{end}", number(*a), number(*b));
+    }
+    text
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// What was written with `;` and `,` reads back to the same bits; so does every other dialect.
+    #[test]
+    fn round_trip(numbers in prop::collection::vec((-1e6..1e6_f64, prop::num::f64::NORMAL), 1..20), crlf: bool) {
+        let form = Form::new(&[Column::number("a"), Column::number("b")]);
+        let end = if crlf { "\r\n" } else { "\n" };
+        for (separator, mark) in [(';', ','), (';', '.'), (',', '.'), ('\t', '.')] {
+            let table = form.read(written(&numbers, separator, mark, end).as_bytes(), "t").unwrap();
+            let back: Vec<(f64, f64)> =
+                table.numbers("a").unwrap().iter().copied().zip(table.numbers("b").unwrap().iter().copied()).collect();
+            prop_assert_eq!(&back, &numbers);
+        }
+        // With a comma for both, nothing is read or it is what was written.
+        if let Ok(table) = form.read(written(&numbers, ',', ',', end).as_bytes(), "t") {
+            prop_assert_eq!(table.numbers("a").unwrap(), numbers.iter().map(|n| n.0).collect::<Vec<_>>());
+        }
+    }
+
+    /// A thousand hostile tables: any bytes, and tables that were cut, doubled and peppered.
+    #[test]
+    fn hostile_bytes(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let _ = form().read(&bytes, "t");
+        let _ = form().with_others().read(&bytes, "t");
+    }
+
+    #[test]
+    fn hostile_tables(
+        text in "(hours|depth_um|depth|note|sep=|[;,\t\"#]|\n|\r\n|[0-9]{1,3}|[.,]|-|e9|nan|\\[|µ|\u{feff}| ){0,60}",
+        at in 0usize..60,
+        odd in any::<u8>(),
+    ) {
+        for form in [form(), form().with_others()] {
+            if let Ok(table) = form.read(text.as_bytes(), "t") {
+                prop_assert!(table.numbers("depth_um").unwrap().iter().all(|x| x.is_finite()));
+                prop_assert_eq!(table.numbers("hours").unwrap().len(), table.len());
+            }
+            let mut bytes = format!("hours;depth_um;note\n0;1,5;a\n{text}\n").into_bytes();
+            let at = at % bytes.len();
+            bytes[at] = odd;
+            if let Err(error) = form.read(&bytes, "t") {
+                let harmless = error.to_string().chars().all(|c| !c.is_control());
+                prop_assert!(harmless && !error.remedy().is_empty());
+            }
+        }
+    }
+}
+
+/// A million rows are read in one pass; the lines of the last rows are right.
+#[test]
+fn long_tables_keep_their_lines() {
+    let mut text = String::from("time_s,torque_n_m\n");
+    for i in 0..200_000 {
+        text += if i % 1000 == 0 { "# mark\n\n" } else { "" };
+        text += &format!("{}e-3,{}\n", i, f64::from(i % 777) * 0.37);
+    }
+    let form = Form::new(&[Column::number("time_s").rising(), Column::number("torque_n_m")]);
+    let table = form.read(text.as_bytes(), "t").unwrap();
+    assert_eq!((table.len(), table.line(0), table.line(199_999)), (200_000, 4, 200_401));
+}

@@ -1,0 +1,109 @@
+//! Units that a column may be written in.
+
+/// What a unit measures; columns are converted within one dimension only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Dimension {
+    Length,
+    Angle,
+    AngularSpeed,
+    AngularAcceleration,
+    Time,
+    Force,
+    Torque,
+    Pressure,
+    Current,
+    Mass,
+    Temperature,
+    Power,
+    Share,
+}
+
+/// A unit: how it ends a key (`torque_n_m`), how it is written in brackets (`torque [N·m]`), its size in SI.
+#[derive(Debug)]
+pub(super) struct Unit {
+    pub dimension: Dimension,
+    pub endings: &'static [&'static str],
+    pub written: &'static [&'static str],
+    pub size: f64,
+}
+
+use crate::units::{ARCMIN, ARCSEC, DEG, RPM};
+use Dimension::*;
+
+const fn unit(
+    dimension: Dimension,
+    endings: &'static [&'static str],
+    written: &'static [&'static str],
+    size: f64,
+) -> Unit {
+    Unit { dimension, endings, written, size }
+}
+
+/// Bracketed forms are compared with case: `mN` and `MN` differ by nine powers of ten.
+const UNITS: &[Unit] = &[
+    unit(Length, &["m"], &["m"], 1.0),
+    unit(Length, &["mm"], &["mm"], 1e-3),
+    unit(Length, &["um"], &["um", "µm", "μm"], 1e-6),
+    unit(Angle, &["rad"], &["rad"], 1.0),
+    unit(Angle, &["mrad"], &["mrad"], 1e-3),
+    unit(Angle, &["deg"], &["deg", "°", "degrees"], DEG),
+    unit(Angle, &["arcmin"], &["arcmin", "'", "′"], ARCMIN),
+    unit(Angle, &["arcsec"], &["arcsec", "″"], ARCSEC),
+    unit(AngularSpeed, &["rad_s", "rad_per_s"], &["rad/s"], 1.0),
+    unit(AngularSpeed, &["deg_s", "deg_per_s"], &["deg/s", "°/s"], DEG),
+    unit(AngularSpeed, &["rpm"], &["rpm", "1/min", "min-1", "U/min", "r/min"], RPM),
+    unit(AngularAcceleration, &["rad_s2", "rad_per_s2"], &["rad/s2", "rad/s²"], 1.0),
+    unit(Time, &["s"], &["s", "sec"], 1.0),
+    unit(Time, &["ms"], &["ms"], 1e-3),
+    unit(Time, &["us"], &["us", "µs", "μs"], 1e-6),
+    unit(Time, &["min"], &["min"], 60.0),
+    unit(Time, &["h", "hours"], &["h"], 3600.0),
+    unit(Force, &["n"], &["N"], 1.0),
+    unit(Force, &["kn"], &["kN"], 1e3),
+    unit(Torque, &["n_m", "nm"], &["N·m", "Nm", "N m", "N.m", "N*m"], 1.0),
+    unit(Torque, &["mn_m"], &["mN·m", "mNm"], 1e-3),
+    unit(Torque, &["kn_m"], &["kN·m", "kNm"], 1e3),
+    unit(Pressure, &["pa"], &["Pa"], 1.0),
+    unit(Pressure, &["mpa"], &["MPa", "N/mm2", "N/mm²"], 1e6),
+    unit(Pressure, &["gpa"], &["GPa"], 1e9),
+    unit(Current, &["a"], &["A"], 1.0),
+    unit(Current, &["ma"], &["mA"], 1e-3),
+    unit(Mass, &["kg"], &["kg"], 1.0),
+    unit(Mass, &["g"], &["g"], 1e-3),
+    unit(Temperature, &["degc"], &["°C", "degC"], 1.0),
+    unit(Power, &["w"], &["W"], 1.0),
+    unit(Power, &["kw"], &["kW"], 1e3),
+    unit(Share, &["percent"], &["%"], 1e-2),
+];
+
+/// The unit with the ending `text` of a key, such as `n_m`.
+pub(super) fn by_ending(text: &str) -> Option<&'static Unit> {
+    UNITS.iter().find(|unit| unit.endings.contains(&text))
+}
+
+/// The unit written `text` in brackets.
+pub(super) fn by_writing(text: &str) -> Option<&'static Unit> {
+    UNITS.iter().find(|unit| unit.written.contains(&text)).or_else(|| by_ending(text))
+}
+
+/// Splits a key into what it names and its unit: (`input_speed`, rad/s) of `input_speed_rad_s`.
+pub(super) fn split(key: &str) -> (&str, Option<&'static Unit>) {
+    // The longest ending wins: `_n_m` is no metre.
+    let starts = key.match_indices('_').map(|(at, _)| at);
+    for at in starts {
+        if let Some(unit) = by_ending(&key[at + 1..]) {
+            return (&key[..at], Some(unit));
+        }
+    }
+    (key, None)
+}
+
+/// Endings that measure the same, for a remedy.
+pub(super) fn endings_of(dimension: Dimension) -> String {
+    let all: Vec<String> = UNITS
+        .iter()
+        .filter(|unit| unit.dimension == dimension)
+        .map(|unit| format!("_{}", unit.endings[0]))
+        .collect();
+    all.join(", ")
+}
