@@ -185,8 +185,8 @@ impl LineContact {
             return 0.0;
         }
         match self.law {
-            ContactLaw::LineHertz => force * (self.alpha - self.beta * (equivalent_radius * force).ln()),
-            ContactLaw::Tao2024 => force * (self.alpha - self.beta * force.ln()),
+            ContactLaw::LineHertz => self.line_approach(force, equivalent_radius),
+            ContactLaw::Tao2024 => self.line_approach(force, 1.0),
             ContactLaw::Linear { stiffness } => force / stiffness + self.seat * force,
             ContactLaw::Palmgren | ContactLaw::Impact { .. } => {
                 self.power.0 * force.powf(self.power.1) + self.seat * force
@@ -236,6 +236,16 @@ impl LineContact {
             c
         };
         (approach / (beta * c), 1.0 / (beta * (c - 1.0)))
+    }
+
+    /// Inverse of [`LineContact::line_force`], its straight end included.
+    fn line_approach(&self, force: f64, radius: f64) -> f64 {
+        let compliance = self.alpha - self.beta * (radius * force).ln();
+        if compliance >= 3.0 * self.beta {
+            return force * compliance;
+        }
+        let limit = self.limit_force(radius);
+        self.beta * (3.0 * limit + 2.0 * (force - limit))
     }
 
     /// Force at which the compliance has fallen to 3 β.

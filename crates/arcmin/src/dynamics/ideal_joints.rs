@@ -2,7 +2,7 @@ use super::gear_mesh::{GearMesh, MeshForce};
 use super::{Balance, DenseLinearisation, Drive, DynamicsError, ForceSummary, OutputLoad, Reducer, System};
 use crate::contact::{DiscVelocity, MeshContact, PinContact, PinContacts, Reaction, Sliding};
 use crate::geometry::{Relief, quarter_turn};
-use crate::machine::{FixedMember, Kinematics, Machine, PinMounting};
+use crate::machine::{FixedMember, Kinematics, Machine};
 use crate::units::ARCMIN;
 
 /// The rigid model of Tao2024's Table 3: ideal joints, elastic contacts and gear meshes.
@@ -120,12 +120,7 @@ impl IdealJoints {
         }
         let kinematics = machine.kinematics();
         let friction = machine.friction;
-        let coefficient = match machine.ring.mounting {
-            PinMounting::Fixed => friction.flank,
-            // A pin that can turn slides where the resistance is smaller: on the flank or in its seat of the
-            // same radius.
-            PinMounting::Spinning => friction.flank.min(friction.pin_seat),
-        };
+        let coefficient = machine.flank_friction();
         if coefficient > 0.0 {
             check(
                 friction.regularisation_speed > 0.0,

@@ -1,8 +1,8 @@
 use std::f64::consts::TAU;
 
-use super::{LoadError, LoadSharing, Meshing};
+use super::{FreeTravel, LoadError, LoadSharing, Meshing, Preload};
 use crate::contact::{LineContact, PinContact};
-use crate::machine::{CrankAngle, OutputAngle};
+use crate::machine::{CrankAngle, Machine, OutputAngle};
 
 /// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads
 /// from it.
@@ -11,10 +11,13 @@ pub struct Cycle {
     /// Solutions at equidistant crank angles in [0, pattern period).
     pub positions: Vec<LoadSharing>,
     /// One-sided play of the output at no load with the input locked towards the flank of the torque, per
-    /// position: positive.
+    /// position where it was read. Negative where metal overlaps: minus the uniform relief that would just
+    /// free the mechanism, as an angle at the output ([`FreeTravel`]).
     pub play: Vec<OutputAngle>,
-    /// Total free travel of the output, per position.
+    /// Total free travel of the output at the same positions, signed likewise.
     pub free_travel: Vec<OutputAngle>,
+    /// What presses the pins without load, at the same positions.
+    pub preload: Vec<Preload>,
     /// Crank angle over which the pattern repeats, in rad.
     pub period: f64,
 }
@@ -63,14 +66,10 @@ impl Meshing {
     /// [`LoadError`] of the first position that has no solution.
     pub fn cycle(&self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let period = self.kinematics().pattern_period();
-        let mut cycle =
-            Cycle { positions: Vec::with_capacity(count), play: Vec::new(), free_travel: Vec::new(), period };
+        let mut cycle = Cycle::empty(period);
         for index in 0..count {
             let crank = CrankAngle::from_radians(period * index as f64 / count as f64);
-            let travel = self.free_travel(crank)?;
-            let toward = if torque < 0.0 { travel.lead } else { travel.lag };
-            cycle.play.push(OutputAngle::from_radians(toward.radians().abs()));
-            cycle.free_travel.push(OutputAngle::from_radians(travel.lead.radians() - travel.lag.radians()));
+            cycle.add_travel(self.free_travel(crank)?, torque);
             cycle.positions.push(match cycle.positions.last() {
                 Some(last) => self.load_sharing_near(crank, torque, last.output_error)?,
                 None => self.load_sharing(crank, torque)?,
@@ -98,6 +97,36 @@ fn mean(angles: impl ExactSizeIterator<Item = OutputAngle>) -> OutputAngle {
 }
 
 impl Cycle {
+    pub(super) fn empty(period: f64) -> Cycle {
+        Cycle {
+            positions: Vec::new(),
+            play: Vec::new(),
+            free_travel: Vec::new(),
+            preload: Vec::new(),
+            period,
+        }
+    }
+
+    /// Takes up the play of one position, towards the flank that carries the torque.
+    pub(super) fn add_travel(&mut self, travel: FreeTravel, torque: f64) {
+        let toward = if torque < 0.0 { travel.lead.radians() } else { -travel.lag.radians() };
+        self.play.push(OutputAngle::from_radians(toward));
+        self.free_travel.push(OutputAngle::from_radians(travel.lead.radians() - travel.lag.radians()));
+        self.preload.push(travel.preload);
+    }
+
+    /// Largest force of a pin without load in N; 0 with play everywhere.
+    pub fn max_preload(&self) -> f64 {
+        self.preload.iter().map(|preload| preload.force).fold(0.0, f64::max)
+    }
+
+    /// Friction torque at the output in N·m that the preload causes with the flank friction of the machine,
+    /// mean over the cycle.
+    pub fn preload_friction_torque(&self, machine: &Machine) -> f64 {
+        let sum: f64 = self.preload.iter().map(|preload| preload.friction_torque(machine)).sum();
+        sum / self.preload.len().max(1) as f64
+    }
+
     /// Largest contact force in N.
     pub fn max_force(&self) -> f64 {
         self.positions.iter().map(LoadSharing::max_force).fold(0.0, f64::max)
@@ -130,12 +159,12 @@ impl Cycle {
         )
     }
 
-    /// Mean one-sided play.
+    /// Mean one-sided play, signed.
     pub fn mean_play(&self) -> OutputAngle {
         mean(self.play.iter().copied())
     }
 
-    /// Mean total free travel.
+    /// Mean total free travel, signed.
     pub fn mean_free_travel(&self) -> OutputAngle {
         mean(self.free_travel.iter().copied())
     }

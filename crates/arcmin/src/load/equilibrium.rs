@@ -34,6 +34,12 @@ pub struct Meshing {
 }
 
 /// Play of the output with the input locked at no load, from the nominal position.
+///
+/// Where metal overlaps there is no play, and the load-free place ε* is the only one. Then w, the uniform
+/// relief that would just free the mechanism, takes the place of what is missing: lag = ε* + w/g and lead =
+/// ε* − w/g′, g and g′ the fastest closing of any gap along the output's angle either way (for the
+/// theoretical flank the play of a uniform relief w is w/g). So lag lies beyond lead, and play and free
+/// travel are negative. Both pass through zero with the relief without a jump.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeTravel {
     /// Output error at which the flank that carries positive torque touches first: zero or negative (lagging)
@@ -41,6 +47,40 @@ pub struct FreeTravel {
     pub lag: OutputAngle,
     /// The same for negative torque: zero or positive.
     pub lead: OutputAngle,
+    /// Forces of the load-free balance.
+    pub preload: Preload,
+}
+
+/// What presses the pins of a machine without load.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Preload {
+    /// Largest force of a pin in the load-free balance in N; 0 where there is play.
+    pub force: f64,
+    /// Σ F |R_p S − r_p| over all pins and discs in N·m: the friction torque at the output per unit of the
+    /// flank's coefficient, as a pin slides by |R_p S − r_p| along the flank per turn of the disc against the
+    /// ring.
+    pub sliding_moment: f64,
+}
+
+impl Preload {
+    /// Of the contacts of a load-free balance, `discs` those of every disc.
+    pub fn of(discs: &[Vec<PinContact>], contacts: &PinContacts) -> Preload {
+        let profile = contacts.profile();
+        let mut preload = Preload::default();
+        for contact in discs.iter().flatten() {
+            let lever = profile.pin_circle_radius * profile.speed_factor(contact.meshing_angle.cos())
+                - contacts.pins()[contact.pin].radius;
+            preload.force = preload.force.max(contact.force);
+            preload.sliding_moment += contact.force * lever.abs();
+        }
+        preload
+    }
+
+    /// Friction torque at the output in N·m with the machine's coefficient of the flank (the smaller of flank
+    /// and seat for pins that spin).
+    pub fn friction_torque(&self, machine: &Machine) -> f64 {
+        machine.flank_friction() * self.sliding_moment
+    }
 }
 
 /// State of all contacts in equilibrium.
@@ -109,6 +149,13 @@ const LAST_RESIDUAL: f64 = 1e-7;
 const CURVATURE_REACH: f64 = 2e-6;
 /// The last step of the free travel in rad.
 const LAST_TRAVEL: f64 = 1e-13;
+/// Gaps of at least this (m) at the nominal place are none that overlap: rounding.
+const OVERLAP_ROUNDING: f64 = -1e-12;
+/// Overlap in m over which the free travel goes over from that of the mechanism just freed to the negative
+/// one. Where pins near root or tip, which hardly have a lever, are the last to be freed, the travel opens at
+/// once to what the others leave: it would jump by that at no overlap at all, where rounding and the spline of
+/// a worn flank decide. A hundredth of a micrometre is far below the roughness of any flank.
+const FREEING_BAND: f64 = 1e-8;
 /// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the
 /// wind-up, N·m/rad.
 const EXPECTED_STIFFNESS: f64 = 5000.0 / crate::units::ARCMIN;
@@ -200,7 +247,14 @@ impl Meshing {
     ///
     /// Each step goes to the first contact predicted by gaps, their slopes and bends; gaps are smooth in ε,
     /// so this converges at least like Newton's method. A bracket keeps it from cycling between two pins.
-    fn first_touch(&self, nominal_crank: f64, direction: f64, from: f64) -> Result<f64, LoadError> {
+    /// `relief` (m) is taken off all flanks.
+    fn first_touch(
+        &self,
+        nominal_crank: f64,
+        direction: f64,
+        from: f64,
+        relief: f64,
+    ) -> Result<f64, LoadError> {
         let k = &self.kinematics;
         let no_contact =
             || LoadError::NoContact { crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees() };
@@ -213,7 +267,8 @@ impl Meshing {
         let mut model = self.empty_model();
         for _ in 0..MAX_ITERATIONS {
             self.survey(nominal_crank, error, Scope::Last, &mut model, |_, _| ());
-            let step = direction * model.first_touch(direction, least_closing).ok_or_else(no_contact)?;
+            let step =
+                direction * model.first_touch(direction, least_closing, relief).ok_or_else(no_contact)?;
             if (error + direction * step).abs() > half_pitch {
                 return Err(no_contact());
             }
@@ -235,23 +290,84 @@ impl Meshing {
         Err(no_contact())
     }
 
-    /// How far the output can turn at no load with the input locked, in both directions.
+    /// Output error at which the smallest gap of all is largest, that gap (m), and the fastest closing of any
+    /// gap (m/rad) towards lag and lead there.
+    fn loosest(&self, nominal_crank: f64) -> (f64, f64, [f64; 2]) {
+        let half_pitch = std::f64::consts::PI / self.kinematics.lobe_count;
+        let mut model = self.empty_model();
+        let (mut low, mut high) = (-half_pitch, half_pitch);
+        let mut error = 0.0;
+        for _ in 0..MAX_ITERATIONS {
+            self.survey(nominal_crank, error, Scope::Last, &mut model, |_, _| ());
+            if model.smallest().1 > 0.0 {
+                low = error;
+            } else {
+                high = error;
+            }
+            let next = error + model.loosest(LARGEST_STEP);
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            if (next - error).abs() < LAST_TRAVEL {
+                break;
+            }
+            error = next;
+        }
+        let closing = [-1.0, 1.0].map(|direction| model.fastest_closing(direction));
+        (error, model.smallest().0, closing)
+    }
+
+    /// How far the output can turn at no load with the input locked, in both directions; negative where metal
+    /// overlaps, see [`FreeTravel`].
     ///
     /// # Errors
     /// [`LoadError::NoContact`] when no pin touches within half a pitch.
     pub fn free_travel(&self, crank_angle: CrankAngle) -> Result<FreeTravel, LoadError> {
+        let (mut travel, tight_at) = self.free_angles(crank_angle)?;
+        if let Some(place) = tight_at {
+            let sharing = self.solve(crank_angle, 0.0, place, Scope::All)?;
+            travel.preload = Preload::of(&sharing.discs, &self.contacts);
+        }
+        Ok(travel)
+    }
+
+    /// [`Meshing::free_travel`] without the forces of a preload; where metal overlaps, the output error at
+    /// which it does least.
+    pub(super) fn free_angles(
+        &self,
+        crank_angle: CrankAngle,
+    ) -> Result<(FreeTravel, Option<f64>), LoadError> {
         let nominal = crank_angle.radians();
-        Ok(FreeTravel {
-            lag: OutputAngle::from_radians(self.first_touch(nominal, -1.0, 0.0)?),
-            lead: OutputAngle::from_radians(self.first_touch(nominal, 1.0, 0.0)?),
-        })
+        let angles = |lag: f64, lead: f64| FreeTravel {
+            lag: OutputAngle::from_radians(lag),
+            lead: OutputAngle::from_radians(lead),
+            preload: Preload::default(),
+        };
+        let mut model = self.empty_model();
+        self.survey(nominal, 0.0, Scope::Last, &mut model, |_, _| ());
+        if model.smallest().0 >= OVERLAP_ROUNDING {
+            let lag = self.first_touch(nominal, -1.0, 0.0, 0.0)?;
+            return Ok((angles(lag, self.first_touch(nominal, 1.0, 0.0, 0.0)?), None));
+        }
+        let (place, gap, [to_lag, to_lead]) = self.loosest(nominal);
+        let missing = (-gap).max(0.0);
+        let tight = (missing / FREEING_BAND).min(1.0);
+        let mut ends = [0.0, 0.0];
+        if tight < 1.0 {
+            for (end, direction) in ends.iter_mut().zip([-1.0, 1.0]) {
+                *end = (1.0 - tight) * self.first_touch(nominal, direction, place, missing)?;
+            }
+        }
+        let travel = angles(
+            ends[0] + tight * (place + missing / to_lag),
+            ends[1] + tight * (place - missing / to_lead),
+        );
+        Ok((travel, (missing > 0.0).then_some(place)))
     }
 
     /// Finds ε with Q(ε) = T at the nominal crank angle given; torque T in N·m, positive against positive
     /// output motion.
     ///
     /// Q falls monotonically with ε, so a Newton iteration kept in a bracket is safe. At T = 0 the output
-    /// rests where the flank of positive torque just touches.
+    /// rests where the flank of positive torque just touches, or where the forces of a preload balance.
     ///
     /// # Errors
     /// [`LoadError`] when no pin can touch, the torque is not finite, or the residual does not fall below
@@ -261,7 +377,11 @@ impl Meshing {
             return Err(LoadError::BadTorque(torque));
         }
         if torque == 0.0 {
-            let touch = self.first_touch(crank_angle.radians(), -1.0, 0.0)?;
+            let (travel, tight_at) = self.free_angles(crank_angle)?;
+            if let Some(place) = tight_at {
+                return self.solve(crank_angle, torque, place, Scope::All);
+            }
+            let touch = travel.lag.radians();
             let mut discs = self.no_contacts();
             self.survey(
                 crank_angle.radians(),
@@ -312,7 +432,6 @@ impl Meshing {
         let nominal = crank_angle.radians();
         let law = self.contacts.contact();
         let wind_up = (torque.abs() / EXPECTED_STIFFNESS).min(LARGEST_STEP);
-        let tolerance = (1e-10 * torque.abs()).max(RESIDUAL_FLOOR);
         // Q > T at `low`, Q < T at `high`; only places that were evaluated count.
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut error = start;
@@ -324,8 +443,11 @@ impl Meshing {
             discs.iter_mut().for_each(Vec::clear);
             self.survey(nominal, error, scope, &mut model, |disc, contact| discs[disc].push(*contact));
             residual = model.torque - torque;
-            let is_clear = model.torque == 0.0;
-            if scope != Scope::MayTouch && residual.abs() <= LAST_RESIDUAL * torque.abs() {
+            let is_clear = model.turnover == 0.0;
+            // Under preload what the contacts hold against each other is the measure of rounding, not the load.
+            let carried = if model.turnover > 4.0 * torque.abs() { model.turnover } else { torque.abs() };
+            let tolerance = (1e-10 * carried).max(RESIDUAL_FLOOR);
+            if scope != Scope::MayTouch && residual.abs() <= LAST_RESIDUAL * carried {
                 // What is left of the way is so short that the forces change in proportion: the square of the
                 // residual is below rounding.
                 let change = residual / model.stiffness;
@@ -342,7 +464,7 @@ impl Meshing {
                     });
                 }
             }
-            if scope == Scope::MayTouch && (is_clear || residual.abs() <= LAST_RESIDUAL * torque.abs()) {
+            if scope == Scope::MayTouch && (is_clear || residual.abs() <= LAST_RESIDUAL * carried) {
                 scope = Scope::All;
                 continue;
             }
@@ -354,7 +476,7 @@ impl Meshing {
             let next = if is_clear && was_clear {
                 // The model did not find the way out of the clearance: the safe search does.
                 let direction = -torque.signum();
-                self.first_touch(nominal, direction, error)? + direction * wind_up
+                self.first_touch(nominal, direction, error, 0.0)? + direction * wind_up
             } else {
                 let next = model
                     .change_to(law, torque, wind_up, LARGEST_STEP)

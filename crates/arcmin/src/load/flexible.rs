@@ -1,4 +1,4 @@
-use super::{FreeTravel, LoadError, LoadSharing, Meshing, ShareLoad};
+use super::{FreeTravel, LoadError, LoadSharing, Meshing, Preload, ShareLoad};
 use crate::contact::{DiscVelocity, LineContact, PinContact, PinContacts};
 use crate::fem::{CoupledContact, CoupledForces, FlexibleDiscs};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
@@ -89,9 +89,9 @@ impl FlexibleMeshing {
         Ok((DiscState { contacts, forces }, motion))
     }
 
-    /// Q(ε) and −dQ/dε without the turning of the normals, which is a thousandth of it.
-    fn generalised_torque(&self, nominal_crank: f64, error: f64) -> Result<(f64, f64), LoadError> {
-        let (mut torque, mut stiffness) = (0.0, 0.0);
+    /// Q(ε) and −dQ/dε without the turning of the normals, which is a thousandth of it; Σ F |∂gap/∂ε|.
+    fn generalised_torque(&self, nominal_crank: f64, error: f64) -> Result<[f64; 3], LoadError> {
+        let (mut torque, mut stiffness, mut turnover) = (0.0, 0.0, 0.0);
         let turn = self.rigid.kinematics().disc_per_output_locked();
         for disc in 0..self.discs.count() {
             let (state, motion) = self.state(disc, nominal_crank, error)?;
@@ -105,10 +105,11 @@ impl FlexibleMeshing {
             state.forces.respond(&mut response, &mut Vec::with_capacity(n));
             for i in 0..n {
                 torque += state.forces.force[i] * slope[i];
+                turnover += state.forces.force[i] * slope[i].abs();
                 stiffness += slope[i] * response[i];
             }
         }
-        Ok((torque, stiffness))
+        Ok([torque, stiffness, turnover])
     }
 
     /// Finds ε with Q(ε) = T at the nominal crank angle; as [`Meshing::load_sharing`], with elastic discs. A
@@ -121,7 +122,10 @@ impl FlexibleMeshing {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
         }
-        let travel = self.rigid.free_travel(crank_angle)?;
+        let (travel, tight_at) = self.rigid.free_angles(crank_angle)?;
+        if let Some(place) = tight_at {
+            return self.solve(crank_angle, torque, place - torque / EXPECTED_STIFFNESS);
+        }
         let touch = if torque < 0.0 { travel.lead.radians() } else { travel.lag.radians() };
         if torque == 0.0 {
             return self.sharing_at(crank_angle, torque, touch, 0.0, 0.0);
@@ -154,9 +158,11 @@ impl FlexibleMeshing {
         let mut error = start;
         let mut residual = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
-            let (q, stiffness) = self.generalised_torque(nominal, error)?;
+            let [q, stiffness, turnover] = self.generalised_torque(nominal, error)?;
             residual = q - torque;
-            if residual.abs() <= (5e-10 * torque.abs()).max(RESIDUAL_FLOOR) {
+            // As for rigid discs: under preload the contacts bear much more than the load.
+            let carried = if turnover > 4.0 * torque.abs() { turnover } else { torque.abs() };
+            if residual.abs() <= (5e-10 * carried).max(RESIDUAL_FLOOR) {
                 return self.sharing_at(crank_angle, torque, error, residual, stiffness);
             }
             if residual > 0.0 {
@@ -258,7 +264,12 @@ impl ShareLoad for FlexibleMeshing {
     }
 
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
-        self.rigid.free_travel(crank)
+        let (mut travel, tight_at) = self.rigid.free_angles(crank)?;
+        if tight_at.is_some() {
+            let sharing = self.load_sharing(crank, 0.0)?;
+            travel.preload = Preload::of(&sharing.discs, self.rigid.contacts());
+        }
+        Ok(travel)
     }
 }
 

@@ -22,6 +22,9 @@ pub(super) struct GapModel {
     /// Q(ε) in N·m and −dQ/dε in N·m/rad without the change of the relative curvature.
     pub torque: f64,
     pub stiffness: f64,
+    /// Σ F |∂gap/∂ε| in N·m: the torques of all contacts whatever their sense. Under preload most of them
+    /// cancel in Q.
+    pub turnover: f64,
 }
 
 impl GapModel {
@@ -31,13 +34,14 @@ impl GapModel {
 
     pub fn clear(&mut self) {
         self.contacts.clear();
-        (self.torque, self.stiffness) = (0.0, 0.0);
+        (self.torque, self.stiffness, self.turnover) = (0.0, 0.0, 0.0);
     }
 
     /// Adds a contact with ∂gap/∂ε = `slope` (m/rad), ∂²gap/∂ε² = `bend`, and d(1/R_eq)/dε.
     #[inline]
     pub fn add(&mut self, contact: &PinContact, slope: f64, bend: f64, relative_curvature_slope: f64) {
         self.torque += contact.force * slope;
+        self.turnover += contact.force * slope.abs();
         self.stiffness += contact.stiffness * slope * slope - contact.force * bend;
         let relative_curvature = contact.relative_curvature;
         self.contacts.push(NearbyContact {
@@ -84,18 +88,48 @@ impl GapModel {
     }
 
     /// Change of ε in `direction` (±1) after which the first contact touches, among those that close faster
-    /// than `least_closing` (m/rad); against the direction where one has been passed.
-    pub fn first_touch(&self, direction: f64, least_closing: f64) -> Option<f64> {
+    /// than `least_closing` (m/rad), with `relief` (m) taken off all of them; against the direction where one
+    /// has been passed.
+    pub fn first_touch(&self, direction: f64, least_closing: f64, relief: f64) -> Option<f64> {
         self.contacts
             .iter()
             .filter_map(|c| {
                 // gap − closing y + ½ bend y² = 0, in the form that does not cancel.
+                let gap = c.gap + relief;
                 let closing = -direction * c.slope;
-                let root = closing * closing - 2.0 * c.bend * c.gap;
-                (closing > least_closing && root >= 0.0).then(|| 2.0 * c.gap / (closing + root.sqrt()))
+                let root = closing * closing - 2.0 * c.bend * gap;
+                (closing > least_closing && root >= 0.0).then(|| 2.0 * gap / (closing + root.sqrt()))
             })
             .min_by(f64::total_cmp)
             .map(|change| direction * change)
+    }
+
+    /// Smallest gap in m after a change x of ε, and how it goes on along ε.
+    fn smallest_after(&self, x: f64) -> (f64, f64) {
+        let after = |c: &NearbyContact| (c.gap + x * (c.slope + 0.5 * x * c.bend), c.slope + x * c.bend);
+        self.contacts.iter().map(after).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0.0))
+    }
+
+    /// Smallest gap in m and its slope along ε.
+    pub fn smallest(&self) -> (f64, f64) {
+        self.smallest_after(0.0)
+    }
+
+    /// Change of ε within ±`reach` at which the smallest gap is largest: between two gaps of which one opens
+    /// as the other closes. Bisection on the slope of the smallest gap.
+    pub fn loosest(&self, reach: f64) -> f64 {
+        let (mut low, mut high) = (-reach, reach);
+        // Down to the rounding of an angle.
+        while high - low > 1e-15 {
+            let middle = 0.5 * (low + high);
+            if self.smallest_after(middle).1 > 0.0 { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Fastest closing of any gap along ε in `direction`, in m/rad.
+    pub fn fastest_closing(&self, direction: f64) -> f64 {
+        self.contacts.iter().map(|c| -direction * c.slope).fold(0.0, f64::max)
     }
 
     /// Change of ε that brings Q to `torque`: Newton's method with steps no larger than `largest`; out of the
@@ -106,7 +140,7 @@ impl GapModel {
             (residual / self.stiffness).clamp(-largest, largest)
         } else {
             let direction = -torque.signum();
-            self.first_touch(direction, 0.0)? + direction * wind_up
+            self.first_touch(direction, 0.0, 0.0)? + direction * wind_up
         };
         // What one step leaves is the square of the residual: below 1e-4 that is less than the error of the
         // model.

@@ -12,9 +12,11 @@ mod share;
 
 pub use cycle::{Cycle, FlankForce, HarmonicError, PinLoad};
 #[cfg(test)]
+mod preload_tests;
+#[cfg(test)]
 mod tests;
 
-pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing};
+pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing, Preload};
 pub use flexible::FlexibleMeshing;
 pub(crate) use share::turn_position;
 pub use share::{ShareLoad, lost_motion};

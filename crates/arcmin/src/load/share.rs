@@ -45,10 +45,11 @@ pub trait ShareLoad {
         start: Option<&Self::Start>,
     ) -> Result<(LoadSharing, Self::Start), LoadError>;
 
-    /// How far the output can turn both ways at no load.
+    /// How far the output can turn both ways at no load, negative where metal overlaps, and the forces of the
+    /// preload: see [`FreeTravel`].
     ///
     /// # Errors
-    /// [`LoadError`] where no pin touches.
+    /// [`LoadError`] where no pin touches or no load-free balance is found.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError>;
 
     /// Crank angle number `index` of `count`, for means over everything that repeats: the fractions of a pin
@@ -109,14 +110,11 @@ fn sample<S: ShareLoad + ?Sized>(
     angles: impl IntoIterator<Item = CrankAngle>,
     stride: usize,
 ) -> Result<Cycle, LoadError> {
-    let mut cycle = Cycle { positions: Vec::new(), play: Vec::new(), free_travel: Vec::new(), period };
+    let mut cycle = Cycle::empty(period);
     let mut start = None;
     for (index, crank) in angles.into_iter().enumerate() {
         if stride < usize::MAX && index % stride == 0 {
-            let travel = sharer.travel(crank)?;
-            let toward = if torque < 0.0 { travel.lead } else { travel.lag };
-            cycle.play.push(OutputAngle::from_radians(toward.radians().abs()));
-            cycle.free_travel.push(OutputAngle::from_radians(travel.lead.radians() - travel.lag.radians()));
+            cycle.add_travel(sharer.travel(crank)?, torque);
         }
         let (sharing, found) = sharer.share(crank, torque, start.as_ref())?;
         cycle.positions.push(sharing);

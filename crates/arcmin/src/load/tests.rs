@@ -237,3 +237,37 @@ fn val_largest_pressure_is_not_where_the_force_is_largest() {
     assert!((best / 1e9 - 1.316).abs() < 6e-3, "{best}");
     assert!((at / DEG - 61.0).abs() < 1.0, "{}", at / DEG);
 }
+
+/// One disc carries the torque, two 0.55 of it each; three and four less each, but more than their part. The
+/// means of the largest of three and four normal deviations are tabled (0.8463 and 1.0294).
+#[test]
+fn val_the_busiest_disc_of_any_number() {
+    let shares: Vec<f64> = (1..=4).map(|discs| closed_form::disc_torque(1.0, discs)).collect();
+    assert_eq!(shares[..2], [1.0, 0.55]);
+    assert!((shares[2] - (1.0 + 0.1 * 0.8463 / 0.5642) / 3.0).abs() < 1e-4, "{shares:?}");
+    assert!((shares[3] - (1.0 + 0.1 * 1.0294 / 0.5642) / 4.0).abs() < 1e-4, "{shares:?}");
+    for disc_count in 1..=4 {
+        let m = Machine { disc_count, ..machine() };
+        let solution = closed_form::solve(&m, 412.0, 5.0 * UM).unwrap();
+        let torque: f64 =
+            solution.pairs.iter().map(|p| p.force * m.profile().lever_arm(p.meshing_angle)).sum();
+        assert!((torque / (412.0 * shares[disc_count - 1]) - 1.0).abs() < 1e-9);
+    }
+}
+
+/// Settles whatever the gaps, to those that no torque closes before the law's straight end.
+#[test]
+fn closed_form_always_settles() {
+    let mut m = machine();
+    for (equidistant, radial) in [(0.5, 0.0), (80.0, 0.0), (0.0, -80.0), (300.0, -100.0)] {
+        m.disc.modification.equidistant_offset = equidistant * UM;
+        m.disc.modification.radial_offset = radial * UM;
+        for torque in [1e-3, 1.0, 412.0, 1e5] {
+            let solution = closed_form::solve(&m, torque, 0.0).unwrap();
+            let found: f64 =
+                solution.pairs.iter().map(|p| p.force * m.profile().lever_arm(p.meshing_angle)).sum();
+            // The lever arms are those of the ring as installed in the solution.
+            assert!((found / (0.55 * torque) - 1.0).abs() < 0.02, "{equidistant} {radial} {torque}: {found}");
+        }
+    }
+}

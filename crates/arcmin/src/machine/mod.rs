@@ -114,6 +114,15 @@ impl Machine {
         cut.free_form.as_ref().map_or(rotation.clone(), |free| rotation.plus(free))
     }
 
+    /// Coulomb coefficient between flank and pin; of pins that turn in their seats the smaller of flank and
+    /// seat, for they slide where that is least.
+    pub fn flank_friction(&self) -> f64 {
+        match self.ring.mounting {
+            PinMounting::Fixed => self.friction.flank,
+            PinMounting::Spinning => self.friction.flank.min(self.friction.pin_seat),
+        }
+    }
+
     pub fn kinematics(&self) -> Kinematics {
         Kinematics::new(self)
     }

@@ -7,6 +7,7 @@ mod elastic;
 mod error_tests;
 mod layout;
 mod planar_mesh;
+mod preload;
 mod rings;
 mod roller;
 mod shaft;
@@ -29,9 +30,7 @@ use shaft::Shaft;
 use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad};
 use crate::contact::{PinContacts, Sliding};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
-use crate::machine::{
-    EccentricError, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, PinMounting, RunOut,
-};
+use crate::machine::{EccentricError, Friction, Kinematics, Machine, ManufacturingErrors, PartWear, RunOut};
 
 /// What the model takes beside the machine.
 #[derive(Debug, Clone)]
@@ -438,10 +437,7 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     ring.set_damping(settings.damped.then_some(machine.contact_damping));
     ring.set_conservative(true);
     let friction = &machine.friction;
-    let coefficient = match machine.ring.mounting {
-        PinMounting::Fixed => friction.flank,
-        PinMounting::Spinning => friction.flank.min(friction.pin_seat),
-    };
+    let coefficient = machine.flank_friction();
     ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
     if let Some(discs) = &settings.discs {
         discs.take_over(&mut ring, machine);

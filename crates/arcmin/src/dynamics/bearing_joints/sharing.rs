@@ -4,7 +4,7 @@ use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
 use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
 use crate::geometry::Relief;
-use crate::load::{FreeTravel, LoadError, LoadSharing, ShareLoad, turn_position};
+use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
 use crate::units::ARCMIN;
 use crate::wear::parts;
@@ -18,7 +18,7 @@ use crate::wear::parts;
 /// ([`ManufacturingErrors::crank_turns`](crate::machine::ManufacturingErrors::crank_turns)).
 #[derive(Debug, Clone)]
 pub struct BearingMeshing {
-    model: BearingJoints,
+    pub(super) model: BearingJoints,
     /// Size of the rated torque in N·m.
     rated: f64,
     /// Turns of the crankshafts after which everything repeats.
@@ -41,6 +41,10 @@ pub struct LostMotionSplit {
 impl LostMotionSplit {
     pub fn of(&self, cause: Cause) -> f64 {
         self.causes[cause as usize]
+    }
+
+    fn add(&mut self, works: &[f64; Cause::ALL.len()], weight: f64) {
+        self.causes.iter_mut().zip(works).for_each(|(sum, work)| *sum += weight * work);
     }
 
     /// What the causes leave of the whole: terms of second order in the displacements.
@@ -123,14 +127,9 @@ impl BearingMeshing {
         let sun = self.sun(crank);
         self.model.hold_sun(sun, 0.0);
         self.model.set_load(torque);
-        let nominal = self.model.nominal_position_at(sun);
-        let place: Vec<f64> = match start {
-            Some(start) => {
-                let mut deviation = start.to_vec();
-                self.turn(&mut deviation, self.carrier_angle(crank));
-                nominal.iter().zip(&deviation).map(|(n, d)| n + d).collect()
-            }
-            None => nominal,
+        let place = match start {
+            Some(start) => self.place(crank, start),
+            None => self.model.nominal_position_at(sun),
         };
         let control = EquilibriumControl {
             tolerance: TOLERANCE,
@@ -162,7 +161,7 @@ impl BearingMeshing {
 
     /// [`BearingMeshing::balance`]; where it is not found from a place that was right for other pins, again
     /// from the nominal place, and then by way of larger torques, under which more contacts hold the bodies.
-    fn balance_from_afar(
+    pub(super) fn balance_from_afar(
         &mut self,
         crank: CrankAngle,
         torque: f64,
@@ -177,7 +176,7 @@ impl BearingMeshing {
         }
         let mut step = self.rated.max(3.0 * torque.abs()).copysign(torque);
         let mut place: Option<Vec<f64>> = None;
-        while step.abs() > torque.abs() {
+        while step.abs() > torque.abs().max(ZERO_SHARE * self.rated) {
             let (position, _) = self.balance(crank, step, place.as_deref()).map_err(|_| failure.clone())?;
             place = Some(self.deviation(crank, &position));
             step /= 3.0;
@@ -201,6 +200,10 @@ impl BearingMeshing {
     /// Lost motion between −3 % and +3 % of rated torque, mean over `positions` crank positions, and what
     /// makes it up. `starts` holds the balances of an earlier call with as many positions, empty at first.
     ///
+    /// Under preload the forces of a balance are mostly those that the parts put on each other, whose works on
+    /// gaps and on elastic approaches cancel. So the causes of the load-free balance, which add up to nothing,
+    /// are taken off those of either side: what is left is the work of what the load changes.
+    ///
     /// # Errors
     /// [`LoadError`] where no balance is found.
     pub fn lost_motion_causes(
@@ -210,6 +213,7 @@ impl BearingMeshing {
     ) -> Result<LostMotionSplit, LoadError> {
         let small = LOST_MOTION_SHARE * self.rated;
         let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
+        let per_position = 1.0 / (small * positions as f64);
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             for index in 0..positions {
                 let crank = self.crank_position(index, positions, 0.0, 0);
@@ -218,15 +222,20 @@ impl BearingMeshing {
                     starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
                 let (position, _) = self.balance_from_afar(crank, sign * small, start.map(Vec::as_slice))?;
                 split.whole -= sign * self.model.output_error(&position) / positions as f64;
-                for (sum, work) in split.causes.iter_mut().zip(self.model.causes(&position)) {
-                    *sum += work / small / positions as f64;
-                }
+                split.add(&self.model.causes(&position), per_position);
                 let deviation = self.deviation(crank, &position);
                 if slot < starts.len() {
                     starts[slot] = deviation;
                 } else {
                     starts.push(deviation);
                 }
+            }
+        }
+        for index in 0..positions {
+            let crank = self.crank_position(index, positions, 0.0, 0);
+            let ends = [&starts[index], &starts[positions + index]];
+            if let Some((position, _)) = self.load_free(crank, ends, small)? {
+                split.add(&self.model.causes(&position), -2.0 * per_position);
             }
         }
         Ok(split)
@@ -260,7 +269,15 @@ impl BearingMeshing {
         Ok(rates)
     }
 
-    fn deviation(&self, crank: CrankAngle, position: &[f64]) -> Vec<f64> {
+    /// Coordinates of a deviation from the nominal machine, seen from its carrier.
+    pub(super) fn place(&self, crank: CrankAngle, deviation: &[f64]) -> Vec<f64> {
+        let mut deviation = deviation.to_vec();
+        self.turn(&mut deviation, self.carrier_angle(crank));
+        let nominal = self.model.nominal_position_at(self.sun(crank));
+        nominal.iter().zip(&deviation).map(|(n, d)| n + d).collect()
+    }
+
+    pub(super) fn deviation(&self, crank: CrankAngle, position: &[f64]) -> Vec<f64> {
         let mut deviation: Vec<f64> = position
             .iter()
             .zip(self.model.nominal_position_at(self.sun(crank)))
@@ -383,9 +400,11 @@ impl ShareLoad for BearingMeshing {
     }
 
     /// Read at ±1e-4 of rated torque. Where a machine with errors, so tight that its pins press without load,
-    /// leaves no balance there, at ±1e-3, and within 2e-3 of rated torque if need be: some 0.005'.
+    /// leaves no balance there, at ±1e-3, and within 2e-3 of rated torque if need be: some 0.005'. Where the
+    /// pins press without load, the relief of all flanks that would just free them is taken off, as an angle.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
         let mut ends = [0.0; 2];
+        let mut deviations = [Vec::new(), Vec::new()];
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let start = self.loose[side].take();
             let small = sign * ZERO_SHARE * self.rated;
@@ -396,132 +415,26 @@ impl ShareLoad for BearingMeshing {
                 found => found?,
             };
             ends[side] = self.model.output_error(&position);
-            self.loose[side] = Some(self.deviation(crank, &position));
+            deviations[side] = self.deviation(crank, &position);
         }
-        Ok(FreeTravel { lag: OutputAngle::from_radians(ends[0]), lead: OutputAngle::from_radians(ends[1]) })
+        let mut missing = 0.0;
+        let mut preload = Preload::default();
+        let [lag, lead] = &deviations;
+        if let Some((position, found)) = self.load_free(crank, [lag, lead], ZERO_SHARE * self.rated)? {
+            let deviation = self.deviation(crank, &position);
+            (missing, preload) = (self.freeing_relief(crank, &deviation, found)?, found);
+        }
+        self.loose = deviations.map(Some);
+        let kinematics = self.model.kinematics();
+        let angle =
+            missing * kinematics.locked_play_factor() / (kinematics.eccentricity * kinematics.lobe_count);
+        Ok(FreeTravel {
+            lag: OutputAngle::from_radians(ends[0] + angle),
+            lead: OutputAngle::from_radians(ends[1] - angle),
+            preload,
+        })
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contact::ContactLaw;
-    use crate::units::HOUR;
-    use crate::wear::{CoupledOptions, CoupledWear};
-
-    /// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears
-    /// likewise, no clearance.
-    fn stiff(law: ContactLaw) -> (Machine, BearingMeshing) {
-        let mut machine = crate::templates::rv_40e_81();
-        machine.contact_law = law;
-        machine.bearings.turning_arm.clearance = 0.0;
-        machine.gear_stage.mesh_stiffness *= 1e6;
-        let settings = JointSettings { stiffness_scale: 1e6, ..JointSettings::default() };
-        let meshing = BearingMeshing::new(&machine, &settings).unwrap();
-        (machine, meshing)
-    }
-
-    /// Deviation of the machine with ideal joints at an output error: springs of 1e15 N/m want a start in the
-    /// contacts.
-    fn ideal_pose(meshing: &BearingMeshing, crank: CrankAngle, error: f64) -> Vec<f64> {
-        let (model, layout) = (&meshing.model, &meshing.model.layout);
-        let kinematics = model.kinematics();
-        let sun = meshing.sun(crank);
-        let nominal = model.nominal_position_at(sun);
-        let mut q = nominal.clone();
-        let (output, turn) =
-            (sun / 81.0 + error, crank.radians() + kinematics.crank_per_output_locked() * error);
-        for k in 0..2 {
-            let axis = model.carrier_bores[k].at(output);
-            for station in 0..4 {
-                let at = layout.support(k, 0) + 2 * station;
-                (q[at], q[at + 1]) = (axis.x, axis.y);
-            }
-            q[layout.crank_angle(k)] = turn;
-        }
-        for j in 0..2 {
-            let (pose, at) = (kinematics.disc_pose(j, turn, output), layout.disc(j));
-            (q[at], q[at + 1], q[at + 2]) = (pose.centre.x, pose.centre.y, pose.angle);
-        }
-        q[layout.output()] = output;
-        meshing.deviation(crank, &q)
-    }
-
-    /// Forces of all pins within 1e-4 of the largest with equal springs. The line contact of the model with
-    /// bearings is conservative: it pushes along the flank where the curvature changes, some 2.5e-4 of the
-    /// torque, which ideal load sharing leaves out; hence 1e-3 there.
-    #[test]
-    fn val_stiff_bearings_share_the_load_like_ideal_joints() {
-        for (law, tolerance) in
-            [(ContactLaw::Linear { stiffness: 2.85e8 }, 1e-4), (ContactLaw::LineHertz, 1e-3)]
-        {
-            let (machine, mut meshing) = stiff(law);
-            let ideal = machine.meshing(&Relief::uniform(0.0));
-            for (sun, torque) in [(0.0, 412.0), (1.3, 412.0), (7.7, -206.0)] {
-                let crank = CrankAngle::from_radians(-sun * 39.0 / 81.0);
-                let expected = ideal.load_sharing(crank, torque).unwrap();
-                let start = ideal_pose(&meshing, crank, expected.output_error.radians());
-                let (found, _) = meshing.share(crank, torque, Some(&start)).unwrap();
-                let largest = expected.max_force();
-                for (a, b) in found.contacts().zip(expected.contacts()) {
-                    assert!(
-                        (a.force - b.force).abs() < tolerance * largest,
-                        "pin {}: {} {}",
-                        a.pin,
-                        a.force,
-                        b.force
-                    );
-                }
-                let error = (found.output_error.radians() - expected.output_error.radians()) / ARCMIN;
-                assert!(error.abs() < 1e-4, "{error}");
-                assert!(
-                    (found.stiffness / expected.stiffness - 1.0).abs() < 2e-3,
-                    "{} {}",
-                    found.stiffness,
-                    expected.stiffness
-                );
-                for disc in 0..2 {
-                    assert!(
-                        (found.disc_moment(disc) / torque - 0.4815).abs() < 2e-4,
-                        "{}",
-                        found.disc_moment(disc) / torque
-                    );
-                }
-            }
-        }
-    }
-
-    /// 600 h of coupled wear: depth within 0.5 % of the deepest everywhere. The crank positions are others (a
-    /// turn of the crankshafts in place of a pin pitch), so the grid of contacts along the flank differs
-    /// within its error.
-    #[test]
-    fn val_stiff_bearings_wear_like_ideal_joints() {
-        let (machine, meshing) = stiff(ContactLaw::LineHertz);
-        let options = CoupledOptions::default();
-        let target = machine.coupled_exposure(options).unwrap().at(600.0 * HOUR);
-        let mut ideal = CoupledWear::new(&machine, options);
-        ideal.advance_to(target).unwrap();
-        let mut bearings = CoupledWear::with(&machine, meshing, options);
-        bearings.advance_to(target).unwrap();
-        let (deepest, _) = ideal.state().flank().deepest();
-        for (a, b) in bearings.state().flank().samples().iter().zip(ideal.state().flank().samples()) {
-            assert!((a - b).abs() < 5e-3 * deepest, "{a:e} {b:e} {deepest:e}");
-        }
-    }
-
-    /// With its assumed bearings the machine gives way ten times as much as its teeth do, the largest force
-    /// lies a third higher, nearer to the root, and fewer pins carry; the discs' shares stay what they are.
-    #[test]
-    fn trap_ideal_joints_are_too_stiff() {
-        let machine = crate::templates::rv_40e_81();
-        let mut meshing = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
-        let cycle = meshing.whole_cycle(412.0, 36).unwrap();
-        let ideal = machine.meshing(&Relief::uniform(0.0)).cycle(412.0, 36).unwrap();
-        assert!(cycle.mean_error().arcmin() < 10.0 * ideal.mean_error().arcmin());
-        assert!(cycle.max_force() > 1.2 * ideal.max_force());
-        assert!(cycle.loaded_pairs() < ideal.loaded_pairs() - 1.0);
-        // The gears carry the rest, as with ideal joints.
-        let both = cycle.disc_share(0) + cycle.disc_share(1);
-        assert!((both - 0.963).abs() < 3e-3, "{both}");
-    }
-}
+mod tests;

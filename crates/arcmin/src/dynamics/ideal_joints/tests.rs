@@ -179,7 +179,7 @@ fn friction_dissipates_and_spinning_pins_take_the_smaller_coefficient() {
         model.evaluate(0.2, &q, &v, &mut [0.0; 2], &mut model.linearisation()).dissipation
     };
     let fixed = dissipation(&machine);
-    machine.ring.mounting = PinMounting::Spinning;
+    machine.ring.mounting = crate::machine::PinMounting::Spinning;
     let spinning = dissipation(&machine);
     machine.friction.flank = 0.0;
     let smooth = dissipation(&machine);
