@@ -15,6 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod calibrate;
 pub mod check;
 pub mod contact;
 mod error;
@@ -23,6 +24,7 @@ mod identity;
 pub mod inputs;
 mod outcome;
 pub mod profile;
+pub mod simulate;
 pub mod wear;
 
 pub use error::AnalysisError;
@@ -118,6 +120,8 @@ analyses! {
     profile,
     contact,
     wear,
+    calibrate,
+    simulate,
 }
 
 /// An analysis by its name.

@@ -11,7 +11,7 @@ use super::{DesignError, InputFile};
 pub(super) type Result<T> = std::result::Result<T, Box<DesignError>>;
 
 /// A table of the file with its place and name.
-pub struct Table<'a> {
+pub(crate) struct Table<'a> {
     pub(super) source: &'a Source<'a>,
     pub(super) branch: &'a Branch,
     /// Place of the table's header, where missing keys are reported.
@@ -26,7 +26,7 @@ pub struct Table<'a> {
 }
 
 /// A type that a key of a file can have.
-pub trait FieldValue: Sized {
+pub(crate) trait FieldValue: Sized {
     /// Whether nothing at all stands for the key where it is left out.
     const MAY_BE_ABSENT: bool = false;
 
@@ -52,7 +52,7 @@ pub trait FieldValue: Sized {
 }
 
 /// A section, see the `section!` macro.
-pub trait SectionValue: Sized {
+pub(crate) trait SectionValue: Sized {
     fn schema() -> &'static SectionSchema;
 
     fn from_table(table: &Table<'_>) -> Result<Self>;

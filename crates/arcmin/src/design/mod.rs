@@ -36,8 +36,9 @@ pub mod variation;
 pub use deviations::MeasuredFlank;
 pub use edit::KeyEntry;
 pub use error::{DesignError, DesignErrorKind, TextPlace};
-#[doc(hidden)]
-pub use field::{Choice, FieldValue};
+
+pub use field::Choice;
+pub(crate) use field::FieldValue;
 pub use json_schema::json_schema;
 pub use manufacturing::*;
 pub use option_values::InputFile;

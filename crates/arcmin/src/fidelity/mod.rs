@@ -7,10 +7,12 @@
 
 mod elastic;
 mod meshing;
+mod model;
 mod options;
 
 pub use elastic::Elastic;
 pub use meshing::{MachineMeshing, MeshingStart};
+pub use model::Facets;
 pub use options::{Bores, DiscBodies, Element, ErrorSource, FidelityOptions, Joints};
 
 use crate::analyses::{AnalysisError, Host, Origin};

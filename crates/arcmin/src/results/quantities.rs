@@ -150,3 +150,8 @@ pub const ERRORS_SOURCE: Quantity = quantity(
 pub const ERRORS_SEED: Quantity = quantity("errors.seed", PLAIN, "Seed of the machine drawn.");
 
 pub const METHOD: Quantity = quantity("method", PLAIN, "How the load is shared: equilibrium or closed-form.");
+
+pub const TIME: Quantity = quantity("time_s", decimals(4), "Time since the start of the run.");
+
+pub const LARGEST_PIN_FORCE: Quantity =
+    quantity("largest_pin_force_n", decimals(1), "Largest force of one pin on one disc in the running machine.");

@@ -45,6 +45,11 @@ impl Column {
         Column { holds: Holds::Words, blanks: true, ..Column::number(name) }
     }
 
+    /// Its name with the unit asked for.
+    pub const fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// The table may do without it.
     pub const fn optional(self) -> Column {
         Column { required: false, ..self }

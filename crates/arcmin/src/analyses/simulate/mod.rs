@@ -1,0 +1,333 @@
+//! Transmission error of the running machine in time.
+
+/// A closed set of words, each with its meaning.
+macro_rules! choice {
+    ($(#[doc = $doc:literal])* $Name:ident { $($(#[doc = $meaning:literal])* $Value:ident = $word:literal,)* }) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum $Name { $($(#[doc = $meaning])* $Value,)* }
+
+        impl Choice for $Name {
+            const WORDS: &'static [(&'static str, &'static str)] =
+                &[$(($word, concat!($($meaning),*).trim_ascii()),)*];
+            const VALUES: &'static [$Name] = &[$($Name::$Value,)*];
+        }
+    };
+}
+
+mod declared;
+mod inputs;
+mod page;
+
+pub use declared::{SUMMARY, tables};
+
+use serde::{Deserialize, Serialize};
+
+use super::{AnalysisError, Host, Outcome, Said};
+use crate::contact::MeshContact;
+use crate::design::{Choice, Design, InputFile, default, default_word, optional, options};
+use crate::dynamics::{
+    Checkpoint, DynamicsError, Reducer, Run, RunPlan, RunResult, StartSpread, StepControl, spread_over_starts,
+};
+use crate::fidelity::{Facets, Fidelity, FidelityOptions, HasFidelity};
+use crate::life::{WornState, worn_after};
+use crate::machine::Machine;
+use crate::report::Page;
+use crate::results::{Summary, Table};
+use crate::units::{MM, UM};
+
+pub const ABOUT: &str = "Integrate the equations of motion: transmission error in time";
+pub const GUIDE: &str = "Integrates the equations of motion of the reducer in time and reports its \
+    transmission error θ_out − θ_in/i. Statistics are taken from the start of the window on. Without load and \
+    drag the machine rattles in its clearance and the mean is no result: the run says so and reports the \
+    spread over perturbed starts.\n\nA long run keeps a checkpoint beside its results; Ctrl-C keeps it, and \
+    --resume goes on from there, if design, options and input files are the same.";
+pub const EXAMPLES: &[&str] = &[
+    "arcmin simulate my-reducer.toml --wear-um 10",
+    "arcmin simulate my-reducer.toml --hours 2000 --load sine --torque-nm 412 --period-s 0.3",
+    "arcmin simulate my-reducer.toml --joints bearings --load constant --end-s 3.5 --drag-nm 5",
+];
+
+options! {
+    /// Options of `simulate`.
+    pub struct Options {
+        [fidelity: FidelityOptions]
+        /// What the pins touch: the smooth flank, or what a mesh of linear elements leaves of it.
+        flank: Flank => default_word("smooth"),
+        /// Edge length of that mesh.
+        facet_mm: f64 => default(1.0, 0.02, 5.0),
+        /// Depth removed from the whole flank.
+        wear_um: Option<f64> => optional(0.0, 1000.0),
+        /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
+        hours: Option<f64> => optional(0.0, 1e7),
+        /// External torque at the output.
+        load: LoadKind => default_word("none"),
+        /// Torque or amplitude of the load, positive against positive output motion. Left out: the rated torque.
+        torque_nm: Option<f64> => optional(-1e7, 1e7),
+        /// Period of the sinusoidal load.
+        period_s: f64 => default(0.3, 1e-4, 1e4),
+        /// Rows of the load: time_s and torque_n_m for table and stepped, duration_s and torque_n_m for duty-cycle.
+        load_file: Option<InputFile> => optional(0.0, 0.0),
+        /// Steady drag torque at the output against the motion.
+        drag_nm: f64 => default(0.0, 0.0, 1e6),
+        /// How the input is driven.
+        drive: DriveKind => default_word("speed"),
+        /// Input speed. Left out: the rated speed.
+        speed_rpm: Option<f64> => optional(-30000.0, 30000.0),
+        /// Time within which speed and angle law reach their full value.
+        rise_s: f64 => default(0.1, 1e-4, 1e3),
+        /// Rows of the drive: time_s and speed_rpm for speed-table, time_s and torque_n_m at the motor for torque-table.
+        drive_file: Option<InputFile> => optional(0.0, 0.0),
+        /// Gain of the governed motor, in N·m·s/rad.
+        gain: f64 => default(0.5, 1e-6, 1e6),
+        /// Length of the run.
+        end_s: f64 => default(0.8, 1e-6, 1e5),
+        /// Start of the window for the statistics. Left out: the rise time of the drive.
+        window_start_s: Option<f64> => optional(0.0, 1e5),
+        /// Interval of timeseries.csv.
+        sample_s: f64 => default(2e-4, 1e-7, 10.0),
+        /// Contact law of flank and pins. Left out: the design's.
+        contact: Option<inputs::Law> => optional(0.0, 0.0),
+        /// Stiffness of the linear law in N/m (left out: 2.85e8) or of the impact function in N/m^e.
+        contact_stiffness: Option<f64> => optional(1.0, 1e20),
+        /// Exponent of the impact function.
+        contact_exponent: f64 => default(1.1, 1.0, 3.0),
+        /// Local error per step, in arcmin at the output.
+        tolerance: f64 => default(1e-4, 1e-10, 1.0),
+        /// Constant time step in place of error control.
+        fixed_step_s: Option<f64> => optional(1e-9, 1e-2),
+        /// Perturbed starts of an unloaded run without drag, for its spread.
+        starts: usize => default(4.0, 0.0, 1000.0),
+        /// Go on from the checkpoint beside the results.
+        resume: bool => optional(0.0, 0.0),
+    }
+}
+
+choice! {
+    /// What the pins touch.
+    Flank {
+        /// the worn flank itself
+        Smooth = "smooth",
+        /// straight edges from node to node
+        Faceted = "faceted",
+        /// the nodes alone
+        Nodes = "nodes",
+    }
+}
+
+choice! {
+    /// External torque at the output.
+    LoadKind {
+        /// no load
+        None = "none",
+        /// the same torque all the time
+        Constant = "constant",
+        /// torque × sin(2π t/period)
+        Sine = "sine",
+        /// straight lines between the rows of a file
+        Table = "table",
+        /// each torque of a file holds from its time on
+        Stepped = "stepped",
+        /// phases of a file that repeat
+        DutyCycle = "duty-cycle",
+    }
+}
+
+choice! {
+    /// How the input is driven.
+    DriveKind {
+        /// the speed rises smoothly and never overshoots
+        Speed = "speed",
+        /// the angle law of Tao2024, ω t STEP(t): the speed overshoots to 1.69 ω
+        Angle = "angle",
+        /// speed from a file
+        SpeedTable = "speed-table",
+        /// motor torque from a file on the inertia of motor and sun
+        TorqueTable = "torque-table",
+        /// motor inertia with a torque in proportion to the error of speed
+        Governed = "governed",
+    }
+}
+
+/// A run and what it was about.
+#[derive(Debug, Clone)]
+pub struct Simulate {
+    pub machine: Machine,
+    pub fidelity: Fidelity,
+    pub worn: WornState,
+    pub plan: RunPlan,
+    pub result: RunResult,
+    pub ratio: f64,
+    /// Over perturbed starts, of an unloaded machine without drag.
+    pub spread: Option<StartSpread>,
+    /// Why the run broke off; what was computed until then is kept.
+    pub broke_off: Option<String>,
+    /// Edge length in m of a faceted flank.
+    pub facet: Option<f64>,
+    /// Seconds of the computation, where the host has a clock.
+    pub wall: f64,
+}
+
+/// What a checkpoint holds.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    checkpoint: Checkpoint,
+}
+
+/// Integrates the motion.
+///
+/// # Errors
+/// [`AnalysisError`]; [`AnalysisError::Interrupted`] when the host stops it, after a checkpoint was kept. A run
+/// whose integration fails on the way is an outcome with [`Simulate::broke_off`].
+pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simulate, AnalysisError> {
+    let mut machine = design.machine();
+    if let Some(law) = inputs::contact_law(options)? {
+        machine.contact_law = law;
+    }
+    if options.wear_um.is_some() && options.hours.is_some() {
+        return Err(AnalysisError::usage(
+            "a flank is worn uniformly (wear_um) or by its duty (hours), not both",
+            "leave one of them out",
+        ));
+    }
+    let drive = inputs::drive(options, &machine, host)?;
+    let load = inputs::load(options, &machine, host)?;
+    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    let worn = match options.hours {
+        Some(hours) => worn_after(&machine, &fidelity, hours, host)?,
+        None => WornState::uniform(options.wear_um.unwrap_or(0.0) * UM),
+    };
+    let size = options.facet_mm * MM;
+    let facets = match options.flank {
+        Flank::Smooth => None,
+        Flank::Faceted => Some(Facets { contact: MeshContact::Edges, size }),
+        Flank::Nodes => Some(Facets { contact: MeshContact::Nodes, size }),
+    };
+    let model = fidelity.model(&machine, &worn, drive, load, options.drag_nm, facets)?;
+    let ratio = model.ratio();
+    let plan = plan(options);
+    let started = host.seconds();
+    let mut motion = if options.resume {
+        let saved: Saved = serde_json::from_slice(&host.checkpoint()?)
+            .map_err(AnalysisError::compute("read the checkpoint"))?;
+        Run::resume(model, saved.checkpoint).map_err(dynamics("go on from the checkpoint"))?
+    } else {
+        Run::new(model, plan, host).map_err(dynamics("start the simulation"))?
+    };
+    let broke_off = integrate(&mut motion, plan, host)?;
+    let unloaded =
+        options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
+    let spread = if unloaded && broke_off.is_none() && options.starts > 0 {
+        host.report("perturbed starts", 0.0);
+        let spread = spread_over_starts(motion.model(), plan, options.starts, host);
+        Some(spread.map_err(dynamics("simulate perturbed starts"))?)
+    } else {
+        None
+    };
+    Ok(Simulate {
+        result: motion.result(),
+        facet: facets.map(|facets| facets.size),
+        wall: host.seconds() - started,
+        machine,
+        fidelity,
+        worn,
+        plan,
+        ratio,
+        spread,
+        broke_off,
+    })
+}
+
+/// Runs to the end; why it broke off, if it did.
+fn integrate(motion: &mut Run, plan: RunPlan, host: &dyn Host) -> Result<Option<String>, AnalysisError> {
+    let save = |motion: &Run| {
+        let bytes = serde_json::to_vec(&Saved { checkpoint: motion.checkpoint() })
+            .map_err(AnalysisError::compute("write the checkpoint"))?;
+        host.keep_checkpoint(&bytes)
+    };
+    while !motion.is_finished() {
+        if host.wants_checkpoint() {
+            save(motion)?;
+        }
+        match motion.proceed(500, host) {
+            Ok(()) => {}
+            Err(DynamicsError::Cancelled { time }) => {
+                save(motion)?;
+                return Err(AnalysisError::Interrupted { time_s: time });
+            }
+            Err(error) => return Ok(Some(format!("the simulation broke off: {error}"))),
+        }
+        host.report("simulating", motion.time() / plan.end);
+    }
+    Ok(None)
+}
+
+fn plan(options: &Options) -> RunPlan {
+    let control = StepControl {
+        tolerance: options.tolerance,
+        fixed_step: options.fixed_step_s,
+        ..StepControl::default()
+    };
+    RunPlan {
+        end: options.end_s,
+        window_start: options.window_start_s.unwrap_or(options.rise_s),
+        sample_interval: options.sample_s,
+        force_interval: (5.0 * options.sample_s).max(1e-3),
+        control,
+    }
+}
+
+/// An error of the dynamics, which may be that it was stopped.
+pub(crate) fn dynamics(task: &'static str) -> impl FnOnce(DynamicsError) -> AnalysisError {
+    move |error| match error {
+        DynamicsError::Cancelled { .. } => AnalysisError::Stopped,
+        error => AnalysisError::compute(task)(error),
+    }
+}
+
+impl HasFidelity for Simulate {
+    fn fidelity(&self) -> &Fidelity {
+        &self.fidelity
+    }
+}
+
+impl Outcome for Simulate {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        declared::fill(self)
+    }
+
+    fn said(&self) -> Vec<Said> {
+        page::said(self)
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
+
+    fn seeds(&self) -> Vec<u64> {
+        self.fidelity.seeds()
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.broke_off.clone()
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_those_of_the_run() {
+        let options = Options::parse("", "options").unwrap();
+        assert_eq!(plan(&options), RunPlan::default());
+    }
+}

@@ -1,0 +1,146 @@
+//! Terminal and report of a run.
+
+use super::Simulate;
+use crate::analyses::Said;
+use crate::report::{
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant,
+};
+use crate::units::{ARCMIN, DEG, UM};
+
+const CHAOTIC: &str = "the unloaded machine rattles chaotically: its mean is no result, band and RMS are; a \
+                       steady drag (--drag-nm 5) gives a well-defined mean";
+
+pub(super) fn said(run: &Simulate) -> Vec<Said> {
+    let mut said = vec![Said::line(heading(run))];
+    if let Some(te) = run.result.statistics {
+        said.push(Said::line(format!(
+            "TE  mean {:+.4}′   mean |TE| {:.4}′   max |TE| {:.4}′   peak to peak {:.4}′   RMS {:.4}′",
+            te.mean / ARCMIN,
+            te.mean_abs / ARCMIN,
+            te.max_abs / ARCMIN,
+            te.peak_to_peak / ARCMIN,
+            te.rms / ARCMIN
+        )));
+    }
+    if let Some(spread) = &run.spread {
+        said.push(Said::line(format!(
+            "{} perturbed starts: mean spreads over {:.4}′, RMS over {:.4}′, all within ±{:.4}′",
+            spread.runs.len(),
+            spread.mean / ARCMIN,
+            spread.rms / ARCMIN,
+            spread.band / ARCMIN
+        )));
+        if spread.is_chaotic() {
+            said.push(Said::line(CHAOTIC));
+        }
+    }
+    said.push(Said::line(format!(
+        "{} steps in {:.2} s, energy residual {:.1e}",
+        run.result.counts.accepted,
+        run.wall,
+        run.result.energy.residual()
+    )));
+    said
+}
+
+fn heading(run: &Simulate) -> String {
+    let state = match (run.worn.hours, run.worn.deepest()) {
+        (0.0, 0.0) => "new".to_owned(),
+        (0.0, depth) => format!("{} µm off every flank", significant(depth / UM, 3)),
+        (hours, _) => format!("after {hours:.0} h"),
+    };
+    format!("{}: {state}; {}", run.machine.name, run.fidelity.sentence())
+}
+
+pub(super) fn page(run: &Simulate) -> Page {
+    let result = &run.result;
+    let chaotic = run.spread.as_ref().is_some_and(|spread| spread.is_chaotic());
+    let (tone, headline) = match (&run.broke_off, result.statistics) {
+        (Some(reason), _) => (Tone::Bad, format!("The run broke off at {:.4} s: {reason}.", result.reached)),
+        (None, None) => (Tone::Caution, "The run ended before its window began.".to_owned()),
+        (None, Some(te)) => (
+            if chaotic { Tone::Caution } else { Tone::Neutral },
+            format!("Transmission error within ±{} arcmin.", significant(te.max_abs / ARCMIN, 3)),
+        ),
+    };
+    let mut verdict = Verdict::new(tone, headline);
+    if let Some(te) = result.statistics {
+        let figure = |label: &str, value: f64, note: &str| KeyFigure {
+            label: label.to_owned(),
+            value: significant(value / ARCMIN, 3),
+            unit: "arcmin".to_owned(),
+            note: note.to_owned(),
+            tone: Tone::Neutral,
+        };
+        verdict.figures = vec![
+            figure("Mean", te.mean, "of θ_out − θ_in/i over the window"),
+            figure("Mean of |TE|", te.mean_abs, "over the window"),
+            figure("Peak to peak", te.peak_to_peak, "in the window"),
+            figure("RMS", te.rms, "over the window"),
+        ];
+    }
+    verdict.answers.push(("Which physics".to_owned(), run.fidelity.sentence()));
+    if chaotic {
+        verdict.answers.push(("What to be careful with".to_owned(), CHAOTIC.to_owned()));
+    }
+    Page {
+        title: run.machine.name.clone(),
+        subtitle: format!("Transmission error in time, {}", if run.worn.hours > 0.0 { "worn" } else { "as given" }),
+        provenance: Provenance::default(),
+        verdict,
+        sections: vec![Section::new("motion", "Motion", blocks(run))],
+    }
+}
+
+fn blocks(run: &Simulate) -> Vec<Block> {
+    let result = &run.result;
+    // As many points as a screen has, at the most.
+    let stride = (result.series.len() / 4000).max(1);
+    let over_time = |title: &str, axis: Axis, name: &str, value: fn(&crate::dynamics::Sample) -> f64| {
+        let points = result.series.iter().step_by(stride).map(|s| (s.time, value(s)));
+        let line = Series::line(name, points.collect::<Vec<_>>());
+        Plot::new(title, Axis::new("Time", "s"), axis).with(line)
+    };
+    let te = Axis::new("Transmission error", "arcmin");
+    let mut blocks = vec![
+        Block::Plot(
+            over_time("Transmission error", te, "θ_out − θ_in/i", |s| s.transmission_error / ARCMIN)
+                .noted("Negative: the output lags. Statistics are taken over the window."),
+        ),
+        Block::Plot(
+            over_time("Output speed", Axis::new("Speed", "°/s"), "output", |s| s.output_speed / DEG)
+                .noted("Of the output flange.")
+                .half(),
+        ),
+        Block::Plot(
+            over_time("Load", Axis::new("Torque", "N·m"), "load", |s| s.load)
+                .noted("External torque at the output; positive against positive motion.")
+                .half(),
+        ),
+    ];
+    let force = Plot::new(
+        "Largest pin force",
+        Axis::new("Time", "s"),
+        Axis::new("Force", "N").from_zero(),
+    )
+    .with(Series::line(
+        "largest of all pins",
+        result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
+    ))
+    .noted("Of one pin on one disc.")
+    .half();
+    blocks.push(Block::Plot(force));
+    if let Some(lines) = &result.spectrum {
+        let bars = lines.iter().take(400).map(|line| (line.order as f64, line.amplitude / ARCMIN));
+        let spectrum = Plot::new(
+            "Spectrum",
+            Axis::new("Order of the output turn", ""),
+            Axis::new("Amplitude", "arcmin"),
+        )
+        .with(Series::new("TE", Style::Bars, bars.collect::<Vec<_>>()))
+        .noted("Lines in periods per turn of the output.")
+        .half();
+        blocks.push(Block::Plot(spectrum));
+    }
+    blocks
+}
