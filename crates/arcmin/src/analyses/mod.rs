@@ -15,9 +15,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod causes;
 pub mod check;
 pub mod contact;
 mod error;
+mod errors_table;
 mod host;
 mod identity;
 pub mod inputs;
@@ -25,6 +27,7 @@ mod outcome;
 pub mod profile;
 pub mod wear;
 
+pub use causes::CausesAt;
 pub use error::AnalysisError;
 pub use host::{Host, NoHost, Origin};
 pub use identity::identity;

@@ -150,3 +150,7 @@ pub const ERRORS_SOURCE: Quantity = quantity(
 pub const ERRORS_SEED: Quantity = quantity("errors.seed", PLAIN, "Seed of the machine drawn.");
 
 pub const METHOD: Quantity = quantity("method", PLAIN, "How the load is shared: equilibrium or closed-form.");
+
+pub const VALUE: Quantity = quantity("value", digits(4), "The value found, in the unit given.");
+
+pub const UNIT: Quantity = quantity("unit", PLAIN, "Unit of the value, and of the limit where there is one.");
