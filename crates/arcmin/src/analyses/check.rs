@@ -4,7 +4,7 @@ use super::{AnalysisError, Host, Outcome, Said};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, optional, options};
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
-use crate::results::{DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantity};
+use crate::results::{DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity};
 
 pub const ABOUT: &str = "Judge a design: findings with value, limit, reason and remedy";
 pub const GUIDE: &str = "Judges a design. Each finding has a code, a value and a limit; warnings and errors \
@@ -39,9 +39,9 @@ const FINDINGS: TableOf<Finding> = TableOf {
         vec![
             quantity("code", PLAIN, "Stable name of the check.").of(|f: &Finding| f.code.into()),
             quantity("severity", PLAIN, "info (passed), warning or error.").of(|f| f.severity.word().into()),
-            quantity("value", digits(6), "What was found, in the unit given.").of(|f| f.value.into()),
+            q::VALUE.with(digits(6)).of(|f| f.value.into()),
             quantity("limit", digits(6), "What it is held against.").of(|f| f.limit.into()),
-            quantity("unit", PLAIN, "Unit of value and limit.").of(|f| f.unit.into()),
+            q::UNIT.of(|f| f.unit.into()),
             quantity("message", PLAIN, "The finding in one sentence.").of(|f| f.message.clone().into()),
             quantity("why", PLAIN, "Why it matters.").of(|f| f.why.into()),
             quantity("change", PLAIN, "What to change.").of(|f| f.change.into()),

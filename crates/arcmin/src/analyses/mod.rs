@@ -16,9 +16,11 @@
 //! ```
 
 pub mod calibrate;
+mod causes;
 pub mod check;
 pub mod contact;
 mod error;
+mod errors_table;
 mod host;
 mod identity;
 pub mod inputs;
@@ -27,6 +29,7 @@ pub mod profile;
 pub mod simulate;
 pub mod wear;
 
+pub use causes::CausesAt;
 pub use error::AnalysisError;
 pub use host::{Host, NoHost, Origin};
 pub use identity::identity;

@@ -114,6 +114,11 @@ impl Quantity {
         Quantity { key, ..self }
     }
 
+    /// The same quantity shown in another format.
+    pub const fn with(self, format: Format) -> Quantity {
+        Quantity { format, ..self }
+    }
+
     /// The value as a reader wants it, without unit.
     pub fn show(&self, value: &Value) -> String {
         match (value, self.format) {

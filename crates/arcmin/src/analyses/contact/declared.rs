@@ -1,6 +1,7 @@
 //! Tables and figures of load sharing.
 
 use super::closed_form::Pair;
+use crate::analyses::errors_table;
 use super::{Answer, Contact, Equilibrium};
 use crate::contact::PinContact;
 use crate::fidelity::Fidelity;
@@ -82,7 +83,7 @@ const PINS: TableOf<PinLoad> = TableOf {
 };
 
 pub fn tables() -> Vec<DeclaredTable> {
-    vec![CONTACT.into(), ERROR.into(), HARMONICS.into(), PINS.into()]
+    vec![CONTACT.into(), ERROR.into(), HARMONICS.into(), PINS.into(), errors_table::TABLE.into()]
 }
 
 pub(super) fn fill(contact: &Contact) -> Vec<Table> {
@@ -120,6 +121,7 @@ pub(super) fn fill(contact: &Contact) -> Vec<Table> {
             if !answer.pins.is_empty() {
                 tables.push(PINS.fill(&answer.pins));
             }
+            tables.extend(errors_table::table(&contact.fidelity));
             tables
         }
     }

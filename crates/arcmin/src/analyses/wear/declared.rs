@@ -1,5 +1,6 @@
 //! Tables and figures of wear.
 
+use crate::analyses::errors_table;
 use super::{Mode, Station, Wear};
 use crate::fidelity::Fidelity;
 use crate::geometry::Relief;
@@ -52,7 +53,7 @@ const HISTORY: TableOf<Station> = TableOf {
 };
 
 pub fn tables() -> Vec<DeclaredTable> {
-    vec![WEAR.into(), HISTORY.into()]
+    vec![WEAR.into(), HISTORY.into(), errors_table::TABLE.into()]
 }
 
 pub(super) fn fill(wear: &Wear) -> Vec<Table> {
@@ -86,7 +87,9 @@ pub(super) fn fill(wear: &Wear) -> Vec<Table> {
             }));
         }
     }
-    vec![WEAR.fill(&places), HISTORY.fill(&wear.stations)]
+    let mut tables = vec![WEAR.fill(&places), HISTORY.fill(&wear.stations)];
+    tables.extend(errors_table::table(&wear.fidelity));
+    tables
 }
 
 /// By straight lines between the contacts, which are sorted by meshing angle.

@@ -1,0 +1,217 @@
+//! Lost motion by cause, as every analysis shows it: table, summary, terminal and report.
+
+use std::sync::LazyLock;
+
+use super::{Said, TextTable};
+use crate::dynamics::{Cause, LostMotionSplit};
+use crate::life::PartsPoint;
+use crate::report::{Block, Section, Shares, Tone, lost_motion_causes};
+use crate::results::{Column, Quantity, TableOf, Value, decimals, quantities as q, quantity};
+use crate::units::{ARCMIN, UM};
+
+/// The causes at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CausesAt {
+    pub hours: f64,
+    pub point: PartsPoint,
+}
+
+/// Outcomes whose summary tells the causes.
+pub(crate) trait HasCauses {
+    fn causes(&self) -> Option<&PartsPoint>;
+}
+
+/// The part of one cause, as a column and as an entry of a summary.
+struct Declared {
+    column: Quantity,
+    entry: Quantity,
+}
+
+static CAUSES: LazyLock<Vec<Declared>> = LazyLock::new(|| {
+    let declared = |cause: &Cause| {
+        let what = format!("Part of the lost motion of the whole machine: {}.", cause.name()).leak();
+        let column = quantity(format!("{}_arcmin", cause.key()).leak(), decimals(4), what);
+        let key = format!("lost_motion_causes.{}_arcmin", cause.key()).leak();
+        Declared { column, entry: column.named(key) }
+    };
+    Cause::ALL.iter().map(declared).collect()
+});
+
+const RESIDUAL: Quantity = quantity(
+    "residual_arcmin",
+    decimals(4),
+    "What the causes leave of the lost motion: terms of second order in the displacements.",
+);
+
+/// `lost_motion_causes.csv`.
+pub(crate) const TABLE: TableOf<CausesAt> = TableOf {
+    name: "lost_motion_causes",
+    what: "Lost motion of the whole machine by cause at one time a row",
+    columns: || {
+        let mut columns = vec![
+            q::HOURS.of(|at: &CausesAt| at.hours.into()),
+            q::LOST_MOTION.of(|at| (at.point.lost_motion.whole / ARCMIN).into()),
+        ];
+        columns.extend(CAUSES.iter().enumerate().map(|(index, declared)| {
+            Column::numbered(declared.column, index, |at: &CausesAt, index| {
+                (at.point.lost_motion.causes[index] / ARCMIN).into()
+            })
+        }));
+        columns.extend([
+            RESIDUAL.of(|at: &CausesAt| (at.point.lost_motion.residual() / ARCMIN).into()),
+            quantity(
+                "turning_arm_clearance_growth_um",
+                decimals(3),
+                "Growth of the diametral clearance of the turning-arm bearings by wear.",
+            )
+            .of(|at| (at.point.wear.turning_arm / UM).into()),
+            quantity(
+                "crank_support_clearance_growth_um",
+                decimals(3),
+                "Growth of the diametral clearance of the crank supports by wear.",
+            )
+            .of(|at| (at.point.wear.crank_support / UM).into()),
+            quantity("gear_gap_growth_um", decimals(3), "Growth of the backlash of one gear mesh by wear.")
+                .of(|at| ((at.point.wear.gears[0] + at.point.wear.gears[1]) / UM).into()),
+        ]);
+        columns
+    },
+};
+
+/// Entries of a summary, below `lost_motion_causes`.
+pub(crate) fn entries<O: HasCauses>() -> Vec<Column<O>> {
+    let mut entries = vec![q::LOST_MOTION.named("lost_motion_causes.whole_arcmin").of(|outcome: &O| {
+        Value::from(outcome.causes().map(|point| point.lost_motion.whole / ARCMIN))
+    })];
+    entries.extend(CAUSES.iter().enumerate().map(|(index, declared)| {
+        Column::numbered(declared.entry, index, |outcome: &O, index| {
+            Value::from(outcome.causes().map(|point| point.lost_motion.causes[index] / ARCMIN))
+        })
+    }));
+    entries.push(RESIDUAL.named("lost_motion_causes.residual_arcmin").of(|outcome: &O| {
+        Value::from(outcome.causes().map(|point| point.lost_motion.residual() / ARCMIN))
+    }));
+    entries
+}
+
+/// What manufacturing errors take of the lost motion, in rad, from where on they are taken to press parts
+/// together.
+const PRESSED: f64 = 0.02 * ARCMIN;
+
+/// Causes as a reader wants them, in arcmin, one value per state; none below `negligible`. Errors that press
+/// parts together without load take as much as the elastic work gives, many times the whole: the two are
+/// shown as one then. Tables and summary keep them apart.
+fn shown(states: &[&LostMotionSplit], negligible: f64) -> Vec<(String, Vec<f64>)> {
+    let pressed = states.iter().any(|split| split.of(Cause::ManufacturingErrors) < -PRESSED);
+    let of = |cause: Cause| -> Vec<f64> { states.iter().map(|split| split.of(cause) / ARCMIN).collect() };
+    Cause::ALL
+        .into_iter()
+        .filter(|cause| !(pressed && *cause == Cause::ManufacturingErrors))
+        .map(|cause| {
+            if pressed && cause == Cause::Elastic {
+                let errors = of(Cause::ManufacturingErrors);
+                let both = of(cause).into_iter().zip(errors).map(|(elastic, errors)| elastic + errors);
+                (format!("{}, and manufacturing errors", cause.name()), both.collect())
+            } else {
+                (cause.name().to_owned(), of(cause))
+            }
+        })
+        .filter(|(_, values)| values.iter().any(|value| value.abs() > negligible))
+        .collect()
+}
+
+/// The largest causes of one state in arcmin, the largest first.
+pub(crate) fn largest(point: &PartsPoint) -> Vec<(String, f64)> {
+    let mut causes: Vec<(String, f64)> =
+        shown(&[&point.lost_motion], 1e-3).into_iter().map(|(cause, values)| (cause, values[0])).collect();
+    causes.sort_by(|a, b| b.1.total_cmp(&a.1));
+    causes
+}
+
+/// For the terminal.
+pub(crate) fn said(at: &CausesAt) -> Vec<Said> {
+    let split = &at.point.lost_motion;
+    let row = |cause: String, arcmin: f64| vec![format!("  {cause}"), format!("{arcmin:.3}′")];
+    let mut rows: Vec<Vec<String>> =
+        shown(&[split], 5e-4).into_iter().map(|(cause, values)| row(cause, values[0])).collect();
+    rows.push(row("not explained".to_owned(), split.residual() / ARCMIN));
+    let state = if at.hours > 0.0 { format!("after {:.0} h", at.hours) } else { "new".to_owned() };
+    vec![
+        Said::line(format!("lost motion of the whole machine, {state}: {:.3}′", split.whole / ARCMIN)),
+        Said::Table(TextTable { header: Vec::new(), rows }),
+    ]
+}
+
+const MEANING: &str = "friction aside, input locked; mean over all places that repeat (a turn of the \
+                       crankshafts, with errors of the ring one of the output)";
+
+/// For the report: the causes stacked over the hours.
+pub(crate) fn section(rows: &[CausesAt]) -> Section {
+    let states: Vec<&LostMotionSplit> = rows.iter().map(|at| &at.point.lost_motion).collect();
+    let series: Vec<(String, Vec<(f64, f64)>)> = shown(&states, 1e-4)
+        .into_iter()
+        .map(|(cause, values)| (cause, rows.iter().map(|at| at.hours).zip(values).collect()))
+        .collect();
+    let residual = states.iter().map(|split| (split.residual() / ARCMIN).abs()).fold(0.0, f64::max);
+    let note = format!(
+        "The machine in its bearings, {MEANING}. The causes follow from virtual work with the forces at ±3 % of \
+         rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in \
+         the displacements."
+    );
+    let blocks = vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)];
+    Section::new("causes", "Lost motion by cause", blocks)
+}
+
+/// For the report of one state: which cause gives how much.
+pub(crate) fn shares(at: &CausesAt) -> Block {
+    let split = &at.point.lost_motion;
+    let rows =
+        shown(&[split], 1e-4).into_iter().map(|(cause, values)| (cause, values[0], String::new())).collect();
+    let state = if at.hours > 0.0 { format!("After {:.0} h", at.hours) } else { "New".to_owned() };
+    let note = format!(
+        "{state}, {MEANING}. Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second order in \
+         the displacements).",
+        split.whole / ARCMIN,
+        split.residual() / ARCMIN
+    );
+    Block::Shares(Shares { title: "Which cause gives how much".into(), unit: "arcmin".into(), rows, note })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::PartWear;
+
+    fn at(causes: impl Fn(Cause) -> f64, whole: f64) -> CausesAt {
+        let causes = std::array::from_fn(|index| causes(Cause::ALL[index]) * ARCMIN);
+        let lost_motion = LostMotionSplit { whole: whole * ARCMIN, causes };
+        CausesAt { hours: 100.0, point: PartsPoint { wear: PartWear::default(), lost_motion } }
+    }
+
+    /// Every cause is a column; causes and residual add up to the whole in each row.
+    #[test]
+    fn columns_add_up_to_the_whole() {
+        let row = at(|cause| 0.01 * (cause as usize + 1) as f64, 1.0);
+        let table = TABLE.fill([&row]);
+        let cell = |key: &str| table.numbers(key).unwrap()[0];
+        let sum: f64 = Cause::ALL.iter().map(|cause| cell(&format!("{}_arcmin", cause.key()))).sum();
+        assert!((sum + cell("residual_arcmin") - cell("lost_motion_arcmin")).abs() < 1e-12);
+    }
+
+    /// Errors that press parts together are shown with the elastic work, in the table apart.
+    #[test]
+    fn pressing_errors_are_shown_with_elasticity() {
+        let row = at(
+            |cause| match cause {
+                Cause::Elastic => 5.0,
+                Cause::ManufacturingErrors => -4.5,
+                _ => 0.0,
+            },
+            0.5,
+        );
+        let causes = largest(&row.point);
+        assert_eq!(causes.len(), 1);
+        assert!((causes[0].1 - 0.5).abs() < 1e-12 && causes[0].0.contains("manufacturing errors"));
+        assert_eq!(TABLE.fill([&row]).numbers("manufacturing_errors_arcmin").unwrap()[0].round(), -5.0);
+    }
+}
