@@ -26,6 +26,7 @@ mod identity;
 pub mod inputs;
 mod outcome;
 pub mod profile;
+pub mod rig;
 pub mod simulate;
 pub mod wear;
 
@@ -125,6 +126,7 @@ analyses! {
     wear,
     calibrate,
     simulate,
+    rig,
 }
 
 /// An analysis by its name.

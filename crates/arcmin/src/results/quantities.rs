@@ -74,7 +74,7 @@ pub const LOST_MOTION: Quantity = quantity(
     "lost_motion_arcmin",
     decimals(3),
     "Lost motion of the whole machine in its bearings: output angle between −3 % and +3 % of rated torque, \
-     input locked. What the limit is about.",
+     input locked, with friction from the middle of the loop. What the limit is about.",
 );
 
 pub const CONTACT_LOST_MOTION: Quantity = quantity(
@@ -159,3 +159,31 @@ pub const LARGEST_PIN_FORCE: Quantity =
 pub const VALUE: Quantity = quantity("value", digits(4), "The value found, in the unit given.");
 
 pub const UNIT: Quantity = quantity("unit", PLAIN, "Unit of the value, and of the limit where there is one.");
+
+pub const TE: Quantity =
+    quantity("te_arcmin", decimals(4), "Transmission error θ_out − θ_in/i. Negative: the output lags.");
+
+pub const ORDERS: Quantity =
+    quantity("orders", PLAIN, "Largest lines of the transmission error with what they come from.");
+
+pub const PART: Quantity = quantity("part", PLAIN, "Part of the machine.");
+
+pub const BEARING: Quantity = quantity("bearing", PLAIN, "Which bearing.");
+
+pub const EFFICIENCY: Quantity = quantity(
+    "efficiency",
+    decimals(3),
+    "Output power over input power in steady motion. In a summary at rated torque and speed.",
+);
+
+pub const BACKLASH: Quantity =
+    quantity("backlash_arcmin", decimals(3), "Width of the hysteresis loop at zero torque: both sides, friction included.");
+
+pub const STIFFNESS: Quantity = quantity(
+    "stiffness_n_m_per_arcmin",
+    decimals(1),
+    "Torsional stiffness b/a: slope of the loop between 50 and 100 % of rated torque, input locked.",
+);
+
+pub const SOFT_STIFFNESS: Quantity =
+    quantity("soft_stiffness_n_m_per_arcmin", decimals(1), "Slope of the loop between 3 and 15 % of rated torque.");

@@ -11,11 +11,13 @@ mod hysteresis;
 #[cfg(test)]
 mod order_tests;
 mod orders;
+mod state;
 mod settle;
 #[cfg(test)]
 mod tests;
 mod transmission;
 
+pub use state::{MeasuredOnBench, RigPlan, RigState};
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
 pub use hysteresis::{

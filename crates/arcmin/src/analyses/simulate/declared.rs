@@ -22,8 +22,7 @@ const SERIES: TableOf<Sample> = TableOf {
                 .of(|s| (s.output_speed / DEG).into()),
             quantity("load_n_m", decimals(1), "External torque at the output, against positive motion.")
                 .of(|s| s.load.into()),
-            quantity("te_arcmin", decimals(4), "Transmission error θ_out − θ_in/i. Negative: the output lags.")
-                .of(|s| (s.transmission_error / ARCMIN).into()),
+            q::TE.of(|s| (s.transmission_error / ARCMIN).into()),
         ]
     },
 };
@@ -125,7 +124,7 @@ pub const SUMMARY: SummaryOf<Simulate> = SummaryOf {
         ];
         entries.extend(statistics());
         entries.extend([
-            quantity("orders", PLAIN, "Largest lines of the spectrum with what they come from.").of(|o: &Simulate| {
+            q::ORDERS.of(|o: &Simulate| {
                 let named = |lines: &Vec<SpectrumLine>| {
                     orders_value(&name_orders(lines, &o.machine, 2 * lines.len(), 8))
                 };

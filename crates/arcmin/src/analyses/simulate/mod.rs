@@ -19,6 +19,7 @@ mod declared;
 mod inputs;
 mod page;
 
+pub(crate) use declared::orders_value;
 pub use declared::{SUMMARY, tables};
 
 use serde::{Deserialize, Serialize};

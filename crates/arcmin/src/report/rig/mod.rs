@@ -4,66 +4,10 @@
 mod figures;
 
 use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
-use crate::dynamics::{Part, SpectrumLine};
+use crate::dynamics::Part;
 use crate::machine::Machine;
-use crate::rig::{
-    BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RunningTorques,
-    StiffnessSplit,
-};
+use crate::rig::{BearingLoad, MeasuredOnBench, NamedOrder, RigState};
 use crate::units::ARCMIN;
-
-/// All results of the bench for one state of the machine.
-#[derive(Debug, Clone)]
-pub struct RigState {
-    pub hours: f64,
-    /// One loop per crank position.
-    pub loops: Vec<Vec<LoopPoint>>,
-    pub figures: Vec<LoopFigures>,
-    pub split: StiffnessSplit,
-    /// Forward and backward held lightly, forward and backward at rated torque.
-    pub curves: Vec<ErrorCurve>,
-    /// At rated torque, forward.
-    pub spectrum: Vec<SpectrumLine>,
-    pub orders: Vec<NamedOrder>,
-    pub efficiency: EfficiencyMap,
-    pub torques: RunningTorques,
-    pub bearings: Vec<BearingLoad>,
-}
-
-impl RigState {
-    fn mean(&self, of: fn(&LoopFigures) -> f64) -> f64 {
-        self.figures.iter().map(of).sum::<f64>() / self.figures.len().max(1) as f64
-    }
-
-    /// Means over the crank positions: rad, N·m/rad.
-    pub fn lost_motion(&self) -> f64 {
-        self.mean(|f| f.lost_motion)
-    }
-
-    pub fn backlash(&self) -> f64 {
-        self.mean(|f| f.backlash)
-    }
-
-    pub fn stiffness(&self) -> f64 {
-        self.mean(|f| f.stiffness)
-    }
-
-    pub fn soft_stiffness(&self) -> f64 {
-        self.mean(|f| f.soft_stiffness)
-    }
-}
-
-/// What was measured on a real bench, evaluated like ours.
-#[derive(Debug, Clone, Default)]
-pub struct MeasuredOnBench {
-    pub loops: Vec<Vec<LoopPoint>>,
-    /// One per loop.
-    pub figures: Vec<LoopFigures>,
-    pub curves: Vec<ErrorCurve>,
-    /// Of the first curve that covers a turn; empty if none does.
-    pub spectrum: Vec<SpectrumLine>,
-    pub orders: Vec<NamedOrder>,
-}
 
 /// Results of a bench run, lent for rendering.
 #[derive(Debug, Clone)]

@@ -1,0 +1,289 @@
+//! Tables and figures of the bench.
+
+use super::Rig;
+use crate::analyses::causes;
+use crate::analyses::errors_table;
+use crate::analyses::simulate::orders_value;
+use crate::dynamics::{Part, SpectrumLine};
+use crate::fidelity::Fidelity;
+use crate::results::{
+    Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits,
+    quantities as q, quantity,
+};
+use crate::rig::{BearingLoad, ErrorCurve, LoopFigures, LoopPoint, RigState};
+use crate::units::{ARCMIN, DEG, RPM};
+
+const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
+    name: "hysteresis",
+    what: "One point of a hysteresis loop a row",
+    columns: || {
+        vec![
+            q::TORQUE.of(|(_, p): &(usize, LoopPoint)| p.torque.into()),
+            quantity("angle_arcmin", decimals(4), "Angle of the output, input locked.")
+                .of(|(_, p)| (p.angle / ARCMIN).into()),
+            quantity("branch", PLAIN, "falling or rising torque.").of(|(_, p)| p.branch.word().into()),
+            quantity("position", PLAIN, "Crank position of the loop, counted from 0.").of(|(i, _)| (*i).into()),
+        ]
+    },
+};
+
+const SPECTRUM: TableOf<SpectrumLine> = TableOf {
+    name: "spectrum",
+    what: "One line of the transmission error at rated torque, forward, a row",
+    columns: || {
+        vec![
+            q::ORDER.of(|line: &SpectrumLine| line.order.into()),
+            q::AMPLITUDE.of(|line| (line.amplitude / ARCMIN).into()),
+        ]
+    },
+};
+
+/// Direction, torque, angle and error.
+type ErrorPoint = (f64, f64, (f64, f64));
+
+const ERRORS: TableOf<ErrorPoint> = TableOf {
+    name: "te",
+    what: "Transmission error at one place of the output turn a row",
+    columns: || {
+        vec![
+            quantity("output_angle_deg", decimals(3), "Angle of the output.")
+                .of(|(_, _, (angle, _)): &ErrorPoint| (angle / DEG).into()),
+            q::TE.of(|(_, _, (_, error))| (error / ARCMIN).into()),
+            quantity("direction", PLAIN, "1 forward, −1 backward.").of(|(direction, _, _)| (*direction).into()),
+            q::TORQUE.of(|(_, torque, _)| (*torque).into()),
+        ]
+    },
+};
+
+/// A part with its compliance in rad/(N·m) and the whole.
+type Compliance = (Part, f64, f64);
+
+const STIFFNESS: TableOf<Compliance> = TableOf {
+    name: "stiffness",
+    what: "One part of the torsional compliance at rated torque a row",
+    columns: || {
+        vec![
+            q::PART.of(|(part, _, _): &Compliance| part.name().into()),
+            quantity("compliance_arcmin_per_n_m", digits(4), "Part of the output's wind-up per torque.")
+                .of(|(_, compliance, _)| (compliance / ARCMIN).into()),
+            quantity("share", decimals(4), "Share of the whole compliance.")
+                .of(|(_, compliance, whole)| (compliance / whole).into()),
+        ]
+    },
+};
+
+const BEARINGS: TableOf<BearingLoad> = TableOf {
+    name: "bearings",
+    what: "One bearing at rated torque and speed a row",
+    columns: || {
+        vec![
+            q::BEARING.of(|b: &BearingLoad| b.name.as_str().into()),
+            quantity("mean_radial_force_n", decimals(0), "Mean radial force over a crank turn.")
+                .of(|b| b.mean_force().into()),
+            quantity("largest_element_force_n", decimals(0), "Largest force on one rolling element.")
+                .of(|b| b.largest_element.into()),
+            quantity("equivalent_load_n", decimals(0), "Equivalent dynamic load P over a crank turn (ISO 281).")
+                .of(|b| b.equivalent.into()),
+            quantity("rating_n", decimals(0), "Basic dynamic load rating C, given or by ISO 281.")
+                .of(|b| b.rating.into()),
+            quantity("l10_h", decimals(0), "Basic rating life L10 at rated torque and speed.")
+                .of(|b| b.life_h().into()),
+        ]
+    },
+};
+
+/// Place over a crank turn, bearing, force.
+type BearingForce = (f64, String, f64);
+
+const BEARING_FORCES: TableOf<BearingForce> = TableOf {
+    name: "bearing_forces",
+    what: "Radial force of one bearing at one crank angle a row",
+    columns: || {
+        vec![
+            q::CRANK_ANGLE.of(|(angle, _, _): &BearingForce| (*angle).into()),
+            q::BEARING.of(|(_, name, _)| name.clone().into()),
+            quantity("radial_force_n", decimals(1), "Radial force of the bearing.").of(|(_, _, force)| (*force).into()),
+        ]
+    },
+};
+
+/// Speed in rad/s, torque, efficiency.
+type EfficiencyAt = (f64, f64, f64);
+
+const EFFICIENCY: TableOf<EfficiencyAt> = TableOf {
+    name: "efficiency",
+    what: "Efficiency at one input speed and output torque a row",
+    columns: || {
+        vec![
+            quantity("input_speed_rpm", decimals(0), "Speed of the input.")
+                .of(|(speed, _, _): &EfficiencyAt| (speed / RPM).into()),
+            q::TORQUE.of(|(_, torque, _)| (*torque).into()),
+            q::EFFICIENCY.of(|(_, _, efficiency)| (*efficiency).into()),
+        ]
+    },
+};
+
+pub fn tables() -> Vec<DeclaredTable> {
+    vec![
+        LOOP.into(),
+        SPECTRUM.into(),
+        ERRORS.into(),
+        STIFFNESS.into(),
+        BEARINGS.into(),
+        BEARING_FORCES.into(),
+        EFFICIENCY.into(),
+        causes::TABLE.into(),
+        errors_table::TABLE.into(),
+    ]
+}
+
+pub(super) fn fill(rig: &Rig) -> Vec<Table> {
+    let state = rig.state();
+    let loops: Vec<(usize, LoopPoint)> = state
+        .loops
+        .iter()
+        .enumerate()
+        .flat_map(|(position, points)| points.iter().map(move |point| (position, *point)))
+        .collect();
+    let errors: Vec<ErrorPoint> = state
+        .curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(|point| (curve.direction, curve.torque, *point)))
+        .collect();
+    let split: Vec<Compliance> = state.split.parts.iter().map(|(part, c)| (*part, *c, state.split.whole)).collect();
+    let forces: Vec<BearingForce> = state
+        .bearings
+        .iter()
+        .flat_map(|b| {
+            let angle = |i: usize| 360.0 * i as f64 / b.forces.len() as f64;
+            b.forces.iter().enumerate().map(move |(i, force)| (angle(i), b.name.clone(), *force))
+        })
+        .collect();
+    let map = &state.efficiency;
+    let efficiency: Vec<EfficiencyAt> = map
+        .speeds
+        .iter()
+        .zip(&map.efficiency)
+        .flat_map(|(speed, row)| map.torques.iter().zip(row).map(move |(torque, e)| (*speed, *torque, *e)))
+        .collect();
+    let mut tables = vec![
+        LOOP.fill(&loops),
+        SPECTRUM.fill(&state.spectrum),
+        ERRORS.fill(&errors),
+        STIFFNESS.fill(&split),
+        BEARINGS.fill(&state.bearings),
+        BEARING_FORCES.fill(&forces),
+        EFFICIENCY.fill(&efficiency),
+        causes::TABLE.fill(&rig.causes_at()),
+    ];
+    tables.extend(errors_table::table(&rig.fidelity));
+    tables
+}
+
+/// A figure of the loop: quantity, its value in a state, and in a measured loop.
+pub(super) struct Figure {
+    pub quantity: Quantity,
+    pub new: Quantity,
+    pub measured: Quantity,
+    pub of: fn(&RigState) -> f64,
+    pub of_loop: fn(&LoopFigures) -> f64,
+}
+
+/// The figures that a new machine, a worn one and a measured one are compared by.
+pub(super) const FIGURES: &[Figure] = &[
+    Figure {
+        quantity: q::LOST_MOTION,
+        new: q::LOST_MOTION.named("new.lost_motion_arcmin"),
+        measured: q::LOST_MOTION.named("measured.lost_motion_arcmin"),
+        of: |s| s.lost_motion() / ARCMIN,
+        of_loop: |f| f.lost_motion / ARCMIN,
+    },
+    Figure {
+        quantity: q::BACKLASH,
+        new: q::BACKLASH.named("new.backlash_arcmin"),
+        measured: q::BACKLASH.named("measured.backlash_arcmin"),
+        of: |s| s.backlash() / ARCMIN,
+        of_loop: |f| f.backlash / ARCMIN,
+    },
+    Figure {
+        quantity: q::STIFFNESS,
+        new: q::STIFFNESS.named("new.stiffness_n_m_per_arcmin"),
+        measured: q::STIFFNESS.named("measured.stiffness_n_m_per_arcmin"),
+        of: |s| s.stiffness() * ARCMIN,
+        of_loop: |f| f.stiffness * ARCMIN,
+    },
+    Figure {
+        quantity: q::SOFT_STIFFNESS,
+        new: q::SOFT_STIFFNESS.named("new.soft_stiffness_n_m_per_arcmin"),
+        measured: q::SOFT_STIFFNESS.named("measured.soft_stiffness_n_m_per_arcmin"),
+        of: |s| s.soft_stiffness() * ARCMIN,
+        of_loop: |f| f.soft_stiffness * ARCMIN,
+    },
+];
+
+/// Mean of a figure over measured loops.
+pub(super) fn measured(rig: &Rig, index: usize) -> Option<f64> {
+    let figures = &rig.measured.as_ref()?.figures;
+    let sum: f64 = figures.iter().map(FIGURES[index].of_loop).sum();
+    (!figures.is_empty()).then(|| sum / figures.len() as f64)
+}
+
+fn curves_value(curves: &[ErrorCurve]) -> Value {
+    let one = |c: &ErrorCurve| {
+        Value::Record(vec![
+            ("direction", c.direction.into()),
+            ("torque_n_m", c.torque.into()),
+            ("mean_arcmin", (c.mean() / ARCMIN).into()),
+            ("peak_to_peak_arcmin", (c.peak_to_peak() / ARCMIN).into()),
+        ])
+    };
+    Value::List(curves.iter().map(one).collect())
+}
+
+pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
+    entries: || {
+        let mut entries: Vec<Column<Rig>> = Vec::new();
+        for (index, figure) in FIGURES.iter().enumerate() {
+            entries.push(Column::numbered(figure.quantity, index, |o: &Rig, i| (FIGURES[i].of)(o.state()).into()));
+            entries.push(Column::numbered(figure.new, index, |o: &Rig, i| (FIGURES[i].of)(&o.new).into()));
+            entries.push(Column::numbered(figure.measured, index, |o: &Rig, i| measured(o, i).into()));
+        }
+        entries.extend([
+            q::HOURS.of(|o: &Rig| o.state().hours.into()),
+            q::EFFICIENCY.of(|o| o.state().efficiency.rated.into()),
+            q::EFFICIENCY.named("new.efficiency").of(|o| o.new.efficiency.rated.into()),
+            quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
+                .of(|o| o.friction_assumed.into()),
+            quantity("no_load_running_torque_n_m", digits(3), "Torque at the input that turns the machine unloaded.")
+                .of(|o| o.state().torques.no_load.into()),
+            quantity("starting_torque_n_m", digits(3), "Torque at the input that starts the machine unloaded.")
+                .of(|o| o.state().torques.starting.into()),
+            quantity("back_driving_torque_n_m", digits(3), "Torque at the output that turns the machine backwards.")
+                .of(|o| o.state().torques.back_driving.into()),
+            quantity(
+                "te_rated_peak_to_peak_arcmin",
+                decimals(3),
+                "Peak to peak of the transmission error at rated torque, forward.",
+            )
+            .of(|o| Value::from(o.state().curves.get(2).map(|curve| curve.peak_to_peak() / ARCMIN))),
+            quantity("transmission_error", PLAIN, "Mean and peak to peak of every transmission error.")
+                .of(|o| curves_value(&o.state().curves)),
+            quantity("measured.transmission_error", PLAIN, "The same of measured curves.").of(|o| {
+                o.measured.as_ref().map_or(Value::Absent, |bench| curves_value(&bench.curves))
+            }),
+            q::ORDERS.of(|o| orders_value(&o.state().orders)),
+            quantity("measured.orders", PLAIN, "Largest lines of the measured transmission error.")
+                .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| orders_value(&bench.orders))),
+            quantity("shortest_bearing_life_h", decimals(0), "Least basic rating life L10 of all bearings.").of(
+                |o| {
+                    let least = o.state().bearings.iter().map(BearingLoad::life_h).fold(f64::INFINITY, f64::min);
+                    least.into()
+                },
+            ),
+            quantity("wall_s", decimals(2), "Seconds of computation.").of(|o| o.wall.into()),
+        ]);
+        entries.extend(causes::entries());
+        entries.extend(Fidelity::entries());
+        entries
+    },
+};

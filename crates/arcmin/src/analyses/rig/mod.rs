@@ -1,0 +1,177 @@
+//! Virtual test bench: hysteresis, lost motion, backlash, stiffness, efficiency as makers define them.
+
+mod declared;
+mod measured;
+mod page;
+
+pub use declared::{SUMMARY, tables};
+
+use super::causes::{CausesAt, HasCauses};
+use super::{AnalysisError, Host, Outcome, Said};
+use crate::design::{Design, InputFile, default, optional, options};
+use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
+use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
+use crate::machine::{Friction, Machine};
+use crate::report::Page;
+use crate::results::{Summary, Table};
+use crate::rig::{ASSUMED_FRICTION, MeasuredOnBench, RigPlan, RigState};
+
+pub const ABOUT: &str =
+    "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
+pub const GUIDE: &str = "Virtual test bench: every body free in its bearings, no inertia. Input locked, output \
+    torque cycled to ± rated: hysteresis loop, lost motion (mid-points at ±3 %), backlash (width at zero \
+    torque), torsional stiffness (50–100 % of rated torque); then one output turn in both directions, held \
+    lightly and at rated torque; efficiency, running torques, bearing loads and lives.\n\nA design without \
+    friction is tested with assumed coefficients, and the run says so; --frictionless switches that off. With \
+    --hours the new machine is tested as well.";
+pub const EXAMPLES: &[&str] = &[
+    "arcmin rig my-reducer.toml",
+    "arcmin rig my-reducer.toml --hours 2000",
+    "arcmin rig my-reducer.toml --discs elastic",
+    "arcmin rig my-reducer.toml --measured loop.csv",
+];
+
+options! {
+    /// Options of `rig`.
+    pub struct Options {
+        [fidelity: FidelityOptions, joints = "bearings"]
+        /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
+        hours: f64 => default(0.0, 0.0, 1e7),
+        /// A measured curve, evaluated by the same code and drawn over ours; may be given several times. A loop has the columns torque_n_m, angle_arcmin, branch (falling or rising) and, for several loops, position; a transmission error has output_angle_deg, te_arcmin and, for several curves, direction and torque_n_m.
+        measured: Vec<InputFile> => optional(0.0, 0.0),
+        /// Crank positions at which the loop is run.
+        positions: usize => default(4.0, 1.0, 360.0),
+        /// Positions over the output turn.
+        te_positions: usize => default(1024.0, 64.0, 65536.0),
+        /// No friction, even where the design gives none and some would be assumed.
+        frictionless: bool => optional(0.0, 0.0),
+    }
+}
+
+/// What the bench finds.
+#[derive(Debug, Clone)]
+pub struct Rig {
+    /// With the friction that it was tested with.
+    pub machine: Machine,
+    pub fidelity: Fidelity,
+    pub friction_assumed: bool,
+    pub new: RigState,
+    pub new_causes: PartsPoint,
+    /// After the hours asked for.
+    pub worn: Option<(RigState, PartsPoint)>,
+    pub measured: Option<MeasuredOnBench>,
+    /// Seconds of the computation, where the host has a clock.
+    pub wall: f64,
+}
+
+/// Tests the machine.
+///
+/// # Errors
+/// [`AnalysisError`]: measured curves that cannot be used, states without balance.
+pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
+    let started = host.seconds();
+    if options.fidelity.joints == Joints::Ideal {
+        return Err(AnalysisError::usage(
+            "the bench tests the machine in its bearings",
+            "leave joints = ideal out; `arcmin contact` shares the load with ideal joints",
+        ));
+    }
+    let nominal_friction = design.machine();
+    let (machine, friction_assumed) = with_friction(&nominal_friction, options.frictionless);
+    let measured = measured::read(&options.measured, &machine, host)?;
+    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    let plan = RigPlan { loop_positions: options.positions, error_positions: options.te_positions };
+    let test = |state: &WornState| -> Result<(RigState, PartsPoint), AnalysisError> {
+        let settings = state.on(fidelity.joint_settings()?);
+        let tested = RigState::measure(&machine, &settings, state.hours, plan, host)
+            .map_err(AnalysisError::compute("run the test bench"))?
+            .ok_or(AnalysisError::Stopped)?;
+        let causes = lost_motion_causes(&machine, fidelity.in_bearings(&machine)?, state)
+            .map_err(AnalysisError::wear("split the lost motion"))?;
+        Ok((tested, causes))
+    };
+    let (new, new_causes) = test(&WornState::new())?;
+    let worn = if options.hours > 0.0 {
+        // Wear belongs to the duty; friction on the bench does not change it.
+        Some(test(&worn_after(&nominal_friction, &fidelity, options.hours, host)?)?)
+    } else {
+        None
+    };
+    Ok(Rig {
+        wall: host.seconds() - started,
+        machine,
+        fidelity,
+        friction_assumed,
+        new,
+        new_causes,
+        worn,
+        measured,
+    })
+}
+
+/// The machine as it is tested, and whether its friction is assumed: where the design gives none at all.
+fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, bool) {
+    let mut tested = machine.clone();
+    let f = &machine.friction;
+    let none = [f.flank, f.pin_seat, f.bearing, f.gear_mesh, f.seal_drag, f.oil_drag]
+        .iter()
+        .all(|coefficient| *coefficient == 0.0);
+    let friction = match (frictionless, none) {
+        (true, _) => Friction::default(),
+        (false, true) => ASSUMED_FRICTION,
+        (false, false) => return (tested, false),
+    };
+    tested.friction = Friction { regularisation_speed: f.regularisation_speed, ..friction };
+    (tested, none && !frictionless)
+}
+
+impl Rig {
+    /// The state asked for: worn, or new.
+    pub fn state(&self) -> &RigState {
+        self.worn.as_ref().map_or(&self.new, |(state, _)| state)
+    }
+
+    fn causes_at(&self) -> Vec<CausesAt> {
+        let new = CausesAt { hours: 0.0, point: self.new_causes };
+        let worn = self.worn.as_ref().map(|(state, point)| CausesAt { hours: state.hours, point: *point });
+        std::iter::once(new).chain(worn).collect()
+    }
+}
+
+impl HasFidelity for Rig {
+    fn fidelity(&self) -> &Fidelity {
+        &self.fidelity
+    }
+}
+
+impl HasCauses for Rig {
+    fn causes(&self) -> Option<&PartsPoint> {
+        Some(self.worn.as_ref().map_or(&self.new_causes, |(_, point)| point))
+    }
+}
+
+impl Outcome for Rig {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        declared::fill(self)
+    }
+
+    fn said(&self) -> Vec<Said> {
+        page::said(self)
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
+
+    fn seeds(&self) -> Vec<u64> {
+        self.fidelity.seeds()
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

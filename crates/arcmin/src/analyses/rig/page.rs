@@ -1,0 +1,69 @@
+//! Terminal and report of the bench.
+
+use super::declared::{FIGURES, measured};
+use super::{Outcome, Rig};
+use crate::analyses::{Said, TextTable, causes};
+use crate::report::rig::RigPage;
+use crate::report::{Page, Provenance, Section};
+use crate::results::Value;
+
+const FURTHER: &[&str] = &[
+    "te_rated_peak_to_peak_arcmin",
+    "efficiency",
+    "no_load_running_torque_n_m",
+    "back_driving_torque_n_m",
+    "shortest_bearing_life_h",
+];
+
+pub(super) fn said(rig: &Rig) -> Vec<Said> {
+    let mut said = vec![Said::line(format!("{}: {}", rig.machine.name, rig.fidelity.sentence()))];
+    if rig.friction_assumed {
+        let f = &rig.machine.friction;
+        said.push(Said::line(format!(
+            "friction is assumed (flank {}, bearings {}, gear mesh {}, seals {} N·m): the design gives none",
+            f.flank, f.bearing, f.gear_mesh, f.seal_drag
+        )));
+    }
+    let mut header = vec![String::new(), "new".to_owned()];
+    header.extend(rig.worn.as_ref().map(|(state, _)| format!("{:.0} h", state.hours)));
+    if rig.measured.is_some() {
+        header.push("measured".to_owned());
+    }
+    let rows = FIGURES.iter().enumerate().map(|(index, figure)| {
+        let show = |value: f64| figure.quantity.show(&Value::Number(value));
+        let mut row = vec![
+            format!("{} {}", figure.quantity.label(), figure.quantity.unit()),
+            show((figure.of)(&rig.new)),
+        ];
+        row.extend(rig.worn.as_ref().map(|(state, _)| show((figure.of)(state))));
+        if rig.measured.is_some() {
+            row.push(measured(rig, index).map_or(String::new(), show));
+        }
+        row
+    });
+    said.push(Said::Table(TextTable { header, rows: rows.collect() }));
+    said.push(Said::figures(&rig.summary(), FURTHER));
+    if let Some(at) = rig.causes_at().last() {
+        said.extend(causes::said(at));
+    }
+    said
+}
+
+pub(super) fn page(rig: &Rig) -> Page {
+    let mut page = RigPage {
+        machine: &rig.machine,
+        provenance: Provenance::default(),
+        new: &rig.new,
+        worn: rig.worn.as_ref().map(|(state, _)| state),
+        measured: rig.measured.as_ref(),
+        errors: (!rig.fidelity.errors.is_zero()).then(|| format!("{}.", rig.fidelity.sentence())),
+        friction_assumed: rig.friction_assumed,
+    }
+    .page();
+    page.verdict.answers.push(("Which physics".to_owned(), rig.fidelity.sentence()));
+    if let Some(at) = rig.causes_at().last() {
+        let section = Section::new("causes", "Lost motion by cause", vec![causes::shares(at)]);
+        page.sections.insert(1, section);
+    }
+    page
+}

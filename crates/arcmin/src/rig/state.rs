@@ -1,0 +1,131 @@
+//! All that the bench finds out about one machine.
+
+use rayon::prelude::*;
+
+use super::{
+    BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RigError, RunningTorques,
+    StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop, hysteresis_loop,
+    name_orders, running_torques, stiffness_split, transmission_error_curves,
+};
+use crate::dynamics::{JointSettings, SpectrumLine, order_spectrum};
+use crate::machine::Machine;
+use crate::progress::Progress;
+
+/// All results of the bench for one state of the machine.
+#[derive(Debug, Clone)]
+pub struct RigState {
+    pub hours: f64,
+    /// One loop per crank position.
+    pub loops: Vec<Vec<LoopPoint>>,
+    pub figures: Vec<LoopFigures>,
+    pub split: StiffnessSplit,
+    /// Forward and backward held lightly, forward and backward at rated torque.
+    pub curves: Vec<ErrorCurve>,
+    /// At rated torque, forward.
+    pub spectrum: Vec<SpectrumLine>,
+    pub orders: Vec<NamedOrder>,
+    pub efficiency: EfficiencyMap,
+    pub torques: RunningTorques,
+    pub bearings: Vec<BearingLoad>,
+}
+
+impl RigState {
+    fn mean(&self, of: fn(&LoopFigures) -> f64) -> f64 {
+        self.figures.iter().map(of).sum::<f64>() / self.figures.len().max(1) as f64
+    }
+
+    /// Means over the crank positions: rad, N·m/rad.
+    pub fn lost_motion(&self) -> f64 {
+        self.mean(|f| f.lost_motion)
+    }
+
+    pub fn backlash(&self) -> f64 {
+        self.mean(|f| f.backlash)
+    }
+
+    pub fn stiffness(&self) -> f64 {
+        self.mean(|f| f.stiffness)
+    }
+
+    pub fn soft_stiffness(&self) -> f64 {
+        self.mean(|f| f.soft_stiffness)
+    }
+}
+
+/// What was measured on a real bench, evaluated like ours.
+#[derive(Debug, Clone, Default)]
+pub struct MeasuredOnBench {
+    pub loops: Vec<Vec<LoopPoint>>,
+    /// One per loop.
+    pub figures: Vec<LoopFigures>,
+    pub curves: Vec<ErrorCurve>,
+    /// Of the first curve that covers a turn; empty if none does.
+    pub spectrum: Vec<SpectrumLine>,
+    pub orders: Vec<NamedOrder>,
+}
+
+/// How finely the bench measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RigPlan {
+    /// Crank positions at which the loop is run.
+    pub loop_positions: usize,
+    /// Positions over the output turn of the transmission error.
+    pub error_positions: usize,
+}
+
+/// Crank positions of the bearing loads.
+const BEARING_POSITIONS: usize = 72;
+
+impl RigState {
+    /// Runs all tests on one state of the machine; `None` when `progress` was cancelled.
+    ///
+    /// # Errors
+    /// [`RigError`] of the first test that finds no answer.
+    pub fn measure(
+        machine: &Machine,
+        settings: &JointSettings,
+        hours: f64,
+        plan: RigPlan,
+        progress: &dyn Progress,
+    ) -> Result<Option<RigState>, RigError> {
+        let ratio = machine.kinematics().housing_fixed_ratio();
+        let turn = std::f64::consts::TAU * ratio / (machine.ring.pin_count as f64 - 1.0);
+        let suns: Vec<f64> =
+            (0..plan.loop_positions).map(|i| turn * i as f64 / plan.loop_positions as f64).collect();
+        let rated = machine.rated.torque.abs();
+        progress.report("hysteresis loops", 0.0);
+        let loops = suns
+            .par_iter()
+            .map(|sun| {
+                if progress.is_cancelled() { Ok(None) } else { hysteresis_loop(machine, settings, *sun).map(Some) }
+            })
+            .collect::<Result<Option<Vec<_>>, _>>()?;
+        let Some(loops) = loops else { return Ok(None) };
+        let figures = loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>()?;
+        let split = stiffness_split(machine, settings, suns[0])?;
+        progress.report("transmission error", 0.4);
+        if progress.is_cancelled() {
+            return Ok(None);
+        }
+        let test =
+            TransmissionSettings { positions: plan.error_positions, ..TransmissionSettings::new(machine) };
+        let curves = transmission_error_curves(machine, settings, test)?;
+        let spectrum = curves.get(2).and_then(|curve| order_spectrum(&curve.points)).unwrap_or_default();
+        progress.report("efficiency", 0.8);
+        if progress.is_cancelled() {
+            return Ok(None);
+        }
+        Ok(Some(RigState {
+            efficiency: efficiency_map(machine, settings)?,
+            torques: running_torques(machine, settings)?,
+            bearings: bearing_loads(machine, settings, BEARING_POSITIONS)?,
+            orders: name_orders(&spectrum, machine, test.positions, 8),
+            hours,
+            loops,
+            figures,
+            split,
+            curves,
+            spectrum,
+        }))
+    }
+}
