@@ -138,6 +138,10 @@ section! {
         exponent: Option<f64> => optional(0.5, 10.0),
         /// Pressure up to which nothing wears, only with the law "pressure-power".
         threshold_mpa: Option<f64> => optional(0.0, 5000.0),
+        /// Rate of a new surface relative to that of the smooth one, only with the law "smoothing".
+        factor: Option<f64> => optional(1.0, 1e4),
+        /// Depth of the order of the roughness over which the rate falls, only with the law "smoothing".
+        smoothing_depth_um: Option<f64> => optional(0.01, 100.0),
     }
 
     /// Wear of gear teeth by Archard's law, Δh = k (F/b) ξ per pass; k in exactly one of the ways
@@ -236,8 +240,13 @@ impl Choice for WearLawName {
 
 impl WearLawSection {
     /// The keys that parameters of the laws have.
-    pub(super) fn parameters(&self) -> [Parameter<'_>; 2] {
-        [("exponent", &self.exponent), ("threshold_mpa", &self.threshold_mpa)]
+    pub(super) fn parameters(&self) -> [Parameter<'_>; 4] {
+        [
+            ("exponent", &self.exponent),
+            ("threshold_mpa", &self.threshold_mpa),
+            ("factor", &self.factor),
+            ("smoothing_depth_um", &self.smoothing_depth_um),
+        ]
     }
 }
 

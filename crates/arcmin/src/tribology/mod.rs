@@ -7,10 +7,12 @@
 mod archard;
 pub mod film;
 mod pressure;
+mod smoothing;
 
 pub use archard::Archard;
 pub use film::{Lubrication, film_ratio};
 pub use pressure::PressurePower;
+pub use smoothing::Smoothing;
 
 use crate::named::named_laws;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -33,6 +35,14 @@ named_laws! {
             /// Pa.
             threshold: "threshold_mpa" => |p| p[1] * 1e6,
         },
+    /// [`Smoothing`].
+    "smoothing", "Archard's law, faster until a place has lost its roughness; needs `factor` and `smoothing_depth_um`":
+        Smoothing {
+            /// f.
+            factor: "factor" => |p| p[0],
+            /// d in m.
+            depth: "smoothing_depth_um" => |p| p[1] * 1e-6,
+        },
 }
 
 impl WearLaw {
@@ -41,6 +51,7 @@ impl WearLaw {
         match *self {
             WearLaw::Archard => Box::new(Archard),
             WearLaw::PressurePower { exponent, threshold } => Box::new(PressurePower { exponent, threshold }),
+            WearLaw::Smoothing { factor, depth } => Box::new(Smoothing { factor, depth }),
         }
     }
 }

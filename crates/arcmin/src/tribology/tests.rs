@@ -11,6 +11,8 @@ pub(crate) fn every_law([a, b, c]: [f64; 3]) -> Vec<WearLaw> {
     let range = |key: &str| match key {
         "exponent" => 1.0 + 4.0 * a,
         "threshold_mpa" => 600.0 * b,
+        "factor" => 1.0 + 99.0 * a,
+        "smoothing_depth_um" => 0.1 + 5.0 * c,
         _ => panic!("{key} {c}"),
     };
     WearLawName::NAMES
