@@ -44,7 +44,7 @@ pub(super) fn boundary_share(film_ratio: f64) -> f64 {
 ///
 /// It vanishes where v_c = v_s/2. A contact is wide and does not stay there, so the film never breaks down
 /// altogether; the least speed kept, 0.001 v_s, is an assumption that hardly matters: the film is then below
-/// 1 % of that at u = v_s, and the boundary share within 2 % of 1 for λ = 1 there.
+/// 1 % of that at u = v_s, and the boundary share within 1 % of 1 for λ = 1 there.
 pub fn entrainment_speed(on_surface: f64, sliding: f64) -> f64 {
     0.5 * (2.0 * on_surface - sliding).abs().max(1e-3 * sliding)
 }

@@ -41,6 +41,8 @@ pub struct WearCurve {
     lost_motions: Vec<f64>,
 }
 
+/// Crank positions of one lost motion: of ideal joints it repeats every pin pitch, and the mean of six places
+/// there is a choice between speed and the ripple left, not a number of the theory.
 const LOST_MOTION_POSITIONS: usize = 6;
 
 impl WearCurve {

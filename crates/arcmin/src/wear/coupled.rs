@@ -480,7 +480,8 @@ fn halfway(other: f64, here: f64) -> f64 {
     here + 0.5 * wrap_angle(other - here)
 }
 
-/// Longest piece of meshing angle (rad) on which the removal on a pin is taken as one.
+/// Longest piece of meshing angle (rad) on which the removal on a pin is taken as one: an assumption, a third of
+/// the 9° between the pins of a usual ring, so that the straight lines between its contacts are followed.
 const PIN_PIECE: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 /// One contact on its way along the flank.
