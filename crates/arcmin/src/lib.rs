@@ -1,8 +1,9 @@
 //! Accuracy, wear and dynamics of RV (cycloidal) reducers.
 //!
 //! The data's way through the crate: a design file becomes a [`machine::Machine`] (SI units,
-//! invariants hold); [`load`] shares a torque among the pins, [`wear`] removes metal, [`metrics`]
-//! and [`life`] turn that into accuracy against hours, [`dynamics`] integrates the equations of motion.
+//! invariants hold); [`load`] shares a torque among the pins, [`wear`] removes metal by a law of
+//! [`tribology`], [`life`] turns that into accuracy against hours, [`dynamics`] integrates the equations of
+//! motion.
 //! The crate touches no file, no clock and no terminal.
 
 pub mod analyses;
@@ -17,11 +18,13 @@ pub mod life;
 pub mod load;
 pub mod machine;
 pub mod materials;
+pub mod named;
 pub mod progress;
 pub mod report;
 pub mod results;
 pub mod rig;
 pub mod tables;
 pub mod templates;
+pub mod tribology;
 pub mod units;
 pub mod wear;

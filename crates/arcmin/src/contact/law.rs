@@ -1,23 +1,36 @@
 use std::f64::consts::PI;
 
 use crate::materials::{Material, effective_modulus};
+use crate::named::named_laws;
 
-/// Elastic law of one tooth contact: force from approach.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum ContactLaw {
-    /// Two cylinders in line contact, approach of points at depth 2 r_p in each body (Johnson 1985, §4.6 and
-    /// §5.6).
+named_laws! {
+    /// Elastic law of one tooth contact: force from approach.
+    #[derive(Default)]
+    pub enum ContactLaw;
+    /// Contact laws by name.
+    pub enum ContactLawName, "contact law";
+
+    /// F = δ/(α − β ln F R_eq), approach of points at depth 2 r_p in each body (Johnson 1985, §4.6 and §5.6).
     #[default]
-    LineHertz,
-    /// F = k δ with the stiffness in N/m per pin.
-    Linear { stiffness: f64 },
+    "line-hertz", "two cylinders, approach of points two pin radii deep (Johnson)": LineHertz,
+    /// F = k δ.
+    "linear", "force proportional to approach; needs `stiffness_n_per_um`": Linear {
+        /// k per pin in N/m.
+        stiffness: "stiffness_n_per_um" => |p| p[0] * 1e6,
+    },
     /// δ = 3.84e-5 Q^0.9 / l^0.8 (mm, N): Palmgren's line contact of steel bodies.
-    Palmgren,
+    "palmgren", "Palmgren's line contact, approach ∝ force^0.9": Palmgren,
     /// Eq. (6) of Tao2024 with the Hertz half-width; both lengths under the logarithm and R_eq equal to the
     /// pin radius.
-    Tao2024,
-    /// F = k δ^e with k in N/m^e: the elastic part of the impact function of Tao2024's multibody model.
-    Impact { stiffness: f64, exponent: f64 },
+    "tao2024", "eq. (6) of Tao2024 with the Hertz half-width": Tao2024,
+    /// F = k δ^e: the elastic part of the impact function of Tao2024's multibody model.
+    "impact", "the elastic part of the impact function; needs `impact_stiffness_n_per_mm_e` and `impact_exponent`":
+        Impact {
+            /// k in N/m^e.
+            stiffness: "impact_stiffness_n_per_mm_e" => |p| p[0] * 1e3f64.powf(p[1]),
+            /// e.
+            exponent: "impact_exponent" => |p| p[1],
+        },
 }
 
 /// Damping of one contact: c STEP(δ, 0, 0, d, 1) δ̇, where the cubic step lets it grow from zero over the
@@ -47,6 +60,17 @@ pub struct ContactForce {
     pub stored: f64,
 }
 
+/// What is computed: every law is one of these shapes with numbers of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    /// δ = F (α − β ln(F R)), with R = R_eq or 1.
+    Logarithmic { by_radius: bool },
+    /// F = k δ with k in N/m.
+    Linear { stiffness: f64 },
+    /// δ = C F^p in m and N. Kept, for a power costs as much as the rest of a contact.
+    Power { coefficient: f64, power: f64 },
+}
+
 /// A [`ContactLaw`] bound to the two materials, the face width and the pin radius of one ring.
 ///
 /// For the line-contact laws the approach is δ(F) = F (α − β ln(F R_eq)) with constants of the pairing, from
@@ -54,11 +78,10 @@ pub struct ContactForce {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LineContact {
     law: ContactLaw,
+    shape: Shape,
     /// α in m/N (for R_eq F in N·m) and β in m/N.
     alpha: f64,
     beta: f64,
-    /// C and p of the laws δ = C F^p, in m and N. Kept, for a power costs as much as the rest of a contact.
-    power: (f64, f64),
     /// Face width B in m.
     pub width: f64,
     /// E* in Pa.
@@ -100,17 +123,23 @@ impl LineContact {
             }
             beta += a;
         }
-        let power = match law {
+        let shape = match law {
+            ContactLaw::LineHertz => Shape::Logarithmic { by_radius: true },
+            ContactLaw::Tao2024 => Shape::Logarithmic { by_radius: false },
+            ContactLaw::Linear { stiffness } => Shape::Linear { stiffness },
             // δ[mm] = 3.84e-5 Q^0.9 l[mm]^-0.8
-            ContactLaw::Palmgren => (3.84e-8 * (width * 1e3).powf(-0.8), 0.9),
-            ContactLaw::Impact { stiffness, exponent } => (stiffness.powf(-1.0 / exponent), 1.0 / exponent),
-            _ => (0.0, 1.0),
+            ContactLaw::Palmgren => {
+                Shape::Power { coefficient: 3.84e-8 * (width * 1e3).powf(-0.8), power: 0.9 }
+            }
+            ContactLaw::Impact { stiffness, exponent } => {
+                Shape::Power { coefficient: stiffness.powf(-1.0 / exponent), power: 1.0 / exponent }
+            }
         };
         LineContact {
             law,
+            shape,
             alpha,
             beta,
-            power,
             width,
             effective_modulus,
             pin_radius,
@@ -137,8 +166,7 @@ impl LineContact {
     }
 
     /// A power law δ = C F^p in series with the seat: Newton's method on the concave δ(F), from below.
-    fn power_with_seat(&self, approach: f64) -> (f64, f64) {
-        let (coefficient, power) = self.power;
+    fn power_with_seat(&self, coefficient: f64, power: f64, approach: f64) -> (f64, f64) {
         let mut force =
             (approach / coefficient).powf(1.0 / power).min(approach / self.seat.max(f64::MIN_POSITIVE));
         for _ in 0..50 {
@@ -160,18 +188,18 @@ impl LineContact {
         if approach <= 0.0 {
             return (0.0, 0.0);
         }
-        match self.law {
-            ContactLaw::LineHertz => self.line_force(approach, equivalent_radius),
-            ContactLaw::Tao2024 => self.line_force(approach, 1.0),
-            ContactLaw::Linear { stiffness } => {
+        match self.shape {
+            Shape::Logarithmic { by_radius } => {
+                self.line_force(approach, if by_radius { equivalent_radius } else { 1.0 })
+            }
+            Shape::Linear { stiffness } => {
                 let stiffness = stiffness / (1.0 + stiffness * self.seat);
                 (stiffness * approach, stiffness)
             }
-            ContactLaw::Palmgren | ContactLaw::Impact { .. } if self.seat > 0.0 => {
-                self.power_with_seat(approach)
+            Shape::Power { coefficient, power } if self.seat > 0.0 => {
+                self.power_with_seat(coefficient, power, approach)
             }
-            ContactLaw::Palmgren | ContactLaw::Impact { .. } => {
-                let (coefficient, power) = self.power;
+            Shape::Power { coefficient, power } => {
                 let force = (approach / coefficient).powf(1.0 / power);
                 (force, force / (power * approach))
             }
@@ -184,13 +212,12 @@ impl LineContact {
         if force <= 0.0 {
             return 0.0;
         }
-        match self.law {
-            ContactLaw::LineHertz => self.line_approach(force, equivalent_radius),
-            ContactLaw::Tao2024 => self.line_approach(force, 1.0),
-            ContactLaw::Linear { stiffness } => force / stiffness + self.seat * force,
-            ContactLaw::Palmgren | ContactLaw::Impact { .. } => {
-                self.power.0 * force.powf(self.power.1) + self.seat * force
+        match self.shape {
+            Shape::Logarithmic { by_radius } => {
+                self.line_approach(force, if by_radius { equivalent_radius } else { 1.0 })
             }
+            Shape::Linear { stiffness } => force / stiffness + self.seat * force,
+            Shape::Power { coefficient, power } => coefficient * force.powf(power) + self.seat * force,
         }
     }
 
@@ -259,7 +286,10 @@ impl LineContact {
     /// F/4).
     #[inline]
     pub fn energy_by_log_radius(&self, elastic_force: f64) -> f64 {
-        if self.law == ContactLaw::LineHertz { 0.5 * self.beta * elastic_force * elastic_force } else { 0.0 }
+        match self.shape {
+            Shape::Logarithmic { by_radius: true } => 0.5 * self.beta * elastic_force * elastic_force,
+            _ => 0.0,
+        }
     }
 
     /// Elastic energy ∫F dδ in J at approach δ (m) with the force F (N) that [`LineContact::force`] gives
@@ -271,12 +301,12 @@ impl LineContact {
         if approach <= 0.0 {
             return 0.0;
         }
-        match self.law {
-            ContactLaw::LineHertz => self.line_energy(approach, force, equivalent_radius),
-            ContactLaw::Tao2024 => self.line_energy(approach, force, 1.0),
-            ContactLaw::Linear { .. } => 0.5 * force * approach,
-            ContactLaw::Palmgren => self.power_energy(approach, force, 1.0 / 0.9),
-            ContactLaw::Impact { exponent, .. } => self.power_energy(approach, force, exponent),
+        match self.shape {
+            Shape::Logarithmic { by_radius } => {
+                self.line_energy(approach, force, if by_radius { equivalent_radius } else { 1.0 })
+            }
+            Shape::Linear { .. } => 0.5 * force * approach,
+            Shape::Power { power, .. } => self.power_energy(approach, force, 1.0 / power),
         }
     }
 

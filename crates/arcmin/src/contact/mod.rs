@@ -9,7 +9,7 @@ mod sliding;
 mod worn_pin;
 
 pub use facets::MeshContact;
-pub use law::{ContactForce, ContactLaw, Damping, LineContact};
+pub use law::{ContactForce, ContactLaw, ContactLawName, Damping, LineContact};
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, TOLERABLE_DEPTH};
 pub use rolling::Rolling;
 pub use sliding::Sliding;

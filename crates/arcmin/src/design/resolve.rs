@@ -2,15 +2,16 @@
 
 use super::consistency::{Place, contradiction, needs};
 use super::error::Source;
-use super::service::{PartWearSection, RollingWearSection};
+use super::service::{Parameter, PartWearSection, RollingWearSection};
 use super::solids::{self, Section as Solid};
 use super::{
-    At, CoefficientSection, ContactLawName, ContactSection, DesignError, DesignSections, ModificationSection,
-    RollerBearingSection, Section,
+    At, CoefficientSection, DesignError, DesignSections, ModificationSection, RollerBearingSection, Section,
 };
-use crate::contact::{ContactLaw, Damping};
+use crate::contact::Damping;
 use crate::geometry::{Profile, Relief};
 use crate::machine::*;
+use crate::named::LawName;
+use crate::tribology::Lubrication;
 use crate::units::{ARCMIN, DEG, HOUR, MM, MPA, RPM, UM};
 
 /// N/m in one N/µm.
@@ -58,7 +59,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
         fixed_member: *design.fixed_member,
         bearings,
         friction: friction(design),
-        contact_law: contact_law(&design.contact, source)?,
+        contact_law: law(&design.contact.law, &design.contact.span, &design.contact.parameters(), source)?,
         contact_damping: Damping {
             coefficient: *design.contact.damping_n_s_per_m,
             ramp_depth: *design.contact.damping_depth_um * UM,
@@ -373,61 +374,37 @@ fn friction(design: &DesignSections) -> Friction {
     }
 }
 
-fn contact_law(
-    contact: &At<Section<ContactSection>>,
+/// The law chosen by name, with exactly its own parameters.
+fn law<N: LawName>(
+    name: &At<N>,
+    section: &Place,
+    parameters: &[Parameter<'_>],
     source: &Source,
-) -> Result<ContactLaw, Box<DesignError>> {
-    let law = *contact.law;
-    let place = contact.law.span.clone().or(contact.span.clone());
-    for (key, at, owner) in [
-        ("stiffness_n_per_um", &contact.stiffness_n_per_um, ContactLawName::Linear),
-        ("impact_stiffness_n_per_mm_e", &contact.impact_stiffness_n_per_mm_e, ContactLawName::Impact),
-        ("impact_exponent", &contact.impact_exponent, ContactLawName::Impact),
-    ] {
-        match (at.value, owner == law) {
-            (None, true) => {
-                return Err(needs(source, &place, &format!("the contact law \"{}\"", word(law)), key));
-            }
-            (Some(_), false) => {
-                let message = format!(
-                    "`{key}` belongs to the contact law \"{}\", but the law here is \"{}\"",
-                    word(owner),
-                    word(law)
-                );
-                return Err(contradiction(source, &at.span, message, "leave it out or choose its law"));
-            }
-            _ => {}
+) -> Result<N::Law, Box<DesignError>> {
+    let place = name.span.clone().or(section.clone());
+    let title = |name: N| format!("the {} \"{}\"", N::KIND, name.word());
+    for (key, at) in parameters.iter().filter(|(_, at)| at.is_some()) {
+        if !name.parameters().contains(key) {
+            let owners = N::NAMES.iter().filter(|owner| owner.parameters().contains(key));
+            let owners = owners.map(|owner| title(*owner)).collect::<Vec<_>>().join(" and ");
+            let message = format!("`{key}` belongs to {owners}, but the law here is \"{}\"", name.word());
+            return Err(contradiction(source, &at.span, message, "leave it out or choose its law"));
         }
     }
-    Ok(
-        match (
-            law,
-            *contact.stiffness_n_per_um,
-            *contact.impact_stiffness_n_per_mm_e,
-            *contact.impact_exponent,
-        ) {
-            (ContactLawName::Palmgren, ..) => ContactLaw::Palmgren,
-            (ContactLawName::Tao2024, ..) => ContactLaw::Tao2024,
-            (ContactLawName::Linear, Some(stiffness), ..) => {
-                ContactLaw::Linear { stiffness: stiffness * N_PER_UM }
-            }
-            // k [N/m^e] = k [N/mm^e] · (1000 mm/m)^e.
-            (ContactLawName::Impact, _, Some(k), Some(exponent)) => {
-                ContactLaw::Impact { stiffness: k * 1e3f64.powf(exponent), exponent }
-            }
-            _ => ContactLaw::LineHertz,
-        },
-    )
+    let value = |key: &&'static str| {
+        let given = parameters.iter().find(|(name, _)| name == key).and_then(|(_, at)| at.value);
+        given.ok_or_else(|| needs(source, &place, &title(name.value), key))
+    };
+    let values = name.parameters().iter().map(value).collect::<Result<Vec<f64>, _>>()?;
+    // One value was read for each parameter.
+    name.law(&values).ok_or_else(|| needs(source, &place, &title(name.value), "parameters"))
 }
 
-fn word(law: ContactLawName) -> &'static str {
-    <ContactLawName as super::field::Choice>::WORDS[law as usize].0
-}
-
-fn wear(design: &DesignSections, source: &Source) -> Result<WearLaw, Box<DesignError>> {
+fn wear(design: &DesignSections, source: &Source) -> Result<Wear, Box<DesignError>> {
     let wear = &design.wear;
     let coupled = coefficient(&wear.coupled, &wear.coupled.span, source)?;
-    Ok(WearLaw {
+    Ok(Wear {
+        law: law(&wear.law.name, &wear.law.span, &wear.law.parameters(), source)?,
         coupled,
         paper: match &wear.paper.value {
             Some(paper) => coefficient(paper, &wear.paper.span, source)?,

@@ -2,9 +2,12 @@
 
 use super::Section;
 use super::field::Choice;
-use super::schema::{default, default_word, optional, required, section, word};
+use super::schema::{At, default, default_word, optional, required, section, word};
 use super::sections::SECTION_OR_DEFAULTS;
+use crate::contact::ContactLawName;
 use crate::machine::RollerKind;
+use crate::named::LawName;
+use crate::tribology::WearLawName;
 
 section! {
     /// Bearings and supports, used where the joints are not ideal.
@@ -102,8 +105,10 @@ section! {
         share: f64 => required(1e-9, 1.0),
     }
 
-    /// Archard's law: depth per pass Δh = k (F/B) ξ.
+    /// Wear of flanks and pins: each place loses dh/dt = k × the rate of the wear law there.
     pub struct WearSection {
+        /// Local rate of wear. Left out: Archard's law.
+        law: Section<WearLawSection> => OPTIONAL_SECTION,
         /// Wear coefficient k of the coupled prediction, in which the load sharing follows the worn flank.
         coupled: Section<CoefficientSection> => word(),
         /// Wear coefficient k of the uniform-depth study of Tao2024. Left out, it is that of `wear.coupled`.
@@ -123,6 +128,20 @@ section! {
         sun: Option<Section<PartWearSection>> => optional(0.0, 0.0),
         /// Wear of the teeth of the planets. Left out: none.
         planet: Option<Section<PartWearSection>> => optional(0.0, 0.0),
+    }
+
+    /// The wear law of flanks and pins. Bearings and gears wear by Archard's.
+    pub struct WearLawSection {
+        /// Local rate.
+        name: WearLawName => default_word("archard"),
+        /// Exponent m of the pressure, only with the law "pressure-power".
+        exponent: Option<f64> => optional(0.5, 10.0),
+        /// Pressure up to which nothing wears, only with the law "pressure-power".
+        threshold_mpa: Option<f64> => optional(0.0, 5000.0),
+        /// Rate of a new surface relative to that of the smooth one, only with the law "smoothing".
+        factor: Option<f64> => optional(1.0, 1e4),
+        /// Depth of the order of the roughness over which the rate falls, only with the law "smoothing".
+        smoothing_depth_um: Option<f64> => optional(0.01, 100.0),
     }
 
     /// Wear of gear teeth by Archard's law, Δh = k (F/b) ξ per pass; k in exactly one of the ways
@@ -206,34 +225,40 @@ section! {
 /// The rule of sections whose keys all have defaults.
 pub(super) const OPTIONAL_SECTION: super::schema::Rule = SECTION_OR_DEFAULTS;
 
-/// Contact laws by name; the parameters are keys of their own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ContactLawName {
-    LineHertz,
-    Linear,
-    Palmgren,
-    Tao2024,
-    Impact,
-}
+/// A key that is a parameter of some law, and what the file says of it.
+pub(super) type Parameter<'a> = (&'static str, &'a At<Option<f64>>);
 
 impl Choice for ContactLawName {
-    const WORDS: &'static [(&'static str, &'static str)] = &[
-        ("line-hertz", "two cylinders, approach of points two pin radii deep (Johnson)"),
-        ("linear", "force proportional to approach; needs `stiffness_n_per_um`"),
-        ("palmgren", "Palmgren's line contact, approach ∝ force^0.9"),
-        ("tao2024", "eq. (6) of Tao2024 with the Hertz half-width"),
-        (
-            "impact",
-            "the elastic part of the impact function; needs `impact_stiffness_n_per_mm_e` and `impact_exponent`",
-        ),
-    ];
-    const VALUES: &'static [ContactLawName] = &[
-        ContactLawName::LineHertz,
-        ContactLawName::Linear,
-        ContactLawName::Palmgren,
-        ContactLawName::Tao2024,
-        ContactLawName::Impact,
-    ];
+    const WORDS: &'static [(&'static str, &'static str)] = <ContactLawName as LawName>::WORDS;
+    const VALUES: &'static [ContactLawName] = ContactLawName::NAMES;
+}
+
+impl Choice for WearLawName {
+    const WORDS: &'static [(&'static str, &'static str)] = <WearLawName as LawName>::WORDS;
+    const VALUES: &'static [WearLawName] = WearLawName::NAMES;
+}
+
+impl WearLawSection {
+    /// The keys that parameters of the laws have.
+    pub(super) fn parameters(&self) -> [Parameter<'_>; 4] {
+        [
+            ("exponent", &self.exponent),
+            ("threshold_mpa", &self.threshold_mpa),
+            ("factor", &self.factor),
+            ("smoothing_depth_um", &self.smoothing_depth_um),
+        ]
+    }
+}
+
+impl ContactSection {
+    /// The keys that parameters of the laws have.
+    pub(super) fn parameters(&self) -> [Parameter<'_>; 3] {
+        [
+            ("stiffness_n_per_um", &self.stiffness_n_per_um),
+            ("impact_stiffness_n_per_mm_e", &self.impact_stiffness_n_per_mm_e),
+            ("impact_exponent", &self.impact_exponent),
+        ]
+    }
 }
 
 impl Choice for RollerKind {

@@ -107,7 +107,7 @@ impl<'a> Course<'a> {
         exposure: Exposure,
     ) -> Result<Course<'a>, AnalysisError> {
         Ok(Course {
-            wear: CoupledWear::with(machine, fidelity.meshing(machine)?, options),
+            wear: CoupledWear::with(machine, fidelity.meshing(machine)?, options).on_clock(&exposure),
             parts: PartsFollower::with(machine, fidelity.in_bearings(machine)?),
             machine,
             exposure,

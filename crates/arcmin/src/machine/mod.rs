@@ -18,7 +18,7 @@ pub use kinematics::Kinematics;
 pub use part_wear::{PartWear, PartWearLaws, RollingWear};
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
-    Housing, Lubrication, PinMounting, PinRing, RunningIn, WearCoefficient, WearLaw,
+    Housing, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
 pub use tolerances::Tolerances;
 
@@ -46,7 +46,7 @@ pub struct Machine {
     pub rated: DutyPoint,
     /// Load spectrum for wear; one point with the share 1 where only the rated point is known.
     pub duty: Vec<DutyPoint>,
-    pub wear: WearLaw,
+    pub wear: Wear,
     pub limits: Limits,
 }
 

@@ -1,5 +1,6 @@
 use crate::geometry::Relief;
 use crate::materials::Material;
+use crate::tribology::{Lubrication, WearLaw};
 
 /// The ring of pins in the housing.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,9 +196,11 @@ pub struct DutyPoint {
     pub share: f64,
 }
 
-/// Archard's law as depth per pass, Δh = k (F/B) ξ.
+/// How flanks, pins and the parts behind them wear.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WearLaw {
+pub struct Wear {
+    /// Local rate of flanks and pins per unit of the coefficient k.
+    pub law: WearLaw,
     /// Coefficient of the coupled prediction.
     pub coupled: WearCoefficient,
     /// Coefficient of the paper's uniform-depth study.
@@ -222,20 +225,12 @@ pub enum WearCoefficient {
 }
 
 /// k(t) = k (1 + (factor − 1) e^(−t/duration)): faster wear while the surfaces run in.
+///
+/// The exponential is an assumption, the simplest passage from one rate to another with two numbers; no factor
+/// and no time is known for all machines, so there is no running-in unless the design gives one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunningIn {
     pub factor: f64,
     /// s.
     pub duration: f64,
-}
-
-/// Mixed lubrication: k falls with the film ratio λ.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lubrication {
-    /// Dynamic viscosity at running temperature in Pa·s.
-    pub viscosity: f64,
-    /// Pressure–viscosity coefficient in 1/Pa.
-    pub pressure_viscosity: f64,
-    /// Combined RMS roughness of flank and pin in m.
-    pub roughness: f64,
 }

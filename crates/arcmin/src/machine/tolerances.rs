@@ -34,7 +34,8 @@ pub struct Tolerances {
     pub sun_run_out: f64,
 }
 
-/// Orders of the disc's pitch that are drawn; order 1 is its run-out.
+/// Orders of the disc's pitch that are drawn; order 1 is its run-out. Up to 7 is an assumption: slow errors of
+/// the grinder's table are what pitch measurements show, faster ones are noise from tooth to tooth.
 const PITCH_ORDERS: std::ops::Range<usize> = 2..8;
 
 impl ManufacturingErrors {

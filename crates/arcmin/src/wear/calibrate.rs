@@ -41,10 +41,12 @@ pub struct WearCurve {
     lost_motions: Vec<f64>,
 }
 
+/// Crank positions of one lost motion: of ideal joints it repeats every pin pitch, and the mean of six places
+/// there is a choice between speed and the ripple left, not a number of the theory.
 const LOST_MOTION_POSITIONS: usize = 6;
 
 impl WearCurve {
-    /// Follows the coupled prediction until `enough` says of (exposure, depth, lost-motion increase) that it
+    /// Follows the coupled prediction, on the clock where the law depends on time, until `enough` says of (exposure, depth, lost-motion increase) that it
     /// has gone far enough.
     ///
     /// # Errors
@@ -53,13 +55,22 @@ impl WearCurve {
         machine: &Machine,
         meshing: S,
         options: CoupledOptions,
+        clock: &Exposure,
         mut enough: impl FnMut(f64, f64, f64) -> bool,
     ) -> Result<WearCurve, WearError> {
-        let mut wear = CoupledWear::with(machine, meshing, options);
+        let mut wear = CoupledWear::with(machine, meshing, options).on_clock(clock);
         let new = lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians();
         let mut curve = WearCurve { exposures: vec![0.0], depths: vec![0.0], lost_motions: vec![0.0] };
         loop {
             wear.advance_until(f64::MAX, |_| true)?;
+            let state = wear.state();
+            if state.exposure == f64::MAX {
+                // A law with a threshold has come to rest before.
+                return Err(WearError::TargetNotReached {
+                    reached_um: state.flank().deepest().0 / UM,
+                    exposure: curve.last(),
+                });
+            }
             let lost =
                 lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians() - new;
             let state = wear.state();
@@ -118,7 +129,7 @@ pub fn fit(
 ///
 /// # Errors
 /// [`WearError`].
-pub fn fit_with<S: ShareLoad>(
+pub fn fit_with<S: ShareLoad + Clone>(
     machine: &Machine,
     meshing: S,
     options: CoupledOptions,
@@ -131,15 +142,73 @@ pub fn fit_with<S: ShareLoad>(
 /// (s) the factor of a running-in of that time constant, from 1 to 10⁴, is fitted as well, in place of the
 /// machine's own.
 ///
+/// A law that depends on time itself has no curve that serves every k: the one computed for k fits another, and
+/// the k that fits its own is looked for.
+///
 /// # Errors
 /// [`WearError`].
-pub fn fit_and_predict<S: ShareLoad>(
+pub fn fit_and_predict<S: ShareLoad + Clone>(
     machine: &Machine,
     meshing: S,
     options: CoupledOptions,
     fitted: &[Observation],
     others: &[Observation],
     running_in_duration: Option<f64>,
+) -> Result<Calibration, WearError> {
+    let on_clock = |coefficient: f64| {
+        let clock = Exposure::new(coefficient, &machine.wear);
+        fit_on_clock(machine, meshing.clone(), options, fitted, others, running_in_duration, &clock)
+    };
+    if !machine.wear.law.local_rate().depends_on_time() {
+        return on_clock(1.0);
+    }
+    if running_in_duration.is_some() {
+        return Err(WearError::RunningInOfTimeLaw);
+    }
+    // A clock that stands still: the law of the new machine.
+    let first = on_clock(f64::INFINITY)?.exposure.coefficient;
+    let coefficient = self_consistent(first, |k| Ok(on_clock(k)?.exposure.coefficient))?;
+    on_clock(coefficient)
+}
+
+/// The k with `fitted(k)` = k from a first guess, to 1e-9: `fitted` falls with k, as a faster clock leaves the
+/// law less time to slow down. Regula falsi in the logarithms, the bound that stays taken half (Illinois).
+pub(super) fn self_consistent(
+    first: f64,
+    mut fitted: impl FnMut(f64) -> Result<f64, WearError>,
+) -> Result<f64, WearError> {
+    let mut misfit = |logarithm: f64| Ok::<f64, WearError>(fitted(logarithm.exp())?.ln() - logarithm);
+    let mut a = first.ln();
+    let mut at_a = misfit(a)?;
+    let mut b = a + at_a;
+    let mut at_b = misfit(b)?;
+    for _ in 0..60 {
+        if at_b.abs() <= 1e-9 {
+            return Ok(b.exp());
+        }
+        let next = b - at_b * (b - a) / (at_b - at_a);
+        if !next.is_finite() {
+            break;
+        }
+        let at_next = misfit(next)?;
+        if at_next * at_b < 0.0 {
+            (a, at_a) = (b, at_b);
+        } else {
+            at_a *= 0.5;
+        }
+        (b, at_b) = (next, at_next);
+    }
+    Err(WearError::CoefficientNotFound { coefficient: b.exp(), misfit_percent: 100.0 * at_b.abs() })
+}
+
+fn fit_on_clock<S: ShareLoad>(
+    machine: &Machine,
+    meshing: S,
+    options: CoupledOptions,
+    fitted: &[Observation],
+    others: &[Observation],
+    running_in_duration: Option<f64>,
+    clock: &Exposure,
 ) -> Result<Calibration, WearError> {
     let own = machine.wear.running_in;
     let own = if running_in_duration.is_some() { None } else { own };
@@ -148,7 +217,7 @@ pub fn fit_and_predict<S: ShareLoad>(
     let latest = fitted.iter().chain(others).map(|o| o.time).fold(0.0, f64::max);
     let equivalent = |time: f64| Exposure::equivalent_time(own, time);
     let mut alone: Vec<Option<f64>> = vec![None; fitted.len()];
-    let curve = WearCurve::until(machine, meshing, options, |exposure, depth, lost| {
+    let curve = WearCurve::until(machine, meshing, options, clock, |exposure, depth, lost| {
         for (found, observation) in alone.iter_mut().zip(fitted) {
             let reached = match observation.value {
                 Observed::Depth(target) => depth >= target,
@@ -163,16 +232,18 @@ pub fn fit_and_predict<S: ShareLoad>(
         })
     })?;
     let reached: Vec<f64> = alone.into_iter().flatten().collect();
-    let clock = |factor: f64| running_in_duration.map(|duration| RunningIn { factor, duration }).or(own);
-    let mut best = curve.best_coefficient(fitted, &reached, clock(1.0));
-    let mut running_in = clock(1.0);
+    let running_in_of =
+        |factor: f64| running_in_duration.map(|duration| RunningIn { factor, duration }).or(own);
+    let mut best = curve.best_coefficient(fitted, &reached, running_in_of(1.0));
+    let mut running_in = running_in_of(1.0);
     if running_in_duration.is_some() {
-        let misfit = |logarithm: f64| curve.best_coefficient(fitted, &reached, clock(logarithm.exp())).1;
+        let misfit =
+            |logarithm: f64| curve.best_coefficient(fitted, &reached, running_in_of(logarithm.exp())).1;
         let (steps, top) = (80, 1e4_f64.ln());
         let place = |step: usize| top * step as f64 / steps as f64;
         let nearest = (0..=steps).min_by(|a, b| misfit(place(*a)).total_cmp(&misfit(place(*b)))).unwrap_or(0);
         let logarithm = golden(place(nearest.saturating_sub(1)), place((nearest + 1).min(steps)), misfit);
-        running_in = clock(logarithm.exp());
+        running_in = running_in_of(logarithm.exp());
         best = curve.best_coefficient(fitted, &reached, running_in);
     }
     let (coefficient, misfit) = best;
@@ -227,7 +298,7 @@ impl WearCurve {
 ///
 /// # Errors
 /// [`WearError`] when the prediction fails or the target is out of reach.
-pub fn coupled_exposure<S: ShareLoad>(
+pub fn coupled_exposure<S: ShareLoad + Clone>(
     machine: &Machine,
     meshing: S,
     options: CoupledOptions,

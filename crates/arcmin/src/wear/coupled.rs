@@ -2,13 +2,14 @@
 
 use super::Exposure;
 use super::deposit::{FlankArc, spread_on_pin};
-use super::film::{boundary_share, film_ratio};
 use super::smoothing::ContactAverage;
 use crate::contact::PinContact;
 use crate::geometry::Relief;
 use crate::load::closed_form::ClosedFormError;
 use crate::load::{LoadError, Meshing, ShareLoad};
 use crate::machine::{DutyPoint, Machine, PartWear, PinMounting};
+use crate::tribology::film::{entrainment_speed, film_ratio};
+use crate::tribology::{Local, LocalRate};
 use crate::units::{UM, wrap_angle};
 
 /// Why wear could not be computed.
@@ -18,12 +19,24 @@ pub enum WearError {
     Load(#[from] LoadError),
     #[error("wear: {0}")]
     ClosedForm(#[from] ClosedFormError),
-    #[error("nothing wears: the duty has no torque, no speed, or the wear coefficient is zero")]
+    #[error(
+        "nothing wears: the duty has no torque, no speed, the wear coefficient is zero, or no pressure exceeds the threshold of the wear law"
+    )]
     NoWear,
+    #[error("the wear law depends on time, but it is not told which time belongs to an exposure")]
+    NoClock,
+    #[error(
+        "a running-in cannot be fitted to a wear law that depends on time itself; leave one of the two out"
+    )]
+    RunningInOfTimeLaw,
     #[error(
         "the target is not reached: {reached_um:.2} µm after an exposure of {exposure:.3e} s/Pa; the flank wears too slowly there, give a shallower depth"
     )]
     TargetNotReached { reached_um: f64, exposure: f64 },
+    #[error(
+        "no wear coefficient was found that agrees with its own course in time: the last, {coefficient:.3e} 1/Pa, misses by {misfit_percent:.1} %"
+    )]
+    CoefficientNotFound { coefficient: f64, misfit_percent: f64 },
     #[error("stopped")]
     Stopped,
 }
@@ -130,6 +143,9 @@ fn deepest(reliefs: &[Relief]) -> &Relief {
 pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
     machine: &'a Machine,
     options: CoupledOptions,
+    law: Box<dyn LocalRate>,
+    /// Which time belongs to an exposure; only laws that depend on time need it.
+    clock: Option<Exposure>,
     arc: FlankArc,
     average: ContactAverage,
     meshing: S,
@@ -178,11 +194,25 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             meshing,
             designed: machine.designed_relief(),
             starts: vec![None; machine.duty.len() * options.crank_positions],
+            law: machine.wear.law.local_rate(),
+            clock: None,
             machine,
             options,
             state,
             updates: 0,
         }
+    }
+
+    /// With the time that belongs to every exposure. Laws that depend on time need it, others take no notice.
+    pub fn on_clock(mut self, clock: &Exposure) -> Self {
+        self.clock = Some(*clock);
+        self
+    }
+
+    /// With a law of the caller's own in place of the machine's.
+    pub fn with_law(mut self, law: Box<dyn LocalRate>) -> Self {
+        self.law = law;
+        self
     }
 
     /// The joints, with the surfaces reached.
@@ -229,7 +259,13 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             let first = self.rates(&before)?;
             let largest = first.largest();
             if !(largest > 0.0) {
-                return Err(WearError::NoWear);
+                if self.updates == 0 {
+                    return Err(WearError::NoWear);
+                }
+                // A law with a threshold ends the wear once no pressure exceeds it.
+                self.state.exposure = target;
+                done(&self.state);
+                break;
             }
             let left = target - before.exposure;
             let most = self.options.depth_increment / largest;
@@ -249,10 +285,16 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         Ok(())
     }
 
-    /// Mean removal over everything that repeats and the duty: dh/dx = Σ F |v_s| K/(B z_c) per pin and disc,
-    /// where K spreads each contact over its Hertz half-width.
+    /// Mean removal over everything that repeats and the duty: dh/dx = Σ r K/z_c per pin and disc, where r is
+    /// the law's rate integrated over the contact (F |v_s|/B by Archard's law) and K spreads it over the Hertz
+    /// half-width.
     fn rates(&mut self, state: &WearSnapshot) -> Result<Rates, WearError> {
         let machine = self.machine;
+        let time = match &self.clock {
+            Some(clock) if self.law.depends_on_time() => clock.time_at(state.exposure),
+            None if self.law.depends_on_time() => return Err(WearError::NoClock),
+            _ => 0.0,
+        };
         state.put_on(&self.designed, &mut self.meshing);
         let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
         let mut pins = vec![vec![0.0; self.options.pin_points]; state.pins.len()];
@@ -273,8 +315,9 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                 let start = &mut self.starts[row * count + (index + shift) % count];
                 let (sharing, found) = self.meshing.share(crank, duty.torque, start.as_ref())?;
                 *start = Some(found);
-                for (contacts, passes) in sharing.discs.iter().zip(&mut passes) {
-                    passes.extend(contacts.iter().map(|contact| self.pass(contact, duty)));
+                for (disc, (contacts, passes)) in sharing.discs.iter().zip(&mut passes).enumerate() {
+                    let flank = &state.flanks[disc % state.flanks.len()];
+                    passes.extend(contacts.iter().map(|contact| self.pass(contact, duty, flank, time)));
                 }
             }
             // One flank for all discs takes the mean of them.
@@ -309,8 +352,9 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         Ok(Rates { flanks, pins })
     }
 
-    /// What one contact removes per unit of time.
-    fn pass(&self, c: &PinContact, duty: &DutyPoint) -> Pass {
+    /// What one contact removes per unit of time from a flank that has lost the depths `flank`. Pins wear in
+    /// proportion to the flank that they meet.
+    fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, time: f64) -> Pass {
         let machine = self.machine;
         let profile = self.meshing.contacts().profile();
         let contact = self.meshing.contacts().contact();
@@ -320,21 +364,25 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         let rs = profile.pin_circle_radius * profile.speed_factor(cos);
         let sliding = (rs - machine.ring.pin_radius).abs() * output_speed.abs();
         let radius = 1.0 / c.relative_curvature;
-        let line_load = c.force / machine.disc.width;
-        let mut removal = line_load * sliding;
-        if let Some(oil) = machine.wear.lubrication.as_ref().filter(|_| c.force > 0.0) {
-            // Speeds of the surfaces relative to the contact: v_c of the flank, v_c − v_s of the pin. The
-            // film never stops building up entirely (the contact has a width), hence the lower bound.
-            let on_flank = profile.flank_length_per_meshing_angle(cos) * lobes * output_speed.abs();
-            let entrainment = 0.5 * (2.0 * on_flank - sliding).abs().max(1e-3 * sliding);
-            removal *=
-                boundary_share(film_ratio(oil, contact.effective_modulus, radius, line_load, entrainment));
-        }
+        let half_width = contact.half_width(c.force, radius);
+        let removal = if c.force > 0.0 {
+            let line_load = c.force / machine.disc.width;
+            let film_ratio = machine.wear.lubrication.as_ref().map_or(0.0, |oil| {
+                let on_flank = profile.flank_length_per_meshing_angle(cos) * lobes * output_speed.abs();
+                let entrainment = entrainment_speed(on_flank, sliding);
+                film_ratio(oil, contact.effective_modulus, radius, line_load, entrainment)
+            });
+            let depth = flank.at(c.meshing_angle).depth;
+            let at = Local { pressure: 0.0, sliding, equivalent_radius: radius, film_ratio, depth, time };
+            self.law.section_rate(line_load, half_width, &at)
+        } else {
+            0.0
+        };
         Pass {
             pin: c.pin,
             meshing_angle: c.meshing_angle,
             pin_angle: self.meshing.contacts().pin_angle(c),
-            half_width: contact.half_width(c.force, radius),
+            half_width,
             removal,
         }
     }
@@ -432,7 +480,8 @@ fn halfway(other: f64, here: f64) -> f64 {
     here + 0.5 * wrap_angle(other - here)
 }
 
-/// Longest piece of meshing angle (rad) on which the removal on a pin is taken as one.
+/// Longest piece of meshing angle (rad) on which the removal on a pin is taken as one: an assumption, a third of
+/// the 9° between the pins of a usual ring, so that the straight lines between its contacts are followed.
 const PIN_PIECE: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 /// One contact on its way along the flank.
@@ -442,7 +491,7 @@ struct Pass {
     meshing_angle: f64,
     pin_angle: f64,
     half_width: f64,
-    /// F/B |v_s| in W/m, times the boundary share of the film.
+    /// Rate integrated over the width, m²/s per 1/Pa; F/B |v_s| by Archard's law.
     removal: f64,
 }
 

@@ -1,9 +1,10 @@
-use crate::machine::{RunningIn, WearLaw};
+use crate::machine::{RunningIn, Wear};
 
 /// The wear coefficient integrated over time, x(t) = ∫ k dt in s/Pa.
 ///
-/// k(t) = k (1 + (f − 1) e^(−t/T)) while running in. Depth depends on time through x alone, so one
-/// computation in x serves every k.
+/// k(t) = k (1 + (f − 1) e^(−t/T)) while running in. By a law that does not depend on time itself depth depends
+/// on time through x alone, so one computation in x serves every k. By any other law x is still the variable of
+/// integration, with the time that belongs to it ([`Exposure::time_at`]) in the rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposure {
     /// Steady coefficient k in 1/Pa.
@@ -12,8 +13,8 @@ pub struct Exposure {
 }
 
 impl Exposure {
-    pub fn new(coefficient: f64, law: &WearLaw) -> Exposure {
-        Exposure { coefficient, running_in: law.running_in }
+    pub fn new(coefficient: f64, wear: &Wear) -> Exposure {
+        Exposure { coefficient, running_in: wear.running_in }
     }
 
     /// x/k: the running time that would do the same wear at the steady coefficient, in s.
@@ -31,9 +32,12 @@ impl Exposure {
         self.coefficient * Exposure::equivalent_time(self.running_in, time)
     }
 
-    /// Time in s at which the exposure x (s/Pa) is reached; the inverse of [`Exposure::at`], by bisection to
+    /// Time in s at which the exposure x (s/Pa) is reached, at once with an infinite coefficient; the inverse of [`Exposure::at`], by bisection to
     /// rounding where it runs in.
     pub fn time_at(&self, exposure: f64) -> f64 {
+        if self.coefficient == f64::INFINITY {
+            return 0.0;
+        }
         let target = exposure / self.coefficient;
         let Some(RunningIn { factor, duration }) = self.running_in else { return target };
         let lead = ((factor - 1.0) * duration).max(0.0);

@@ -1,14 +1,14 @@
-//! Wear of flanks and pins by Archard's law.
+//! Wear of flanks and pins by a local law.
 //!
-//! A point of the flank loses dh/dt = k p |v_s| while the contact passes over it; integrated over one pass
-//! this is Δh = k (F/B) ξ with the specific sliding ξ = |v_s|/|v_c|: the half-width cancels. [`paper`] is the
-//! study of Tao2024 (one uniform depth), [`coupled`] lets the worn flank change the load sharing.
+//! A place of the flank loses dh/dt = k · rate while the contact passes over it, by one of the laws of
+//! [`tribology`](crate::tribology). By Archard's, integrated over one pass, this is Δh = k (F/B) ξ with the
+//! specific sliding ξ = |v_s|/|v_c|. [`paper`] is the study of Tao2024 (one uniform depth), [`coupled`] lets the
+//! worn flank change the load sharing.
 
 pub mod calibrate;
 pub mod coupled;
 mod deposit;
 mod exposure;
-mod film;
 pub mod paper;
 pub mod parts;
 mod smoothing;
@@ -16,7 +16,6 @@ mod smoothing;
 pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
 pub use deposit::FlankArc;
 pub use exposure::Exposure;
-pub use film::film_ratio;
 pub use parts::PartLoads;
 
 #[cfg(test)]

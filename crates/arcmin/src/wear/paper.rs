@@ -3,7 +3,9 @@
 
 use crate::load::closed_form;
 use crate::machine::{Machine, WearCoefficient};
+use crate::tribology::{Local, LocalRate};
 use crate::units::UM;
+use crate::wear::calibrate::self_consistent;
 use crate::wear::{Exposure, WearError};
 
 /// Depth against exposure x = ∫k dt, from 0 to the largest depth asked for.
@@ -20,26 +22,51 @@ pub struct PaperWear {
 /// Depth increment of the quadrature in m; halving it moves the hours to 50 µm by less than 0.01 % (tested).
 const STEP: f64 = 0.1 * UM;
 
-/// Largest depth per unit of exposure at a uniform depth, over the duty, in m per s/Pa; and |φ| where it is
-/// reached.
-fn fastest_rate(machine: &Machine, depth: f64) -> Result<(f64, f64), WearError> {
+/// Largest depth per unit of exposure at a uniform depth and a time (s), over the duty, in m per s/Pa; and |φ|
+/// where it is reached.
+fn fastest_rate(
+    machine: &Machine,
+    law: &dyn LocalRate,
+    depth: f64,
+    time: f64,
+) -> Result<(f64, f64), WearError> {
     let profile = machine.profile();
     let kinematics = machine.kinematics();
+    let contact = machine.line_contact();
     let mut rate = 0.0;
     let mut worst = (0.0, 0.0);
     for duty in &machine.duty {
-        if duty.torque == 0.0 || duty.share == 0.0 {
+        if duty.torque == 0.0 || duty.share == 0.0 || duty.input_speed == 0.0 {
             continue;
         }
+        let (output_speed, _, _) = kinematics.speeds(duty.input_speed);
+        // dφ/dt of every contact.
+        let passing_speed = profile.lobe_count() as f64 * output_speed.abs();
         let solution = closed_form::solve(machine, duty.torque.abs(), depth)?;
         let (fastest, angle) = solution
             .pairs
             .iter()
             .map(|pair| {
-                (
-                    pair.force / machine.disc.width * profile.specific_sliding(pair.meshing_angle.cos()),
-                    pair.meshing_angle,
-                )
+                // A place loses ∫ rate dx/v_c as the contact passes, k (F/B) ξ by Archard's law. The study
+                // knows no film.
+                let cos = pair.meshing_angle.cos();
+                let radius = 1.0 / profile.relative_curvature(cos, machine.ring.pin_radius);
+                let travel = profile.flank_length_per_meshing_angle(cos) * passing_speed;
+                let at = Local {
+                    pressure: 0.0,
+                    sliding: profile.specific_sliding(cos) * travel,
+                    equivalent_radius: radius,
+                    film_ratio: 0.0,
+                    depth,
+                    time,
+                };
+                let half_width = contact.half_width(pair.force, radius);
+                let section = if pair.force > 0.0 {
+                    law.section_rate(pair.force / machine.disc.width, half_width, &at)
+                } else {
+                    0.0
+                };
+                (section / travel, pair.meshing_angle)
             })
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap_or((0.0, 0.0));
@@ -79,6 +106,32 @@ impl PaperWear {
     }
 
     fn with_step(machine: &Machine, deepest: f64, step: f64) -> Result<PaperWear, WearError> {
+        let on_clock = |k: f64| PaperWear::on_clock(machine, deepest, step, &Exposure::new(k, &machine.wear));
+        if !machine.wear.law.local_rate().depends_on_time() {
+            return on_clock(1.0);
+        }
+        let k = match machine.wear.paper {
+            WearCoefficient::Given(k) => k,
+            _ => {
+                let first = on_clock(f64::INFINITY)?.exposure.coefficient;
+                self_consistent(first, |k| Ok(on_clock(k)?.exposure.coefficient))?
+            }
+        };
+        on_clock(k)
+    }
+
+    /// With the rate of a law that depends on time at the times of `clock`.
+    fn on_clock(
+        machine: &Machine,
+        deepest: f64,
+        step: f64,
+        clock: &Exposure,
+    ) -> Result<PaperWear, WearError> {
+        let law = machine.wear.law.local_rate();
+        let fastest = |depth: f64, exposure: f64| {
+            let time = if law.depends_on_time() { clock.time_at(exposure) } else { 0.0 };
+            fastest_rate(machine, law.as_ref(), depth, time)
+        };
         let deepest = match machine.wear.paper {
             WearCoefficient::Calibrated { depth, .. } => deepest.max(depth),
             _ => deepest,
@@ -88,19 +141,20 @@ impl PaperWear {
         let mut wear = PaperWear {
             depths: vec![0.0],
             exposures: vec![0.0],
-            worst_angles: vec![fastest_rate(machine, 0.0)?.1],
+            worst_angles: vec![fastest(0.0, 0.0)?.1],
             exposure: Exposure::new(1.0, &machine.wear),
         };
         for i in 0..steps {
             // Midpoint rule: the rate has kinks where a pair drops out, so a higher order would gain nothing.
-            let (rate, _) = fastest_rate(machine, (i as f64 + 0.5) * h)?;
+            let (rate, _) = fastest((i as f64 + 0.5) * h, wear.exposures[i])?;
             if rate <= 0.0 {
                 return Err(WearError::NoWear);
             }
             let depth = (i + 1) as f64 * h;
             wear.depths.push(depth);
             wear.exposures.push(wear.exposures[i] + h / rate);
-            wear.worst_angles.push(fastest_rate(machine, depth)?.1);
+            let exposure = wear.exposures[i + 1];
+            wear.worst_angles.push(fastest(depth, exposure)?.1);
         }
         wear.exposure.coefficient = match machine.wear.paper {
             WearCoefficient::Given(k) => k,

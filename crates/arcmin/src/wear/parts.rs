@@ -72,7 +72,8 @@ pub struct PathOfContact {
 }
 
 /// Share of the distance to the foot of a base circle that contact comes near to at most: below it teeth are
-/// relieved or undercut.
+/// relieved or undercut. An assumption: sliding grows without bound towards the foot (ξ is 9 (1 + z_1/z_2) at 0.9),
+/// and tip relief is not in the design.
 const NEAREST_FOOT: f64 = 0.9;
 
 impl PathOfContact {

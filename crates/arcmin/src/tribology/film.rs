@@ -1,4 +1,15 @@
-use crate::machine::Lubrication;
+//! Film of lubricant between flank and pin.
+
+/// Mixed lubrication: wear falls with the film ratio λ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubrication {
+    /// Dynamic viscosity at running temperature in Pa·s.
+    pub viscosity: f64,
+    /// Pressure–viscosity coefficient in 1/Pa.
+    pub pressure_viscosity: f64,
+    /// Combined RMS roughness of flank and pin in m.
+    pub roughness: f64,
+}
 
 /// Film ratio λ = h_min/roughness of a line contact.
 ///
@@ -19,10 +30,23 @@ pub fn film_ratio(
     2.65 * radius * u.powf(0.7) * g.powf(0.54) * w.powf(-0.13) / lubrication.roughness
 }
 
-/// Share of k that remains at the film ratio λ: 1/(1+λ)², the boundary share that Olver & Spikes (1998) use
-/// for traction in mixed lubrication.
+/// Share of the load that asperities carry at the film ratio λ: 1/(1 + λ)².
+///
+/// Olver & Spikes (1998) blend boundary and fluid traction with it. That wear follows the same share is an
+/// assumption: only asperities in contact wear. It is 1 without film and 1/16 at λ = 3, from where on surfaces
+/// are commonly taken as separated.
 pub(super) fn boundary_share(film_ratio: f64) -> f64 {
     1.0 / ((1.0 + film_ratio) * (1.0 + film_ratio))
+}
+
+/// Entrainment speed in m/s of a contact that travels at `on_surface` (m/s) along the flank, where the surfaces
+/// slide at `sliding` (m/s): the mean of their speeds relative to the contact, v_c − v_s/2.
+///
+/// It vanishes where v_c = v_s/2. A contact is wide and does not stay there, so the film never breaks down
+/// altogether; the least speed kept, 0.001 v_s, is an assumption that hardly matters: the film is then below
+/// 1 % of that at u = v_s, and the boundary share within 1 % of 1 for λ = 1 there.
+pub fn entrainment_speed(on_surface: f64, sliding: f64) -> f64 {
+    0.5 * (2.0 * on_surface - sliding).abs().max(1e-3 * sliding)
 }
 
 #[cfg(test)]

@@ -1,0 +1,102 @@
+//! Wear laws against the measured lost motion of Lubricants 2025, 13(8), 362: 10.64″ after 600 h, 12.92″ after
+//! 1550 h. k is fitted to the first, the second is predicted.
+
+use arcmin::dynamics::{BearingMeshing, JointSettings};
+use arcmin::geometry::Relief;
+use arcmin::machine::Machine;
+use arcmin::tribology::{Local, LocalRate, WearLaw};
+use arcmin::units::{ARCSEC, HOUR, UM};
+use arcmin::wear::calibrate::{Observation, Observed, fit_and_predict};
+use arcmin::wear::{CoupledOptions, CoupledWear, Exposure};
+
+fn observation(hours: f64, arcsec: f64) -> Observation {
+    Observation { time: hours * HOUR, value: Observed::LostMotionIncrease(arcsec * ARCSEC) }
+}
+
+fn machine(law: WearLaw) -> Machine {
+    let mut machine = arcmin::templates::rv_40e_81();
+    machine.wear.law = law;
+    machine
+}
+
+/// Predicted increase at 1550 h in seconds of arc: ideal joints, bearings.
+fn predicted(law: WearLaw) -> [f64; 2] {
+    let machine = machine(law);
+    let options = CoupledOptions::default();
+    let (seen, later) = ([observation(600.0, 10.64)], [observation(1550.0, 12.92)]);
+    let ideal =
+        fit_and_predict(&machine, machine.meshing(&Relief::uniform(0.0)), options, &seen, &later, None)
+            .unwrap();
+    let joints = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
+    let bearings = fit_and_predict(&machine, joints, options, &seen, &later, None).unwrap();
+    for fit in [&ideal, &bearings] {
+        assert!((fit.predicted[0] / ARCSEC - 10.64).abs() < 0.01, "{law:?} {:?}", fit.predicted);
+    }
+    [ideal.predicted[1] / ARCSEC, bearings.predicted[1] / ARCSEC]
+}
+
+/// The rows of the table in the chapter on validation; 2 % for the steps of the updates.
+#[test]
+fn val_laws_with_k_fitted_at_600_h_predict_1550_h() {
+    let mut wrong = Vec::new();
+    for (law, expected) in [
+        (WearLaw::Archard, [29.4, 25.4]),
+        (WearLaw::PressurePower { exponent: 3.0, threshold: 0.0 }, [0.0, 0.0]),
+        (WearLaw::PressurePower { exponent: 1.0, threshold: 300e6 }, [0.0, 0.0]),
+        (WearLaw::Smoothing { factor: 30.0, depth: UM }, [0.0, 0.0]),
+        (WearLaw::Smoothing { factor: 30.0, depth: 2.0 * UM }, [0.0, 0.0]),
+        (WearLaw::Smoothing { factor: 100.0, depth: UM }, [0.0, 0.0]),
+    ] {
+        let found = predicted(law);
+        let off = found.iter().zip(expected).any(|(found, expected)| (found / expected - 1.0).abs() > 0.02);
+        if off {
+            wrong.push(format!("{law:?}: {found:.2?}, not {expected:.2?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A law of one's own, whose rate falls with time at every place alike.
+#[derive(Debug)]
+struct FallingWithTime {
+    factor: f64,
+    duration: f64,
+}
+
+impl LocalRate for FallingWithTime {
+    fn rate(&self, at: &Local) -> f64 {
+        at.pressure * at.sliding * (1.0 + (self.factor - 1.0) * (-at.time / self.duration).exp())
+    }
+
+    fn depends_on_time(&self) -> bool {
+        true
+    }
+}
+
+/// Stepping in time with k constant and a rate that falls with time is the same wear as the exposure of a k
+/// that falls with time: the fast path of laws that separate.
+#[test]
+fn stepping_in_time_agrees_with_the_exposure() {
+    let machine = machine(WearLaw::Archard);
+    let options = CoupledOptions { depth_increment: 0.04 * UM, ..CoupledOptions::default() };
+    let (factor, duration) = (6.0, 50.0 * HOUR);
+    let clock = Exposure { coefficient: 4e-18, running_in: None };
+    let time = 150.0 * HOUR;
+    let mut stepped = CoupledWear::new(&machine, options)
+        .with_law(Box::new(FallingWithTime { factor, duration }))
+        .on_clock(&clock);
+    stepped.advance_to(clock.at(time)).unwrap();
+    let exposure = Exposure {
+        coefficient: clock.coefficient,
+        running_in: Some(arcmin::machine::RunningIn { factor, duration }),
+    };
+    let mut exposed = CoupledWear::new(&machine, options);
+    exposed.advance_to(exposure.at(time)).unwrap();
+    let (a, b) = (stepped.state().flank().deepest().0, exposed.state().flank().deepest().0);
+    assert!(b > 2.0 * UM, "{b:e}");
+    // Both are second order in the increment; their steps differ.
+    assert!((a / b - 1.0).abs() < 3e-3, "{a:e} {b:e}");
+    let mut without =
+        CoupledWear::new(&machine, options).with_law(Box::new(FallingWithTime { factor, duration }));
+    assert_eq!(without.advance_to(1.0), Err(arcmin::wear::WearError::NoClock));
+}
