@@ -91,12 +91,6 @@ pub struct Key {
 pub enum Kind {
     Number,
     Count,
-    /// true or false.
-    Flag,
-    /// Name of a file.
-    File,
-    /// Names of files.
-    Files,
     Text,
     /// true or false.
     Flag,
