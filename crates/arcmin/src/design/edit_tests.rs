@@ -403,7 +403,8 @@ fn given_masses_that_no_longer_fit_are_named() {
     assert!((stale[2].factor - 1.2).abs() < 1e-12);
     let findings = crate::checks::check_design(&wide);
     assert!(findings.iter().any(|finding| finding.code == "stale-mass"));
-    // Changed along or left out, nothing is stale.
+    // Changed along or left out, nothing is stale. The unknowns name these keys, so they go first.
+    let (base, wide) = [base, wide].map(|design| design.with("unknowns", Value::LeftOut).unwrap()).into();
     let along =
         wide.with_all([("crankshafts.mass_kg", Value::LeftOut), ("crankshafts.inertia_kg_m2", 5e-5.into())]);
     assert_eq!(along.unwrap().stale_masses().len(), 1);
@@ -439,15 +440,4 @@ fn cost_of_a_change() {
         }
         println!("{} parse: {:.1} µs", template.name, start.elapsed().as_secs_f64() / 200.0 * 1e6);
     }
-}
-
-#[test]
-#[ignore = "temporary"]
-fn write_reference() {
-    std::fs::write(
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/design-file.md"),
-        super::reference_of_keys(),
-    )
-    .unwrap();
-    std::fs::write("/tmp/w/design/target/arcmin.schema.json", super::json_schema()).unwrap();
 }
