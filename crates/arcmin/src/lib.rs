@@ -11,6 +11,7 @@ pub mod checks;
 pub mod contact;
 pub mod design;
 pub mod dynamics;
+pub mod exchange;
 pub mod fem;
 pub mod fidelity;
 pub mod geometry;

@@ -5,7 +5,7 @@ use super::error::TableErrorKind;
 /// Text of a file: UTF-8 with or without byte-order mark, UTF-16 with one, else Latin-1; line ends as `\n`.
 pub(crate) fn decode(bytes: &[u8]) -> Result<String, TableErrorKind> {
     let sixteen = |bytes: &[u8], read: fn([u8; 2]) -> u16| {
-        if bytes.len() % 2 != 0 {
+        if !bytes.len().is_multiple_of(2) {
             return Err(TableErrorKind::NotText);
         }
         let units = bytes.chunks_exact(2).map(|pair| read([pair[0], pair[1]]));

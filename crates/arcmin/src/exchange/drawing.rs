@@ -1,0 +1,63 @@
+//! SVG in millimetres.
+
+use std::fmt::Write as _;
+
+use super::millimetres;
+use super::profile::ProfileExport;
+use crate::geometry::Vec2;
+
+impl ProfileExport {
+    /// Drawing in SVG, one user unit a millimetre, y upwards: the polyline of the flank as a path, bores and
+    /// holes of every disc and the pins in groups named like the layers of [`ProfileExport::dxf`].
+    pub fn svg(&self) -> String {
+        let ring = &self.machine.ring;
+        let reach = 1.1 * (ring.pin_circle_radius + ring.pin_radius);
+        let (low, size) = (millimetres(-reach), millimetres(2.0 * reach));
+        let mut text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{size}mm\" height=\"{size}mm\" \
+             viewBox=\"{low} {low} {size} {size}\">\n<title>{}</title>\n<desc>{}</desc>\n\
+             <g transform=\"scale(1,-1)\" fill=\"none\" stroke-width=\"0.1\">\n",
+            escaped(&self.stamp.design_name),
+            escaped(&self.stamps().join(". "))
+        );
+        let circle = |text: &mut String, centre: Vec2, radius: f64| {
+            let (x, y, r) = (millimetres(centre.x), millimetres(centre.y), millimetres(radius));
+            let _ = writeln!(text, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>");
+        };
+        let corners = self.polyline();
+        text.push_str("<path id=\"FLANK_POLYLINE\" stroke=\"#000\" d=\"M");
+        for (index, corner) in corners.iter().enumerate() {
+            let gap = if index == 0 { "" } else { "L" };
+            let _ = write!(text, "{gap}{} {}", millimetres(corner.x), millimetres(corner.y));
+        }
+        text.push_str("Z\"/>\n");
+        let colours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"];
+        for disc in 0..self.machine.disc_count {
+            let (bores, holes) = self.holes(disc);
+            let colour = colours[disc % colours.len()];
+            for (kind, holes) in [("BORES", &bores), ("HOLES", &holes)] {
+                let _ = writeln!(text, "<g id=\"DISC_{}_{kind}\" stroke=\"{colour}\">", disc + 1);
+                holes.iter().for_each(|hole| circle(&mut text, hole.centre, hole.radius));
+                text.push_str("</g>\n");
+            }
+        }
+        text.push_str("<g id=\"PIN_RING\" stroke=\"#777\">\n");
+        self.pins().into_iter().for_each(|(centre, radius)| circle(&mut text, centre, radius));
+        text.push_str("</g>\n</g>\n</svg>\n");
+        text
+    }
+}
+
+fn escaped(words: &str) -> String {
+    let mut text = String::new();
+    for c in words.chars().filter(|c| !c.is_control()) {
+        match c {
+            '<' => text.push_str("&lt;"),
+            '>' => text.push_str("&gt;"),
+            '&' => text.push_str("&amp;"),
+            '"' => text.push_str("&quot;"),
+            _ => text.push(c),
+        }
+    }
+    text
+}

@@ -1,0 +1,237 @@
+//! DXF R2000 (AC1015): the smallest file with everything that the release demands.
+
+use super::millimetres;
+use super::profile::ProfileExport;
+use super::spline::CubicSpline;
+use crate::geometry::{Vec2, unit};
+
+struct Writer {
+    text: String,
+    handle: u32,
+}
+
+const MODEL_SPACE: &str = "1F";
+
+impl Writer {
+    fn put(&mut self, code: u16, value: &str) {
+        self.text.push_str(&format!("{code:>3}\n{value}\n"));
+    }
+
+    fn put_all(&mut self, pairs: &[(u16, &str)]) {
+        pairs.iter().for_each(|(code, value)| self.put(*code, value));
+    }
+
+    fn next_handle(&mut self) -> String {
+        self.handle += 1;
+        format!("{:X}", self.handle)
+    }
+
+    fn point(&mut self, place: Vec2) {
+        self.put(10, &millimetres(place.x));
+        self.put(20, &millimetres(place.y));
+    }
+
+    fn entity(&mut self, kind: &str, layer: &str, class: &str) {
+        let handle = self.next_handle();
+        self.put_all(&[(0, kind), (5, &handle), (330, MODEL_SPACE), (100, "AcDbEntity"), (8, layer), (100, class)]);
+    }
+
+    fn circle(&mut self, layer: &str, centre: Vec2, radius: f64) {
+        self.entity("CIRCLE", layer, "AcDbCircle");
+        self.point(centre);
+        self.put(30, "0");
+        self.put(40, &millimetres(radius));
+    }
+
+    fn polyline(&mut self, layer: &str, corners: &[Vec2]) {
+        self.entity("LWPOLYLINE", layer, "AcDbPolyline");
+        self.put(90, &corners.len().to_string());
+        self.put_all(&[(70, "1"), (43, "0")]);
+        corners.iter().for_each(|corner| self.point(*corner));
+    }
+
+    fn spline(&mut self, layer: &str, spline: &CubicSpline) {
+        self.entity("SPLINE", layer, "AcDbSpline");
+        let knots = spline.flat_knots();
+        self.put_all(&[(210, "0"), (220, "0"), (230, "1")]);
+        // Closed and planar; the knots are clamped, so it is not flagged as periodic.
+        self.put_all(&[(70, "9"), (71, "3"), (72, &knots.len().to_string())]);
+        self.put_all(&[(73, &spline.control.len().to_string()), (74, "0"), (42, "1e-9"), (43, "1e-9")]);
+        knots.iter().for_each(|knot| self.put(40, &millimetres(*knot)));
+        for control in &spline.control {
+            self.point(*control);
+            self.put(30, "0");
+        }
+    }
+
+    fn text(&mut self, layer: &str, place: Vec2, height: f64, words: &str) {
+        self.entity("TEXT", layer, "AcDbText");
+        self.point(place);
+        self.put(30, "0");
+        self.put(40, &millimetres(height));
+        self.put(1, &escaped(words));
+        self.put(100, "AcDbText");
+    }
+
+    fn line(&mut self, layer: &str, from: Vec2, to: Vec2) {
+        self.entity("LINE", layer, "AcDbLine");
+        self.point(from);
+        self.put(30, "0");
+        self.put_all(&[(11, &millimetres(to.x)), (21, &millimetres(to.y)), (31, "0")]);
+    }
+
+    fn table(&mut self, name: &str, handle: &str, entries: usize, body: impl FnOnce(&mut Writer)) {
+        self.put_all(&[(0, "TABLE"), (2, name), (5, handle), (330, "0"), (100, "AcDbSymbolTable")]);
+        self.put(70, &entries.to_string());
+        body(self);
+        self.put(0, "ENDTAB");
+    }
+
+    fn record(&mut self, kind: &str, handle: &str, table: &str, class: &str, pairs: &[(u16, &str)]) {
+        self.put_all(&[(0, kind), (5, handle), (330, table), (100, "AcDbSymbolTableRecord"), (100, class)]);
+        self.put_all(pairs);
+    }
+}
+
+/// Characters outside of ASCII as R2000 writes them, control characters left out.
+fn escaped(words: &str) -> String {
+    words
+        .chars()
+        .filter(|c| !c.is_control())
+        .flat_map(|c| {
+            if c.is_ascii() { vec![c] } else { format!("\\U+{:04X}", c as u32).chars().collect() }
+        })
+        .collect()
+}
+
+impl ProfileExport {
+    /// Drawing in DXF R2000, millimetres.
+    ///
+    /// Layers: FLANK_POLYLINE (closed LWPOLYLINE), FLANK_SPLINE (one closed cubic SPLINE, whose tangent is
+    /// continuous everywhere and whose curvature is but for roots and crests), DISC_n_BORES, DISC_n_HOLES and
+    /// DISC_n_MARK for every disc (the mark points to its first crank bore), PIN_RING about its own centre,
+    /// STAMP.
+    pub fn dxf(&self) -> String {
+        let discs = self.machine.disc_count;
+        let mut layers: Vec<(String, u8)> =
+            vec![("0".into(), 7), ("FLANK_POLYLINE".into(), 7), ("FLANK_SPLINE".into(), 5)];
+        for disc in 1..=discs {
+            layers.push((format!("DISC_{disc}_BORES"), 3));
+            layers.push((format!("DISC_{disc}_HOLES"), 4));
+            layers.push((format!("DISC_{disc}_MARK"), 1));
+        }
+        layers.extend([("PIN_RING".into(), 6), ("STAMP".into(), 8)]);
+
+        let mut w = Writer { text: String::new(), handle: 0x100 };
+        self.entities(&mut w);
+        let (entities, last) = (std::mem::take(&mut w.text), w.handle);
+
+        for stamp in self.stamps() {
+            w.put(999, &escaped(&stamp));
+        }
+        let reach = millimetres(1.1 * (self.machine.ring.pin_circle_radius + self.machine.ring.pin_radius));
+        let (seed, low) = (format!("{:X}", last + 0x400), format!("-{reach}"));
+        w.put_all(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")]);
+        w.put_all(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED"), (5, &seed)]);
+        w.put_all(&[(9, "$INSUNITS"), (70, "4"), (9, "$MEASUREMENT"), (70, "1")]);
+        w.put_all(&[(9, "$EXTMIN"), (10, &low), (20, &low), (30, "0")]);
+        w.put_all(&[(9, "$EXTMAX"), (10, &reach), (20, &reach), (30, "0"), (0, "ENDSEC")]);
+        w.put_all(&[(0, "SECTION"), (2, "CLASSES"), (0, "ENDSEC")]);
+        self.tables(&mut w, &layers);
+        w.put_all(&[(0, "SECTION"), (2, "BLOCKS")]);
+        for (name, owner, begin, end) in
+            [("*Model_Space", "1F", "20", "21"), ("*Paper_Space", "1B", "1C", "1D")]
+        {
+            let head = [(0, "BLOCK"), (5, begin), (330, owner), (100, "AcDbEntity"), (8, "0")];
+            w.put_all(&head);
+            w.put_all(&[(100, "AcDbBlockBegin"), (2, name), (70, "0"), (10, "0"), (20, "0"), (30, "0")]);
+            w.put_all(&[(3, name), (1, "")]);
+            w.put_all(&[(0, "ENDBLK"), (5, end), (330, owner), (100, "AcDbEntity"), (8, "0"), (100, "AcDbBlockEnd")]);
+        }
+        w.put_all(&[(0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES")]);
+        w.text.push_str(&entities);
+        w.put_all(&[(0, "ENDSEC"), (0, "SECTION"), (2, "OBJECTS")]);
+        w.put_all(&[(0, "DICTIONARY"), (5, "C"), (330, "0"), (100, "AcDbDictionary"), (281, "1")]);
+        w.put_all(&[(3, "ACAD_GROUP"), (350, "D")]);
+        w.put_all(&[(0, "DICTIONARY"), (5, "D"), (330, "C"), (100, "AcDbDictionary"), (281, "1")]);
+        w.put_all(&[(0, "ENDSEC"), (0, "EOF")]);
+        w.text
+    }
+
+    fn tables(&self, w: &mut Writer, layers: &[(String, u8)]) {
+        w.put_all(&[(0, "SECTION"), (2, "TABLES")]);
+        w.table("VPORT", "8", 0, |_| {});
+        w.table("LTYPE", "5", 3, |w| {
+            for (handle, name) in [("14", "ByBlock"), ("15", "ByLayer"), ("16", "Continuous")] {
+                let pairs = [(2, name), (70, "0"), (3, ""), (72, "65"), (73, "0"), (40, "0")];
+                w.record("LTYPE", handle, "5", "AcDbLinetypeTableRecord", &pairs);
+            }
+        });
+        w.table("LAYER", "2", layers.len(), |w| {
+            for (index, (name, colour)) in layers.iter().enumerate() {
+                // Handles from 40 on; six discs need 22 of them.
+                let handle = format!("{:X}", 0x40 + index);
+                let pairs = [(2, name.as_str()), (70, "0"), (62, &colour.to_string()), (6, "Continuous")];
+                w.record("LAYER", &handle, "2", "AcDbLayerTableRecord", &pairs);
+            }
+        });
+        w.table("STYLE", "3", 1, |w| {
+            let pairs = [
+                (2, "Standard"),
+                (70, "0"),
+                (40, "0"),
+                (41, "1"),
+                (50, "0"),
+                (71, "0"),
+                (42, "2.5"),
+                (3, "txt"),
+                (4, ""),
+            ];
+            w.record("STYLE", "11", "3", "AcDbTextStyleTableRecord", &pairs);
+        });
+        w.table("VIEW", "6", 0, |_| {});
+        w.table("UCS", "7", 0, |_| {});
+        w.table("APPID", "9", 1, |w| {
+            w.record("APPID", "12", "9", "AcDbRegAppTableRecord", &[(2, "ACAD"), (70, "0")]);
+        });
+        w.put_all(&[(0, "TABLE"), (2, "DIMSTYLE"), (5, "A"), (330, "0"), (100, "AcDbSymbolTable"), (70, "0")]);
+        w.put_all(&[(100, "AcDbDimStyleTable"), (71, "0"), (0, "ENDTAB")]);
+        w.table("BLOCK_RECORD", "1", 2, |w| {
+            for (handle, name) in [("1F", "*Model_Space"), ("1B", "*Paper_Space")] {
+                w.record("BLOCK_RECORD", handle, "1", "AcDbBlockTableRecord", &[(2, name)]);
+            }
+        });
+        w.put(0, "ENDSEC");
+    }
+
+    fn entities(&self, w: &mut Writer) {
+        w.polyline("FLANK_POLYLINE", &self.polyline());
+        w.spline("FLANK_SPLINE", &self.closed_spline());
+        let ring = self.machine.ring.pin_circle_radius;
+        for disc in 0..self.machine.disc_count {
+            let (bores, holes) = self.holes(disc);
+            let name = |kind: &str| format!("DISC_{}_{kind}", disc + 1);
+            bores.iter().for_each(|bore| w.circle(&name("BORES"), bore.centre, bore.radius));
+            holes.iter().for_each(|hole| w.circle(&name("HOLES"), hole.centre, hole.radius));
+            let Some(first) = bores.first() else { continue };
+            let towards = first.centre.normalize();
+            let from = first.centre + first.radius * towards;
+            w.line(&name("MARK"), from, from + 0.02 * ring * towards);
+            w.text(&name("MARK"), from + 0.025 * ring * towards, 0.03 * ring, &(disc + 1).to_string());
+        }
+        for (centre, radius) in self.pins() {
+            w.circle("PIN_RING", centre, radius);
+        }
+        for (row, stamp) in self.stamps().iter().enumerate() {
+            let place = Vec2::new(-ring, -1.2 * ring - 0.05 * ring * row as f64);
+            w.text("STAMP", place, 0.03 * ring, stamp);
+        }
+    }
+
+    /// The whole flank as one closed spline from a root around to the same root.
+    pub(super) fn closed_spline(&self) -> CubicSpline {
+        let lobe = self.flanks[0].spline.joined(&self.flanks[1].spline);
+        (1..self.outline.lobe_count())
+            .fold(lobe.clone(), |all, k| all.joined(&lobe.turned(unit(self.outline.lobe_pitch() * k as f64))))
+    }
+}

@@ -1,0 +1,263 @@
+//! From measured points to keys of the design.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use super::fit::{self, FlankFit};
+use super::points::read_points;
+use super::split::{self, FlankSplit};
+use super::{ExchangeError, Outline, PointSet, trimmed};
+use crate::geometry::{FlankDirection, Profile, Relief, unit};
+use crate::machine::Machine;
+use crate::report::{Axis, Plot, Series, Style};
+use crate::units::{ARCMIN, DEG, UM};
+
+/// What the deviations are written as.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FlankTarget {
+    /// A table for `[[errors.measured_flanks]]`: disc (from 0) and the name under which the table is stored.
+    MeasuredFlank { disc: usize, file: String },
+    /// `[[errors.flanks]]`, harmonics around the disc (from 0).
+    Harmonics { disc: usize },
+    /// `[disc.modification]`: what all lobes have in common, against the theoretical flank of the installed
+    /// ring.
+    Modification,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankImportOptions {
+    pub target: FlankTarget,
+    /// Radius of the probe's ball in m where the points are its centres; 0 for points on the flank.
+    pub probe_radius: f64,
+    /// The origin of the file is the axis of the disc; its run-out then counts. Otherwise the centre is
+    /// fitted, and with it the first order of run-out and pitch is gone.
+    pub origin_is_axis: bool,
+}
+
+/// A measured flank.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankImport {
+    pub points: PointSet,
+    pub fit: FlankFit,
+    pub split: FlankSplit,
+    /// `angle_deg,depth_um` for [`FlankTarget::MeasuredFlank`].
+    pub csv: Option<String>,
+    /// The keys of the design.
+    pub toml: String,
+    /// Deviation around the disc, over the tooth, and lobe by lobe.
+    pub plots: Vec<Plot>,
+}
+
+/// Reads measured points, finds where they lie, and splits their deviations.
+///
+/// Deviations are depths of missing metal against the designed flank (for a modification: against the
+/// theoretical one), the fitted offset included, the fitted rotation and centre not.
+///
+/// # Errors
+/// Points that cannot be read or fitted, too few or too unevenly spread for what is asked, a disc that the
+/// design does not have.
+pub fn import_flank(
+    machine: &Machine,
+    bytes: &[u8],
+    file: &str,
+    options: &FlankImportOptions,
+) -> Result<FlankImport, ExchangeError> {
+    if let FlankTarget::MeasuredFlank { disc, .. } | FlankTarget::Harmonics { disc } = options.target
+        && disc >= machine.disc_count
+    {
+        return Err(ExchangeError::NoDisc { disc: disc + 1, count: machine.disc_count });
+    }
+    let millimetres = options.probe_radius * 1e3;
+    if !(0.0..=100.0).contains(&millimetres) {
+        let what = "a radius of the probe in mm";
+        return Err(ExchangeError::Option { what, value: millimetres, low: 0.0, high: 100.0 });
+    }
+    let points = read_points(bytes, file)?;
+    let (profile, relief) = match options.target {
+        FlankTarget::Modification => (theoretical(machine), Relief::uniform(0.0)),
+        _ => (machine.profile(), machine.designed_relief()),
+    };
+    let outline = Outline::new(profile.clone(), relief, 0.0)?;
+    let fit = fit::fit(&outline, &points, options.probe_radius, !options.origin_is_axis)?;
+    let depths: Vec<(f64, f64)> = fit.distances.iter().map(|(tau, distance)| (*tau, -distance)).collect();
+    let split = split::split(&profile, &depths).ok_or_else(|| ExchangeError::Fit {
+        message: format!("{} points do not cover every one of {} lobes", depths.len(), profile.lobe_count()),
+        remedy: "measure both flanks of every lobe, some ten points each".into(),
+    })?;
+    let mut csv = None;
+    let toml = match &options.target {
+        FlankTarget::MeasuredFlank { disc, file } => {
+            csv = Some(measured_table(&depths, profile.lobe_count())?);
+            let name = file.replace(['"', '\\'], "_");
+            format!("{}[[errors.measured_flanks]]\ndisc = {}\nfile = \"{name}\"\n", head(&fit, &split), disc + 1)
+        }
+        FlankTarget::Harmonics { disc } => head(&fit, &split) + &harmonics(&split, *disc, depths.len()),
+        FlankTarget::Modification => head(&fit, &split) + &modification(&profile, &split),
+    };
+    let plots = plots(&profile, &depths, &split);
+    Ok(FlankImport { points, fit, split, csv, toml, plots })
+}
+
+/// The flank that the installed ring would generate.
+fn theoretical(machine: &Machine) -> Profile {
+    Profile {
+        pin_count: machine.ring.pin_count,
+        pin_circle_radius: machine.ring.pin_circle_radius,
+        eccentricity: machine.crankshafts.eccentricity,
+        pin_radius: machine.ring.pin_radius,
+    }
+}
+
+fn um(metres: f64) -> String {
+    trimmed(metres / UM, 3)
+}
+
+fn head(fit: &FlankFit, split: &FlankSplit) -> String {
+    let (cumulative, single, run_out) = split.pitch_and_run_out();
+    format!(
+        "# Best fit: rotation {} arcmin, centre ({}, {}) um, offset {} um, {} points, {} outliers.\n\
+         # Pitch: cumulative {} um, single {} um; radial run-out {} um; not explained: {} um (standard deviation).\n",
+        trimmed(fit.rotation / ARCMIN, 4),
+        um(fit.centre.x),
+        um(fit.centre.y),
+        um(fit.offset),
+        fit.distances.len(),
+        fit.outliers.len(),
+        um(cumulative),
+        um(single),
+        um(run_out),
+        um(split.rest),
+    )
+}
+
+/// Depths over rising angles; points closer than a millionth of a lobe become one.
+fn measured_table(depths: &[(f64, f64)], lobes: usize) -> Result<String, ExchangeError> {
+    let mut sorted = depths.to_vec();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (pitch, same) = (TAU / lobes as f64, 1e-6 * TAU / lobes as f64);
+    let mut merged: Vec<(f64, f64, f64)> = Vec::new();
+    for (tau, depth) in sorted {
+        match merged.last_mut() {
+            Some((first, sum, count)) if tau - *first < same => {
+                *sum += depth;
+                *count += 1.0;
+            }
+            _ => merged.push((tau, depth, 1.0)),
+        }
+    }
+    let next = |i: usize| merged.get(i + 1).map_or(merged[0].0 + TAU, |p| p.0);
+    if let Some(at) = (0..merged.len()).find(|i| next(*i) - merged[*i].0 > 0.25 * pitch) {
+        return Err(ExchangeError::Fit {
+            message: format!(
+                "behind {:.3}° on the disc there are no points for {:.3}°; {lobes} lobes need one every {:.3}°",
+                merged[at].0 / DEG,
+                (next(at) - merged[at].0) / DEG,
+                0.25 * pitch / DEG
+            ),
+            remedy: "measure more densely, or write harmonics instead".into(),
+        });
+    }
+    let mut text = String::from("angle_deg,depth_um\n");
+    for (tau, sum, count) in merged {
+        let _ = writeln!(text, "{},{}", trimmed(tau / DEG, 9), trimmed(sum / count / UM, 6));
+    }
+    Ok(text)
+}
+
+fn harmonics(split: &FlankSplit, disc: usize, points: usize) -> String {
+    // What is below three of its standard deviations is noise.
+    let noise = 3.0 * split.rest * (2.0 / points as f64).sqrt();
+    let mut text = String::new();
+    for h in split.harmonics.iter().filter(|h| h.amplitude > noise.max(0.01 * UM)) {
+        let kind = match h.direction {
+            FlankDirection::Inwards => "radial",
+            FlankDirection::Around => "pitch",
+            FlankDirection::Normal => "profile",
+        };
+        let _ = writeln!(
+            text,
+            "\n[[errors.flanks]]\ndisc = {}\nkind = \"{kind}\"\norder = {}\namplitude_um = {}\nphase_deg = {}",
+            disc + 1,
+            h.order,
+            um(h.amplitude),
+            trimmed(h.phase / DEG, 4)
+        );
+    }
+    text
+}
+
+/// The common depth as equidistant and radial offset and rotation, by least squares over the tooth, and what
+/// is left as free form.
+fn modification(profile: &Profile, split: &FlankSplit) -> String {
+    let grid: Vec<f64> = Relief::grid(360).collect();
+    let basis = |phi: f64, rotation: bool| {
+        let tau = -phi / profile.lobe_count() as f64;
+        let outwards = profile.outward_normal(tau).dot(&unit(tau));
+        // A larger circle moves the flank outwards: less metal is missing.
+        [1.0, -outwards, if rotation { profile.lever_arm(phi).abs() } else { 0.0 }]
+    };
+    let solve = |rotation: bool| -> Option<[f64; 3]> {
+        let mut matrix = nalgebra::Matrix3::<f64>::zeros();
+        let mut load = nalgebra::Vector3::<f64>::zeros();
+        for phi in &grid {
+            let mut row = nalgebra::Vector3::from(basis(*phi, rotation));
+            row[2] /= profile.largest_lever_arm();
+            matrix += row * row.transpose();
+            load += split.common_depth(*phi) * row;
+        }
+        if !rotation {
+            matrix[(2, 2)] = 1.0;
+        }
+        let solution = matrix.cholesky()?.solve(&load);
+        Some([solution[0], solution[1], solution[2] / profile.largest_lever_arm()])
+    };
+    // A rotation adds nothing to the metal; without one, both offsets take its share.
+    let both = solve(true).filter(|solution| solution[2] >= 0.0).or_else(|| solve(false));
+    let [equidistant, radial, rotation] = both.unwrap_or([split.modification[0], 0.0, 0.0]);
+    let rest = |phi: f64| {
+        let [_, outwards, lever] = basis(phi, true);
+        split.common_depth(phi) - equidistant - radial * outwards - rotation * lever
+    };
+    let mut text = format!(
+        "[disc.modification]\nequidistant_offset_um = {}\nradial_offset_um = {}\nrotation_arcmin = {}\n",
+        um(equidistant),
+        um(radial),
+        trimmed(rotation / ARCMIN, 5)
+    );
+    if grid.iter().map(|phi| rest(*phi).abs()).fold(0.0, f64::max) > 0.3 * UM {
+        let pairs: Vec<String> = (-18..18)
+            .map(|i| format!("[{}, {}]", 10 * i, um(rest(f64::from(10 * i) * DEG))))
+            .collect();
+        let _ = writeln!(text, "free_form_deg_um = [{}]", pairs.join(", "));
+    }
+    text
+}
+
+fn plots(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) -> Vec<Plot> {
+    let thinned = || depths.iter().step_by((depths.len() / 4000).max(1));
+    let around = Plot::new(
+        "Deviation around the disc",
+        Axis::new("angle on the disc", "°"),
+        Axis::new("missing metal", "µm"),
+    )
+    .with(Series::markers("measured", thinned().map(|(tau, depth)| (tau / DEG, depth / UM))))
+    .noted("After the best fit; outliers left out.");
+    let common = Relief::grid(361).map(|phi| (phi / DEG, split.common_depth(phi) / UM));
+    let tooth = Plot::new(
+        "Deviation over the tooth",
+        Axis::new("meshing angle", "°"),
+        Axis::new("missing metal", "µm"),
+    )
+    .with(Series::markers(
+        "all lobes",
+        thinned().map(|(tau, depth)| (profile.meshing_angle(*tau) / DEG, depth / UM)),
+    ))
+    .with(Series::line("common to all lobes", common).strong());
+    let each = |values: &[f64]| -> Vec<(f64, f64)> {
+        values.iter().enumerate().map(|(k, value)| (k as f64 + 1.0, value / UM)).collect()
+    };
+    let lobes = Plot::new("Deviation of each lobe", Axis::new("lobe", ""), Axis::new("deviation", "µm"))
+        .with(Series::new("cumulative pitch", Style::LineMarkers, each(&split.pitch)))
+        .with(Series::new("radial", Style::LineMarkers, each(&split.radial)));
+    vec![around, tooth, lobes]
+}

@@ -1,0 +1,110 @@
+//! Exchange with the user's own tools: profiles and solids for CAD and CAM, measured flanks and logs of
+//! joints back in. Text in, text out; no files.
+//!
+//! * [`ProfileExport`]: DXF, STEP, CSV and SVG of disc, pins, crankshafts and their assembly;
+//! * [`import_flank`]: points of a measured flank to its pose, its deviations and keys of the design;
+//! * [`import_duty`]: a joint's log to a load spectrum.
+//!
+//! Every export is stamped with program version, design hash and deviation; the same design gives the same
+//! bytes on every run.
+
+mod crankshaft;
+mod drawing;
+mod duty;
+mod dxf;
+mod fit;
+mod flank;
+mod outline;
+mod points;
+mod profile;
+mod solid;
+mod spline;
+mod split;
+mod step;
+#[cfg(test)]
+mod duty_tests;
+#[cfg(test)]
+mod flank_tests;
+#[cfg(test)]
+mod tests;
+
+pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty};
+pub use fit::{FlankFit, Outlier};
+pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};
+pub use outline::{Outline, OutlinePoint, OutlineTable};
+pub use points::{PointFormat, PointSet, read_points};
+pub use profile::{Flank, Parts, ProfileExport, ProfileOptions};
+pub use solid::SolidFigures;
+pub use split::FlankSplit;
+pub use spline::{CubicSpline, FittedSpline};
+
+use crate::tables::TableError;
+use crate::units::{DEG, MM, UM};
+
+/// Why something cannot be handed over.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ExchangeError {
+    #[error(
+        "an offset of {:.1} µm undercuts the flank at the meshing angle {:.1}°, where its radius is {:.4} mm",
+        .offset / UM, .meshing_angle / DEG, .radius / MM
+    )]
+    Undercut { meshing_angle: f64, offset: f64, radius: f64 },
+    #[error("{what} of {value} is outside of {low} to {high}")]
+    Option { what: &'static str, value: f64, low: f64, high: f64 },
+    #[error("the deviation stays at {:.4} µm, above the tolerance of {:.4} µm", .reached / UM, .tolerance / UM)]
+    Tolerance { reached: f64, tolerance: f64 },
+    #[error("there is no disc {disc}: the design has {count}")]
+    NoDisc { disc: usize, count: usize },
+    #[error("{0}")]
+    Table(#[from] TableError),
+    #[error("{file}, line {line}: {message}")]
+    Points { file: String, line: usize, message: String, remedy: String },
+    #[error("{message}")]
+    Fit { message: String, remedy: String },
+}
+
+impl ExchangeError {
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            ExchangeError::Undercut { .. } => "use a thinner wire, a smaller wheel, or less stock".into(),
+            ExchangeError::Option { .. } => "choose a value in this range".into(),
+            ExchangeError::Tolerance { .. } => "allow a larger tolerance".into(),
+            ExchangeError::NoDisc { .. } => "count the discs from 1".into(),
+            ExchangeError::Table(error) => error.remedy(),
+            ExchangeError::Points { remedy, .. } | ExchangeError::Fit { remedy, .. } => remedy.clone(),
+        }
+    }
+}
+
+/// What every export is stamped with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stamp {
+    /// Version of the program.
+    pub version: String,
+    pub design_name: String,
+    /// [`crate::design::Design::short_hash`].
+    pub design_hash: String,
+}
+
+impl Stamp {
+    /// The stamp of this version of the program.
+    pub fn of(design: &crate::design::Design) -> Stamp {
+        Stamp {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            design_name: (*design.name).clone(),
+            design_hash: design.short_hash(),
+        }
+    }
+}
+
+/// Millimetres with nine decimals at most, without zeros at the end: a picometre, and never in exponents.
+fn millimetres(metres: f64) -> String {
+    trimmed(metres / MM, 9)
+}
+
+fn trimmed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if matches!(text, "-0" | "") { "0".to_owned() } else { text.to_owned() }
+}

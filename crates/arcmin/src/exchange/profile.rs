@@ -1,0 +1,221 @@
+use std::fmt::Write as _;
+
+use super::outline::Outline;
+use super::spline::FittedSpline;
+use super::{ExchangeError, Stamp, millimetres, trimmed};
+use crate::fem::DiscShape;
+use crate::geometry::{Profile, Relief, Vec2, turned, unit};
+use crate::machine::Machine;
+use crate::units::{DEG, UM};
+
+/// Which flank is handed over.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Flank {
+    /// What the generating pins leave: the modification's two offsets, but neither rotation nor free form.
+    AsCut,
+    /// With the whole modification.
+    Modified,
+    /// With the whole modification, less this wear.
+    Worn(Relief),
+}
+
+/// Which parts a STEP file holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Parts {
+    /// Every disc.
+    Discs,
+    /// One pin.
+    Pin,
+    /// One crankshaft.
+    Crankshaft,
+    /// All of them in place at this crank angle in rad.
+    Assembly { crank_angle: f64 },
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProfileOptions {
+    pub flank: Flank,
+    /// Allowed distance of chords and splines from the exact flank in m.
+    pub tolerance: f64,
+    /// Distance in m by which the flank is moved out of the metal, along its normal: the radius of a wire or
+    /// wheel and its gap, or stock that stays for grinding. Bores and holes are not moved.
+    pub offset: f64,
+}
+
+impl Default for ProfileOptions {
+    /// The modified flank within 1 µm, not moved.
+    fn default() -> ProfileOptions {
+        ProfileOptions { flank: Flank::Modified, tolerance: 1.0 * UM, offset: 0.0 }
+    }
+}
+
+/// The discs' flank within a tolerance, and everything around it, ready to be written.
+///
+/// Frame of drawings: that of the flank, the root of τ = 0 on the x axis. All discs have the same flank; their
+/// bores stand at the carrier's angles minus the mounting angle δ_j = −α_j/z_c of each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProfileExport {
+    pub(super) machine: Machine,
+    pub(super) stamp: Stamp,
+    pub(super) options: ProfileOptions,
+    pub(super) outline: Outline,
+    /// Corners of the polyline over one lobe, from root to next root, the last left out.
+    pub(super) corners: Vec<f64>,
+    /// Root to crest and crest to root of the first lobe.
+    pub(super) flanks: [FittedSpline; 2],
+    polyline_deviation: f64,
+}
+
+impl ProfileExport {
+    /// Prepares the export of a machine.
+    ///
+    /// # Errors
+    /// An undercutting offset, a tolerance outside of 0.01 to 1000 µm or one that cannot be kept.
+    pub fn new(
+        machine: &Machine,
+        stamp: Stamp,
+        options: ProfileOptions,
+    ) -> Result<ProfileExport, ExchangeError> {
+        let within = |what, value: f64, unit: f64, low, high| {
+            let value = value / unit;
+            if (low..=high).contains(&value) {
+                Ok(())
+            } else {
+                Err(ExchangeError::Option { what, value, low, high })
+            }
+        };
+        within("a tolerance in µm", options.tolerance, UM, 0.01, 1000.0)?;
+        within("an offset in µm", options.offset, UM, -1e5, 1e5)?;
+        let relief = match &options.flank {
+            Flank::AsCut => Relief::uniform(0.0),
+            Flank::Modified => machine.designed_relief(),
+            Flank::Worn(wear) => machine.designed_relief().plus(wear),
+        };
+        let outline = Outline::new(machine.profile(), relief, options.offset)?;
+        let (crest, end) = (0.5 * outline.lobe_pitch(), outline.lobe_pitch());
+        // A thousandth is left for the decimals of the file.
+        let tolerance = 0.999 * options.tolerance;
+        let (mut corners, first) = outline.chords(0.0, crest, tolerance);
+        let (back, second) = outline.chords(crest, end, tolerance);
+        corners.pop();
+        corners.extend(&back[..back.len() - 1]);
+        let flanks = [(0.0, crest), (crest, end)]
+            .map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance));
+        let polyline_deviation = first.max(second);
+        let reached = flanks.iter().map(|flank| flank.deviation).fold(polyline_deviation, f64::max);
+        if !(reached <= options.tolerance) {
+            return Err(ExchangeError::Tolerance { reached, tolerance: options.tolerance });
+        }
+        Ok(ProfileExport { machine: machine.clone(), stamp, options, outline, corners, flanks, polyline_deviation })
+    }
+
+    /// The exact edge.
+    pub fn outline(&self) -> &Outline {
+        &self.outline
+    }
+
+    /// Bound of the distance between polyline and exact edge in m.
+    pub fn polyline_deviation(&self) -> f64 {
+        self.polyline_deviation
+    }
+
+    /// Bound of the distance between splines and exact edge in m.
+    pub fn spline_deviation(&self) -> f64 {
+        self.flanks[0].deviation.max(self.flanks[1].deviation)
+    }
+
+    /// Corners of the polyline around the whole disc in m.
+    pub fn polyline(&self) -> Vec<Vec2> {
+        let lobe: Vec<Vec2> = self.corners.iter().map(|tau| self.outline.at(*tau).place).collect();
+        let turns = (0..self.outline.lobe_count()).map(|k| unit(self.outline.lobe_pitch() * k as f64));
+        turns.flat_map(|turn| lobe.iter().map(move |place| turned(*place, turn))).collect()
+    }
+
+    /// Bores and holes of disc j (from 0) in the frame of its flank: crank bores first.
+    pub(super) fn holes(&self, disc: usize) -> (Vec<crate::fem::RoundHole>, Vec<crate::fem::RoundHole>) {
+        let shape = DiscShape::of(&self.machine, disc);
+        (shape.bores, shape.holes)
+    }
+
+    /// What is said in every file, one sentence a line.
+    pub fn stamps(&self) -> Vec<String> {
+        let flank = match self.options.flank {
+            Flank::AsCut => "as cut",
+            Flank::Modified => "modified",
+            Flank::Worn(_) => "worn",
+        };
+        let um = |metres: f64| trimmed(metres / UM, 4);
+        vec![
+            format!("arcmin {}, design {} ({})", self.stamp.version, self.stamp.design_hash, self.stamp.design_name),
+            format!(
+                "flank {flank}, moved outwards by {} um; unit mm; origin in the disc's centre, a root on the x axis",
+                um(self.options.offset)
+            ),
+            format!(
+                "largest deviation from the exact flank: polyline {} um, spline {} um",
+                um(self.polyline_deviation),
+                um(self.spline_deviation())
+            ),
+        ]
+    }
+
+    /// The corners of the polyline as a table: place, outward normal, arc length from the first root, meshing
+    /// angle, radius of curvature (concave positive as in `profile.csv`, empty where straight). Lines with #
+    /// carry the stamp.
+    pub fn csv(&self) -> String {
+        let mut text = String::new();
+        for line in self.stamps() {
+            let _ = writeln!(text, "# {line}");
+        }
+        text.push_str(
+            "x_mm,y_mm,outward_normal_x,outward_normal_y,arc_length_mm,meshing_angle_deg,curvature_radius_mm\n",
+        );
+        let mut lengths = vec![0.0];
+        for pair in self.corners.windows(2) {
+            lengths.push(lengths[lengths.len() - 1] + self.outline.length(pair[0], pair[1]));
+        }
+        let last = self.corners[self.corners.len() - 1];
+        let lobe_length = lengths[lengths.len() - 1] + self.outline.length(last, self.outline.lobe_pitch());
+        for lobe in 0..self.outline.lobe_count() {
+            let turn = unit(self.outline.lobe_pitch() * lobe as f64);
+            for (tau, length) in self.corners.iter().zip(&lengths) {
+                let point = self.outline.at(*tau);
+                let (place, normal) = (turned(point.place, turn), turned(point.outward_normal(), turn));
+                let radius = -1.0 / point.curvature;
+                let radius = if radius.abs() < 1e6 { millimetres(radius) } else { String::new() };
+                let _ = writeln!(
+                    text,
+                    "{},{},{},{},{},{},{radius}",
+                    millimetres(place.x),
+                    millimetres(place.y),
+                    trimmed(normal.x, 12),
+                    trimmed(normal.y, 12),
+                    millimetres(length + lobe as f64 * lobe_length),
+                    trimmed(self.outline.meshing_angle(*tau) / DEG, 9),
+                );
+            }
+        }
+        text
+    }
+
+    /// The theoretical pin ring: places and radius of the installed pins in m, about the ring's own centre.
+    pub(super) fn pins(&self) -> Vec<(Vec2, f64)> {
+        self.machine.pins().iter().map(|pin| (pin.centre, pin.radius)).collect()
+    }
+
+    /// The flank profile without offset, for messages.
+    pub fn profile(&self) -> &Profile {
+        self.outline.profile()
+    }
+
+    /// Area in m² inside of the exact edge less bores and holes, and the length of all edges in m.
+    pub fn disc_area_and_length(&self) -> (f64, f64) {
+        let (mut area, mut length) = self.outline.area_and_length();
+        let (bores, holes) = self.holes(0);
+        for hole in bores.iter().chain(&holes) {
+            area -= std::f64::consts::PI * hole.radius * hole.radius;
+            length += std::f64::consts::TAU * hole.radius;
+        }
+        (area, length)
+    }
+}

@@ -1,0 +1,298 @@
+//! STEP AP214 (AUTOMOTIVE_DESIGN) with a PRODUCT for every part; without these some readers silently show
+//! nothing.
+
+use std::f64::consts::PI;
+
+use super::crankshaft;
+use super::profile::{Parts, ProfileExport};
+use super::solid::{Loop, SolidFigures, Vertex, number, real, references};
+use super::spline::CubicSpline;
+use crate::geometry::unit;
+use crate::machine::Kinematics;
+
+/// Entities written so far, numbered from 1.
+pub(super) struct Step {
+    text: String,
+    count: usize,
+}
+
+impl Step {
+    pub(super) fn add(&mut self, entity: &str) -> usize {
+        self.count += 1;
+        self.text.push_str(&format!("#{}={entity};\n", self.count));
+        self.count
+    }
+}
+
+/// A part: what is needed to place it.
+struct Product {
+    definition: usize,
+    representation: usize,
+    axis: usize,
+}
+
+/// Entities that every product refers to.
+struct Frame {
+    product_context: usize,
+    definition_context: usize,
+    representation_context: usize,
+}
+
+/// Words as in a STEP string: quotes doubled, other letters as UTF-16 in hexadecimal.
+fn words(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars().filter(|c| !c.is_control()) {
+        match c {
+            '\'' => out.push_str("''"),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_ascii() => out.push(c),
+            c => {
+                let mut units = [0; 2];
+                let hex: String = c.encode_utf16(&mut units).iter().map(|unit| format!("{unit:04X}")).collect();
+                out.push_str(&format!("\\X2\\{hex}\\X0\\"));
+            }
+        }
+    }
+    out
+}
+
+impl Frame {
+    fn begin(step: &mut Step) -> Frame {
+        let application =
+            step.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')");
+        step.add(&format!(
+            "APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,#{application})"
+        ));
+        let product_context = step.add(&format!("PRODUCT_CONTEXT('',#{application},'mechanical')"));
+        let definition_context =
+            step.add(&format!("PRODUCT_DEFINITION_CONTEXT('part definition',#{application},'design')"));
+        let length = step.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))");
+        let angle = step.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
+        let solid_angle = step.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
+        let accuracy = step.add(&format!(
+            "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(1.E-06),#{length},'distance_accuracy_value','')"
+        ));
+        let representation_context = step.add(&format!(
+            "(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{accuracy}))\
+             GLOBAL_UNIT_ASSIGNED_CONTEXT((#{length},#{angle},#{solid_angle}))REPRESENTATION_CONTEXT('',''))"
+        ));
+        Frame { product_context, definition_context, representation_context }
+    }
+
+    /// Records of a product; `solid` is `None` for an assembly.
+    fn product(&self, step: &mut Step, name: &str, solid: Option<usize>) -> Product {
+        let name = words(name);
+        let product = step.add(&format!("PRODUCT('{name}','{name}','',(#{}))", self.product_context));
+        step.add(&format!("PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#{product}))"));
+        let formation = step.add(&format!("PRODUCT_DEFINITION_FORMATION('','',#{product})"));
+        let definition =
+            step.add(&format!("PRODUCT_DEFINITION('design','',#{formation},#{})", self.definition_context));
+        let shape = step.add(&format!("PRODUCT_DEFINITION_SHAPE('','',#{definition})"));
+        let axis = step.placement([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+        let context = self.representation_context;
+        let representation = step.add(&match solid {
+            Some(solid) => format!("ADVANCED_BREP_SHAPE_REPRESENTATION('{name}',(#{axis},#{solid}),#{context})"),
+            None => format!("SHAPE_REPRESENTATION('{name}',(#{axis}),#{context})"),
+        });
+        step.add(&format!("SHAPE_DEFINITION_REPRESENTATION(#{shape},#{representation})"));
+        Product { definition, representation, axis }
+    }
+
+    /// A part in its assembly: turned by `angle`, then moved.
+    fn place(&self, step: &mut Step, whole: &Product, part: &Product, name: &str, angle: f64, place: [f64; 3]) {
+        let name = words(name);
+        let x = unit(angle);
+        let target = step.placement(place, [0.0, 0.0, 1.0], [x.x, x.y, 0.0]);
+        let usage = step.add(&format!(
+            "NEXT_ASSEMBLY_USAGE_OCCURRENCE('{name}','{name}','',#{},#{},$)",
+            whole.definition, part.definition
+        ));
+        let shape = step.add(&format!("PRODUCT_DEFINITION_SHAPE('Placement','',#{usage})"));
+        let transformation =
+            step.add(&format!("ITEM_DEFINED_TRANSFORMATION('','',#{},#{target})", part.axis));
+        let relation = step.add(&format!(
+            "(REPRESENTATION_RELATIONSHIP('','',#{},#{})REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#{transformation})\
+             SHAPE_REPRESENTATION_RELATIONSHIP())",
+            part.representation, whole.representation
+        ));
+        step.add(&format!("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{shape})"));
+    }
+}
+
+impl ProfileExport {
+    /// STEP file (AP214) of parts or of the assembly, in millimetres.
+    ///
+    /// A disc has one spline face per flank with vertices at root and crest, two half cylinders per bore and
+    /// hole. Pins are as long as the stack of discs. Crankshafts are drawn without their planets' teeth:
+    /// eccentrics with the diameter of the inner raceway, the shaft between and beside them.
+    pub fn step(&self, parts: Parts) -> String {
+        let mut step = Step { text: String::new(), count: 0 };
+        let frame = Frame::begin(&mut step);
+        let machine = &self.machine;
+        let (floors, ends) = crankshaft::heights(machine);
+        let slices = crankshaft::slices(machine);
+        let disc_name = |disc: usize| format!("cycloid disc {}", disc + 1);
+        match parts {
+            Parts::Discs => {
+                for disc in 0..machine.disc_count {
+                    let solid = self.disc(&mut step, disc, &disc_name(disc));
+                    frame.product(&mut step, &disc_name(disc), Some(solid));
+                }
+            }
+            Parts::Pin => {
+                let solid = self.pin(&mut step);
+                frame.product(&mut step, "pin", Some(solid));
+            }
+            Parts::Crankshaft => {
+                let solid = crankshaft::solid(&mut step, "crankshaft", &slices);
+                frame.product(&mut step, "crankshaft", Some(solid));
+            }
+            Parts::Assembly { crank_angle } => {
+                let whole = frame.product(&mut step, &format!("{} assembly", self.stamp.design_name), None);
+                let kinematics = machine.kinematics();
+                let output = kinematics.nominal_output_angle(crank_angle);
+                for (disc, floor) in floors.iter().enumerate() {
+                    let solid = self.disc(&mut step, disc, &disc_name(disc));
+                    let part = frame.product(&mut step, &disc_name(disc), Some(solid));
+                    let pose = kinematics.disc_pose(disc, crank_angle, output);
+                    let place = [pose.centre.x, pose.centre.y, *floor];
+                    frame.place(&mut step, &whole, &part, &disc_name(disc), pose.angle, place);
+                }
+                let solid = self.pin(&mut step);
+                let part = frame.product(&mut step, "pin", Some(solid));
+                for (index, (centre, _)) in self.pins().iter().enumerate() {
+                    let place = [centre.x, centre.y, floors[0]];
+                    frame.place(&mut step, &whole, &part, &format!("pin {}", index + 1), 0.0, place);
+                }
+                let solid = crankshaft::solid(&mut step, "crankshaft", &slices);
+                let part = frame.product(&mut step, "crankshaft", Some(solid));
+                let cranks = &machine.crankshafts;
+                for k in 0..cranks.count {
+                    let angle = Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count) + output;
+                    let centre = machine.gear_stage.centre_distance() * unit(angle);
+                    let name = format!("crankshaft {}", k + 1);
+                    frame.place(&mut step, &whole, &part, &name, crank_angle, [centre.x, centre.y, 0.0]);
+                }
+                debug_assert!(ends[0] < ends[1]);
+            }
+        }
+        let stamps: Vec<String> = self.stamps().iter().map(|line| format!("'{}'", words(line))).collect();
+        let version = &self.stamp.version;
+        format!(
+            "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(({}),'2;1');\n\
+             FILE_NAME('{}','1970-01-01T00:00:00',(''),(''),'arcmin {version}','arcmin {version}','');\n\
+             FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\nENDSEC;\nDATA;\n{}ENDSEC;\n\
+             END-ISO-10303-21;\n",
+            stamps.join(","),
+            words(&self.stamp.design_name),
+            step.text
+        )
+    }
+
+    /// Volume and surface of every part of a STEP file, each once: what a reader must find.
+    pub fn solid_figures(&self) -> Vec<SolidFigures> {
+        let width = self.machine.disc.width;
+        let (area, length) = self.disc_area_and_length();
+        let mut all: Vec<SolidFigures> = (0..self.machine.disc_count)
+            .map(|disc| SolidFigures {
+                name: format!("cycloid disc {}", disc + 1),
+                volume: area * width,
+                surface: 2.0 * area + length * width,
+            })
+            .collect();
+        let (radius, height) = (self.machine.ring.pin_radius, self.pin_length());
+        all.push(SolidFigures {
+            name: "pin".to_owned(),
+            volume: PI * radius * radius * height,
+            surface: 2.0 * PI * radius * (radius + height),
+        });
+        all.push(crankshaft::figures("crankshaft", &crankshaft::slices(&self.machine)));
+        all
+    }
+
+    fn pin_length(&self) -> f64 {
+        let (floors, _) = crankshaft::heights(&self.machine);
+        floors[floors.len() - 1] + self.machine.disc.width - floors[0]
+    }
+
+    fn pin(&self, step: &mut Step) -> usize {
+        let slice = crankshaft::Slice {
+            centre: crate::geometry::Vec2::zeros(),
+            radius: self.machine.ring.pin_radius,
+            from: 0.0,
+            to: self.pin_length(),
+        };
+        crankshaft::solid(step, "pin", &[slice])
+    }
+
+    /// Disc between z = 0 and its width, in the frame of its flank.
+    fn disc(&self, step: &mut Step, disc: usize, name: &str) -> usize {
+        let width = self.machine.disc.width;
+        let lobes = self.outline.lobe_count();
+        // Root, crest, root, … counter-clockwise, below and above.
+        let splines: Vec<CubicSpline> = (0..2 * lobes)
+            .map(|i| self.flanks[i % 2].spline.turned(unit(self.outline.lobe_pitch() * (i / 2) as f64)))
+            .collect();
+        let mut corner = |spline: &CubicSpline| {
+            let place = spline.control[0];
+            (step.vertex([place.x, place.y, 0.0]), step.vertex([place.x, place.y, width]))
+        };
+        let corners: Vec<(Vertex, Vertex)> = splines.iter().map(&mut corner).collect();
+        let ups: Vec<usize> = corners.iter().map(|(low, high)| step.upright(*low, *high)).collect();
+        let mut faces = Vec::new();
+        let (mut lower, mut upper) = (Loop::new(), Loop::new());
+        for (index, spline) in splines.iter().enumerate() {
+            let next = (index + 1) % splines.len();
+            let rows = [0.0, width].map(|z| {
+                let points: Vec<usize> = spline.control.iter().map(|p| step.point([p.x, p.y, z])).collect();
+                points
+            });
+            let (multiplicities, knots) = knot_lists(spline);
+            let [low, high] = [0, 1].map(|side| {
+                let curve = step.add(&format!(
+                    "B_SPLINE_CURVE_WITH_KNOTS('',3,({}),.UNSPECIFIED.,.F.,.F.,({multiplicities}),({knots}),.UNSPECIFIED.)",
+                    references(&rows[side])
+                ));
+                let pick = |pair: (Vertex, Vertex)| if side == 0 { pair.0 } else { pair.1 };
+                step.edge(pick(corners[index]), pick(corners[next]), curve)
+            });
+            let net: Vec<String> =
+                rows[0].iter().zip(&rows[1]).map(|(low, high)| format!("(#{low},#{high})")).collect();
+            let surface = step.add(&format!(
+                "B_SPLINE_SURFACE_WITH_KNOTS('',3,1,({}),.UNSPECIFIED.,.F.,.F.,.F.,({multiplicities}),(2,2),\
+                 ({knots}),(0.,{}),.UNSPECIFIED.)",
+                net.join(","),
+                real(width)
+            ));
+            let edges = vec![(low, true), (ups[next], true), (high, false), (ups[index], false)];
+            faces.push(step.face(&format!("flank {}", index + 1), surface, &[edges], true));
+            lower.push((low, true));
+            upper.push((high, true));
+        }
+        let reversed = |edges: &Loop| edges.iter().rev().map(|(edge, along)| (*edge, !along)).collect::<Loop>();
+        let (mut below, mut above) = (vec![reversed(&lower)], vec![upper]);
+        let (bores, holes) = self.holes(disc);
+        let named = bores.iter().map(|hole| ("bore", hole)).chain(holes.iter().map(|hole| ("hole", hole)));
+        for (kind, hole) in named {
+            let seams = [0.0, PI];
+            let angles = [(0.0, None), (PI, None)];
+            let low = step.rim(hole.centre, hole.radius, 0.0, &angles);
+            let high = step.rim(hole.centre, hole.radius, width, &angles);
+            faces.extend(step.wall(kind, &low, &high, 0.0, seams, false));
+            below.push(low.all(true));
+            above.push(high.all(false));
+        }
+        for (z, loops) in [(0.0, below), (width, above)] {
+            let plane = step.level(z, z > 0.0);
+            faces.push(step.face("side", plane, &loops, true));
+        }
+        step.solid(name, &faces)
+    }
+}
+
+/// Multiplicities and knots (in mm, as the arc length is) as lists.
+fn knot_lists(spline: &CubicSpline) -> (String, String) {
+    let multiplicities: Vec<String> = spline.knots.iter().map(|(_, m)| m.to_string()).collect();
+    let knots: Vec<String> = spline.knots.iter().map(|(t, _)| number(t * 1e3, 12)).collect();
+    (multiplicities.join(","), knots.join(","))
+}

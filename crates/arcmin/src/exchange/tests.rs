@@ -1,0 +1,217 @@
+use super::*;
+use crate::design::Design;
+use crate::geometry::{Relief, Vec2, cross, unit};
+use crate::machine::Machine;
+
+fn shipped(name: &str) -> Design {
+    let template = crate::templates::TEMPLATES.iter().find(|t| t.name == name).unwrap();
+    Design::parse(template.text, name).unwrap()
+}
+
+fn machine() -> (Machine, Stamp) {
+    let design = shipped("rv-40e-81");
+    (design.machine(), Stamp::of(&design))
+}
+
+/// Wear that differs between the two sides of a tooth space.
+fn wear() -> Relief {
+    Relief::from_samples(Relief::grid(180).map(|phi| 1e-5 * (1.0 + phi.sin() + 0.3 * (3.0 * phi).cos())).collect())
+}
+
+fn export(options: ProfileOptions) -> ProfileExport {
+    let (machine, stamp) = machine();
+    ProfileExport::new(&machine, stamp, options).unwrap()
+}
+
+#[test]
+fn derivatives_of_the_outline_agree_with_differences() {
+    let (machine, _) = machine();
+    for (relief, offset) in [(Relief::uniform(0.0), 0.0), (wear(), 0.0), (wear(), 1e-4), (wear(), -2e-4)] {
+        let outline = Outline::new(machine.profile(), relief, offset).unwrap();
+        for i in 0..300 {
+            let tau = 0.0123 + 0.001 * f64::from(i);
+            let h = 2e-6;
+            let (a, p, b) = (outline.at(tau - h), outline.at(tau), outline.at(tau + h));
+            let first = (b.place - a.place) / (2.0 * h);
+            assert!((first - p.speed * p.tangent).norm() < 1e-6 * p.speed, "{offset} {tau}");
+            let turn = cross(a.tangent, b.tangent) / (2.0 * h * p.speed);
+            assert!((turn - p.curvature).abs() < 1e-4 * (p.curvature.abs() + 10.0), "{offset} {tau}");
+        }
+        assert!((outline.length(0.1, 0.4) - {
+            let n = 200_000;
+            let places: Vec<Vec2> = (0..=n).map(|i| outline.at(0.1 + 0.3 * f64::from(i) / f64::from(n)).place).collect();
+            places.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>()
+        })
+        .abs() < 1e-9);
+    }
+}
+
+/// Without relief and offset the outline is the flank; a uniform relief is an inward offset.
+#[test]
+fn outline_is_the_flank() {
+    let (machine, _) = machine();
+    let profile = machine.profile();
+    let bare = Outline::new(profile.clone(), Relief::uniform(0.0), 0.0).unwrap();
+    let worn = Outline::new(profile.clone(), Relief::uniform(3e-5), 0.0).unwrap();
+    let moved = Outline::new(profile.clone(), Relief::uniform(0.0), -3e-5).unwrap();
+    for i in 0..200 {
+        let tau = 0.031 * f64::from(i);
+        let p = bare.at(tau);
+        assert!((p.place - profile.flank_point(tau)).norm() < 1e-15);
+        assert!((p.outward_normal() - profile.outward_normal(tau)).norm() < 1e-12);
+        assert!((p.curvature + profile.flank_curvature(profile.meshing_angle(tau).cos())).abs() < 1e-6);
+        assert!((worn.at(tau).place - moved.at(tau).place).norm() < 1e-15);
+    }
+}
+
+/// A wire of the pin's radius runs on the trace, whose root is nearly a cusp; a thicker one undercuts there.
+/// Inwards, the sharpest convex place decides.
+#[test]
+fn undercutting_offsets_are_refused() {
+    let (machine, _) = machine();
+    let profile = machine.profile();
+    let offset = |d: f64| Outline::new(profile.clone(), Relief::uniform(0.0), d);
+    assert!(offset(2.9e-3).is_ok());
+    let error = offset(3.2e-3).unwrap_err();
+    assert!(matches!(error, ExchangeError::Undercut { meshing_angle, .. } if meshing_angle.abs() < 0.2), "{error}");
+    let (trace, _) = profile.sharpest_convex_trace();
+    let sharpest = trace - profile.pin_radius;
+    assert!(offset(-0.99 * sharpest).is_ok() && offset(-1.01 * sharpest).is_err());
+}
+
+/// The stated bounds hold on a sampling far denser than what they were found with, and are not idle.
+#[test]
+fn deviations_are_bounded() {
+    for (flank, offset, tolerance) in [
+        (Flank::Modified, 0.0, 1e-6),
+        (Flank::Worn(wear()), 1.5e-4, 1e-6),
+        (Flank::Worn(wear()), 0.0, 5e-8),
+        (Flank::AsCut, -1e-4, 2e-5),
+    ] {
+        let export = export(ProfileOptions { flank, offset, tolerance });
+        let outline = export.outline();
+        let table = outline.table();
+        let mut worst = 0.0_f64;
+        let corners: Vec<Vec2> = export.corners.iter().map(|tau| outline.at(*tau).place).collect();
+        for pair in corners.windows(2) {
+            for i in 0..40 {
+                let place = pair[0] + (pair[1] - pair[0]) * (f64::from(i) / 40.0);
+                worst = worst.max(outline.distance(place, &table).0.abs());
+            }
+        }
+        assert!(worst <= export.polyline_deviation() && export.polyline_deviation() <= tolerance, "{worst:e}");
+        assert!(worst > 0.5 * tolerance, "chords are idle: {worst:e}");
+        let mut worst = 0.0_f64;
+        for flank in &export.flanks {
+            let (knots, control) = (flank.spline.flat_knots(), &flank.spline.control);
+            let end = knots[knots.len() - 1];
+            for i in 0..=4000 {
+                let place = de_boor(&knots, control, end * f64::from(i) / 4000.0);
+                worst = worst.max(outline.distance(place, &table).0.abs());
+            }
+        }
+        assert!(worst <= export.spline_deviation() && export.spline_deviation() <= tolerance, "{worst:e}");
+    }
+}
+
+/// De Boor's algorithm, the reader's way to a spline.
+fn de_boor(knots: &[f64], control: &[Vec2], t: f64) -> Vec2 {
+    let last = control.len() - 1;
+    let cell = knots.partition_point(|k| *k <= t).saturating_sub(1).clamp(3, last);
+    let mut d: Vec<Vec2> = (0..4).map(|j| control[cell + j - 3]).collect();
+    for r in 1..4 {
+        for j in (r..4).rev() {
+            let (low, high) = (knots[j + cell - 3], knots[j + 1 + cell - r]);
+            let a = (t - low) / (high - low);
+            d[j] = (1.0 - a) * d[j - 1] + a * d[j];
+        }
+    }
+    d[3]
+}
+
+#[test]
+fn closed_spline_closes_smoothly() {
+    let export = export(ProfileOptions::default());
+    let spline = export.closed_spline();
+    let knots = spline.flat_knots();
+    assert_eq!(knots.len(), spline.control.len() + 4);
+    assert!((spline.control[0] - spline.control[spline.control.len() - 1]).norm() < 1e-15);
+    let (outline, table) = (export.outline(), export.outline().table());
+    let end = knots[knots.len() - 1];
+    assert!((end - outline.area_and_length().1).abs() < 1e-9 * end);
+    for i in 0..5000 {
+        let place = de_boor(&knots, &spline.control, end * f64::from(i) / 5000.0);
+        assert!(outline.distance(place, &table).0.abs() < 1e-6);
+    }
+}
+
+/// Area and length a second way: the polyline's, whose own errors are of the order of the deviation.
+#[test]
+fn area_of_the_outline() {
+    let export = export(ProfileOptions { tolerance: 2e-8, ..ProfileOptions::default() });
+    let corners = export.polyline();
+    let next = |i: usize| corners[(i + 1) % corners.len()];
+    let area: f64 = (0..corners.len()).map(|i| 0.5 * cross(corners[i], next(i))).sum();
+    let length: f64 = (0..corners.len()).map(|i| (next(i) - corners[i]).norm()).sum();
+    let (exact, around) = export.outline().area_and_length();
+    assert!((area / exact - 1.0).abs() < 1e-6 && (length / around - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn distance_finds_the_foot() {
+    let (machine, _) = machine();
+    let outline = Outline::new(machine.profile(), wear(), 0.0).unwrap();
+    let table = outline.table();
+    for i in 0..500 {
+        let tau = 0.0126 * f64::from(i);
+        let p = outline.at(tau);
+        let gap = 2e-4 * (f64::from(i) * 0.7).sin();
+        let (found, foot) = outline.distance(p.place + gap * p.outward_normal(), &table);
+        assert!((found - gap).abs() < 1e-12, "{i}: {found:e} {gap:e}");
+        assert!(crate::units::wrap_angle(foot - tau).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn files_are_stamped_and_repeat_to_the_byte() {
+    let make = || export(ProfileOptions { flank: Flank::Worn(wear()), ..ProfileOptions::default() });
+    let (a, b) = (make(), make());
+    let assembly = Parts::Assembly { crank_angle: 0.3 };
+    let files = |e: &ProfileExport| [e.dxf(), e.step(assembly), e.csv(), e.svg()];
+    assert_eq!(files(&a), files(&b));
+    for file in files(&a) {
+        for word in [env!("CARGO_PKG_VERSION"), &a.stamp.design_hash, "largest deviation from the exact flank"] {
+            assert!(file.contains(word));
+        }
+        assert!(!file.contains("NaN") && !file.contains("inf"));
+    }
+    assert_eq!(a.step(assembly).matches("=PRODUCT(").count(), 5);
+    assert_eq!(a.csv().lines().filter(|line| !line.starts_with('#')).count(), a.polyline().len() + 1);
+}
+
+#[test]
+fn options_out_of_range() {
+    let (machine, stamp) = machine();
+    for options in [
+        ProfileOptions { tolerance: 0.0, ..ProfileOptions::default() },
+        ProfileOptions { tolerance: f64::NAN, ..ProfileOptions::default() },
+        ProfileOptions { offset: f64::INFINITY, ..ProfileOptions::default() },
+        ProfileOptions { offset: 5e-3, ..ProfileOptions::default() },
+    ] {
+        assert!(!ProfileExport::new(&machine, stamp.clone(), options).unwrap_err().remedy().is_empty());
+    }
+}
+
+/// Bores stand in the flank's frame as in the finite element model.
+#[test]
+fn holes_of_each_disc() {
+    let export = export(ProfileOptions::default());
+    let (first, _) = export.holes(0);
+    let (second, _) = export.holes(1);
+    let pitch = std::f64::consts::PI / 39.0;
+    assert!((first[0].centre - 40.5e-3 * unit(std::f64::consts::FRAC_PI_2)).norm() < 1e-12);
+    let turn = unit(pitch);
+    let turned = crate::geometry::turned(first[0].centre, turn);
+    let other = crate::geometry::turned(first[0].centre, Vec2::new(turn.x, -turn.y));
+    assert!((second[0].centre - turned).norm().min((second[0].centre - other).norm()) < 1e-12);
+}

@@ -1,0 +1,163 @@
+"""Reads the exports with ezdxf and OpenCascade and compares them with the exact flank and closed forms.
+
+Usage: check.py DIR, where DIR was written by the example `exchange_files`. Every check prints its figure; the
+exit status is 1 if one is not kept.
+"""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepGProp import BRepGProp
+from OCP.GProp import GProp_GProps
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.STEPControl import STEPControl_Reader
+from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
+from OCP.TopExp import TopExp_Explorer
+
+failures = 0
+
+
+def check(what, value, limit):
+    global failures
+    kept = value <= limit
+    failures += not kept
+    print(f"{'ok  ' if kept else 'FAIL'} {what}: {value:.3g} (limit {limit:.3g})")
+
+
+def distance_to_polygon(points, polygon):
+    """Distance of each point from a dense closed polygon."""
+    reach = 60
+    following = np.roll(polygon, -1, axis=0)
+    angle = np.unwrap(np.arctan2(polygon[:, 1], polygon[:, 0]))
+    start = angle[0]
+    best = np.full(len(points), np.inf)
+    own = (np.arctan2(points[:, 1], points[:, 0]) - start) % (2 * math.pi) + start
+    centre = np.searchsorted(angle, own)
+    for shift in range(-reach, reach + 1):
+        index = (centre + shift) % len(polygon)
+        a, b = polygon[index], following[index]
+        along = b - a
+        share = np.clip(((points - a) * along).sum(1) / (along * along).sum(1), 0, 1)
+        best = np.minimum(best, np.hypot(*(points - a - share[:, None] * along).T))
+    return best
+
+
+def check_dxf(place, exact, figures):
+    document = ezdxf.readfile(place / "profile.dxf")
+    auditor = document.audit()
+    check("ezdxf audit: errors", len(auditor.errors), 0)
+    check("ezdxf audit: repairs", len(auditor.fixes), 0)
+    model = document.modelspace()
+    (polyline,) = model.query('LWPOLYLINE[layer=="FLANK_POLYLINE"]')
+    check("open polylines", int(not polyline.closed), 0)
+    corners = np.array([(x, y) for x, y, *_ in polyline.get_points()])
+    # The dense polygon itself is off by its sagitta, under a picometre.
+    tolerance = figures["polyline_deviation_mm"]
+    check("corners off the exact flank, mm", distance_to_polygon(corners, exact).max(), 1e-8)
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
+    check("chords off the exact flank, mm", distance_to_polygon(middles, exact).max(), tolerance + 1e-8)
+    check("stated deviation, mm", tolerance, 1.0e-3)
+    (spline,) = model.query('SPLINE[layer=="FLANK_SPLINE"]')
+    check("open splines", int(not spline.closed), 0)
+    check("degree of the spline off three", abs(spline.dxf.degree - 3), 0)
+    curve = spline.construction_tool()
+    points = np.array([(p.x, p.y) for p in curve.approximate(len(spline.control_points) * 4)])
+    off = distance_to_polygon(points, exact).max()
+    check("spline off the exact flank, mm", off, figures["spline_deviation_mm"] + 1e-8)
+    check("gap of the spline, mm", float(np.hypot(*(points[0] - points[-1]))), 1e-8)
+
+
+def read(path):
+    reader = STEPControl_Reader()
+    if reader.ReadFile(str(path)) != IFSelect_RetDone:
+        raise SystemExit(f"{path}: not read")
+    reader.TransferRoots()
+    return reader.OneShape()
+
+
+def pieces(shape, kind):
+    explorer = TopExp_Explorer(shape, kind)
+    while explorer.More():
+        yield explorer.Current()
+        explorer.Next()
+
+
+def volume(shape):
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties, 1e-9)
+    return properties.Mass()
+
+
+def surface(shape):
+    properties = GProp_GProps()
+    BRepGProp.SurfaceProperties_s(shape, properties, 1e-9)
+    return properties.Mass()
+
+
+def check_solids(path, expected):
+    text = path.read_text()
+    check(f"{path.name}: missing products", max(0, len(expected) - text.count("=PRODUCT(")), 0)
+    for part in expected:
+        check(f"{path.name}: product '{part['name']}' missing", int(f"=PRODUCT('{part['name']}'" not in text), 0)
+    check(f"{path.name}: not AP214", int("AUTOMOTIVE_DESIGN" not in text), 0)
+    shape = read(path)
+    solids = [solid for solid in pieces(shape, TopAbs_SOLID)]
+    check(f"{path.name}: missing solids", abs(len(solids) - len(expected)), 0)
+    for solid, part in zip(solids, expected):
+        name = f"{path.name}: {part['name']}"
+        check(f"{name}: invalid", int(not BRepCheck_Analyzer(solid).IsValid()), 0)
+        check(f"{name}: volume", abs(volume(solid) / part["volume_mm3"] - 1), 1e-6)
+        check(f"{name}: surface", abs(surface(solid) / part["surface_mm2"] - 1), 1e-6)
+        faces = sum(1 for _ in pieces(solid, TopAbs_FACE))
+        print(f"     {name}: {faces} faces")
+
+
+def check_assembly(path, figures, touching):
+    """Parts in place, all valid; nothing overlaps by more than a deviation's depth over the contacts."""
+    solids = [solid for solid in pieces(read(path), TopAbs_SOLID)]
+    by_volume = {part["name"]: part["volume_mm3"] for part in figures["parts"]}
+    discs = [s for s in solids if abs(volume(s) / by_volume["cycloid disc 1"] - 1) < 1e-5]
+    pins = [s for s in solids if abs(volume(s) / by_volume["pin"] - 1) < 1e-5]
+    cranks = [s for s in solids if abs(volume(s) / by_volume["crankshaft"] - 1) < 1e-5]
+    print(f"     {path.name}: {len(discs)} discs, {len(pins)} pins, {len(cranks)} crankshafts")
+    check(f"{path.name}: solids of another kind", len(solids) - len(discs) - len(pins) - len(cranks), 0)
+    check(f"{path.name}: invalid solids", sum(not BRepCheck_Analyzer(s).IsValid() for s in solids), 0)
+    worst = 0.0
+    for disc in discs:
+        for other in pins + cranks:
+            common = BRepAlgoAPI_Common(disc, other)
+            worst = max(worst, volume(common.Shape()) if common.IsDone() else math.inf)
+    # A pin that touches overlaps by the spline's deviation over the width of a contact of that depth.
+    check(f"{path.name}: largest overlap, mm3", worst, touching)
+
+
+def main():
+    for place in sorted(Path(sys.argv[1]).iterdir()):
+        print(place.name)
+        figures = json.loads((place / "figures.json").read_text())
+        exact = np.loadtxt(place / "exact.csv", delimiter=",", skiprows=1)
+        check_dxf(place, exact, figures)
+        table = np.genfromtxt(place / "profile.csv", delimiter=",", names=True, comments="#")
+        corners = np.column_stack([table["x_mm"], table["y_mm"]])
+        check("corners of the table off the exact flank, mm", distance_to_polygon(corners, exact).max(), 1e-8)
+        parts = figures["parts"]
+        discs = [part for part in parts if part["name"].startswith("cycloid")]
+        check_solids(place / "discs.step", discs)
+        check_solids(place / "pin.step", [part for part in parts if part["name"] == "pin"])
+        check_solids(place / "crankshaft.step", [part for part in parts if part["name"] == "crankshaft"])
+        if not place.name.endswith("wire"):
+            # A lens of depth d between radii of 1.6 and 3 mm is 2 sqrt(2 R d) wide: under 0.1 mm for 1 µm.
+            width = discs[0]["volume_mm3"] ** (1 / 3)
+            check_assembly(place / "assembly.step", figures, 0.2 * figures["spline_deviation_mm"] * width)
+    print("all kept" if failures == 0 else f"{failures} not kept")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
