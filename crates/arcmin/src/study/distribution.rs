@@ -26,7 +26,7 @@ pub enum Value {
     Number(f64),
     /// Index of the entry of a list.
     Entry(usize),
-    /// Seed of a draw.
+    /// Seed of a draw, below 2⁵³ so that every format of numbers holds it.
     Seed(u64),
 }
 
@@ -99,7 +99,7 @@ impl Distribution {
                 Value::Number(mean + deviation * standard_normal(u))
             }
             Distribution::List { count } => Value::Entry(((u * count as f64) as usize).min(count - 1)),
-            Distribution::Drawn => Value::Seed(mix(u.to_bits())),
+            Distribution::Drawn => Value::Seed(mix(u.to_bits()) >> 11),
         }
     }
 

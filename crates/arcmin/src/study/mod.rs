@@ -11,14 +11,23 @@
 //! physics, go through logarithms and sines of the system's library, whose last bit may differ from one
 //! system to another.
 
+mod collect;
 pub mod distribution;
+#[cfg(test)]
+mod engine_tests;
 mod error;
 pub mod optimise;
+pub mod part;
+mod plan;
+mod run;
 pub mod sampling;
 pub mod sensitivity;
 pub mod statistics;
 mod stream;
 
+pub use collect::{Rows, collect};
 pub use distribution::{Distribution, Value};
 pub use error::StudyError;
+pub use plan::{Factor, Kept, Kind, Plan, Row, Setting};
+pub use run::{Done, RowError, Shard, Store, run};
 pub use stream::{Purpose, Stream};
