@@ -24,6 +24,7 @@ pub mod progress;
 pub mod report;
 pub mod results;
 pub mod rig;
+pub mod study;
 pub mod tables;
 pub mod templates;
 pub mod tribology;

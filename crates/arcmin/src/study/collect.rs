@@ -1,0 +1,115 @@
+use std::fmt::Write;
+
+use super::part::{Cell, Record, decode};
+use super::plan::Plan;
+use super::run::Store;
+
+/// The rows of a study that are there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// In the order of their numbers.
+    pub records: Vec<Record>,
+    /// Rows that the plan has in all.
+    pub of: u64,
+    /// Names of parts that are there but cannot be used, with the reason.
+    pub unusable: Vec<(String, String)>,
+}
+
+/// Reads all parts that are there.
+///
+/// # Errors
+/// In a sentence, where a part cannot be read.
+pub fn collect(plan: &Plan, store: &dyn Store) -> Result<Rows, String> {
+    let mut rows = Rows { records: Vec::new(), of: plan.rows(), unusable: Vec::new() };
+    for part in 0..plan.parts() {
+        let name = plan.part_name(part);
+        match store.read(&name)?.map(|bytes| decode(plan, part, bytes)) {
+            None => {}
+            Some(Ok(records)) => rows.records.extend(records),
+            Some(Err(error)) => rows.unusable.push((name, error.to_string())),
+        }
+    }
+    Ok(rows)
+}
+
+impl Rows {
+    pub fn failed(&self) -> usize {
+        self.records.iter().filter(|record| record.failed.is_some()).count()
+    }
+
+    pub fn is_complete(&self) -> bool {
+        self.records.len() as u64 == self.of
+    }
+
+    /// Numbers of a column by its name, one for each record; `None` where there is none.
+    pub fn numbers(&self, plan: &Plan, name: &str) -> Option<Vec<Option<f64>>> {
+        let index = plan.columns().iter().position(|(column, _)| *column == name)?;
+        Some(self.records.iter().map(|record| record.cells[index].number()).collect())
+    }
+
+    /// Numbers of a column in the place of every row of the plan, for statistics that go by the layout: `None` for rows that
+    /// failed or are not there yet.
+    pub fn in_place(&self, plan: &Plan, name: &str) -> Option<Vec<Option<f64>>> {
+        let index = plan.columns().iter().position(|(column, _)| *column == name)?;
+        let mut all = vec![None; usize::try_from(self.of).ok()?];
+        for record in &self.records {
+            if let Some(place) = usize::try_from(record.number).ok().and_then(|number| all.get_mut(number)) {
+                *place = record.cells[index].number();
+            }
+        }
+        Some(all)
+    }
+
+    /// The table as CSV: `sample`, what varies, the results, `failed`. Numbers have the shortest form that reads back to the
+    /// same bits, so that equal rows are equal bytes; of a curve the values stand between spaces.
+    pub fn to_csv(&self, plan: &Plan) -> String {
+        let mut out = String::from("sample");
+        for (name, _) in plan.columns() {
+            out.push(',');
+            push_text(&mut out, name);
+        }
+        out.push_str(",failed\n");
+        for record in &self.records {
+            let _ = write!(out, "{}", record.number);
+            for cell in &record.cells {
+                out.push(',');
+                match cell {
+                    Cell::Absent => {}
+                    Cell::Number(number) => push_number(&mut out, *number),
+                    Cell::Word(word) => push_text(&mut out, word),
+                    Cell::Curve(curve) => {
+                        for (k, number) in curve.iter().enumerate() {
+                            if k > 0 {
+                                out.push(' ');
+                            }
+                            push_number(&mut out, *number);
+                        }
+                    }
+                }
+            }
+            out.push(',');
+            push_text(&mut out, record.failed.as_deref().unwrap_or_default());
+            out.push('\n');
+        }
+        out
+    }
+}
+
+fn push_number(out: &mut String, number: f64) {
+    // Large and small ones with an exponent.
+    let magnitude = number.abs();
+    let _ = if number == 0.0 || (1e-5..1e16).contains(&magnitude) {
+        write!(out, "{number}")
+    } else {
+        write!(out, "{number:e}")
+    };
+}
+
+/// Quoted where a comma, a quotation mark or the end of a line stands in it.
+fn push_text(out: &mut String, text: &str) {
+    if text.contains([',', '"', '\n', '\r']) {
+        let _ = write!(out, "\"{}\"", text.replace('"', "\"\""));
+    } else {
+        out.push_str(text);
+    }
+}

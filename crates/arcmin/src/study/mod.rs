@@ -1,0 +1,33 @@
+//! Studies: many machines instead of one.
+//!
+//! [`sampling`] says where in the space of what varies a machine is computed; sample k depends on (seed, k)
+//! alone, so that any sharding gives the same rows. [`statistics`] turns rows into what a reliability
+//! engineer reads (quantiles, yield, lives), always with the interval that so many rows allow;
+//! [`sensitivity`] says what the answer hangs on; [`optimise`] looks for the best design, one generation at a
+//! time.
+//!
+//! Bits: the streams of random numbers and the places in the unit cube are made of integer and correctly
+//! rounded operations, the same on every processor. Values of normal and log-uniform distributions, and all
+//! physics, go through logarithms and sines of the system's library, whose last bit may differ from one
+//! system to another.
+
+mod collect;
+pub mod distribution;
+#[cfg(test)]
+mod engine_tests;
+mod error;
+pub mod optimise;
+pub mod part;
+mod plan;
+mod run;
+pub mod sampling;
+pub mod sensitivity;
+pub mod statistics;
+mod stream;
+
+pub use collect::{Rows, collect};
+pub use distribution::{Distribution, Value};
+pub use error::StudyError;
+pub use plan::{Factor, Kept, Kind, Plan, Row, Setting};
+pub use run::{Done, RowError, Shard, Store, run};
+pub use stream::{Purpose, Stream};

@@ -1,0 +1,219 @@
+use sha2::{Digest, Sha256};
+
+use super::distribution::{Distribution, Value};
+use super::sampling::{Layout, Point, Sampling};
+use super::{StudyError, part};
+
+/// A value that a row gives to a key of the design.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Setting {
+    Number(f64),
+    Word(String),
+    Flag(bool),
+    /// Seed of a machine drawn from its tolerances.
+    Seed(u64),
+}
+
+/// One thing that varies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Factor {
+    /// Path of the key, or `seed` for a drawn machine.
+    pub path: String,
+    /// Its unit, empty for none.
+    pub unit: String,
+    pub distribution: Distribution,
+    /// What a [`Distribution::List`] chooses from; empty otherwise.
+    pub entries: Vec<Setting>,
+    /// Whether the design counts it: numbers are rounded to whole ones.
+    pub whole: bool,
+    /// What a step of its unit costs to tighten, where that is known.
+    pub cost: Option<f64>,
+}
+
+impl Factor {
+    /// A number by its path, from a distribution.
+    pub fn number(path: impl Into<String>, unit: impl Into<String>, distribution: Distribution) -> Factor {
+        Factor {
+            path: path.into(),
+            unit: unit.into(),
+            distribution,
+            entries: Vec::new(),
+            whole: false,
+            cost: None,
+        }
+    }
+
+    /// A machine drawn from its tolerances.
+    pub fn drawn() -> Factor {
+        Factor::number("seed", "", Distribution::Drawn)
+    }
+
+    /// One of several values.
+    pub fn one_of(path: impl Into<String>, entries: Vec<Setting>) -> Factor {
+        let distribution = Distribution::List { count: entries.len() };
+        Factor { entries, ..Factor::number(path, "", distribution) }
+    }
+
+    fn setting(&self, value: Value) -> Setting {
+        match value {
+            Value::Number(number) if self.whole => Setting::Number(number.round()),
+            Value::Number(number) => Setting::Number(number),
+            Value::Seed(seed) => Setting::Seed(seed),
+            // A validated list has as many entries as its distribution counts.
+            Value::Entry(index) => self.entries.get(index).cloned().unwrap_or(Setting::Flag(false)),
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        let word = |setting: &Setting| matches!(setting, Setting::Word(_) | Setting::Flag(_));
+        if self.entries.iter().any(word) { Kind::Word } else { Kind::Number }
+    }
+}
+
+/// What a column of rows holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Number,
+    Word,
+    /// A list of numbers in every row: a figure at several hours.
+    Curve,
+}
+
+/// A result that rows keep, by its key in the summary of the analysis; a dot is nesting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kept {
+    pub key: String,
+    pub kind: Kind,
+}
+
+/// One row of a study: what to compute.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Its number, from 0.
+    pub number: u64,
+    /// In the order of the plan's factors.
+    pub settings: Vec<Setting>,
+    pub point: Point,
+}
+
+/// Everything that rows depend on but the computation itself.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    factors: Vec<Factor>,
+    sampling: Sampling,
+    kept: Vec<Kept>,
+    identity: String,
+    rows_per_part: u64,
+}
+
+/// Samples in a part, unless the plan says otherwise: what a killed shard loses at most.
+const SAMPLES_PER_PART: u64 = 32;
+
+impl Plan {
+    /// `what` is the identity of the computation: of design, analysis, options, content of input files and
+    /// version of the program. Parts of another identity are not taken for those of this plan; more samples of the same
+    /// study are the same study, except for Latin hypercubes, whose points all depend on their number.
+    ///
+    /// # Errors
+    /// [`StudyError`] of the layout; factors or results that share a name, a list without its entries.
+    pub fn new(
+        what: &str,
+        factors: Vec<Factor>,
+        layout: Layout,
+        samples: u64,
+        seed: u64,
+        kept: Vec<Kept>,
+    ) -> Result<Plan, StudyError> {
+        let names: Vec<&str> = factors
+            .iter()
+            .map(|factor| factor.path.as_str())
+            .chain(kept.iter().map(|kept| kept.key.as_str()))
+            .chain(["sample", "failed"])
+            .collect();
+        if let Some((_, twice)) = names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)) {
+            return Err(StudyError::Sampling { reason: format!("`{twice}` would be the name of two columns") });
+        }
+        if let Some(factor) = factors.iter().find(
+            |factor| matches!(factor.distribution, Distribution::List { count } if count != factor.entries.len()),
+        ) {
+            let reason = format!("the list of `{}` does not have as many entries as it says", factor.path);
+            return Err(StudyError::Sampling { reason });
+        }
+        let mut hash = Sha256::new();
+        let all_together = matches!(layout, Layout::LatinHypercube).then_some(samples);
+        for text in [
+            what,
+            &format!("{factors:?}"),
+            &format!("{layout:?} {seed} {all_together:?}"),
+            &format!("{kept:?}"),
+            part::FORMAT,
+        ] {
+            hash.update((text.len() as u64).to_le_bytes());
+            hash.update(text.as_bytes());
+        }
+        let identity = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let distributions = factors.iter().map(|factor| factor.distribution).collect();
+        let sampling = Sampling::new(layout, distributions, samples, seed)?;
+        let rows_per_part = SAMPLES_PER_PART.div_ceil(sampling.rows_per_sample()).max(1)
+            * sampling.rows_per_sample();
+        Ok(Plan { factors, sampling, kept, identity, rows_per_part })
+    }
+
+    /// Another number of samples in a part.
+    pub fn with_samples_per_part(mut self, samples: u64) -> Plan {
+        self.rows_per_part = samples.max(1) * self.sampling.rows_per_sample();
+        self
+    }
+
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
+    }
+
+    pub fn sampling(&self) -> &Sampling {
+        &self.sampling
+    }
+
+    pub fn kept(&self) -> &[Kept] {
+        &self.kept
+    }
+
+    /// SHA-256 of all that rows depend on.
+    pub fn identity(&self) -> &str {
+        &self.identity
+    }
+
+    /// Rows in all.
+    pub fn rows(&self) -> u64 {
+        self.sampling.rows()
+    }
+
+    /// Parts in all.
+    pub fn parts(&self) -> u64 {
+        self.rows().div_ceil(self.rows_per_part)
+    }
+
+    /// Numbers of the rows of a part.
+    pub fn rows_of(&self, part: u64) -> std::ops::Range<u64> {
+        let first = part * self.rows_per_part;
+        first..(first + self.rows_per_part).min(self.rows())
+    }
+
+    /// Name of the file of a part; it depends on the size of parts, so that parts of two sizes are not mixed up.
+    pub fn part_name(&self, part: u64) -> String {
+        format!("rows-{:09}-{}.parquet", part * self.rows_per_part, self.rows_per_part)
+    }
+
+    pub fn row(&self, number: u64) -> Row {
+        let point = self.sampling.point(number);
+        let values = self.sampling.values(&point);
+        let settings =
+            self.factors.iter().zip(values).map(|(factor, value)| factor.setting(value)).collect();
+        Row { number, settings, point }
+    }
+
+    /// Names and kinds of the columns of a table of rows, between `sample` and `failed`.
+    pub fn columns(&self) -> Vec<(&str, Kind)> {
+        let factors = self.factors.iter().map(|factor| (factor.path.as_str(), factor.kind()));
+        factors.chain(self.kept.iter().map(|kept| (kept.key.as_str(), kept.kind))).collect()
+    }
+}
