@@ -47,8 +47,8 @@ impl WornState {
     /// Settings of the multibody model with this wear in place of its own.
     pub fn on(&self, settings: JointSettings) -> JointSettings {
         JointSettings {
-            flank_wear: self.surfaces.flank_seen_by_contact().clone(),
-            pin_wear: self.surfaces.pin_seen_by_contact().clone(),
+            flank_wear: self.surfaces.flanks_seen_by_contact().to_vec(),
+            pin_wear: self.surfaces.pins_seen_by_contact().to_vec(),
             part_wear: self.part_wear,
             ..settings
         }

@@ -114,12 +114,12 @@ mod tests {
             (new.clone(), Cause::TurningArmClearance),
             (worn_settings(&machine, 7500.0).unwrap(), Cause::FlankWear),
             (worn_settings(&worn_pins, 7500.0).unwrap(), Cause::PinWear),
-            (JointSettings { flank_wear: Relief::uniform(10.0 * UM), ..new.clone() }, Cause::FlankWear),
+            (JointSettings { flank_wear: vec![Relief::uniform(10.0 * UM)], ..new.clone() }, Cause::FlankWear),
             (JointSettings { part_wear, ..new.clone() }, Cause::TurningArmWear),
             (
                 JointSettings {
                     errors: Default::default(),
-                    pin_wear: Relief::uniform(3.0 * UM),
+                    pin_wear: vec![Relief::uniform(3.0 * UM)],
                     ..new.clone()
                 },
                 Cause::PinWear,

@@ -112,6 +112,17 @@ impl WearSnapshot {
         &self.flanks_seen[0]
     }
 
+    /// Depths of the flanks averaged over the width of the contact: of all discs, or per disc.
+    pub fn flanks_seen_by_contact(&self) -> &[Relief] {
+        &self.flanks_seen
+    }
+
+    /// Depths of the pins averaged over the width of the contact: of all pins, or pin by pin for the first
+    /// disc, then the next.
+    pub fn pins_seen_by_contact(&self) -> &[Relief] {
+        &self.pins_seen
+    }
+
     /// Depth of the (first) pin averaged over the width of the contact.
     pub fn pin_seen_by_contact(&self) -> &Relief {
         &self.pins_seen[0]

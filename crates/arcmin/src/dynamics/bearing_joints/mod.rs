@@ -35,10 +35,10 @@ use crate::machine::{EccentricError, Friction, Kinematics, Machine, Manufacturin
 /// What the model takes beside the machine.
 #[derive(Debug, Clone)]
 pub struct JointSettings {
-    /// Metal lost by every flank, as the contact sees it.
-    pub flank_wear: Relief,
-    /// Metal lost by every pin.
-    pub pin_wear: Relief,
+    /// Metal lost by the flanks, as the contact sees it: one for all discs, or one per disc.
+    pub flank_wear: Vec<Relief>,
+    /// Metal lost by the pins: one for all, or pin by pin for the first disc, then for the next.
+    pub pin_wear: Vec<Relief>,
     /// What bearings and gears have lost.
     pub part_wear: PartWear,
     pub errors: ManufacturingErrors,
@@ -54,8 +54,8 @@ pub struct JointSettings {
 impl Default for JointSettings {
     fn default() -> JointSettings {
         JointSettings {
-            flank_wear: Relief::uniform(0.0),
-            pin_wear: Relief::uniform(0.0),
+            flank_wear: vec![Relief::uniform(0.0)],
+            pin_wear: vec![Relief::uniform(0.0)],
             part_wear: PartWear::default(),
             errors: ManufacturingErrors::default(),
             discs: None,
@@ -427,10 +427,14 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     let mut ring = PinContacts::new(
         machine.profile(),
         pins,
-        machine.designed_relief().plus(&settings.flank_wear),
+        machine.designed_relief().plus(&settings.flank_wear[disc % settings.flank_wear.len()]),
         contact,
     );
-    ring.set_pin_relief(settings.pin_wear.clone());
+    let pins = ring.pins().len();
+    match settings.pin_wear.chunks_exact(pins).nth(disc) {
+        Some(own) => ring.set_pin_reliefs(own.to_vec()),
+        None => ring.set_pin_relief(settings.pin_wear[0].clone()),
+    }
     if let Some(error) = errors.discs.get(disc) {
         ring.set_flank_error(error.flank.clone());
     }

@@ -159,7 +159,7 @@ fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
         let settings = JointSettings {
             stiffness_scale: 1e6,
             damped: false,
-            flank_wear: Relief::uniform(10e-6),
+            flank_wear: vec![Relief::uniform(10e-6)],
             ..JointSettings::default()
         };
         let mut model = BearingJoints::held(&machine, &settings).unwrap();

@@ -39,7 +39,7 @@ fn error(machine: &Machine, settings: &JointSettings, sun: f64, torque: f64) -> 
 }
 
 fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
-    let settings = JointSettings { discs, flank_wear: Relief::uniform(5e-6), ..JointSettings::default() };
+    let settings = JointSettings { discs, flank_wear: vec![Relief::uniform(5e-6)], ..JointSettings::default() };
     let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.02 };
     let model =
         BearingJoints::new(machine, &settings, drive, OutputLoad::Constant { torque: 412.0 }, 5.0).unwrap();
@@ -207,7 +207,7 @@ fn turning_arms_act_and_react() {
 fn causes_add_up_with_elastic_discs() {
     use crate::dynamics::{BearingMeshing, Cause};
     let machine = crate::templates::rv_40e_81();
-    let settings = JointSettings { flank_wear: Relief::uniform(10e-6), ..still(elastic(&machine)) };
+    let settings = JointSettings { flank_wear: vec![Relief::uniform(10e-6)], ..still(elastic(&machine)) };
     let split =
         BearingMeshing::new(&machine, &settings).unwrap().lost_motion_causes(4, &mut Vec::new()).unwrap();
     let rigid = BearingMeshing::new(&machine, &JointSettings { discs: None, ..settings })
