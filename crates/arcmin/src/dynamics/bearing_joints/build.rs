@@ -7,10 +7,8 @@ use super::shaft::Shaft;
 use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::{DynamicsError, ElasticDiscs, OutputLoad};
-use crate::geometry::{Vec2, quarter_turn, unit};
-use crate::machine::{
-    BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut,
-};
+use crate::geometry::{quarter_turn, unit};
+use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
 /// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
 /// kHz.
