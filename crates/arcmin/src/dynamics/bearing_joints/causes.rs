@@ -1,7 +1,7 @@
 //! What makes up an output error in a state of balance: virtual work with the forces of that very balance.
 
 use super::BearingJoints;
-use super::assembly::{Element, Part, Sink};
+use super::joints::State;
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts};
 use crate::geometry::{Relief, unit};
 use crate::wear::PartLoads;
@@ -111,17 +111,6 @@ impl Lost<'_> {
     }
 }
 
-/// Sums stored energies per part.
-struct Stored([f64; Part::ALL.len()]);
-
-impl Sink for Stored {
-    fn element(&mut self, element: &Element<'_>) {
-        self.0[element.part as usize] += element.stored;
-    }
-
-    fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
-}
-
 impl BearingJoints {
     /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by
     /// cause.
@@ -143,64 +132,9 @@ impl BearingJoints {
             let nominal = self.nominal_position_at(self.held_sun());
             self.full(0.0, &nominal, &vec![0.0; nominal.len()]).0
         });
-        for k in 0..self.layout.cranks {
-            let arms = (0..self.layout.discs).map(|j| {
-                let made = nominal.as_ref().map(|nominal| self.turning_arm_state(k, j, nominal).0);
-                (&self.turning_arms[k][j], self.turning_arm_state(k, j, &q), self.part_wear.turning_arm, made)
-            });
-            let supports = (0..2).map(|end| {
-                let made = nominal.as_ref().map(|nominal| self.support_state(k, end, nominal).0);
-                (&self.supports[k], self.support_state(k, end, &q), self.part_wear.crank_support, made)
-            });
-            let own = [
-                (Cause::TurningArmClearance, Cause::TurningArmWear),
-                (Cause::CrankSupportClearance, Cause::CrankSupportWear),
-            ];
-            let all = arms.map(|bearing| (own[0], bearing)).chain(supports.map(|bearing| (own[1], bearing)));
-            for ((clearance, wear), (law, (u, cage), worn, made)) in all {
-                let state = law.react(u, cage);
-                let elastic = (law.exponent + 1.0) * state.stored;
-                let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
-                let share =
-                    |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
-                add(Cause::Elastic, elastic);
-                add(clearance, gap * share(law.drawn_half_clearance));
-                add(wear, gap * share(0.5 * worn));
-                // Bores made too wide or too narrow.
-                add(
-                    Cause::ManufacturingErrors,
-                    gap * share(law.half_clearance - law.drawn_half_clearance - 0.5 * worn),
-                );
-                if let Some(made) = made {
-                    add(
-                        Cause::ManufacturingErrors,
-                        -(state.gradient[0] * made[0] + state.gradient[1] * made[1]),
-                    );
-                }
-            }
-            let mesh = self.mesh_state(k, &q, &v);
-            for side in 0..2 {
-                let force = mesh.side_force[side];
-                add(Cause::GearBacklash, force * self.meshes[k].half_backlash);
-                add(Cause::GearWear, force * self.meshes[k].flank_loss[side]);
-                if let Some(nominal) = &nominal {
-                    add(Cause::ManufacturingErrors, -force * self.mesh_overlap(k, nominal)[side]);
-                }
-            }
-        }
-        let mut stored = Stored([0.0; Part::ALL.len()]);
-        self.visit(&q, &v, &mut stored);
-        for part in [Part::CrankBending, Part::GearStage, Part::InputShaft, Part::Carrier, Part::Housing] {
-            add(Cause::Elastic, 2.0 * stored.0[part as usize]);
-        }
+        let at = State { q: &q, v: &v };
+        self.joints.iter().for_each(|joint| joint.work(at, nominal.as_deref(), &mut add));
         add(Cause::Elastic, self.modal_work(&q));
-        let (stiffness, clearance) = self.main;
-        let shift = self.main_displacement(&q);
-        let force = stiffness * (shift.norm() - clearance).max(0.0);
-        add(Cause::MainBearingClearance, force * clearance);
-        if let Some(nominal) = nominal.as_ref().filter(|_| force > 0.0) {
-            add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.main_displacement(nominal)));
-        }
         for (j, ring) in self.rings.iter().enumerate() {
             let lost = self.lost(j, self.disc_state(j, &q, &v).0);
             let profile = ring.profile();
@@ -255,36 +189,13 @@ impl BearingJoints {
     /// Loads of bearings and gears at a balance, means of all of a kind.
     pub fn part_loads(&self, position: &[f64]) -> PartLoads {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let (cranks, discs) = (self.layout.cranks, self.layout.discs);
         let mut loads = PartLoads::default();
-        for k in 0..cranks {
-            for j in 0..discs {
-                let (u, cage) = self.turning_arm_state(k, j, &q);
-                loads.turning_arm +=
-                    self.turning_arms[k][j].element_forces(u, cage).sum::<f64>() / (cranks * discs) as f64;
-            }
-            for end in 0..2 {
-                let (u, cage) = self.support_state(k, end, &q);
-                loads.crank_support +=
-                    self.supports[k].element_forces(u, cage).sum::<f64>() / (2 * cranks) as f64;
-            }
-            let mesh = self.mesh_state(k, &q, &v);
-            for side in 0..2 {
-                loads.gears[side] += mesh.side_force[side] / cranks as f64;
-            }
-        }
+        self.joints.iter().for_each(|joint| joint.add_loads(State { q: &q, v: &v }, &mut loads));
         loads
     }
 
     /// Replaces what bearings and gears have lost.
     pub(super) fn set_part_wear(&mut self, wear: crate::machine::PartWear) {
-        let (arm, support) = (
-            wear.turning_arm - self.part_wear.turning_arm,
-            wear.crank_support - self.part_wear.crank_support,
-        );
-        self.turning_arms.iter_mut().flatten().for_each(|bearing| bearing.widen(arm));
-        self.supports.iter_mut().for_each(|bearing| bearing.widen(support));
-        self.meshes.iter_mut().for_each(|mesh| mesh.flank_loss = wear.gears);
-        self.part_wear = wear;
+        self.joints.iter_mut().for_each(|joint| joint.set_wear(&wear));
     }
 }

@@ -2,29 +2,13 @@
 
 use super::BearingJoints;
 use super::assembly::{Element, Sink};
-use crate::geometry::{Vec2, quarter_turn, turned, unit};
+use crate::geometry::{Vec2, quarter_turn};
 
 /// A mode that moves one end of a bearing: its coordinate and the displacement of the bore centre per unit of
-/// it, in the housing frame.
+/// it.
 pub(super) type BoreMode = (usize, Vec2);
 
 impl BearingJoints {
-    /// Bore of disc j for crankshaft k from the centre of the disc, in the housing frame.
-    pub(super) fn bore_at(&self, k: usize, j: usize, q: &[f64]) -> Vec2 {
-        let angle = q[self.layout.disc(j) + 2];
-        self.disc_bores[k][j].at(angle)
-            + self.bore_modes(k, j, angle).map(|(mode, by)| q[mode] * by).sum::<Vec2>()
-    }
-
-    /// The modes that move this bore of a disc at an angle in rad; none of a rigid disc.
-    pub(super) fn bore_modes(&self, k: usize, j: usize, angle: f64) -> impl Iterator<Item = BoreMode> + '_ {
-        let rotation = unit(angle);
-        let modes = self.layout.modes(j);
-        self.elastic.iter().flat_map(move |discs| {
-            modes.clone().enumerate().map(move |(m, at)| (at, turned(discs.bore(j, m, k), rotation)))
-        })
-    }
-
     /// Work of the modes of all discs, twice their energy, in J.
     pub(super) fn modal_work(&self, q: &[f64]) -> f64 {
         self.elastic
@@ -38,8 +22,9 @@ impl BearingJoints {
 
 /// Hands on elements of a bearing whose body, coordinates 3 and 4 of six, is moved by modes as well: what
 /// acts on the body's place acts on a mode by its displacement of the bore.
-pub(super) struct WithModes<'a, S: Sink> {
-    pub sink: &'a mut S,
+pub(super) struct WithModes<'a> {
+    pub sink: &'a mut dyn Sink,
+    /// Displacements in the housing frame.
     pub modes: &'a [BoreMode],
 }
 
@@ -48,7 +33,7 @@ const PLACE: [usize; 2] = [3, 4];
 const ANGLE: usize = 5;
 const BEARING: usize = 6;
 
-impl<S: Sink> WithModes<'_, S> {
+impl WithModes<'_> {
     fn index(&self, index: &[usize]) -> Vec<usize> {
         index.iter().copied().chain(self.modes.iter().map(|mode| mode.0)).collect()
     }
@@ -70,7 +55,7 @@ impl<S: Sink> WithModes<'_, S> {
     }
 }
 
-impl<S: Sink> Sink for WithModes<'_, S> {
+impl Sink for WithModes<'_> {
     fn element(&mut self, element: &Element<'_>) {
         if self.modes.is_empty() {
             return self.sink.element(element);

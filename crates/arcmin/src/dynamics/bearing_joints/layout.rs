@@ -1,17 +1,21 @@
 use super::Arm;
+use super::registry::{Axis, Body, BodyId, Coordinates, Follows, Registry};
 use crate::machine::{FixedMember, Kinematics, Machine};
 use crate::units::ARCMIN;
 
-/// Where each coordinate sits. Free coordinates come first, those that are held or prescribed after them.
-///
-/// Shaft stations come first of all: elimination then fills little.
+/// The bodies of a reducer by name, with the coordinates that the registry has given them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub cranks: usize,
     pub discs: usize,
-    /// Modes of every disc; none where discs are rigid.
-    modes: Vec<usize>,
     at_rest: FixedMember,
+    coordinates: Coordinates,
+    /// Per crankshaft: (x, y) of the shaft at both supports and at every disc.
+    stations: Vec<Vec<[usize; 2]>>,
+    crank_angles: Vec<usize>,
+    /// Per disc: (x, y, θ) and its modes, all in a row.
+    disc_axes: Vec<Vec<usize>>,
+    sun: [usize; 2],
     /// (x, y, θ) of the carrier where the crankshafts sit.
     carrier: [usize; 3],
     /// Angle of the carrier's flange: its own where the carrier is elastic in torsion.
@@ -21,8 +25,8 @@ pub(super) struct Layout {
     sun_angle: usize,
     /// Turn of the input: that of the sun where the input shaft is rigid.
     input: usize,
-    size: usize,
-    whole: usize,
+    /// Bores of the carrier.
+    pub carrier_bores: Vec<Arm>,
 }
 
 /// What turns apart from its neighbour.
@@ -37,112 +41,150 @@ pub(super) struct Degrees {
 }
 
 impl Layout {
-    /// `modes` holds the number of modes of every disc.
-    pub fn new(cranks: usize, modes: Vec<usize>, at_rest: FixedMember, degrees: Degrees) -> Layout {
-        let discs = modes.len();
-        let mut next = cranks * (2 * (discs + 2) + 1) + 3 * discs + modes.iter().sum::<usize>() + 2;
-        let mut take = |count: usize| {
-            next += count;
-            next - count
+    /// Registers all bodies. `modes` holds the number of modes of every disc, `mode_scale` their unit of
+    /// error; other units are one minute of arc at the output, as places at the radius of the crankshafts
+    /// and as angles.
+    pub fn new(
+        machine: &Machine,
+        kinematics: &Kinematics,
+        (modes, mode_scale): (Vec<usize>, f64),
+        degrees: Degrees,
+        carrier_bores: Vec<Arm>,
+    ) -> Layout {
+        let (at_rest, discs) = (machine.fixed_member, modes.len());
+        let cranks = &machine.crankshafts;
+        let place_scale = machine.gear_stage.centre_distance() * ARCMIN;
+        let axis = |mass: f64, scale: f64, free: bool| Axis { mass, scale, free };
+        let place = |mass: f64, free: bool| [axis(mass, place_scale, free); 2];
+        let mut registry = Registry::default();
+        // Shaft stations come first of all: elimination then fills little.
+        let count = discs + 2;
+        let shafts: Vec<(Vec<BodyId>, BodyId)> = carrier_bores
+            .iter()
+            .map(|bore| {
+                let station = Body {
+                    axes: place(cranks.mass / count as f64, true).to_vec(),
+                    has_place: true,
+                    follows: Follows::Carried(*bore),
+                };
+                let stations = (0..count).map(|_| registry.add(station.clone())).collect();
+                let turn = axis(cranks.inertia, kinematics.lobe_count * ARCMIN, true);
+                (stations, registry.add_turn(turn, Follows::Crank))
+            })
+            .collect();
+        let disc_bodies: Vec<BodyId> = modes
+            .iter()
+            .enumerate()
+            .map(|(j, count)| {
+                let mut axes = place(machine.disc.mass, true).to_vec();
+                axes.push(axis(machine.disc.inertia, ARCMIN, true));
+                axes.extend(vec![axis(1.0, mode_scale, true); *count]);
+                registry.add(Body { axes, has_place: true, follows: Follows::Disc(j) })
+            })
+            .collect();
+        let sun = registry.add(Body {
+            axes: place(sun_mass(machine), true).to_vec(),
+            has_place: true,
+            follows: Follows::Centre,
+        });
+        let carrier_moves = at_rest == FixedMember::Housing;
+        let add_carrier = |registry: &mut Registry| {
+            // Half of an elastic carrier's inertia goes with its flange.
+            let halves = if degrees.flange { 0.5 } else { 1.0 };
+            let turn = axis(halves * machine.carrier.inertia, ARCMIN, carrier_moves);
+            let mut axes = place(machine.carrier.mass, carrier_moves).to_vec();
+            axes.push(Axis { free: carrier_moves || degrees.flange, ..turn });
+            let carrier = registry.add(Body { axes, has_place: true, follows: Follows::Carrier });
+            (carrier, degrees.flange.then(|| registry.add_turn(turn, Follows::Carrier)))
         };
-        let mut layout = Layout {
-            cranks,
+        let add_housing = |registry: &mut Registry| {
+            let mut axes = place(machine.housing.mass, !carrier_moves).to_vec();
+            axes.push(axis(machine.housing.inertia, ARCMIN, !carrier_moves));
+            registry.add(Body { axes, has_place: true, follows: Follows::Housing })
+        };
+        let ((carrier, flange), housing) = if carrier_moves {
+            let carrier = add_carrier(&mut registry);
+            (carrier, add_housing(&mut registry))
+        } else {
+            let housing = add_housing(&mut registry);
+            (add_carrier(&mut registry), housing)
+        };
+        let stage = &machine.gear_stage;
+        let turn = |mass: f64, free: bool| axis(mass, kinematics.housing_fixed_ratio().abs() * ARCMIN, free);
+        let (sun_angle, input) = if degrees.input_shaft {
+            let sun = registry.add_turn(turn(stage.sun_inertia, true), Follows::Sun);
+            (sun, registry.add_turn(turn(stage.motor_inertia, degrees.free_input), Follows::Sun))
+        } else {
+            let input = registry.add_turn(turn(stage.motor_inertia, degrees.free_input), Follows::Sun);
+            registry.add_mass(input, 0, stage.sun_inertia);
+            (input, input)
+        };
+        let coordinates = registry.number();
+        let two = |body: BodyId| [coordinates.of(body)[0], coordinates.of(body)[1]];
+        let three =
+            |body: BodyId| [coordinates.of(body)[0], coordinates.of(body)[1], coordinates.of(body)[2]];
+        let one = |body: BodyId| coordinates.of(body)[0];
+        let carrier = three(carrier);
+        Layout {
+            cranks: shafts.len(),
             discs,
-            modes,
             at_rest,
-            carrier: [0; 3],
-            flange: 0,
-            housing: [0; 3],
-            sun_angle: 0,
-            input: 0,
-            size: 0,
-            whole: 0,
-        };
-        match at_rest {
-            FixedMember::Housing => {
-                let at = take(3);
-                layout.carrier = [at, at + 1, at + 2];
-                layout.flange = if degrees.flange { take(1) } else { at + 2 };
-            }
-            FixedMember::Carrier => {
-                let at = take(3);
-                layout.housing = [at, at + 1, at + 2];
-                if degrees.flange {
-                    layout.carrier[2] = take(1);
-                }
-            }
+            stations: shafts.iter().map(|(list, _)| list.iter().map(|body| two(*body)).collect()).collect(),
+            crank_angles: shafts.iter().map(|(_, turn)| one(*turn)).collect(),
+            disc_axes: disc_bodies.iter().map(|body| coordinates.of(*body).to_vec()).collect(),
+            sun: two(sun),
+            flange: flange.map_or(carrier[2], one),
+            carrier,
+            housing: three(housing),
+            sun_angle: one(sun_angle),
+            input: one(input),
+            carrier_bores,
+            coordinates,
         }
-        let sun_is_free = degrees.input_shaft || degrees.free_input;
-        if sun_is_free {
-            layout.sun_angle = take(1);
-        }
-        layout.input = if degrees.input_shaft && degrees.free_input { take(1) } else { layout.sun_angle };
-        layout.size = take(0);
-        match at_rest {
-            FixedMember::Housing => {
-                let at = take(3);
-                layout.housing = [at, at + 1, at + 2];
-            }
-            FixedMember::Carrier => {
-                let at = take(3);
-                (layout.carrier[0], layout.carrier[1], layout.flange) = (at, at + 1, at + 2);
-                if !degrees.flange {
-                    layout.carrier[2] = at + 2;
-                }
-            }
-        }
-        if !degrees.free_input {
-            layout.input = take(1);
-        }
-        if !sun_is_free {
-            layout.sun_angle = layout.input;
-        }
-        layout.whole = take(0);
-        layout
     }
 
-    fn crank(&self, k: usize) -> usize {
-        k * (2 * (self.discs + 2) + 1)
+    pub fn coordinates(&self) -> &Coordinates {
+        &self.coordinates
     }
 
     /// x of the shaft at a support.
     pub fn support(&self, k: usize, end: usize) -> usize {
-        self.crank(k) + 2 * end
+        self.stations[k][end][0]
+    }
+
+    /// (x, y) of all stations of a shaft: both supports, then the discs.
+    pub fn stations(&self, k: usize) -> &[[usize; 2]] {
+        &self.stations[k]
     }
 
     /// x of the shaft at disc j.
     pub fn disc_station(&self, k: usize, j: usize) -> usize {
-        self.crank(k) + 4 + 2 * j
+        self.stations[k][2 + j][0]
     }
 
     pub fn crank_angle(&self, k: usize) -> usize {
-        self.crank(k) + 2 * (self.discs + 2)
+        self.crank_angles[k]
     }
 
     /// x of disc j.
     pub fn disc(&self, j: usize) -> usize {
-        self.crank(self.cranks) + 3 * j + self.modes[..j].iter().sum::<usize>()
+        self.disc_axes[j][0]
     }
 
     /// Modes of disc j.
     pub fn modes(&self, j: usize) -> std::ops::Range<usize> {
-        let first = self.disc(j) + 3;
-        first..first + self.modes[j]
+        let axes = &self.disc_axes[j];
+        axes[2] + 1..axes[axes.len() - 1] + 1
     }
 
-    /// x of every centre that moves in the plane, the housing's apart.
-    pub fn centres(&self) -> impl Iterator<Item = usize> {
-        let stations = (0..self.cranks)
-            .flat_map(move |k| (0..self.discs + 2).map(move |station| self.crank(k) + 2 * station));
-        stations
-            .chain((0..self.discs).map(|j| self.disc(j)))
-            .chain([self.sun(), self.carrier[0]])
-            .filter(|x| *x < self.size)
+    /// x of every centre that moves in the plane.
+    pub fn centres(&self) -> impl Iterator<Item = usize> + '_ {
+        self.coordinates.centres()
     }
 
     /// x of the sun.
     pub fn sun(&self) -> usize {
-        self.disc(self.discs)
+        self.sun[0]
     }
 
     pub fn carrier(&self) -> [usize; 3] {
@@ -179,107 +221,41 @@ impl Layout {
     }
 
     pub fn has_free_input(&self) -> bool {
-        self.input < self.size
+        self.input < self.size()
     }
 
     /// Number of free coordinates.
     pub fn size(&self) -> usize {
-        self.size
+        self.coordinates.size
     }
 
     /// Number of all coordinates.
     pub fn whole(&self) -> usize {
-        self.whole
-    }
-
-    pub fn mass(&self, machine: &Machine) -> Vec<f64> {
-        let mut mass = vec![0.0; self.whole];
-        let cranks = &machine.crankshafts;
-        let stations = self.discs + 2;
-        for k in 0..self.cranks {
-            let at = self.crank(k);
-            mass[at..at + 2 * stations].fill(cranks.mass / stations as f64);
-            mass[self.crank_angle(k)] = cranks.inertia;
-        }
-        for j in 0..self.discs {
-            let at = self.disc(j);
-            mass[at..at + 2].fill(machine.disc.mass);
-            mass[at + 2] = machine.disc.inertia;
-            mass[self.modes(j)].fill(1.0);
-        }
-        // The sun as a steel cylinder of twice its face width, an assumption that matters for vibrations
-        // only.
-        let stage = &machine.gear_stage;
-        let radius = stage.sun_pitch_radius();
-        let sun = machine.crankshafts.material.density
-            * std::f64::consts::PI
-            * radius
-            * radius
-            * 2.0
-            * stage.face_width;
-        let at = self.sun();
-        mass[at..at + 2].fill(sun.max(1e-3));
-        for axis in 0..2 {
-            mass[self.carrier[axis]] = machine.carrier.mass;
-            mass[self.housing[axis]] = machine.housing.mass;
-        }
-        mass[self.housing[2]] = machine.housing.inertia;
-        // Half of an elastic carrier's inertia goes with its flange.
-        let halves = if self.flange().is_some() { 0.5 } else { 1.0 };
-        mass[self.flange] = halves * machine.carrier.inertia;
-        mass[self.carrier[2]] = halves * machine.carrier.inertia;
-        mass[self.input] += stage.motor_inertia;
-        mass[self.sun_angle] += stage.sun_inertia;
-        mass.truncate(self.size);
-        mass
-    }
-
-    /// One minute of arc at the output, as places (at the radius of the crankshafts) and angles, and a modal
-    /// coordinate's unit of error.
-    pub fn scale(&self, kinematics: &Kinematics, radius: f64, mode: f64) -> Vec<f64> {
-        let mut scale = vec![radius * ARCMIN; self.whole];
-        for k in 0..self.cranks {
-            scale[self.crank_angle(k)] = kinematics.lobe_count * ARCMIN;
-        }
-        for j in 0..self.discs {
-            scale[self.disc(j) + 2] = ARCMIN;
-            scale[self.modes(j)].fill(mode);
-        }
-        for angle in [self.carrier[2], self.flange, self.housing[2]] {
-            scale[angle] = ARCMIN;
-        }
-        for angle in [self.sun_angle, self.input] {
-            scale[angle] = kinematics.housing_fixed_ratio().abs() * ARCMIN;
-        }
-        scale.truncate(self.size);
-        scale
+        self.coordinates.whole
     }
 
     /// Free coordinates of the nominal machine at the sun angle `sun`.
-    pub fn nominal(&self, kinematics: &Kinematics, carrier_bores: &[Arm], sun: f64) -> Vec<f64> {
-        let mut q = vec![0.0; self.whole];
+    pub fn nominal(&self, kinematics: &Kinematics, sun: f64) -> Vec<f64> {
         let output = sun / kinematics.ratio();
         let (carrier, housing) = match self.at_rest {
             FixedMember::Housing => (output, 0.0),
             FixedMember::Carrier => (0.0, output),
         };
         let crank = housing - kinematics.lobe_count * (carrier - housing);
-        for (k, bore) in carrier_bores.iter().enumerate() {
-            let axis = bore.at(carrier);
-            for station in 0..self.discs + 2 {
-                let at = self.crank(k) + 2 * station;
-                (q[at], q[at + 1]) = (axis.x, axis.y);
-            }
-            q[self.crank_angle(k)] = crank;
-        }
-        for j in 0..self.discs {
-            let pose = kinematics.disc_pose(j, crank, carrier);
-            let at = self.disc(j);
-            (q[at], q[at + 1], q[at + 2]) = (pose.centre.x, pose.centre.y, pose.angle);
-        }
-        (q[self.carrier[2]], q[self.flange], q[self.housing[2]]) = (carrier, carrier, housing);
-        (q[self.sun_angle], q[self.input]) = (sun, sun);
-        q.truncate(self.size);
-        q
+        self.coordinates.nominal(kinematics, carrier, housing, crank, sun)
     }
+}
+
+/// The sun as a steel cylinder of twice its face width, in kg: an assumption that matters for vibrations
+/// only.
+fn sun_mass(machine: &Machine) -> f64 {
+    let stage = &machine.gear_stage;
+    let radius = stage.sun_pitch_radius();
+    let mass = machine.crankshafts.material.density
+        * std::f64::consts::PI
+        * radius
+        * radius
+        * 2.0
+        * stage.face_width;
+    mass.max(1e-3)
 }

@@ -1,4 +1,5 @@
 use super::assembly::{Assembly, Sink};
+use super::joints::State;
 use super::{BearingJoints, Input};
 use crate::dynamics::{Balance, DenseLinearisation, Drive, ForceSummary, OutputLoad, Reducer, System};
 
@@ -68,7 +69,7 @@ impl BearingJoints {
             let slope = self.drag * self.drag_speed.powi(2) * reach.powi(3);
             assembly.damper(&[output], &[-torque], &[slope], torque * v[output]);
         }
-        let oil = self.friction.oil_drag;
+        let oil = self.oil_drag;
         if oil > 0.0 {
             let sun = self.layout.sun_angle();
             assembly.damper(&[sun], &[-oil * v[sun]], &[oil], oil * v[sun] * v[sun]);
@@ -167,14 +168,14 @@ impl Reducer for BearingJoints {
     }
 
     fn nominal_position_at(&self, input: f64) -> Vec<f64> {
-        self.layout.nominal(&self.kinematics, &self.carrier_bores, input)
+        self.layout.nominal(&self.kinematics, input)
     }
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
         let (q, v) = self.full(time, position, velocity);
         let mut summary = ForceSummary::default();
-        for k in 0..self.meshes.len() {
-            summary.mesh_force += self.mesh_state(k, &q, &v).force;
+        for joint in &self.joints {
+            summary.mesh_force += joint.mesh_force(State { q: &q, v: &v });
         }
         for disc in 0..self.layout.discs {
             let law = self.rings[disc].contact();

@@ -25,7 +25,7 @@ fn ideal_pose(meshing: &BearingMeshing, crank: CrankAngle, error: f64) -> Vec<f6
     let mut q = nominal.clone();
     let (output, turn) = (sun / 81.0 + error, crank.radians() + kinematics.crank_per_output_locked() * error);
     for k in 0..2 {
-        let axis = model.carrier_bores[k].at(output);
+        let axis = layout.carrier_bores[k].at(output);
         for station in 0..4 {
             let at = layout.support(k, 0) + 2 * station;
             (q[at], q[at + 1]) = (axis.x, axis.y);

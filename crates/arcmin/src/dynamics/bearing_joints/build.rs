@@ -1,0 +1,336 @@
+//! The machine put together: bodies, joints, pins.
+
+use super::joints::{Bending, Gears, Joint, Journal, Losses, Place, Support, Torsion};
+use super::layout::{Degrees, Layout};
+use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
+use super::shaft::Shaft;
+use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
+use crate::contact::{PinContacts, Sliding};
+use crate::dynamics::{DynamicsError, ElasticDiscs, OutputLoad};
+use crate::geometry::{quarter_turn, unit};
+use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
+
+/// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
+/// kHz.
+const LOSS_TIME: f64 = 2e-6;
+
+/// Everything that joints are made from.
+struct Parts<'a> {
+    machine: &'a Machine,
+    settings: &'a JointSettings,
+    kinematics: &'a Kinematics,
+    layout: &'a Layout,
+    losses: Losses,
+}
+
+/// Numbers of the rolling bearings among the joints.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Bearings {
+    /// Per crankshaft and disc.
+    pub turning_arms: Vec<Vec<usize>>,
+    /// Per crankshaft and end.
+    pub supports: Vec<Vec<usize>>,
+}
+
+impl BearingJoints {
+    pub(super) fn build(
+        machine: &Machine,
+        settings: &JointSettings,
+        input: Input,
+        load: OutputLoad,
+        drag: f64,
+    ) -> Result<BearingJoints, DynamicsError> {
+        load.validate()?;
+        validate(machine, settings, drag)?;
+        let kinematics = machine.kinematics();
+        let (scale, discs) = (settings.stiffness_scale, machine.disc_count);
+        let stage = &machine.gear_stage;
+        let free_input = matches!(&input, Input::Driven(drive) if drive.leaves_sun_free());
+        let degrees = Degrees {
+            flange: (machine.carrier.torsional_stiffness * scale).is_finite(),
+            input_shaft: (stage.input_torsional_stiffness * scale).is_finite(),
+            free_input,
+        };
+        if free_input && degrees.input_shaft {
+            DynamicsError::require(
+                stage.motor_inertia > 0.0,
+                "moment of inertia of the motor",
+                stage.motor_inertia,
+                "kg·m²",
+                "must be positive behind an elastic input shaft",
+            )?;
+        }
+        let elastic = settings.discs.clone();
+        let modes = (0..discs).map(|j| elastic.as_ref().map_or(0, |elastic| elastic.mode_count(j))).collect();
+        let layout = Layout::new(
+            machine,
+            &kinematics,
+            (modes, ElasticDiscs::scale(machine)),
+            degrees,
+            (0..machine.crankshafts.count)
+                .map(|k| bore(machine, settings.errors.carrier_bores.get(k), crank_place(machine, k)))
+                .collect(),
+        );
+        let losses =
+            Losses { time: if settings.damped { LOSS_TIME } else { 0.0 }, friction: machine.friction };
+        let parts = Parts { machine, settings, kinematics: &kinematics, layout: &layout, losses };
+        let (joints, bearings) = parts.joints();
+        let mut model = BearingJoints {
+            rings: (0..discs).map(|j| ring(machine, settings, j)).collect(),
+            joints,
+            bearings,
+            mass: layout.coordinates().mass(),
+            scale: layout.coordinates().scale(),
+            elastic,
+            input,
+            load,
+            drag: drag + machine.friction.seal_drag,
+            drag_speed: (0.01 * machine.rated.input_speed / kinematics.ratio()).abs().max(1e-6),
+            oil_drag: machine.friction.oil_drag,
+            has_errors: !settings.errors.is_zero(),
+            designed_relief: machine.designed_relief(),
+            equidistant_offset: machine.disc.modification.equidistant_offset,
+            radial_offset: machine.disc.modification.radial_offset,
+            layout,
+            kinematics,
+        };
+        model.set_part_wear(settings.part_wear);
+        Ok(model)
+    }
+}
+
+/// Angle of a crankshaft on the carrier in rad.
+fn crank_place(machine: &Machine, k: usize) -> f64 {
+    Kinematics::crankshaft_angle(machine.crankshafts.first_angle, k, machine.crankshafts.count)
+}
+
+/// Centre of a bore at an angle (rad) of its body, with its error.
+fn bore(machine: &Machine, error: Option<&BoreError>, angle: f64) -> Arm {
+    let (radius, error) = (machine.gear_stage.centre_distance(), error.copied().unwrap_or_default());
+    Arm::new((radius + error.radial) * unit(angle) + error.tangential * quarter_turn(unit(angle)))
+}
+
+fn run_out(list: &[RunOut], k: usize) -> RunOut {
+    list.get(k).copied().unwrap_or_default()
+}
+
+impl Parts<'_> {
+    fn errors(&self) -> &ManufacturingErrors {
+        &self.settings.errors
+    }
+
+    /// All joints, in the order in which their forces are summed. A joint more is a line more here.
+    fn joints(&self) -> (Vec<Box<dyn Joint>>, Bearings) {
+        let (machine, layout) = (self.machine, self.layout);
+        let (scale, loss_time) = (self.settings.stiffness_scale, self.losses.time);
+        let shaft = Shaft::new(machine, scale);
+        let mut joints: Vec<Box<dyn Joint>> = Vec::new();
+        let mut add = |joint: Box<dyn Joint>| {
+            joints.push(joint);
+            joints.len() - 1
+        };
+        let mut bearings = Bearings::default();
+        for k in 0..layout.cranks {
+            bearings.supports.push((0..2).map(|end| add(Box::new(self.crank_support(k, end)))).collect());
+            let arms = (0..layout.discs).map(|j| add(Box::new(self.turning_arm(k, j))));
+            bearings.turning_arms.push(arms.collect());
+            add(Box::new(Bending::new(&shaft, layout.stations(k), loss_time)));
+            add(Box::new(self.gears(k, shaft.torsion)));
+        }
+        let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
+        let seat = self.errors().carrier;
+        add(Box::new(Support {
+            part: Part::Housing,
+            cause: Some(Cause::MainBearingClearance),
+            index: [cx, cy, carrier, hx, hy],
+            stiffness: machine.bearings.main.radial * scale,
+            clearance: 0.5 * machine.bearings.main.clearance,
+            seat: Arm { radius: seat.amplitude, phase: seat.phase },
+            loss_time,
+        }));
+        add(Box::new(Support {
+            part: Part::GearStage,
+            cause: None,
+            index: [sun, sun + 1, layout.sun_angle(), hx, hy],
+            stiffness: machine.bearings.sun.radial * scale,
+            clearance: 0.0,
+            seat: Arm { radius: 0.0, phase: 0.0 },
+            loss_time,
+        }));
+        if let Some(flange) = layout.flange() {
+            add(Box::new(Torsion {
+                part: Part::Carrier,
+                index: [carrier, flange],
+                stiffness: machine.carrier.torsional_stiffness * scale,
+                loss_time,
+            }));
+        }
+        if layout.input() != layout.sun_angle() {
+            add(Box::new(Torsion {
+                part: Part::InputShaft,
+                index: [layout.input(), layout.sun_angle()],
+                stiffness: machine.gear_stage.input_torsional_stiffness * scale,
+                loss_time,
+            }));
+        }
+        (joints, bearings)
+    }
+
+    fn crank_support(&self, k: usize, end: usize) -> Journal {
+        let (layout, errors) = (self.layout, self.errors());
+        let (at, [cx, cy, carrier]) = (layout.support(k, end), layout.carrier());
+        let mut law = RadialBearing::new(&self.machine.bearings.crank_support, self.settings.stiffness_scale);
+        law.widen(errors.carrier_bores.get(k).map_or(0.0, |bore| bore.diameter));
+        let RunOut { amplitude, phase } = run_out(&errors.journals, k);
+        Journal {
+            place: Place::CrankSupport,
+            law,
+            index: [at, at + 1, layout.crank_angle(k), cx, cy, carrier],
+            arm: Arm { radius: amplitude, phase },
+            bore: layout.carrier_bores[k],
+            modes: Vec::new(),
+            worn: 0.0,
+            alike: 2 * layout.cranks,
+            losses: self.losses,
+        }
+    }
+
+    fn turning_arm(&self, k: usize, j: usize) -> Journal {
+        let (layout, errors) = (self.layout, self.errors());
+        let (at, disc) = (layout.disc_station(k, j), layout.disc(j));
+        let error = errors.discs.get(j).and_then(|disc| disc.bores.get(k));
+        let mut law = RadialBearing::new(&self.machine.bearings.turning_arm, self.settings.stiffness_scale);
+        law.widen(error.map_or(0.0, |bore| bore.diameter));
+        let EccentricError { eccentricity, phase } =
+            errors.eccentrics.get(k).and_then(|list| list.get(j)).copied().unwrap_or_default();
+        // The disc's own angle zero is that of its flank; the bores are turned back by the mounting angle.
+        let angle = crank_place(self.machine, k) - self.kinematics.mounting_angle(j);
+        Journal {
+            place: Place::TurningArm,
+            law,
+            index: [at, at + 1, layout.crank_angle(k), disc, disc + 1, disc + 2],
+            arm: Arm {
+                radius: self.machine.crankshafts.eccentricity + eccentricity,
+                phase: self.kinematics.phases[j] + phase,
+            },
+            bore: bore(self.machine, error, angle),
+            modes: self.settings.discs.as_ref().map_or_else(Vec::new, |discs| {
+                layout.modes(j).enumerate().map(|(m, at)| (at, discs.bore(j, m, k))).collect()
+            }),
+            worn: 0.0,
+            alike: layout.cranks * layout.discs,
+            losses: self.losses,
+        }
+    }
+
+    fn gears(&self, k: usize, torsion: f64) -> Gears {
+        let (layout, errors, stage) = (self.layout, self.errors(), &self.machine.gear_stage);
+        let mut law = PlanarMesh::new(self.machine, k, torsion);
+        if !self.settings.damped {
+            law.damping = 0.0;
+        }
+        let planet = run_out(&errors.planets, k);
+        law.planet_run_out = (planet.amplitude, planet.phase);
+        law.sun_run_out = (errors.sun.amplitude, errors.sun.phase);
+        let (sun, planet) = (layout.sun(), layout.support(k, 0));
+        let index: [usize; MESH_COORDINATES] = [
+            sun,
+            sun + 1,
+            layout.sun_angle(),
+            planet,
+            planet + 1,
+            layout.crank_angle(k),
+            layout.carrier()[2],
+        ];
+        Gears {
+            law,
+            index,
+            losses: self.losses,
+            // Mean distance of the contact from the pitch point: a quarter of a path of contact of 1.6 base
+            // pitches.
+            sliding: 0.4 * std::f64::consts::PI * stage.module * stage.pressure_angle.cos(),
+            alike: layout.cranks,
+        }
+    }
+}
+
+/// The pins against disc j, with the errors of ring and disc.
+fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts {
+    let errors = &settings.errors;
+    let mut pins = machine.pins();
+    for (i, pin) in pins.iter_mut().enumerate() {
+        let own = errors.pins.get(i).copied().unwrap_or_default();
+        let outward = pin.centre.normalize();
+        let RunOut { amplitude, phase } = errors.pin_circle_offset;
+        pin.centre += (errors.pin_circle_radius + own.radial) * outward
+            + own.tangential * quarter_turn(outward)
+            + amplitude * unit(phase);
+        pin.radius += errors.pin_radius + own.radius;
+    }
+    let contact =
+        machine.line_contact().with_seat_compliance(machine.ring.seat_compliance / settings.stiffness_scale);
+    let mut ring = PinContacts::new(
+        machine.profile(),
+        pins,
+        machine.designed_relief().plus(&settings.flank_wear[disc % settings.flank_wear.len()]),
+        contact,
+    );
+    let pins = ring.pins().len();
+    match settings.pin_wear.chunks_exact(pins).nth(disc) {
+        Some(own) => ring.set_pin_reliefs(own.to_vec()),
+        None => ring.set_pin_relief(settings.pin_wear[0].clone()),
+    }
+    if let Some(error) = errors.discs.get(disc) {
+        ring.set_flank_error(error.flank.clone());
+    }
+    ring.set_damping(settings.damped.then_some(machine.contact_damping));
+    ring.set_conservative(true);
+    let friction = &machine.friction;
+    let coefficient = machine.flank_friction();
+    ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
+    if let Some(discs) = &settings.discs {
+        discs.take_over(&mut ring, machine);
+    }
+    ring
+}
+
+fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
+    let check = DynamicsError::require;
+    if let Some(discs) = &settings.discs {
+        check(
+            discs.count() == machine.disc_count,
+            "number of elastic discs",
+            discs.count() as f64,
+            "",
+            "must be that of the machine's discs",
+        )?;
+    }
+    check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
+    let positive = [
+        ("stiffness scale", settings.stiffness_scale, ""),
+        ("mesh stiffness", machine.gear_stage.mesh_stiffness, "N/m"),
+        ("radial stiffness of the main bearings", machine.bearings.main.radial, "N/m"),
+        ("radial stiffness of the sun's support", machine.bearings.sun.radial, "N/m"),
+        ("mass of a crankshaft", machine.crankshafts.mass, "kg"),
+        ("inertia of a crankshaft", machine.crankshafts.inertia, "kg·m²"),
+        ("mass of a disc", machine.disc.mass, "kg"),
+        ("inertia of a disc", machine.disc.inertia, "kg·m²"),
+        ("mass of the carrier", machine.carrier.mass, "kg"),
+        ("inertia of the carrier", machine.carrier.inertia, "kg·m²"),
+        ("mass of the housing", machine.housing.mass, "kg"),
+        ("inertia of the housing", machine.housing.inertia, "kg·m²"),
+        ("span of the crank supports", machine.bearings.crank_support_span, "m"),
+        ("diameter of the crankshaft", machine.crankshafts.shaft_diameter, "m"),
+        ("regularisation speed of the friction", machine.friction.regularisation_speed, "m/s"),
+    ];
+    for (name, value, unit) in positive {
+        check(value > 0.0 && value.is_finite(), name, value, unit, "must be positive")?;
+    }
+    for (name, value) in [
+        ("torsional stiffness of the carrier", machine.carrier.torsional_stiffness),
+        ("torsional stiffness of the input shaft", machine.gear_stage.input_torsional_stiffness),
+    ] {
+        check(value > 0.0, name, value, "N·m/rad", "must be positive")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,93 @@
+use super::{Cause, Joint, Losses, Part, Sink, State};
+use crate::dynamics::bearing_joints::assembly::Element;
+use crate::dynamics::bearing_joints::planar_mesh::{MESH_COORDINATES, MeshState, PlanarMesh};
+use crate::machine::PartWear;
+use crate::wear::PartLoads;
+
+/// A mesh of sun and planet.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct Gears {
+    pub law: PlanarMesh,
+    pub index: [usize; MESH_COORDINATES],
+    pub losses: Losses,
+    /// Mean distance of the contact from the pitch point, m.
+    pub sliding: f64,
+    /// Meshes of this kind.
+    pub alike: usize,
+}
+
+impl Gears {
+    fn state(&self, State { q, v }: State<'_>) -> MeshState {
+        self.law.react(&self.index.map(|i| q[i]), &self.index.map(|i| v[i]))
+    }
+}
+
+impl Joint for Gears {
+    fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
+        let index = self.index;
+        let rate = index.map(|i| at.v[i]);
+        let mesh = self.state(at);
+        let flat =
+            |m: &[[f64; MESH_COORDINATES]; MESH_COORDINATES]| -> [f64; MESH_COORDINATES * MESH_COORDINATES] {
+                std::array::from_fn(|i| m[i / MESH_COORDINATES][i % MESH_COORDINATES])
+            };
+        sink.element(&Element {
+            part: Part::GearStage,
+            index: &index,
+            gradient: &mesh.gradient,
+            hessian: &flat(&mesh.hessian),
+            stored: mesh.stored,
+        });
+        let mut force = mesh.damping_force;
+        let mut damping = flat(&mesh.damping);
+        let mut dissipation = mesh.dissipation;
+        let friction = self.losses.friction.gear_mesh;
+        if friction > 0.0 {
+            // Sliding in the mean over the path of contact, against the relative turn of the two gears.
+            let speed = rate[2] - rate[5];
+            let (share, slope) = self.losses.coulomb(speed * self.sliding);
+            let torque = friction * mesh.force.abs() * self.sliding;
+            force[2] -= torque * share;
+            force[5] += torque * share;
+            let c = torque * slope * self.sliding;
+            for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
+                damping[i * MESH_COORDINATES + j] += sign * c;
+            }
+            dissipation += torque * share * speed;
+        }
+        sink.damper(&index, &force, &damping, dissipation);
+    }
+
+    fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+        let mesh = self.state(at);
+        add(Cause::Elastic, 2.0 * mesh.stored);
+        let made = nominal.map(|nominal| self.law.overlap(&self.index.map(|i| nominal[i])));
+        for side in 0..2 {
+            let force = mesh.side_force[side];
+            add(Cause::GearBacklash, force * self.law.half_backlash);
+            add(Cause::GearWear, force * self.law.flank_loss[side]);
+            if let Some(made) = made {
+                add(Cause::ManufacturingErrors, -force * made[side]);
+            }
+        }
+    }
+
+    fn set_wear(&mut self, wear: &PartWear) {
+        self.law.flank_loss = wear.gears;
+    }
+
+    fn add_loads(&self, at: State<'_>, loads: &mut PartLoads) {
+        let mesh = self.state(at);
+        for side in 0..2 {
+            loads.gears[side] += mesh.side_force[side] / self.alike as f64;
+        }
+    }
+
+    fn mesh_force(&self, at: State<'_>) -> f64 {
+        self.state(at).force
+    }
+
+    fn boxed(&self) -> Box<dyn Joint> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,227 @@
+use super::{Cause, Joint, Losses, Part, Sink, State};
+use crate::dynamics::bearing_joints::assembly::Element;
+use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
+use crate::dynamics::bearing_joints::{Arm, BearingState, RadialBearing};
+use crate::geometry::{Vec2, quarter_turn, turned, unit};
+use crate::machine::PartWear;
+use crate::wear::PartLoads;
+
+/// Which of the rolling bearings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Place {
+    TurningArm,
+    CrankSupport,
+}
+
+impl Place {
+    fn part(self) -> Part {
+        match self {
+            Place::TurningArm => Part::TurningArm,
+            Place::CrankSupport => Part::CrankSupport,
+        }
+    }
+
+    /// What the clearance as drawn and its growth are called where they show as lost motion.
+    fn causes(self) -> (Cause, Cause) {
+        match self {
+            Place::TurningArm => (Cause::TurningArmClearance, Cause::TurningArmWear),
+            Place::CrankSupport => (Cause::CrankSupportClearance, Cause::CrankSupportWear),
+        }
+    }
+
+    fn worn(self, wear: &PartWear) -> f64 {
+        match self {
+            Place::TurningArm => wear.turning_arm,
+            Place::CrankSupport => wear.crank_support,
+        }
+    }
+
+    fn load(self, loads: &mut PartLoads) -> &mut f64 {
+        match self {
+            Place::TurningArm => &mut loads.turning_arm,
+            Place::CrankSupport => &mut loads.crank_support,
+        }
+    }
+}
+
+/// A rolling bearing between a shaft that carries its inner ring around and a body with a bore.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct Journal {
+    pub place: Place,
+    pub law: RadialBearing,
+    /// (x, y, θ) of the shaft, (x, y, θ) of the body.
+    pub index: [usize; 6],
+    /// Centre of the inner ring from the shaft's axis.
+    pub arm: Arm,
+    /// Centre of the bore from the body's centre.
+    pub bore: Arm,
+    /// Modes of the body that move its bore: their coordinates, and the bore's displacement per unit of a
+    /// mode in the frame of the body.
+    pub modes: Vec<BoreMode>,
+    /// What the clearance has grown by wear, m.
+    pub worn: f64,
+    /// Bearings of this kind.
+    pub alike: usize,
+    pub losses: Losses,
+}
+
+impl Journal {
+    /// The modes with their displacements in the housing frame.
+    fn modes_at(&self, q: &[f64]) -> Vec<BoreMode> {
+        if self.modes.is_empty() {
+            return Vec::new();
+        }
+        let rotation = unit(q[self.index[5]]);
+        self.modes.iter().map(|(mode, by)| (*mode, turned(*by, rotation))).collect()
+    }
+
+    /// Inner ring's centre from the shaft's axis and bore from the body's centre.
+    fn arms(&self, q: &[f64], modes: &[BoreMode]) -> (Vec2, Vec2) {
+        let moved = modes.iter().map(|(mode, by)| q[*mode] * by).sum::<Vec2>();
+        (self.arm.at(q[self.index[2]]), self.bore.at(q[self.index[5]]) + moved)
+    }
+
+    /// Relative displacement of inner ring and bore (m) and cage angle (rad).
+    fn displacement(&self, q: &[f64], (arm, bore): (Vec2, Vec2)) -> ([f64; 2], f64) {
+        let [x, y, turn, bx, by, angle] = self.index;
+        let u = Vec2::new(q[x] - q[bx], q[y] - q[by]) + arm - bore;
+        let w = self.law.inner_share;
+        ([u.x, u.y], w * q[turn] + (1.0 - w) * q[angle])
+    }
+
+    fn displacement_at(&self, q: &[f64]) -> ([f64; 2], f64) {
+        self.displacement(q, self.arms(q, &self.modes_at(q)))
+    }
+
+    /// Force (N) on the inner ring and forces of the rolling elements.
+    pub fn load(&self, q: &[f64]) -> (BearingState, Vec<f64>) {
+        let (u, cage) = self.displacement_at(q);
+        (self.law.react(u, cage), self.law.element_forces(u, cage).collect())
+    }
+}
+
+impl Joint for Journal {
+    fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
+        let modes = self.modes_at(at.q);
+        let (arm, bore) = self.arms(at.q, &modes);
+        let (u, cage) = self.displacement(at.q, (arm, bore));
+        let BearingState { stored, gradient, hessian, .. } = self.law.react(u, cage);
+        if stored == 0.0 {
+            return;
+        }
+        let mut sink = WithModes { sink, modes: &modes };
+        let (a, b) = (quarter_turn(arm), quarter_turn(bore));
+        let w = self.law.inner_share;
+        // Rows u_x, u_y, ψ.
+        let jacobian = [
+            [1.0, 0.0, a.x, -1.0, 0.0, -b.x],
+            [0.0, 1.0, a.y, 0.0, -1.0, -b.y],
+            [0.0, 0.0, w, 0.0, 0.0, 1.0 - w],
+        ];
+        let mut slope = [0.0; 6];
+        let mut matrix = [0.0; 36];
+        let mut damping = [0.0; 36];
+        for i in 0..6 {
+            let mut column = [0.0; 3];
+            for c in 0..3 {
+                slope[i] += gradient[c] * jacobian[c][i];
+                column[c] = (0..3).map(|d| hessian[c][d] * jacobian[d][i]).sum();
+            }
+            for j in 0..6 {
+                matrix[j * 6 + i] =
+                    jacobian[0][j] * column[0] + jacobian[1][j] * column[1] + jacobian[2][j] * column[2];
+            }
+        }
+        matrix[2 * 6 + 2] -= gradient[0] * arm.x + gradient[1] * arm.y;
+        matrix[5 * 6 + 5] += gradient[0] * bore.x + gradient[1] * bore.y;
+        sink.element(&Element {
+            part: self.place.part(),
+            index: &self.index,
+            gradient: &slope,
+            hessian: &matrix,
+            stored,
+        });
+        let mut rate = self.index.map(|i| at.v[i]);
+        for (mode, by) in &modes {
+            rate[3] += at.v[*mode] * by.x;
+            rate[4] += at.v[*mode] * by.y;
+        }
+        let Losses { time: loss_time, friction } = self.losses;
+        let mut force = [0.0; 6];
+        let mut dissipation = 0.0;
+        if loss_time > 0.0 {
+            let spread = |row: usize| jacobian[row].iter().zip(&rate).map(|(j, v)| j * v).sum::<f64>();
+            let u = [spread(0), spread(1)];
+            for i in 0..6 {
+                let pull = [0, 1]
+                    .map(|c| loss_time * (hessian[c][0] * jacobian[0][i] + hessian[c][1] * jacobian[1][i]));
+                force[i] -= pull[0] * u[0] + pull[1] * u[1];
+                for j in 0..6 {
+                    damping[i * 6 + j] += pull[0] * jacobian[0][j] + pull[1] * jacobian[1][j];
+                }
+            }
+            for c in 0..2 {
+                dissipation += loss_time * u[c] * (hessian[c][0] * u[0] + hessian[c][1] * u[1]);
+            }
+        }
+        if friction.bearing > 0.0 {
+            // Rolling friction: μ F r_m against the relative turn. The torque's change with the load is left
+            // out of the tangent; it is μ r_m/R small.
+            let load = gradient[0].hypot(gradient[1]);
+            let speed = rate[2] - rate[5];
+            let radius = self.law.mean_radius;
+            let (share, slope) = self.losses.coulomb(speed * radius);
+            let torque = friction.bearing * load * radius;
+            force[2] -= torque * share;
+            force[5] += torque * share;
+            let c = torque * slope * radius;
+            for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
+                damping[i * 6 + j] += sign * c;
+            }
+            dissipation += torque * share * speed;
+        }
+        if loss_time > 0.0 || friction.bearing > 0.0 {
+            sink.damper(&self.index, &force, &damping, dissipation);
+        }
+    }
+
+    /// Exact for springs: Q δ = (n + 1) U of a roller. The gap is what the clearance as drawn, wear, and
+    /// bores made too wide or too narrow have made of it, in proportion.
+    fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+        let law = &self.law;
+        let (u, cage) = self.displacement_at(at.q);
+        let state = law.react(u, cage);
+        let elastic = (law.exponent + 1.0) * state.stored;
+        let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
+        let share = |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
+        let (clearance, wear) = self.place.causes();
+        add(Cause::Elastic, elastic);
+        add(clearance, gap * share(law.drawn_half_clearance));
+        add(wear, gap * share(0.5 * self.worn));
+        let made = law.half_clearance - law.drawn_half_clearance - 0.5 * self.worn;
+        add(Cause::ManufacturingErrors, gap * share(made));
+        if let Some(nominal) = nominal {
+            let made = self.displacement_at(nominal).0;
+            add(Cause::ManufacturingErrors, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
+        }
+    }
+
+    fn set_wear(&mut self, wear: &PartWear) {
+        let worn = self.place.worn(wear);
+        self.law.widen(worn - self.worn);
+        self.worn = worn;
+    }
+
+    fn add_loads(&self, at: State<'_>, loads: &mut PartLoads) {
+        let (u, cage) = self.displacement_at(at.q);
+        *self.place.load(loads) += self.law.element_forces(u, cage).sum::<f64>() / self.alike as f64;
+    }
+
+    fn bearing(&self) -> Option<&Journal> {
+        Some(self)
+    }
+
+    fn boxed(&self) -> Box<dyn Joint> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,102 @@
+//! The joints between the bodies: a file for each kind. Which ones a machine has is listed in `build`.
+
+mod bending;
+mod gears;
+mod journal;
+mod support;
+mod torsion;
+
+use std::fmt::Debug;
+
+pub(super) use bending::Bending;
+pub(super) use gears::Gears;
+pub(super) use journal::{Journal, Place};
+pub(super) use support::Support;
+pub(super) use torsion::Torsion;
+
+use super::Cause;
+use super::assembly::{Element, Part, Sink};
+use crate::machine::{Friction, PartWear};
+use crate::wear::PartLoads;
+
+/// Coordinates and velocities of all bodies, those held or prescribed included.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct State<'a> {
+    pub q: &'a [f64],
+    pub v: &'a [f64],
+}
+
+/// A joint: what it does to the bodies it connects, and under which names its compliance and its play go.
+///
+/// Springs derive from energies; [`Joint::visit`] hands them on with gradient and Hessian, so that forces,
+/// tangents, the split of compliance and the stored energy come from one place.
+pub(super) trait Joint: Debug + Send + Sync {
+    /// Hands springs, dampers and frictions to `sink`.
+    fn visit(&self, at: State<'_>, sink: &mut dyn Sink);
+
+    /// Work (N·m·rad) of the joint's forces on its gaps and elastic approaches, by cause. `nominal` holds
+    /// the coordinates of the nominal machine where there are manufacturing errors. A linear spring without
+    /// play does twice its energy.
+    fn work(&self, at: State<'_>, _nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+        add(Cause::Elastic, 2.0 * self.stored(at));
+    }
+
+    /// Elastic energy in J.
+    fn stored(&self, at: State<'_>) -> f64 {
+        let mut stored = Stored(0.0);
+        self.visit(at, &mut stored);
+        stored.0
+    }
+
+    /// Takes over what bearings and gears have lost.
+    fn set_wear(&mut self, _wear: &PartWear) {}
+
+    /// Adds the loads that wear the joint.
+    fn add_loads(&self, _at: State<'_>, _loads: &mut PartLoads) {}
+
+    /// Force (N) on the line of action of a gear mesh; 0 of other joints.
+    fn mesh_force(&self, _at: State<'_>) -> f64 {
+        0.0
+    }
+
+    /// The joint as a rolling bearing, if it is one.
+    fn bearing(&self) -> Option<&Journal> {
+        None
+    }
+
+    fn boxed(&self) -> Box<dyn Joint>;
+}
+
+impl Clone for Box<dyn Joint> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
+}
+
+/// Sums stored energies.
+struct Stored(f64);
+
+impl Sink for Stored {
+    fn element(&mut self, element: &Element<'_>) {
+        self.0 += element.stored;
+    }
+
+    fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
+}
+
+/// What joints lose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Losses {
+    /// Ratio of damping to tangent stiffness in s.
+    pub time: f64,
+    pub friction: Friction,
+}
+
+impl Losses {
+    /// v/√(v² + v_r²) and its derivative: regularised Coulomb friction.
+    fn coulomb(&self, speed: f64) -> (f64, f64) {
+        let floor = self.friction.regularisation_speed;
+        let reach = 1.0 / speed.hypot(floor);
+        (speed * reach, floor * floor * reach.powi(3))
+    }
+}

@@ -1,0 +1,98 @@
+use super::{Cause, Joint, Part, Sink, State};
+use crate::dynamics::bearing_joints::Arm;
+use crate::dynamics::bearing_joints::assembly::Element;
+use crate::geometry::{Vec2, quarter_turn};
+
+/// Linear support with radial clearance between two bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct Support {
+    pub part: Part,
+    /// Under which name the clearance shows as lost motion; `None` of one without.
+    pub cause: Option<Cause>,
+    /// (x, y, θ) of the first body, (x, y) of the second.
+    pub index: [usize; 5],
+    /// N/m.
+    pub stiffness: f64,
+    /// Radial, m.
+    pub clearance: f64,
+    /// What it holds on the first body, from the body's centre.
+    pub seat: Arm,
+    /// Ratio of damping to stiffness in s.
+    pub loss_time: f64,
+}
+
+impl Support {
+    fn seat_at(&self, q: &[f64]) -> Vec2 {
+        if self.seat.radius == 0.0 { Vec2::zeros() } else { self.seat.at(q[self.index[2]]) }
+    }
+
+    /// Displacement of what it holds on the first body against the second, m.
+    fn displacement(&self, q: &[f64]) -> Vec2 {
+        let [x, y, _, hx, hy] = self.index;
+        Vec2::new(q[x] - q[hx], q[y] - q[hy]) + self.seat_at(q)
+    }
+}
+
+impl Joint for Support {
+    fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
+        let (index, stiffness, clearance) = (self.index, self.stiffness, self.clearance);
+        let seat = self.seat_at(at.q);
+        let u = self.displacement(at.q);
+        let distance = u.norm();
+        if distance < clearance {
+            return;
+        }
+        let open = if distance > 0.0 { clearance / distance } else { 0.0 };
+        let normal = if distance > 0.0 { u / distance } else { Vec2::zeros() };
+        let depth = distance - clearance;
+        let force = stiffness * (1.0 - open) * u;
+        let along = quarter_turn(seat);
+        let rows = [[1.0, 0.0, along.x, -1.0, 0.0], [0.0, 1.0, along.y, 0.0, -1.0]];
+        let entry = |i: usize, j: usize| {
+            stiffness * ((1.0 - open) * f64::from(u8::from(i == j)) + open * normal[i] * normal[j])
+        };
+        let radial = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
+        let mut hessian = [0.0; 25];
+        for a in 0..5 {
+            for b in 0..5 {
+                for i in 0..2 {
+                    for j in 0..2 {
+                        hessian[a * 5 + b] += rows[i][a] * radial[i][j] * rows[j][b];
+                    }
+                }
+            }
+        }
+        let damping = hessian.map(|k| self.loss_time * k);
+        hessian[12] -= force.dot(&seat);
+        let gradient: [f64; 5] = std::array::from_fn(|a| force.x * rows[0][a] + force.y * rows[1][a]);
+        sink.element(&Element {
+            part: self.part,
+            index: &index,
+            gradient: &gradient,
+            hessian: &hessian,
+            stored: 0.5 * stiffness * depth * depth,
+        });
+        if self.loss_time > 0.0 {
+            let rate = index.map(|i| at.v[i]);
+            let pull: [f64; 5] =
+                std::array::from_fn(|a| -(0..5).map(|b| damping[a * 5 + b] * rate[b]).sum::<f64>());
+            let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
+            sink.damper(&index, &pull, &damping, dissipation);
+        }
+    }
+
+    fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+        add(Cause::Elastic, 2.0 * self.stored(at));
+        let Some(cause) = self.cause else { return };
+        let shift = self.displacement(at.q);
+        let force = self.stiffness * (shift.norm() - self.clearance).max(0.0);
+        add(cause, force * self.clearance);
+        if let Some(nominal) = nominal.filter(|_| force > 0.0) {
+            add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.displacement(nominal)));
+        }
+    }
+
+    fn boxed(&self) -> Box<dyn Joint> {
+        Box::new(self.clone())
+    }
+}

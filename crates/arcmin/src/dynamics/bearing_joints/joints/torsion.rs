@@ -1,0 +1,37 @@
+use super::{Joint, Part, Sink, State};
+use crate::dynamics::bearing_joints::assembly::Element;
+
+/// Torsion spring between two angles.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct Torsion {
+    pub part: Part,
+    pub index: [usize; 2],
+    /// N·m/rad.
+    pub stiffness: f64,
+    /// Ratio of damping to stiffness in s.
+    pub loss_time: f64,
+}
+
+impl Joint for Torsion {
+    fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
+        let (index, k) = (self.index, self.stiffness);
+        let twist = at.q[index[1]] - at.q[index[0]];
+        let gradient = [-k * twist, k * twist];
+        sink.element(&Element {
+            part: self.part,
+            index: &index,
+            gradient: &gradient,
+            hessian: &[k, -k, -k, k],
+            stored: 0.5 * k * twist * twist,
+        });
+        if self.loss_time > 0.0 {
+            let c = self.loss_time * k;
+            let rate = at.v[index[1]] - at.v[index[0]];
+            sink.damper(&index, &[c * rate, -c * rate], &[c, -c, -c, c], c * rate * rate);
+        }
+    }
+
+    fn boxed(&self) -> Box<dyn Joint> {
+        Box::new(self.clone())
+    }
+}
