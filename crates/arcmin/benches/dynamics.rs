@@ -14,7 +14,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
 fn model(law: ContactLaw, load: OutputLoad) -> IdealJoints {
-    let machine = arcmin::machine::Machine { contact_law: law, ..arcmin::templates::rv_40e_81() };
+    let machine =
+        arcmin::templates::rv_40e_81().with_contact_law(law).unwrap_or_else(|error| panic!("{error}"));
     let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
     IdealJoints::new(&machine, &Relief::uniform(10.0 * UM), drive, load, 0.0)
         .unwrap_or_else(|error| panic!("{error}"))

@@ -4,13 +4,15 @@ use arcmin::contact::ContactLaw;
 use arcmin::dynamics::*;
 use arcmin::geometry::Relief;
 use arcmin::load::ShareLoad;
-use arcmin::machine::{FixedMember, Machine};
+use arcmin::machine::Machine;
 use arcmin::progress::Silent;
 use arcmin::units::{ARCMIN, RPM, UM};
 
+const LINEAR: ContactLaw = ContactLaw::Linear { stiffness: 2.85e8 };
+
 /// The reference machine with the linear contact of the published figures: 2.85e8 N/m per pin.
 fn linear() -> Machine {
-    Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..arcmin::templates::rv_40e_81() }
+    arcmin::templates::rv_40e_81().with_contact_law(LINEAR).unwrap()
 }
 
 fn speed_law() -> Drive {
@@ -179,8 +181,8 @@ fn val_independent_bdf_solver_agrees() {
 /// other sign, over −80 instead of 81.
 #[test]
 fn val_fixed_carrier() {
-    let mut machine = linear();
-    machine.fixed_member = FixedMember::Carrier;
+    let design = arcmin::templates::design("rv-40e-81").unwrap().with("fixed_member", "carrier").unwrap();
+    let machine = design.machine().with_contact_law(LINEAR).unwrap();
     let result = simulate(&machine, 10.0, RATED, 0.0, RunPlan::default());
     assert!((result.mean_ratio.unwrap() / -80.0 - 1.0).abs() < 1e-4);
     let te = statistics(&result).mean / ARCMIN;
@@ -242,7 +244,7 @@ fn every_contact_law_runs_and_keeps_energy() {
     ];
     let plan = RunPlan { end: 0.2, ..RunPlan::default() };
     for contact_law in laws {
-        let machine = Machine { contact_law, ..arcmin::templates::rv_40e_81() };
+        let machine = arcmin::templates::rv_40e_81().with_contact_law(contact_law).unwrap();
         let result = simulate(&machine, 10.0, RATED, 0.0, plan);
         let te = statistics(&result).mean / ARCMIN;
         assert!((-0.95..-0.7).contains(&te), "{contact_law:?}: {te}");

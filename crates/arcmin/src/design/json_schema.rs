@@ -151,7 +151,7 @@ mod tests {
                 }
                 assert!(at["description"].as_str().unwrap().len() > 3, "{}", key.path);
                 if let Some([low, high]) = key.range.filter(|_| at["type"] != "array") {
-// serde_json reads numbers to one unit in the last place.
+                    // serde_json reads numbers to one unit in the last place.
                     let same = |name: &str, bound: f64| {
                         (at[name].as_f64().unwrap() - bound).abs() <= 1e-14 * bound.abs()
                     };

@@ -93,32 +93,6 @@ section! {
         file: String => word(),
     }
 
-    /// Place and size of a bore for a turning-arm bearing.
-    pub struct DiscBoreSection {
-        /// Number of the disc.
-        disc: usize => required(1.0, 6.0),
-        /// Number of the crankshaft.
-        crankshaft: usize => required(1.0, 6.0),
-        /// Away from the centre of the disc.
-        radial_um: f64 => default(0.0, -500.0, 500.0),
-        /// Counter-clockwise.
-        tangential_um: f64 => default(0.0, -500.0, 500.0),
-        /// Added to the diameter: widens the clearance of the bearing.
-        diameter_um: f64 => default(0.0, -100.0, 500.0),
-    }
-
-    /// Place and size of the bores for the supports of a crankshaft.
-    pub struct CarrierBoreSection {
-        /// Number of the crankshaft.
-        crankshaft: usize => required(1.0, 6.0),
-        /// Away from the centre of the carrier.
-        radial_um: f64 => default(0.0, -500.0, 500.0),
-        /// Counter-clockwise.
-        tangential_um: f64 => default(0.0, -500.0, 500.0),
-        /// Added to the diameter: widens the clearance of the bearings.
-        diameter_um: f64 => default(0.0, -100.0, 500.0),
-    }
-
     /// One eccentric.
     pub struct EccentricErrorSection {
         /// Number of the crankshaft.
@@ -164,6 +138,39 @@ section! {
         carrier_run_out_um: f64 => default(0.0, 0.0, 500.0),
         /// Gear of the sun.
         sun_run_out_um: f64 => default(0.0, 0.0, 500.0),
+    }
+}
+
+/// Sections for bores: which one, and the three deviations that all bores have.
+macro_rules! bores {
+    ($($(#[doc = $doc:literal])* $Name:ident { $($which:tt)* })*) => {$(
+        section! {
+            $(#[doc = $doc])*
+            pub struct $Name {
+                $($which)*
+                /// Away from the centre of the part.
+                radial_um: f64 => default(0.0, -500.0, 500.0),
+                /// Counter-clockwise.
+                tangential_um: f64 => default(0.0, -500.0, 500.0),
+                /// Added to the diameter: widens the clearance of the bearing in it.
+                diameter_um: f64 => default(0.0, -100.0, 500.0),
+            }
+        }
+    )*};
+}
+
+bores! {
+    /// Place and size of a bore for a turning-arm bearing.
+    DiscBoreSection {
+        /// Number of the disc.
+        disc: usize => required(1.0, 6.0),
+        /// Number of the crankshaft.
+        crankshaft: usize => required(1.0, 6.0),
+    }
+    /// Place and size of the bores for the supports of a crankshaft.
+    CarrierBoreSection {
+        /// Number of the crankshaft.
+        crankshaft: usize => required(1.0, 6.0),
     }
 }
 

@@ -3,6 +3,7 @@
 //! Frames: the housing is at rest, ring of `z_p` pins with pin i at angle 2π i/z_p; sun (input) θ_s, carrier
 //! (output) θ_o, crankshafts θ_k, discs θ_j. All angles are absolute and counter-clockwise positive.
 
+mod access;
 mod angles;
 mod bearings;
 mod errors;
@@ -11,6 +12,7 @@ mod part_wear;
 mod parts;
 mod tolerances;
 
+pub use access::InvalidAssumption;
 pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness};
 pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
@@ -25,7 +27,18 @@ pub use tolerances::Tolerances;
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
 use crate::geometry::{Profile, Relief, unit};
 
-/// A complete RV reducer.
+/// A complete RV reducer in SI units.
+///
+/// It comes from a validated design ([`Design::machine`](crate::design::Design::machine)), so every solver may
+/// rely on it: sizes are positive, numbers finite, parts fit each other. Other machines are made by deriving
+/// other designs ([`Design::with`](crate::design::Design::with)).
+///
+/// ```
+/// let design = arcmin::templates::design("rv-40e-81").unwrap();
+/// let machine = design.with("ring.pin_radius_mm", 3.05)?.machine();
+/// assert_eq!(machine.ring().pin_radius, 3.05e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
     pub name: String,
