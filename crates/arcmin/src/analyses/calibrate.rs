@@ -4,7 +4,9 @@ use super::{AnalysisError, Host, Outcome, Said, inputs};
 use crate::design::{Design, InputFile, optional, options, required};
 use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity};
 use crate::machine::Machine;
-use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant};
+use crate::report::{
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant,
+};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q,
     quantity,
@@ -120,12 +122,15 @@ pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
                 .of(|o| o.rows.iter().filter(|row| row.fitted).count().into()),
             quantity("relative_rms", digits(3), "Root mean square of the relative residuals of the fit.")
                 .of(|o| o.calibration.relative_rms.into()),
-            quantity("observations", PLAIN, "All observations, with the columns of calibration.csv.").of(|o| {
-                let columns = (CALIBRATION.columns)();
-                let record =
-                    |row: &Row| Value::Record(columns.iter().map(|c| (c.quantity.key, c.value(row))).collect());
-                Value::List(o.rows.iter().map(record).collect())
-            }),
+            quantity("observations", PLAIN, "All observations, with the columns of calibration.csv.").of(
+                |o| {
+                    let columns = (CALIBRATION.columns)();
+                    let record = |row: &Row| {
+                        Value::Record(columns.iter().map(|c| (c.quantity.key, c.value(row))).collect())
+                    };
+                    Value::List(o.rows.iter().map(record).collect())
+                },
+            ),
         ];
         entries.extend(Fidelity::entries());
         entries
@@ -180,8 +185,11 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
 /// The observations of a file; one row may hold several.
 fn observations(file: &InputFile, host: &dyn Host) -> Result<Vec<Observation>, AnalysisError> {
     const DEPTH: Column = Column::number("depth_um").optional().with_gaps().within(1e-6, 1e4);
-    const INCREASE: Column =
-        Column::number("lost_motion_increase_arcmin").also(&["lost_motion"]).optional().with_gaps().within(1e-9, 600.0);
+    const INCREASE: Column = Column::number("lost_motion_increase_arcmin")
+        .also(&["lost_motion"])
+        .optional()
+        .with_gaps()
+        .within(1e-9, 600.0);
     let hours = Column::number("hours").within(1e-6, 1e7);
     let table = inputs::table(file, &Form::new(&[hours, DEPTH, INCREASE]), host)?;
     let hours = table.numbers("hours")?.to_vec();
@@ -209,10 +217,14 @@ fn observations(file: &InputFile, host: &dyn Host) -> Result<Vec<Observation>, A
 impl Calibrated {
     fn keys(&self) -> String {
         let k = self.calibration.exposure.coefficient;
-        let mut text = format!("k = {k:.4e} 1/Pa; in the design file, under [wear.coupled]:\n  coefficient_per_pa = {k:.4e}");
+        let mut text = format!(
+            "k = {k:.4e} 1/Pa; in the design file, under [wear.coupled]:\n  coefficient_per_pa = {k:.4e}"
+        );
         if let (Some(time), Some(running_in)) = (self.running_in, self.calibration.exposure.running_in) {
             let (factor, hours) = (running_in.factor, time / HOUR);
-            text.push_str(&format!("\nand under [wear.running_in]:\n  factor = {factor:.4}\n  duration_h = {hours}"));
+            text.push_str(&format!(
+                "\nand under [wear.running_in]:\n  factor = {factor:.4}\n  duration_h = {hours}"
+            ));
         }
         text
     }
@@ -283,7 +295,10 @@ impl Outcome for Calibrated {
             ("lost_motion_increase_arcmin", Axis::new("Increase of the lost motion", "arcmin").from_zero()),
         ] {
             let of = |fitted: bool, value: fn(&Row) -> f64| {
-                let rows = self.rows.iter().filter(|r| r.fitted == fitted && quantity_of(r.observation.value).0 == key);
+                let rows = self
+                    .rows
+                    .iter()
+                    .filter(|r| r.fitted == fitted && quantity_of(r.observation.value).0 == key);
                 rows.map(|r| (r.observation.time / HOUR, value(r) / quantity_of(r.observation.value).2))
                     .collect::<Vec<_>>()
             };

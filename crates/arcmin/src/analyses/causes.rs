@@ -80,17 +80,21 @@ pub(crate) const TABLE: TableOf<CausesAt> = TableOf {
 
 /// Entries of a summary, below `lost_motion_causes`.
 pub(crate) fn entries<O: HasCauses>() -> Vec<Column<O>> {
-    let mut entries = vec![q::LOST_MOTION.named("lost_motion_causes.whole_arcmin").of(|outcome: &O| {
-        Value::from(outcome.causes().map(|point| point.lost_motion.whole / ARCMIN))
-    })];
+    let mut entries = vec![
+        q::LOST_MOTION
+            .named("lost_motion_causes.whole_arcmin")
+            .of(|outcome: &O| Value::from(outcome.causes().map(|point| point.lost_motion.whole / ARCMIN))),
+    ];
     entries.extend(CAUSES.iter().enumerate().map(|(index, declared)| {
         Column::numbered(declared.entry, index, |outcome: &O, index| {
             Value::from(outcome.causes().map(|point| point.lost_motion.causes[index] / ARCMIN))
         })
     }));
-    entries.push(RESIDUAL.named("lost_motion_causes.residual_arcmin").of(|outcome: &O| {
-        Value::from(outcome.causes().map(|point| point.lost_motion.residual() / ARCMIN))
-    }));
+    entries.push(
+        RESIDUAL.named("lost_motion_causes.residual_arcmin").of(|outcome: &O| {
+            Value::from(outcome.causes().map(|point| point.lost_motion.residual() / ARCMIN))
+        }),
+    );
     entries
 }
 

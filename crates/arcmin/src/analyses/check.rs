@@ -4,7 +4,9 @@ use super::{AnalysisError, Host, Outcome, Said};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, optional, options};
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
-use crate::results::{DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity};
+use crate::results::{
+    DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,
+};
 
 pub const ABOUT: &str = "Judge a design: findings with value, limit, reason and remedy";
 pub const GUIDE: &str = "Judges a design. Each finding has a code, a value and a limit; warnings and errors \

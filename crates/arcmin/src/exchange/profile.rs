@@ -99,14 +99,22 @@ impl ProfileExport {
         let (back, second) = outline.chords(crest, end, tolerance);
         corners.pop();
         corners.extend(&back[..back.len() - 1]);
-        let flanks = [(0.0, crest), (crest, end)]
-            .map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance));
+        let flanks =
+            [(0.0, crest), (crest, end)].map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance));
         let polyline_deviation = first.max(second);
         let reached = flanks.iter().map(|flank| flank.deviation).fold(polyline_deviation, f64::max);
         if !(reached <= options.tolerance) {
             return Err(ExchangeError::Tolerance { reached, tolerance: options.tolerance });
         }
-        Ok(ProfileExport { machine: machine.clone(), stamp, options, outline, corners, flanks, polyline_deviation })
+        Ok(ProfileExport {
+            machine: machine.clone(),
+            stamp,
+            options,
+            outline,
+            corners,
+            flanks,
+            polyline_deviation,
+        })
     }
 
     /// The exact edge.
@@ -146,7 +154,10 @@ impl ProfileExport {
         };
         let um = |metres: f64| trimmed(metres / UM, 4);
         vec![
-            format!("arcmin {}, design {} ({})", self.stamp.version, self.stamp.design_hash, self.stamp.design_name),
+            format!(
+                "arcmin {}, design {} ({})",
+                self.stamp.version, self.stamp.design_hash, self.stamp.design_name
+            ),
             format!(
                 "flank {flank}, moved outwards by {} um; unit mm; origin in the disc's centre, a root on the x axis",
                 um(self.options.offset)

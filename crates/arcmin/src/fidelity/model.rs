@@ -60,8 +60,8 @@ impl Fidelity {
             (Joints::Ideal, Some(elastic)) => {
                 let discs = elastic.reduced().clone();
                 let modes = elastic.dynamics();
-                let mut model = FlexibleJoints::new(machine, discs, flank, drive, load, drag, modes)
-                    .map_err(invalid())?;
+                let mut model =
+                    FlexibleJoints::new(machine, discs, flank, drive, load, drag, modes).map_err(invalid())?;
                 if !pin.is_zero() {
                     model.set_pin_wear(pin);
                 }

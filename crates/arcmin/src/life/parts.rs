@@ -95,9 +95,23 @@ pub fn lost_motion_causes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dynamics::Cause;
+    use crate::dynamics::{Cause, JointSettings};
+    use crate::fidelity::Fidelity;
+    use crate::life::{WornState, worn_after};
     use crate::machine::{ManufacturingErrors, RollingWear, RunOut, Tolerances};
-    use crate::units::UM;
+    use crate::progress::Silent;
+    use crate::units::{HOUR, UM};
+    use crate::wear::{CoupledOptions, CoupledWear};
+
+    fn split(machine: &Machine, settings: &JointSettings, state: &WornState) -> LostMotionSplit {
+        let joints = BearingMeshing::new(machine, settings).unwrap();
+        lost_motion_causes(machine, joints, state).unwrap().lost_motion
+    }
+
+    /// As new, in the joints of the settings.
+    fn split_new(machine: &Machine, settings: &JointSettings) -> LostMotionSplit {
+        split(machine, settings, &WornState { part_wear: settings.part_wear, ..WornState::new() })
+    }
 
     /// New, after 7500 h with pins that last and with pins that wear like the discs, with 10 µm taken off
     /// everywhere, and with worn bearings and gears: the causes leave at most 1 % of the whole. What is left
@@ -107,26 +121,18 @@ mod tests {
         let machine = crate::templates::rv_40e_81();
         let mut worn_pins = machine.clone();
         worn_pins.wear.pin_ratio = 1.0;
-        let new = JointSettings::default();
         let part_wear =
             PartWear { turning_arm: 6.0 * UM, crank_support: 4.0 * UM, gears: [5.0 * UM, 2.0 * UM] };
+        let after = |machine: &Machine| worn_after(machine, &Fidelity::ideal(), 7500.0, &Silent).unwrap();
         let states = [
-            (new.clone(), Cause::TurningArmClearance),
-            (worn_settings(&machine, 7500.0).unwrap(), Cause::FlankWear),
-            (worn_settings(&worn_pins, 7500.0).unwrap(), Cause::PinWear),
-            (JointSettings { flank_wear: vec![Relief::uniform(10.0 * UM)], ..new.clone() }, Cause::FlankWear),
-            (JointSettings { part_wear, ..new.clone() }, Cause::TurningArmWear),
-            (
-                JointSettings {
-                    errors: Default::default(),
-                    pin_wear: vec![Relief::uniform(3.0 * UM)],
-                    ..new.clone()
-                },
-                Cause::PinWear,
-            ),
+            (WornState::new(), Cause::TurningArmClearance),
+            (after(&machine), Cause::FlankWear),
+            (after(&worn_pins), Cause::PinWear),
+            (WornState::uniform(10.0 * UM), Cause::FlankWear),
+            (WornState { part_wear, ..WornState::new() }, Cause::TurningArmWear),
         ];
-        for (settings, cause) in states {
-            let split = lost_motion_causes(&machine, &settings).unwrap().unwrap().lost_motion;
+        for (state, cause) in states {
+            let split = split(&machine, &JointSettings::default(), &state);
             assert!(
                 split.residual().abs() < 0.01 * split.whole,
                 "{cause:?}: {} of {}",
@@ -179,7 +185,7 @@ mod tests {
         ];
         for errors in cases {
             let settings = JointSettings { errors, ..JointSettings::default() };
-            let split = lost_motion_causes(&machine, &settings).unwrap().unwrap().lost_motion;
+            let split = split_new(&machine, &settings);
             let (left, errors) =
                 (split.residual() / split.whole, split.of(Cause::ManufacturingErrors) / split.whole);
             assert!(left.abs() < 0.03, "{left} {errors} {split:?}");
@@ -197,10 +203,7 @@ mod tests {
         let (r1, r2) = (machine.gear_stage.sun_base_radius(), machine.gear_stage.planet_base_radius());
         let expected = gap / (r2 * 39.0 + r1 + r2);
         let of = |part_wear: PartWear| {
-            lost_motion_causes(&machine, &JointSettings { part_wear, ..JointSettings::default() })
-                .unwrap()
-                .unwrap()
-                .lost_motion
+            split(&machine, &JointSettings::default(), &WornState { part_wear, ..WornState::new() })
         };
         let (new, worn) =
             (of(PartWear::default()), of(PartWear { gears: [gap, 0.0], ..PartWear::default() }));
@@ -259,7 +262,10 @@ mod tests {
     fn intervals_of_the_part_wear_hardly_matter() {
         let machine = with_laws();
         let growth = |steps: usize| {
-            let mut parts = PartsFollower::new(&machine, &JointSettings::default()).unwrap();
+            let mut parts = PartsFollower::with(
+                &machine,
+                BearingMeshing::new(&machine, &JointSettings::default()).unwrap(),
+            );
             for _ in 0..steps {
                 parts.advance(7500.0 * HOUR / steps as f64).unwrap();
             }
@@ -280,7 +286,8 @@ mod tests {
         machine.wear.pin_ratio = 1.0;
         let options = CoupledOptions { depth_increment: 0.25 * UM, ..CoupledOptions::default() };
         let exposure = machine.coupled_exposure(options).unwrap();
-        let mut parts = PartsFollower::new(&machine, &JointSettings::default()).unwrap();
+        let mut parts =
+            PartsFollower::with(&machine, BearingMeshing::new(&machine, &JointSettings::default()).unwrap());
         let mut wear = CoupledWear::with(
             &machine,
             BearingMeshing::new(&machine, &JointSettings::default()).unwrap(),

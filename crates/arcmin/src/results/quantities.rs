@@ -153,8 +153,11 @@ pub const METHOD: Quantity = quantity("method", PLAIN, "How the load is shared: 
 
 pub const TIME: Quantity = quantity("time_s", decimals(4), "Time since the start of the run.");
 
-pub const LARGEST_PIN_FORCE: Quantity =
-    quantity("largest_pin_force_n", decimals(1), "Largest force of one pin on one disc in the running machine.");
+pub const LARGEST_PIN_FORCE: Quantity = quantity(
+    "largest_pin_force_n",
+    decimals(1),
+    "Largest force of one pin on one disc in the running machine.",
+);
 
 pub const VALUE: Quantity = quantity("value", digits(4), "The value found, in the unit given.");
 
@@ -176,8 +179,11 @@ pub const EFFICIENCY: Quantity = quantity(
     "Output power over input power in steady motion. In a summary at rated torque and speed.",
 );
 
-pub const BACKLASH: Quantity =
-    quantity("backlash_arcmin", decimals(3), "Width of the hysteresis loop at zero torque: both sides, friction included.");
+pub const BACKLASH: Quantity = quantity(
+    "backlash_arcmin",
+    decimals(3),
+    "Width of the hysteresis loop at zero torque: both sides, friction included.",
+);
 
 pub const STIFFNESS: Quantity = quantity(
     "stiffness_n_m_per_arcmin",
@@ -185,5 +191,8 @@ pub const STIFFNESS: Quantity = quantity(
     "Torsional stiffness b/a: slope of the loop between 50 and 100 % of rated torque, input locked.",
 );
 
-pub const SOFT_STIFFNESS: Quantity =
-    quantity("soft_stiffness_n_m_per_arcmin", decimals(1), "Slope of the loop between 3 and 15 % of rated torque.");
+pub const SOFT_STIFFNESS: Quantity = quantity(
+    "soft_stiffness_n_m_per_arcmin",
+    decimals(1),
+    "Slope of the loop between 3 and 15 % of rated torque.",
+);

@@ -11,13 +11,12 @@ mod hysteresis;
 #[cfg(test)]
 mod order_tests;
 mod orders;
-mod state;
 mod settle;
+mod state;
 #[cfg(test)]
 mod tests;
 mod transmission;
 
-pub use state::{MeasuredOnBench, RigPlan, RigState};
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
 pub use hysteresis::{
@@ -25,6 +24,7 @@ pub use hysteresis::{
     hysteresis_loop, stiffness_split,
 };
 pub use orders::{NamedOrder, name_orders};
+pub use state::{MeasuredOnBench, RigPlan, RigState};
 pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};
 
 use crate::dynamics::DynamicsError;

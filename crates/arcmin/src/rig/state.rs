@@ -97,11 +97,16 @@ impl RigState {
         let loops = suns
             .par_iter()
             .map(|sun| {
-                if progress.is_cancelled() { Ok(None) } else { hysteresis_loop(machine, settings, *sun).map(Some) }
+                if progress.is_cancelled() {
+                    Ok(None)
+                } else {
+                    hysteresis_loop(machine, settings, *sun).map(Some)
+                }
             })
             .collect::<Result<Option<Vec<_>>, _>>()?;
         let Some(loops) = loops else { return Ok(None) };
-        let figures = loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>()?;
+        let figures =
+            loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>()?;
         let split = stiffness_split(machine, settings, suns[0])?;
         progress.report("transmission error", 0.4);
         if progress.is_cancelled() {

@@ -235,20 +235,25 @@ fn val_measured_growth_needs_running_in() {
 /// changes by less than a tenth, and by less than a fiftieth of what the lost motion gains (0.55′).
 #[test]
 fn val_transmission_error_stays_while_lost_motion_grows() {
-    use crate::life::{lost_motion_causes, worn_settings};
+    use crate::dynamics::BearingMeshing;
+    use crate::fidelity::Fidelity;
+    use crate::life::{WornState, lost_motion_causes, worn_after};
+    use crate::progress::Silent;
     let mut machine = machine();
     // As fitted to 600 h above.
     machine.wear.coupled = crate::machine::WearCoefficient::Given(7.64e-18);
     let test = TransmissionSettings { positions: 480, ..TransmissionSettings::new(&machine) };
-    let state = |settings: &JointSettings| {
-        let curves = transmission_error_curves(&machine, settings, test).unwrap();
+    let state = |worn: &WornState| {
+        let settings = worn.on(JointSettings::default());
+        let curves = transmission_error_curves(&machine, &settings, test).unwrap();
+        let joints = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
         (
-            lost_motion_causes(&machine, settings).unwrap().unwrap().lost_motion.whole / ARCMIN,
+            lost_motion_causes(&machine, joints, worn).unwrap().lost_motion.whole / ARCMIN,
             curves[2].peak_to_peak() / ARCMIN,
         )
     };
-    let new = state(&JointSettings::default());
-    let worn = state(&worn_settings(&machine, 1550.0).unwrap());
+    let new = state(&WornState::new());
+    let worn = state(&worn_after(&machine, &Fidelity::ideal(), 1550.0, &Silent).unwrap());
     assert!(worn.0 - new.0 > 0.25, "{new:?} {worn:?}");
     assert!(
         (worn.1 - new.1).abs() < 0.1 * new.1 && (worn.1 - new.1).abs() < 0.02 * (worn.0 - new.0),

@@ -131,7 +131,9 @@ impl Plan {
             .chain(["sample", "failed"])
             .collect();
         if let Some((_, twice)) = names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)) {
-            return Err(StudyError::Sampling { reason: format!("`{twice}` would be the name of two columns") });
+            return Err(StudyError::Sampling {
+                reason: format!("`{twice}` would be the name of two columns"),
+            });
         }
         if let Some(factor) = factors.iter().find(
             |factor| matches!(factor.distribution, Distribution::List { count } if count != factor.entries.len()),
@@ -154,8 +156,8 @@ impl Plan {
         let identity = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         let distributions = factors.iter().map(|factor| factor.distribution).collect();
         let sampling = Sampling::new(layout, distributions, samples, seed)?;
-        let rows_per_part = SAMPLES_PER_PART.div_ceil(sampling.rows_per_sample()).max(1)
-            * sampling.rows_per_sample();
+        let rows_per_part =
+            SAMPLES_PER_PART.div_ceil(sampling.rows_per_sample()).max(1) * sampling.rows_per_sample();
         Ok(Plan { factors, sampling, kept, identity, rows_per_part })
     }
 
@@ -206,8 +208,7 @@ impl Plan {
     pub fn row(&self, number: u64) -> Row {
         let point = self.sampling.point(number);
         let values = self.sampling.values(&point);
-        let settings =
-            self.factors.iter().zip(values).map(|(factor, value)| factor.setting(value)).collect();
+        let settings = self.factors.iter().zip(values).map(|(factor, value)| factor.setting(value)).collect();
         Row { number, settings, point }
     }
 

@@ -1,8 +1,8 @@
 //! Tables and figures of load sharing.
 
 use super::closed_form::Pair;
-use crate::analyses::errors_table;
 use super::{Answer, Contact, Equilibrium};
+use crate::analyses::errors_table;
 use crate::contact::PinContact;
 use crate::fidelity::Fidelity;
 use crate::load::{Cycle, HarmonicError, LoadSharing, PinLoad};

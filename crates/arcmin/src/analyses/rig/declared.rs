@@ -22,7 +22,8 @@ const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
             quantity("angle_arcmin", decimals(4), "Angle of the output, input locked.")
                 .of(|(_, p)| (p.angle / ARCMIN).into()),
             quantity("branch", PLAIN, "falling or rising torque.").of(|(_, p)| p.branch.word().into()),
-            quantity("position", PLAIN, "Crank position of the loop, counted from 0.").of(|(i, _)| (*i).into()),
+            quantity("position", PLAIN, "Crank position of the loop, counted from 0.")
+                .of(|(i, _)| (*i).into()),
         ]
     },
 };
@@ -49,7 +50,8 @@ const ERRORS: TableOf<ErrorPoint> = TableOf {
             quantity("output_angle_deg", decimals(3), "Angle of the output.")
                 .of(|(_, _, (angle, _)): &ErrorPoint| (angle / DEG).into()),
             q::TE.of(|(_, _, (_, error))| (error / ARCMIN).into()),
-            quantity("direction", PLAIN, "1 forward, −1 backward.").of(|(direction, _, _)| (*direction).into()),
+            quantity("direction", PLAIN, "1 forward, −1 backward.")
+                .of(|(direction, _, _)| (*direction).into()),
             q::TORQUE.of(|(_, torque, _)| (*torque).into()),
         ]
     },
@@ -82,8 +84,12 @@ const BEARINGS: TableOf<BearingLoad> = TableOf {
                 .of(|b| b.mean_force().into()),
             quantity("largest_element_force_n", decimals(0), "Largest force on one rolling element.")
                 .of(|b| b.largest_element.into()),
-            quantity("equivalent_load_n", decimals(0), "Equivalent dynamic load P over a crank turn (ISO 281).")
-                .of(|b| b.equivalent.into()),
+            quantity(
+                "equivalent_load_n",
+                decimals(0),
+                "Equivalent dynamic load P over a crank turn (ISO 281).",
+            )
+            .of(|b| b.equivalent.into()),
             quantity("rating_n", decimals(0), "Basic dynamic load rating C, given or by ISO 281.")
                 .of(|b| b.rating.into()),
             quantity("l10_h", decimals(0), "Basic rating life L10 at rated torque and speed.")
@@ -102,7 +108,8 @@ const BEARING_FORCES: TableOf<BearingForce> = TableOf {
         vec![
             q::CRANK_ANGLE.of(|(angle, _, _): &BearingForce| (*angle).into()),
             q::BEARING.of(|(_, name, _)| name.clone().into()),
-            quantity("radial_force_n", decimals(1), "Radial force of the bearing.").of(|(_, _, force)| (*force).into()),
+            quantity("radial_force_n", decimals(1), "Radial force of the bearing.")
+                .of(|(_, _, force)| (*force).into()),
         ]
     },
 };
@@ -150,7 +157,8 @@ pub(super) fn fill(rig: &Rig) -> Vec<Table> {
         .iter()
         .flat_map(|curve| curve.points.iter().map(|point| (curve.direction, curve.torque, *point)))
         .collect();
-    let split: Vec<Compliance> = state.split.parts.iter().map(|(part, c)| (*part, *c, state.split.whole)).collect();
+    let split: Vec<Compliance> =
+        state.split.parts.iter().map(|(part, c)| (*part, *c, state.split.whole)).collect();
     let forces: Vec<BearingForce> = state
         .bearings
         .iter()
@@ -244,7 +252,9 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
     entries: || {
         let mut entries: Vec<Column<Rig>> = Vec::new();
         for (index, figure) in FIGURES.iter().enumerate() {
-            entries.push(Column::numbered(figure.quantity, index, |o: &Rig, i| (FIGURES[i].of)(o.state()).into()));
+            entries.push(Column::numbered(figure.quantity, index, |o: &Rig, i| {
+                (FIGURES[i].of)(o.state()).into()
+            }));
             entries.push(Column::numbered(figure.new, index, |o: &Rig, i| (FIGURES[i].of)(&o.new).into()));
             entries.push(Column::numbered(figure.measured, index, |o: &Rig, i| measured(o, i).into()));
         }
@@ -254,12 +264,24 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             q::EFFICIENCY.named("new.efficiency").of(|o| o.new.efficiency.rated.into()),
             quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
                 .of(|o| o.friction_assumed.into()),
-            quantity("no_load_running_torque_n_m", digits(3), "Torque at the input that turns the machine unloaded.")
-                .of(|o| o.state().torques.no_load.into()),
-            quantity("starting_torque_n_m", digits(3), "Torque at the input that starts the machine unloaded.")
-                .of(|o| o.state().torques.starting.into()),
-            quantity("back_driving_torque_n_m", digits(3), "Torque at the output that turns the machine backwards.")
-                .of(|o| o.state().torques.back_driving.into()),
+            quantity(
+                "no_load_running_torque_n_m",
+                digits(3),
+                "Torque at the input that turns the machine unloaded.",
+            )
+            .of(|o| o.state().torques.no_load.into()),
+            quantity(
+                "starting_torque_n_m",
+                digits(3),
+                "Torque at the input that starts the machine unloaded.",
+            )
+            .of(|o| o.state().torques.starting.into()),
+            quantity(
+                "back_driving_torque_n_m",
+                digits(3),
+                "Torque at the output that turns the machine backwards.",
+            )
+            .of(|o| o.state().torques.back_driving.into()),
             quantity(
                 "te_rated_peak_to_peak_arcmin",
                 decimals(3),
@@ -268,18 +290,17 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             .of(|o| Value::from(o.state().curves.get(2).map(|curve| curve.peak_to_peak() / ARCMIN))),
             quantity("transmission_error", PLAIN, "Mean and peak to peak of every transmission error.")
                 .of(|o| curves_value(&o.state().curves)),
-            quantity("measured.transmission_error", PLAIN, "The same of measured curves.").of(|o| {
-                o.measured.as_ref().map_or(Value::Absent, |bench| curves_value(&bench.curves))
-            }),
+            quantity("measured.transmission_error", PLAIN, "The same of measured curves.")
+                .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| curves_value(&bench.curves))),
             q::ORDERS.of(|o| orders_value(&o.state().orders)),
             quantity("measured.orders", PLAIN, "Largest lines of the measured transmission error.")
                 .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| orders_value(&bench.orders))),
-            quantity("shortest_bearing_life_h", decimals(0), "Least basic rating life L10 of all bearings.").of(
-                |o| {
-                    let least = o.state().bearings.iter().map(BearingLoad::life_h).fold(f64::INFINITY, f64::min);
+            quantity("shortest_bearing_life_h", decimals(0), "Least basic rating life L10 of all bearings.")
+                .of(|o| {
+                    let least =
+                        o.state().bearings.iter().map(BearingLoad::life_h).fold(f64::INFINITY, f64::min);
                     least.into()
-                },
-            ),
+                }),
             quantity("wall_s", decimals(2), "Seconds of computation.").of(|o| o.wall.into()),
         ]);
         entries.extend(causes::entries());

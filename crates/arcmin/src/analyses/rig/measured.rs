@@ -97,7 +97,8 @@ fn curves(table: &Table) -> Result<Vec<ErrorCurve>, AnalysisError> {
     let mut curves = Vec::new();
     let mut start = 0;
     for row in 1..=table.len() {
-        let ends = row == table.len() || directions[row] != directions[start] || torques[row] != torques[start];
+        let ends =
+            row == table.len() || directions[row] != directions[start] || torques[row] != torques[start];
         if ends {
             let points = (start..row).map(|i| (angles[i] * DEG, errors[i] * ARCMIN)).collect();
             let curve = ErrorCurve::measured(points, torques[start]).map_err(|error| {

@@ -16,8 +16,7 @@ use crate::report::Page;
 use crate::results::{Summary, Table};
 use crate::rig::{ASSUMED_FRICTION, MeasuredOnBench, RigPlan, RigState};
 
-pub const ABOUT: &str =
-    "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
+pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
 pub const GUIDE: &str = "Virtual test bench: every body free in its bearings, no inertia. Input locked, output \
     torque cycled to ± rated: hysteresis loop, lost motion (mid-points at ±3 %), backlash (width at zero \
     torque), torsional stiffness (50–100 % of rated torque); then one output turn in both directions, held \

@@ -36,8 +36,12 @@ const FORCES: TableOf<ForceSample> = TableOf {
             q::LARGEST_PIN_FORCE.of(|s| s.forces.largest_pin_force.into()),
             quantity("loaded_pins", PLAIN, "Pins that carry force, over all discs.")
                 .of(|s| s.forces.loaded_pins.into()),
-            quantity("mesh_force_n", decimals(1), "Force along the line of action, all sun–planet meshes together.")
-                .of(|s| s.forces.mesh_force.into()),
+            quantity(
+                "mesh_force_n",
+                decimals(1),
+                "Force along the line of action, all sun–planet meshes together.",
+            )
+            .of(|s| s.forces.mesh_force.into()),
         ]
     },
 };
@@ -83,7 +87,9 @@ fn statistics() -> Vec<Column<Simulate>> {
         ("te.mean_arcmin", "Mean transmission error over the window.", |s| s.mean),
         ("te.mean_abs_arcmin", "Mean of |TE| over the window.", |s| s.mean_abs),
         ("te.max_abs_arcmin", "Largest |TE| in the window.", |s| s.max_abs),
-        ("te.peak_to_peak_arcmin", "Peak to peak of the transmission error in the window.", |s| s.peak_to_peak),
+        ("te.peak_to_peak_arcmin", "Peak to peak of the transmission error in the window.", |s| {
+            s.peak_to_peak
+        }),
         ("te.rms_arcmin", "Root mean square of the transmission error in the window.", |s| s.rms),
         ("te.lowest_arcmin", "Lowest transmission error in the window.", |s| s.lowest),
         ("te.highest_arcmin", "Highest transmission error in the window.", |s| s.highest),
@@ -118,7 +124,8 @@ pub const SUMMARY: SummaryOf<Simulate> = SummaryOf {
             q::WEAR_UM.of(|o| (o.worn.deepest() / UM).into()),
             quantity("facet_mm", decimals(3), "Edge length of a faceted flank.")
                 .of(|o| o.facet.map(|size| size / MM).into()),
-            quantity("complete", PLAIN, "Whether the run came to its end.").of(|o| o.broke_off.is_none().into()),
+            quantity("complete", PLAIN, "Whether the run came to its end.")
+                .of(|o| o.broke_off.is_none().into()),
             quantity("error", PLAIN, "Why the run broke off.").of(|o| o.broke_off.clone().into()),
             quantity("reached_s", decimals(4), "Time reached.").of(|o| o.result.reached.into()),
         ];

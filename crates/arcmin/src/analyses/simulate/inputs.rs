@@ -49,11 +49,7 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Analy
     })
 }
 
-pub(super) fn drive(
-    options: &Options,
-    machine: &Machine,
-    host: &dyn Host,
-) -> Result<Drive, AnalysisError> {
+pub(super) fn drive(options: &Options, machine: &Machine, host: &dyn Host) -> Result<Drive, AnalysisError> {
     let speed = options.speed_rpm.map_or(machine.rated.input_speed, |rpm| rpm * RPM);
     let rise_time = options.rise_s;
     let rows = |column: &'static str, unit: f64| {
@@ -90,9 +86,7 @@ pub(super) fn load(
             OutputLoad::Table(table.map_err(AnalysisError::compute("read the load"))?)
         }
         LoadKind::Stepped => OutputLoad::Stepped(rows(time())?),
-        LoadKind::DutyCycle => {
-            OutputLoad::DutyCycle(rows(Column::number("duration_s").within(1e-9, 1e9))?)
-        }
+        LoadKind::DutyCycle => OutputLoad::DutyCycle(rows(Column::number("duration_s").within(1e-9, 1e9))?),
     })
 }
 

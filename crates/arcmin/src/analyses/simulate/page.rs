@@ -85,7 +85,10 @@ pub(super) fn page(run: &Simulate) -> Page {
     }
     Page {
         title: run.machine.name.clone(),
-        subtitle: format!("Transmission error in time, {}", if run.worn.hours > 0.0 { "worn" } else { "as given" }),
+        subtitle: format!(
+            "Transmission error in time, {}",
+            if run.worn.hours > 0.0 { "worn" } else { "as given" }
+        ),
         provenance: Provenance::default(),
         verdict,
         sections: vec![Section::new("motion", "Motion", blocks(run))],
@@ -118,17 +121,13 @@ fn blocks(run: &Simulate) -> Vec<Block> {
                 .half(),
         ),
     ];
-    let force = Plot::new(
-        "Largest pin force",
-        Axis::new("Time", "s"),
-        Axis::new("Force", "N").from_zero(),
-    )
-    .with(Series::line(
-        "largest of all pins",
-        result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
-    ))
-    .noted("Of one pin on one disc.")
-    .half();
+    let force = Plot::new("Largest pin force", Axis::new("Time", "s"), Axis::new("Force", "N").from_zero())
+        .with(Series::line(
+            "largest of all pins",
+            result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
+        ))
+        .noted("Of one pin on one disc.")
+        .half();
     blocks.push(Block::Plot(force));
     if let Some(lines) = &result.spectrum {
         let bars = lines.iter().take(400).map(|line| (line.order as f64, line.amplitude / ARCMIN));

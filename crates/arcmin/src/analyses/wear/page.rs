@@ -8,8 +8,15 @@ use crate::report::{
 };
 use crate::units::{DEG, UM};
 
-const COLUMNS: &[&str] =
-    &["hours", "max_depth_um", "max_depth_at_deg", "play_arcmin", "te_loaded_arcmin", "max_force_n", "loaded_pairs"];
+const COLUMNS: &[&str] = &[
+    "hours",
+    "max_depth_um",
+    "max_depth_at_deg",
+    "play_arcmin",
+    "te_loaded_arcmin",
+    "max_force_n",
+    "loaded_pairs",
+];
 
 /// As many of `count` things as a reader can tell apart, the first and the last among them.
 pub(crate) fn stations(count: usize, most: usize) -> impl Iterator<Item = usize> {
@@ -58,7 +65,10 @@ pub(super) fn page(wear: &Wear) -> Page {
     let over = |title: &str, axis: Axis, value: &dyn Fn(&super::Station) -> f64, note: &str| {
         let points: Vec<(f64, f64)> = wear.stations.iter().map(|s| (s.hours(), value(s))).collect();
         let name = axis.label.to_lowercase();
-        Plot::new(title, Axis::new("Running time", "h"), axis).with(Series::line(name, points)).noted(note).half()
+        Plot::new(title, Axis::new("Running time", "h"), axis)
+            .with(Series::line(name, points))
+            .noted(note)
+            .half()
     };
     let mut flank = Plot::new(
         "Depth along the flank",

@@ -7,8 +7,11 @@
 use super::*;
 use crate::contact::{ContactLaw, PinContact};
 use crate::dynamics::{EquilibriumControl, Reducer, solve_equilibrium};
+use crate::geometry::quarter_turn;
 use crate::load::ShareLoad;
-use crate::machine::{BoreError, CrankAngle, DiscError, PinError, Tolerances};
+use crate::machine::{
+    BoreError, CrankAngle, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut, Tolerances,
+};
 use crate::units::UM;
 
 const TORQUE: f64 = 412.0;

@@ -4,7 +4,7 @@ use crate::dynamics::{
     EquilibriumControl, IdealJoints, Linearisation, Model, Reducer, Run, RunPlan, RunResult, StepControl,
     System, solve_equilibrium,
 };
-use crate::machine::FixedMember;
+use crate::machine::{FixedMember, RunOut};
 use crate::progress::Silent;
 use crate::units::ARCMIN;
 

@@ -39,7 +39,8 @@ fn error(machine: &Machine, settings: &JointSettings, sun: f64, torque: f64) -> 
 }
 
 fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
-    let settings = JointSettings { discs, flank_wear: vec![Relief::uniform(5e-6)], ..JointSettings::default() };
+    let settings =
+        JointSettings { discs, flank_wear: vec![Relief::uniform(5e-6)], ..JointSettings::default() };
     let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.02 };
     let model =
         BearingJoints::new(machine, &settings, drive, OutputLoad::Constant { torque: 412.0 }, 5.0).unwrap();
