@@ -33,7 +33,11 @@ pub fn command() -> Command {
     for analysis in ALL {
         command = command.subcommand(of_analysis(analysis));
     }
-    command.subcommand(commands::shell::completions()).subcommand(commands::shell::man())
+    command
+        .subcommand(commands::exchange::export())
+        .subcommand(commands::exchange::import())
+        .subcommand(commands::shell::completions())
+        .subcommand(commands::shell::man())
 }
 
 fn of_analysis(analysis: &'static Analysis) -> Command {

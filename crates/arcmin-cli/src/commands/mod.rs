@@ -1,6 +1,7 @@
 //! What each command does: the analyses all alike, the others a file each.
 
 mod analysis;
+pub mod exchange;
 pub mod keys;
 pub mod new;
 pub mod shell;
@@ -33,6 +34,8 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("new", matches)) => new::run(matches),
         Some(("keys", matches)) => keys::run(matches),
+        Some(("export", matches)) => exchange::run_export(matches),
+        Some(("import", matches)) => exchange::run_import(matches),
         Some(("completions", matches)) => shell::run_completions(matches),
         Some(("man", _)) => shell::run_man(),
         Some((name, matches)) => match arcmin::analyses::by_name(name) {

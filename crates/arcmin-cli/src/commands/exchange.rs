@@ -1,0 +1,306 @@
+//! `arcmin export` and `arcmin import`: to and from other tools.
+
+use std::path::{Path, PathBuf};
+
+use arcmin::design::Design;
+use arcmin::exchange::{
+    DutyImportOptions, ExchangeError, Flank, FlankImportOptions, FlankTarget, Parts, ProfileExport,
+    ProfileOptions, Stamp, import_duty, import_flank,
+};
+use arcmin::fidelity::Fidelity;
+use arcmin::geometry::Relief;
+use arcmin::life::worn_after;
+use arcmin::units::{DEG, MM, RPM, UM};
+use clap::{Arg, ArgMatches, Command, value_parser};
+
+use super::Ending;
+use crate::failure::Failure;
+use crate::run::{Terminal, read_design, say, write_file};
+
+pub fn export() -> Command {
+    let formats =
+        [("dxf", "closed polyline and closed spline"), ("step", "solids (AP214)"), ("csv", ""), ("svg", "")];
+    let profile = Command::new("profile")
+        .about("Profile of the disc with its bores, ring of pins, and solids, for CAD and CAM")
+        .long_about(
+            "Writes the disc's profile in millimetres: dxf (a closed polyline within the tolerance and a closed \
+             spline), step (solids of discs, pin, crankshaft or the assembly), csv or svg. Every file is stamped \
+             with version, design and deviation.",
+        )
+        .after_help(
+            "Examples:\n  arcmin export profile my-reducer.toml --format dxf\n  arcmin export profile \
+             my-reducer.toml --format step --parts assembly --crank-deg 30",
+        )
+        .arg(path("DESIGN", "Design file"))
+        .arg(choice("format", "dxf", formats.map(|(word, _)| word).to_vec()).help("Format of the file [default: dxf]"))
+        .arg(choice("parts", "discs", vec!["discs", "pin", "crankshaft", "assembly"]).help("What a STEP file holds"))
+        .arg(number("crank-deg", "0", "Crank angle of the assembly in °"))
+        .arg(choice("flank", "modified", vec!["as-cut", "modified"]).help("Which flank"))
+        .arg(number("worn-h", "0", "The flank as the duty leaves it after these hours, in bearings"))
+        .arg(number("offset-um", "0", "Offset of the flank out of the metal in µm: wire, wheel, stock"))
+        .arg(number("tolerance-um", "1", "Allowed deviation of chords and splines in µm"))
+        .arg(out());
+    Command::new("export")
+        .about("Hand the design to other tools")
+        .subcommand_required(true)
+        .subcommand(profile)
+}
+
+pub fn import() -> Command {
+    let flank = Command::new("flank")
+        .about("Fit measured points of a flank and write them as keys of the design")
+        .after_help(
+            "Examples:\n  arcmin import flank my-reducer.toml points.csv --probe-radius-mm 1 --as harmonics",
+        )
+        .arg(path("DESIGN", "Design file"))
+        .arg(path("POINTS", "Points: CSV x,y[,nx,ny], an XYZIJK list, or VDA-FS"))
+        .arg(number("disc", "1", "Disc that was measured, counted from 1"))
+        .arg(number("probe-radius-mm", "0", "Radius of the probe where the points are its centres, in mm"))
+        .arg(
+            choice("as", "measured", vec!["measured", "harmonics", "modification"])
+                .help("What the deviations become"),
+        )
+        .arg(
+            Arg::new("centred")
+                .long("centred")
+                .action(clap::ArgAction::SetTrue)
+                .help("The file's origin is the axis of the disc: its run-out counts"),
+        )
+        .arg(out());
+    let duty = Command::new("duty")
+        .about("Reduce the log of a robot joint to a load spectrum of the design")
+        .after_help("Examples:\n  arcmin import duty my-reducer.toml joint-3.csv --torque-constant 0.21")
+        .arg(path("DESIGN", "Design file"))
+        .arg(path("LOG", "Log: time_s, torque_n_m or current_a, speed or angle"))
+        .arg(
+            Arg::new("torque-constant")
+                .long("torque-constant")
+                .value_name("X")
+                .value_parser(value_parser!(f64))
+                .help("Torque of the motor per current in N·m/A"),
+        )
+        .arg(number("efficiency", "1", "Part of the motor's torque that arrives at the output"))
+        .arg(number("rows", "50", "Rows of the spectrum at most"))
+        .arg(out());
+    Command::new("import")
+        .about("Take measured flanks and logs into the design")
+        .subcommand_required(true)
+        .subcommand(flank)
+        .subcommand(duty)
+}
+
+fn path(name: &'static str, help: &'static str) -> Arg {
+    Arg::new(name).required(true).value_parser(value_parser!(PathBuf)).help(help)
+}
+
+fn number(name: &'static str, default: &'static str, help: &'static str) -> Arg {
+    Arg::new(name)
+        .long(name)
+        .value_name("X")
+        .default_value(default)
+        .allow_negative_numbers(true)
+        .value_parser(value_parser!(f64))
+        .help(help)
+}
+
+fn choice(name: &'static str, default: &'static str, words: Vec<&'static str>) -> Arg {
+    Arg::new(name)
+        .long(name)
+        .default_value(default)
+        .value_parser(clap::builder::PossibleValuesParser::new(words))
+}
+
+fn out() -> Arg {
+    Arg::new("out")
+        .long("out")
+        .value_name("DIR")
+        .value_parser(value_parser!(PathBuf))
+        .help("Directory for the files [default: out/<design>/export or import]")
+}
+
+fn failed(error: ExchangeError) -> Failure {
+    Failure::Usage { help: error.remedy(), message: error.to_string() }
+}
+
+/// The directory asked for, or the usual one; it is made.
+fn directory(matches: &ArgMatches, design: &Path, what: &str) -> Result<PathBuf, Failure> {
+    let usual = || Path::new("out").join(design.file_stem().unwrap_or(design.as_os_str())).join(what);
+    let path = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(usual);
+    std::fs::create_dir_all(&path).map_err(|cause| Failure::Write { path: path.clone(), cause })?;
+    Ok(path)
+}
+
+struct Given<'a>(&'a ArgMatches);
+
+impl Given<'_> {
+    fn number(&self, name: &str) -> f64 {
+        self.0.get_one(name).copied().unwrap_or_default()
+    }
+
+    fn word(&self, name: &str) -> &str {
+        self.0.get_one::<String>(name).map_or("", String::as_str)
+    }
+
+    fn design(&self) -> Result<(PathBuf, Design), Failure> {
+        let path = self.file("DESIGN");
+        let design = read_design(&path)?;
+        Ok((path, design))
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.get_one(name).cloned().unwrap_or_default()
+    }
+
+    /// A finite number in a range, which the error names.
+    fn within(&self, name: &str, low: f64, high: f64) -> Result<f64, Failure> {
+        let value = self.number(name);
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        let message = format!("--{name} is outside of what this program believes");
+        Err(Failure::Usage { message, help: format!("{low} to {high} are believable") })
+    }
+}
+
+pub fn run_export(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let Some(("profile", matches)) = matches.subcommand() else {
+        unreachable!("clap knows what is exported")
+    };
+    let given = Given(matches);
+    let (path, design) = given.design()?;
+    let machine = design.machine();
+    let hours = given.within("worn-h", 0.0, 1e7)?;
+    let out = directory(matches, &path, "export")?;
+    let flank = match (hours > 0.0, given.word("flank")) {
+        (true, _) => Flank::Worn(worn(&design, &path, &out, hours)?),
+        (false, "as-cut") => Flank::AsCut,
+        (false, _) => Flank::Modified,
+    };
+    let options = ProfileOptions {
+        flank,
+        tolerance: given.number("tolerance-um") * UM,
+        offset: given.number("offset-um") * UM,
+    };
+    let export = ProfileExport::new(&machine, Stamp::of(&design), options).map_err(failed)?;
+    let crank_angle = given.within("crank-deg", -3600.0, 3600.0)? * DEG;
+    let parts = match given.word("parts") {
+        "pin" => Parts::Pin,
+        "crankshaft" => Parts::Crankshaft,
+        "assembly" => Parts::Assembly { crank_angle },
+        _ => Parts::Discs,
+    };
+    let format = given.word("format");
+    let text = match format {
+        "step" => export.step(parts),
+        "csv" => export.csv(),
+        "svg" => export.svg(),
+        _ => export.dxf(),
+    };
+    let file = out.join(format!("profile.{format}"));
+    write_file(&file, text.as_bytes())?;
+    say(&format!(
+        "{}: chords within {:.3} µm, splines within {:.3} µm of the exact flank",
+        file.display(),
+        export.polyline_deviation() / UM,
+        export.spline_deviation() / UM
+    ))?;
+    Ok(Ending::Fine)
+}
+
+/// What the flank of the first disc has lost.
+fn worn(design: &Design, path: &Path, out: &Path, hours: f64) -> Result<Relief, Failure> {
+    let host = Terminal::new(path, out, out, false);
+    let options = arcmin::fidelity::FidelityOptions::parse("joints = \"bearings\"", "export");
+    let state = options
+        .map_err(arcmin::analyses::AnalysisError::from)
+        .and_then(|options| Fidelity::resolve(design, &options, &host))
+        .and_then(|fidelity| worn_after(&design.machine(), &fidelity, hours, &host))
+        .map_err(|error| Failure::Analysis { error, has_error_findings: false })?;
+    Ok(state.surfaces.flanks[0].clone())
+}
+
+pub fn run_import(matches: &ArgMatches) -> Result<Ending, Failure> {
+    match matches.subcommand() {
+        Some(("flank", matches)) => run_flank(matches),
+        Some(("duty", matches)) => run_duty(matches),
+        _ => unreachable!("clap knows what is imported"),
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })
+}
+
+fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let given = Given(matches);
+    let (path, design) = given.design()?;
+    let points = given.file("POINTS");
+    let disc = given.within("disc", 1.0, 6.0)? as usize - 1;
+    let target = match given.word("as") {
+        "harmonics" => FlankTarget::Harmonics { disc },
+        "modification" => FlankTarget::Modification,
+        _ => FlankTarget::MeasuredFlank { disc, file: "measured-flank.csv".to_owned() },
+    };
+    let options = FlankImportOptions {
+        target,
+        probe_radius: given.number("probe-radius-mm") * MM,
+        origin_is_axis: matches.get_flag("centred"),
+    };
+    let found = import_flank(&design.machine(), &read(&points)?, &points.display().to_string(), &options)
+        .map_err(failed)?;
+    let out = directory(matches, &path, "import")?;
+    let fit = &found.fit;
+    say(&format!(
+        "{} points: turned by {:.4}°, centre at ({:.4}, {:.4}) mm, offset {:.3} µm, {:.3} µm left, {} outliers",
+        found.points.points.len(),
+        fit.rotation / DEG,
+        fit.centre.x / MM,
+        fit.centre.y / MM,
+        fit.offset / UM,
+        fit.deviation / UM,
+        fit.outliers.len()
+    ))?;
+    for outlier in fit.outliers.iter().take(10) {
+        say(&format!("  line {}: {:.2} µm off", outlier.line, outlier.distance / UM))?;
+    }
+    if let Some(csv) = &found.csv {
+        write_file(&out.join("measured-flank.csv"), csv.as_bytes())?;
+    }
+    write_file(&out.join("flank.toml"), found.toml.as_bytes())?;
+    say(&format!("keys for the design in {}:\n{}", out.join("flank.toml").display(), found.toml.trim_end()))?;
+    Ok(Ending::Fine)
+}
+
+fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let given = Given(matches);
+    let (path, design) = given.design()?;
+    let log = given.file("LOG");
+    let options = DutyImportOptions {
+        torque_constant: matches.get_one::<f64>("torque-constant").copied(),
+        gear_efficiency: given.number("efficiency"),
+        rows: given.within("rows", 1.0, 1000.0)? as usize,
+        ..DutyImportOptions::default()
+    };
+    let found =
+        import_duty(&design.machine(), &read(&log)?, &log.display().to_string(), &options).map_err(failed)?;
+    let out = directory(matches, &path, "import")?;
+    let r = &found.reduction;
+    say(&format!(
+        "{:.1} s in {} readings, {:.1} s at rest, {} starts, {} reversals\npeak {:.1} N·m, {:.2} rpm at the \
+         output\n{} rows: wear {:+.2} %, equivalent bearing load {:+.2} %, bearing life {:+.2} % against the log",
+        found.duration,
+        r.samples,
+        found.at_rest,
+        found.starts,
+        found.reversals,
+        found.peak_torque.0,
+        found.peak_speed.0 / RPM,
+        found.rows.len(),
+        100.0 * r.wear_error,
+        100.0 * r.bearing_load_error,
+        100.0 * r.life_error
+    ))?;
+    write_file(&out.join("duty.toml"), found.toml.as_bytes())?;
+    say(&format!("rows for the design in {}", out.join("duty.toml").display()))?;
+    Ok(Ending::Fine)
+}
