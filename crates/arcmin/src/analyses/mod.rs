@@ -19,11 +19,13 @@ pub mod calibrate;
 mod causes;
 pub mod check;
 pub mod contact;
+mod elastic_disc;
 mod error;
 mod errors_table;
 mod host;
 mod identity;
 pub mod inputs;
+pub mod life;
 mod outcome;
 pub mod profile;
 pub mod rig;
@@ -127,6 +129,7 @@ analyses! {
     calibrate,
     simulate,
     rig,
+    life,
 }
 
 /// An analysis by its name.

@@ -3,7 +3,7 @@
 use super::{LifePage, LifeRow, MeanAndMax, RunTrace};
 use crate::machine::Machine;
 use crate::report::{
-    Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant,
+    Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant, thinned,
 };
 use crate::units::ARCMIN;
 
@@ -70,30 +70,6 @@ enum RunKind {
     Dynamic,
     Flexible,
     FlexibleDynamic,
-}
-
-/// A figure needs no more points than this; lowest and highest of each group are kept so that no peak is
-/// lost.
-const FIGURE_POINTS: usize = 4000;
-
-fn thinned(time: &[f64], value: &[f64]) -> Vec<(f64, f64)> {
-    let count = time.len().min(value.len());
-    if count <= FIGURE_POINTS {
-        return time.iter().copied().zip(value.iter().copied()).collect();
-    }
-    let group = count.div_ceil(FIGURE_POINTS / 2);
-    let mut points = Vec::with_capacity(FIGURE_POINTS);
-    for start in (0..count).step_by(group) {
-        let end = (start + group).min(count);
-        let lowest = (start..end).min_by(|a, b| value[*a].total_cmp(&value[*b])).unwrap_or(start);
-        let highest = (start..end).max_by(|a, b| value[*a].total_cmp(&value[*b])).unwrap_or(start);
-        let (first, second) = (lowest.min(highest), lowest.max(highest));
-        points.push((time[first], value[first]));
-        if second != first {
-            points.push((time[second], value[second]));
-        }
-    }
-    points
 }
 
 /// Input over the ratio and output on one axis, so that they can be compared, and the load where there is

@@ -2,7 +2,7 @@ use super::*;
 use crate::machine::CrankAngle;
 use crate::report::{Annotation, Page, Plot, Tone};
 use crate::templates::rv_40e_81;
-use crate::units::UM;
+use crate::units::{DEG, UM};
 
 fn row(hours: f64, depth_um: f64) -> LifeRow {
     LifeRow {
@@ -147,7 +147,7 @@ fn figure_10_reaches_nearly_the_uniform_depth() {
 fn drawn_forces_balance_the_torque() {
     let machine = rv_40e_81();
     let cycle = machine.meshing(&Relief::uniform(0.0)).cycle(machine.rated.torque, 6).expect("solvable");
-    let drawing = mechanism(&machine, &[("new".to_owned(), &cycle)]);
+    let drawing = crate::report::mechanism(&machine, &[("new".to_owned(), &cycle)]);
     let pins = drawing.pin_count;
     for (disc, phase) in drawing.eccentric_phase_deg.iter().enumerate() {
         for (step, forces) in drawing.states[0].force_n[disc].iter().enumerate() {
