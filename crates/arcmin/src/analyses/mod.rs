@@ -30,6 +30,7 @@ mod outcome;
 pub mod profile;
 pub mod rig;
 pub mod simulate;
+pub mod tao2024;
 pub mod wear;
 
 pub use causes::CausesAt;
@@ -130,6 +131,7 @@ analyses! {
     simulate,
     rig,
     life,
+    tao2024,
 }
 
 /// An analysis by its name.

@@ -42,7 +42,6 @@ mod causes;
 mod drawing;
 pub mod elastic;
 mod html;
-pub mod life;
 mod literature;
 mod mechanism;
 mod plot;

@@ -1,7 +1,9 @@
 //! Terminal and report of a life.
 
 use super::verdict::{LifeVerdict, Limit, LimitKind};
-use super::{Life, Outcome, declared, figures};
+#[cfg(test)]
+use super::Outcome;
+use super::{Life, declared, figures};
 use crate::analyses::wear::stations;
 use crate::analyses::{Said, TextTable, causes};
 use crate::checks::{Severity, worst};
