@@ -19,15 +19,18 @@ pub mod calibrate;
 mod causes;
 pub mod check;
 pub mod contact;
+mod elastic_disc;
 mod error;
 mod errors_table;
 mod host;
 mod identity;
 pub mod inputs;
+pub mod life;
 mod outcome;
 pub mod profile;
 pub mod rig;
 pub mod simulate;
+pub mod tao2024;
 pub mod wear;
 
 pub use causes::CausesAt;
@@ -127,6 +130,8 @@ analyses! {
     calibrate,
     simulate,
     rig,
+    life,
+    tao2024,
 }
 
 /// An analysis by its name.

@@ -71,6 +71,12 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
             lost_motion: *design.limits.lost_motion_arcmin * ARCMIN,
             contact_pressure: *design.limits.contact_pressure_mpa * MPA,
             service_life: *design.limits.service_life_h * HOUR,
+            transmission_error: design.limits.transmission_error_arcmin.map(|limit| limit * ARCMIN),
+            backlash: design.limits.backlash_arcmin.map(|limit| limit * ARCMIN),
+            start_stop_torque: *design.limits.start_stop_torque_n_m,
+            emergency_torque: *design.limits.emergency_torque_n_m,
+            output_speed: design.limits.output_speed_rpm.map(|limit| limit * RPM),
+            catalogue_life: design.limits.catalogue_life_h.map(|limit| limit * HOUR),
         },
     })
 }

@@ -219,6 +219,23 @@ section! {
         contact_pressure_mpa: f64 => default(2000.0, 10.0, 10000.0),
         /// Planned service life.
         service_life_h: f64 => default(6000.0, 1e-2, 1e7),
+        /// Largest transmission error over everything that repeats, peak to peak at rated torque. Left out: no
+        /// limit.
+        transmission_error_arcmin: Option<f64> => optional(1e-4, 600.0),
+        /// Largest backlash: travel of the output at no load from one flank to the other, input locked. Left
+        /// out: no limit.
+        backlash_arcmin: Option<f64> => optional(1e-3, 600.0),
+        /// Torque that the machine bears at start and stop, day by day; no row of the duty may ask for more.
+        /// Left out: no limit.
+        start_stop_torque_n_m: Option<f64> => optional(1e-3, 1e7),
+        /// Torque of an emergency stop: flanks and pins must bear it below 4000 MPa (ISO 76). Left out: not
+        /// looked at.
+        emergency_torque_n_m: Option<f64> => optional(1e-3, 1e7),
+        /// Largest speed of the output; no row of the duty may ask for more. Left out: no limit.
+        output_speed_rpm: Option<f64> => optional(1e-3, 1e5),
+        /// The maker's life in hours at rated torque and 15 rpm of the output; converted to the duty by ISO 281
+        /// (exponent 10/3). Left out: no limit.
+        catalogue_life_h: Option<f64> => optional(1.0, 1e7),
     }
 }
 

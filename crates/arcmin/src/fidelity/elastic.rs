@@ -78,6 +78,11 @@ impl Elastic {
         self.free.is_none()
     }
 
+    /// Whether a file for ParaView is asked for.
+    pub(crate) fn wants_vtu(&self) -> bool {
+        self.options.vtu
+    }
+
     /// Modes and damping.
     pub fn dynamics(&self) -> FlexibleOptions {
         self.options.dynamics()

@@ -20,6 +20,9 @@ options! {
         mode_frequency_hz: f64 => default(MODE_FREQUENCY, 0.0, 1e6),
         /// Elastic discs: damping ratio of every mode.
         damping_ratio: f64 => default(DAMPING_RATIO, 0.0, 0.99),
+        /// Elastic discs: write disc.vtu (ParaView) with mesh, displacement and stress under rated torque, and
+        /// the lowest modes.
+        vtu: bool => optional(0.0, 0.0),
     }
 }
 

@@ -10,8 +10,10 @@ use crate::wear::paper::PaperWear;
 /// The paper's study.
 #[derive(Debug, Clone)]
 pub struct PaperStudy {
-    pub points: Vec<Accuracy>,
-    pub wear: PaperWear,
+    /// Depth in m, and what it makes of accuracy; the hours are NaN where the wear rule finds none.
+    pub points: Vec<(f64, Accuracy)>,
+    /// The wear rule; an error where the closed form behind it does not settle.
+    pub wear: Result<PaperWear, WearError>,
 }
 
 /// Uniform depths in m, as in Tao2024: 0, 10, …, 60 µm.
@@ -22,19 +24,20 @@ pub fn paper_depths() -> [f64; 7] {
 /// The paper's study at the given uniform depths (m), with ideal joints.
 ///
 /// # Errors
-/// [`WearError`] when closed form or load sharing fail.
+/// [`WearError`] when load sharing fails. A closed form that does not settle costs the hours only.
 pub fn paper_study(
     machine: &Machine,
     depths: &[f64],
     crank_positions: usize,
 ) -> Result<PaperStudy, WearError> {
     let deepest = depths.iter().copied().fold(0.0, f64::max);
-    let wear = PaperWear::new(machine, deepest)?;
+    let wear = PaperWear::new(machine, deepest);
     let mut points = Vec::with_capacity(depths.len());
     for depth in depths {
         let flank = Relief::uniform(*depth);
-        let hours = wear.hours_at(*depth);
-        points.push(accuracy(machine, &mut machine.meshing(&flank), &flank, hours, crank_positions)?);
+        let hours = wear.as_ref().map_or(f64::NAN, |wear| wear.hours_at(*depth));
+        let accuracy = accuracy(machine, &mut machine.meshing(&flank), &flank, hours, crank_positions)?;
+        points.push((*depth, accuracy));
     }
     Ok(PaperStudy { points, wear })
 }
@@ -48,9 +51,9 @@ mod tests {
     fn val_study_at_ten_and_sixty_micrometres() {
         let machine = crate::templates::rv_40e_81();
         let study = paper_study(&machine, &paper_depths(), 72).unwrap();
-        assert!((study.points[1].play.arcmin() - 0.6536).abs() < 1e-4);
-        assert!((study.points[6].play.arcmin() - 3.9218).abs() < 1e-4);
-        assert!((study.points[6].hours - 7500.0).abs() < 1e-6);
-        assert!((study.points[5].hours / 6442.0 - 1.0).abs() < 0.01);
+        assert!((study.points[1].1.play.arcmin() - 0.6536).abs() < 1e-4);
+        assert!((study.points[6].1.play.arcmin() - 3.9218).abs() < 1e-4);
+        assert!((study.points[6].1.hours - 7500.0).abs() < 1e-6);
+        assert!((study.points[5].1.hours / 6442.0 - 1.0).abs() < 0.01);
     }
 }

@@ -72,6 +72,17 @@ pub struct Limits {
     pub contact_pressure: f64,
     /// Planned service life in s.
     pub service_life: f64,
+    /// Transmission error in rad, peak to peak at rated torque.
+    pub transmission_error: Option<f64>,
+    /// Travel at no load in rad.
+    pub backlash: Option<f64>,
+    /// N·m: largest torque of the duty, and that of an emergency stop.
+    pub start_stop_torque: Option<f64>,
+    pub emergency_torque: Option<f64>,
+    /// Output speed in rad/s.
+    pub output_speed: Option<f64>,
+    /// The maker's life in s at rated torque and 15 rpm of the output.
+    pub catalogue_life: Option<f64>,
 }
 
 impl Machine {

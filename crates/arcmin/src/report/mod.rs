@@ -42,19 +42,24 @@ mod causes;
 mod drawing;
 pub mod elastic;
 mod html;
-pub mod life;
+mod literature;
+mod mechanism;
 mod plot;
 pub mod rig;
 #[cfg(test)]
 mod tests;
 mod text;
+mod traces;
 
 pub use causes::lost_motion_causes;
 pub use drawing::{
     CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture, mesh_picture,
 };
+pub use literature::references_to;
+pub use mechanism::{findings_table, mechanism};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
 pub use text::{compact, significant};
+pub use traces::{envelope, thinned};
 
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,15 +1,19 @@
 //! Tables and figures of wear.
 
-use super::{Mode, Station, Wear};
 use crate::analyses::errors_table;
+use super::{Mode, Station, Wear};
 use crate::fidelity::Fidelity;
 use crate::geometry::Relief;
+use crate::life::{Accuracy, WornState};
 use crate::load::FlankForce;
-use crate::results::{DeclaredTable, PLAIN, SummaryOf, Table, TableOf, decimals, quantities as q, quantity};
+use crate::machine::Machine;
+use crate::results::{
+    DeclaredTable, PLAIN, SummaryOf, Table, TableOf, decimals, quantities as q, quantity,
+};
 use crate::units::{DEG, UM};
 
 /// One place of a flank at one time.
-struct Place {
+pub(crate) struct Place {
     hours: f64,
     meshing_angle: f64,
     depth: f64,
@@ -18,15 +22,14 @@ struct Place {
     disc: Option<usize>,
 }
 
-const WEAR: TableOf<Place> = TableOf {
+pub(crate) const WEAR: TableOf<Place> = TableOf {
     name: "wear",
     what: "One place of the flank at one time a row",
     columns: || {
         vec![
             q::HOURS.of(|p: &Place| p.hours.into()),
             q::MESHING_ANGLE.of(|p| (p.meshing_angle / DEG).into()),
-            quantity("depth_um", decimals(3), "Depth worn off the flank there.")
-                .of(|p| (p.depth / UM).into()),
+            quantity("depth_um", decimals(3), "Depth worn off the flank there.").of(|p| (p.depth / UM).into()),
             q::FORCE.of(|p| p.force.into()),
             q::SPECIFIC_SLIDING.of(|p| p.sliding.into()),
             q::DISC.of(|p| p.disc.into()),
@@ -56,41 +59,46 @@ pub fn tables() -> Vec<DeclaredTable> {
 }
 
 pub(super) fn fill(wear: &Wear) -> Vec<Table> {
-    let profile = wear.machine.profile();
-    let sliding = |phi: f64| profile.specific_sliding(phi.cos());
-    let mut places = Vec::new();
+    let mut rows = Vec::new();
     for station in &wear.stations {
-        let hours = station.hours();
-        if let Some((solution, _)) = &station.handbook {
-            places.extend(solution.pairs.iter().map(|pair| Place {
-                hours,
-                meshing_angle: pair.meshing_angle,
-                depth: station.accuracy.max_depth,
-                force: pair.force,
-                sliding: sliding(pair.meshing_angle),
-                disc: None,
-            }));
+        let Some((solution, _)) = &station.handbook else {
+            rows.extend(places(&wear.machine, &station.state, &station.accuracy));
             continue;
-        }
-        let flanks = &station.state.surfaces.flanks;
-        for (disc, flank) in flanks.iter().enumerate() {
-            let forces = &station.accuracy.flank_forces[disc];
-            let of_disc = (flanks.len() > 1).then_some(disc);
-            places.extend(Relief::grid(flank.samples().len()).zip(flank.samples()).map(|(phi, depth)| {
-                Place {
-                    hours,
-                    meshing_angle: phi,
-                    depth: *depth,
-                    force: force_at(forces, phi),
-                    sliding: sliding(phi),
-                    disc: of_disc,
-                }
-            }));
-        }
+        };
+        let profile = wear.machine.profile();
+        rows.extend(solution.pairs.iter().map(|pair| Place {
+            hours: station.hours(),
+            meshing_angle: pair.meshing_angle,
+            depth: station.accuracy.max_depth,
+            force: pair.force,
+            sliding: profile.specific_sliding(pair.meshing_angle.cos()),
+            disc: None,
+        }));
     }
-    let mut tables = vec![WEAR.fill(&places), HISTORY.fill(&wear.stations)];
+    let mut tables = vec![WEAR.fill(&rows), HISTORY.fill(&wear.stations)];
     tables.extend(errors_table::table(&wear.fidelity));
     tables
+}
+
+/// The flanks of a machine at one time; of each disc where they differ.
+pub(crate) fn places(machine: &Machine, state: &WornState, accuracy: &Accuracy) -> Vec<Place> {
+    let profile = machine.profile();
+    let flanks = &state.surfaces.flanks;
+    let mut places = Vec::new();
+    for (disc, flank) in flanks.iter().enumerate() {
+        // Where all discs bear alike, there is one list of forces for all.
+        let forces = accuracy.flank_forces.get(disc).or(accuracy.flank_forces.first());
+        let of_disc = (flanks.len() > 1).then_some(disc);
+        places.extend(Relief::grid(flank.samples().len()).zip(flank.samples()).map(|(phi, depth)| Place {
+            hours: accuracy.hours,
+            meshing_angle: phi,
+            depth: *depth,
+            force: forces.map_or(0.0, |forces| force_at(forces, phi)),
+            sliding: profile.specific_sliding(phi.cos()),
+            disc: of_disc,
+        }));
+    }
+    places
 }
 
 /// By straight lines between the contacts, which are sorted by meshing angle.
@@ -99,8 +107,7 @@ fn force_at(forces: &[FlankForce], phi: f64) -> f64 {
     match (forces.get(at.wrapping_sub(1)), forces.get(at)) {
         (Some(a), Some(b)) => {
             a.force
-                + (b.force - a.force) * (phi - a.meshing_angle)
-                    / (b.meshing_angle - a.meshing_angle).max(1e-12)
+                + (b.force - a.force) * (phi - a.meshing_angle) / (b.meshing_angle - a.meshing_angle).max(1e-12)
         }
         (Some(only), None) | (None, Some(only)) => only.force,
         (None, None) => 0.0,
@@ -125,8 +132,7 @@ pub const SUMMARY: SummaryOf<Wear> = SummaryOf {
             q::LOADED_PAIRS.of(|o| o.last().loaded_pairs().into()),
             q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
             q::WEAR_COEFFICIENT.of(|o| o.exposure.coefficient.into()),
-            quantity("flank_updates", PLAIN, "Updates of the flank: steps of the coupled computation.")
-                .of(|o| o.updates.into()),
+            q::FLANK_UPDATES.of(|o| o.updates.into()),
             quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")
                 .of(|o| (o.increment / UM).into()),
             quantity("hours_to_50_um", decimals(0), "Hours until 50 µm of uniform depth.")

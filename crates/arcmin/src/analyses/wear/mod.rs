@@ -3,6 +3,8 @@
 mod declared;
 mod page;
 
+pub(crate) use declared::{WEAR as WEAR_TABLE, places};
+pub(crate) use page::stations;
 pub use declared::{SUMMARY, tables};
 
 use super::contact::refuse_beyond_closed_form;

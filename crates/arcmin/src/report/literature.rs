@@ -1,8 +1,13 @@
 //! The literature behind the models.
 
-use crate::report::Reference;
+use super::Reference;
 
-pub(super) fn references() -> Vec<Reference> {
+/// The entries with these keys.
+pub fn references_to(keys: &[&str]) -> Vec<Reference> {
+    all().into_iter().filter(|reference| keys.contains(&reference.key.as_str())).collect()
+}
+
+fn all() -> Vec<Reference> {
     let entry = |key: &str, citation: &str, doi: Option<&str>, used_for: &str| Reference {
         key: key.into(),
         citation: citation.into(),
@@ -14,7 +19,7 @@ pub(super) fn references() -> Vec<Reference> {
             "Tao2024",
             "Tao, Y.; Liu, H.; Wu, M.; Zheng, N.; Pei, J. The Effect of Cycloid Gear Wear on the Transmission Accuracy of the RV Reducer. Machines 2024, 12(8), 511.",
             Some("10.3390/machines12080511"),
-            "The study repeated here: machine data, closed-form load sharing, wear as a uniform depth, simulated transmission error.",
+            "Closed-form load sharing, wear as a uniform depth, simulated transmission error.",
         ),
         entry(
             "Archard1953",
@@ -39,6 +44,12 @@ pub(super) fn references() -> Vec<Reference> {
             "ISO 281:2007. Rolling bearings — Dynamic load ratings and rating life.",
             None,
             "Rating life of the bearings.",
+        ),
+        entry(
+            "ISO76",
+            "ISO 76:2006. Rolling bearings — Static load ratings.",
+            None,
+            "Pressure of rollers that leaves a dent of a ten-thousandth of their diameter: 4000 MPa.",
         ),
         entry(
             "GBT35089",

@@ -1,51 +1,40 @@
-//! Figures 11–19 of Tao2024: simulated runs, and transmission error against hours beside the paper's numbers.
+//! Figures 11 to 19 of Tao2024: simulated runs, and transmission error against hours beside the paper's numbers.
 
-use super::{LifePage, LifeRow, MeanAndMax, RunTrace};
-use crate::machine::Machine;
+use super::paper::*;
+use super::{Level, MeanAndMax, Tao2024};
+use crate::dynamics::{RunResult, Sample, StudyPoint};
 use crate::report::{
-    Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant,
+    Annotation, Axis, Block, Colour, Plot, Series, Style, Table, Tone, Width, compact, significant, thinned,
 };
-use crate::units::ARCMIN;
+use crate::units::{ARCMIN, DEG};
 
-/// Values printed in the text of Tao2024 (section 4); its curves are not digitised.
-const STE_MEAN_AT_10_UM: f64 = 0.5351;
-const STE_LARGEST: (f64, f64) = (6450.0, 4.11);
-const DTE_MEAN_AT_10_UM: f64 = 0.2278;
-const DTE_EXCURSION_AT_10_UM: f64 = 5.2;
-const DTE_LARGEST: (f64, f64) = (6450.0, 3.51);
-const FLEXIBLE_MEAN_AT_10_UM: f64 = 1.7342;
-const FLEXIBLE_MAX_AT_10_UM: f64 = 7.5;
-const FLEXIBLE_LARGEST: (f64, f64) = (7500.0, 6.77);
-
-/// The paper's numbers belong to its own machine only.
-fn is_the_papers(machine: &Machine) -> bool {
-    let near = |value: f64, of: f64| (value / of - 1.0).abs() < 1e-6;
-    machine.ring.pin_count == 40
-        && near(machine.ring.pin_circle_radius, 64e-3)
-        && near(machine.ring.pin_radius, 3e-3)
-        && near(machine.crankshafts.eccentricity, 1.3e-3)
-}
-
-pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
+pub(super) fn blocks(life: &Tao2024) -> Vec<Block> {
     let mut blocks = Vec::new();
+    // The paper shows its runs at 10 µm.
+    let level = life.levels.get(1).or(life.levels.last());
+    let trace = |runs: Option<&StudyPoint>, of: fn(&StudyPoint) -> &RunResult| {
+        runs.and_then(|runs| Trace::new(of(runs), level.map_or(0.0, Level::depth_um)))
+    };
+    let (rigid, flexible) =
+        (level.and_then(|level| level.rigid.as_ref()), level.and_then(|level| level.flexible.as_ref()));
     let runs = [
-        (life.ste_rigid_run, "Rigid model without load", "Figures 11 and 12", RunKind::Static),
-        (life.dte_rigid_run, "Rigid model with sinusoidal load", "Figures 13–15", RunKind::Dynamic),
-        (life.ste_flexible_run, "Flexible disc without load", "Figures 16 and 17", RunKind::Flexible),
-        (life.dte_flexible_run, "Flexible disc with sinusoidal load", "", RunKind::FlexibleDynamic),
+        (trace(rigid, |p| &p.no_load), "Rigid discs without load", "Figures 11 and 12", RunKind::Static),
+        (trace(rigid, |p| &p.loaded), "Rigid discs with sinusoidal load", "Figures 13–15", RunKind::Dynamic),
+        (trace(elastic, |p| &p.no_load), "Elastic discs without load", "Figures 16 and 17", RunKind::Flexible),
+        (trace(elastic, |p| &p.loaded), "Elastic discs with sinusoidal load", "", RunKind::FlexibleDynamic),
     ];
     let figures_of = |figures: &str| {
         if figures.is_empty() { "Not in [Tao2024].".to_owned() } else { format!("{figures} of [Tao2024].") }
     };
-    let has = |value: fn(&LifeRow) -> bool| life.study.iter().any(value);
-    if has(|row| row.ste_rigid.is_some() || row.dte_rigid.is_some()) {
+    let has = |value: fn(&Level) -> bool| life.levels.iter().any(value);
+    if has(|row| row.ste_rigid().is_some() || row.dte_rigid().is_some()) {
         blocks.push(Block::Plot(rigid_over_life(life)));
     }
-    if has(|row| row.ste_flexible.is_some()) {
+    if has(|row| row.ste_flexible().is_some()) {
         blocks.push(Block::Plot(flexible_over_life(life)));
         blocks.push(Block::Plot(loaded_over_life(life)));
     }
-    if is_the_papers(life.machine) && !blocks.is_empty() {
+    if is_its_machine(&life.machine) && life.coefficient.is_some() && !blocks.is_empty() {
         blocks.push(Block::Table(comparison(life)));
         blocks.extend(differences(life).into_iter().map(|text| Block::Note(Tone::Neutral, text)));
     }
@@ -54,7 +43,7 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
         let figures = &figures_of(figures);
         blocks.push(Block::Heading(format!("{title}, {} µm uniform wear", compact(run.wear_um, 3))));
         blocks.push(Block::Plot(speeds(title, figures, &run, life.machine.kinematics().ratio())));
-        let mut error = error(title, figures, &run, kind, is_the_papers(life.machine));
+        let mut error = error(title, figures, &run, kind, is_its_machine(&life.machine));
         if let Some(load) = load(title, figures, &run) {
             blocks.push(Block::Plot(load));
             error.width = Width::Full;
@@ -62,6 +51,35 @@ pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
         blocks.push(Block::Plot(error));
     }
     blocks
+}
+
+/// One simulated run in trade units; equal lengths.
+struct Trace {
+    wear_um: f64,
+    time_s: Vec<f64>,
+    input_speed_deg_s: Vec<f64>,
+    output_speed_deg_s: Vec<f64>,
+    load_n_m: Vec<f64>,
+    te_arcmin: Vec<f64>,
+    /// Start of the steady part, from which the statistics are taken.
+    steady_from_s: f64,
+    te: MeanAndMax,
+}
+
+impl Trace {
+    fn new(result: &RunResult, wear_um: f64) -> Option<Trace> {
+        let column = |of: fn(&Sample) -> f64| result.series.iter().map(of).collect();
+        Some(Trace {
+            wear_um,
+            time_s: column(|sample| sample.time),
+            input_speed_deg_s: column(|sample| sample.input_speed / DEG),
+            output_speed_deg_s: column(|sample| sample.output_speed / DEG),
+            load_n_m: column(|sample| sample.load),
+            te_arcmin: column(|sample| sample.transmission_error / ARCMIN),
+            steady_from_s: result.reached - result.statistics?.duration,
+            te: MeanAndMax::of(result)?,
+        })
+    }
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -72,44 +90,20 @@ enum RunKind {
     FlexibleDynamic,
 }
 
-/// A figure needs no more points than this; lowest and highest of each group are kept so that no peak is
-/// lost.
-const FIGURE_POINTS: usize = 4000;
-
-fn thinned(time: &[f64], value: &[f64]) -> Vec<(f64, f64)> {
-    let count = time.len().min(value.len());
-    if count <= FIGURE_POINTS {
-        return time.iter().copied().zip(value.iter().copied()).collect();
-    }
-    let group = count.div_ceil(FIGURE_POINTS / 2);
-    let mut points = Vec::with_capacity(FIGURE_POINTS);
-    for start in (0..count).step_by(group) {
-        let end = (start + group).min(count);
-        let lowest = (start..end).min_by(|a, b| value[*a].total_cmp(&value[*b])).unwrap_or(start);
-        let highest = (start..end).max_by(|a, b| value[*a].total_cmp(&value[*b])).unwrap_or(start);
-        let (first, second) = (lowest.min(highest), lowest.max(highest));
-        points.push((time[first], value[first]));
-        if second != first {
-            points.push((time[second], value[second]));
-        }
-    }
-    points
-}
-
 /// Input over the ratio and output on one axis, so that they can be compared, and the load where there is
 /// one.
-fn speeds(title: &str, figures: &str, run: &RunTrace, ratio: f64) -> Plot {
+fn speeds(title: &str, figures: &str, run: &Trace, ratio: f64) -> Plot {
     let scaled: Vec<f64> = run.input_speed_deg_s.iter().map(|speed| speed / ratio).collect();
     Plot::new(format!("{title}: speeds"), Axis::new("Time", "s"), Axis::new("Speed at the output", "°/s"))
         .half()
         .with(
-            Series::line("output", thinned(run.time_s, run.output_speed_deg_s)).coloured(Colour::Palette(0)),
+            Series::line("output", thinned(&run.time_s, &run.output_speed_deg_s)).coloured(Colour::Palette(0)),
         )
         .with(
             Series::new(
                 format!("input / {}", compact(ratio, 4)),
                 Style::Dashed,
-                thinned(run.time_s, &scaled),
+                thinned(&run.time_s, &scaled),
             )
             .coloured(Colour::Reference),
         )
@@ -120,16 +114,16 @@ fn speeds(title: &str, figures: &str, run: &RunTrace, ratio: f64) -> Plot {
 }
 
 /// The load on the output, where there is one.
-fn load(title: &str, figures: &str, run: &RunTrace) -> Option<Plot> {
+fn load(title: &str, figures: &str, run: &Trace) -> Option<Plot> {
     run.load_n_m.iter().any(|load| *load != 0.0).then(|| {
         Plot::new(format!("{title}: load"), Axis::new("Time", "s"), Axis::new("Load torque", "N·m"))
             .half()
-            .with(Series::line("load", thinned(run.time_s, run.load_n_m)).coloured(Colour::Palette(1)))
+            .with(Series::line("load", thinned(&run.time_s, &run.load_n_m)).coloured(Colour::Palette(1)))
             .noted(figures)
     })
 }
 
-fn error(title: &str, figures: &str, run: &RunTrace, kind: RunKind, papers: bool) -> Plot {
+fn error(title: &str, figures: &str, run: &Trace, kind: RunKind, papers: bool) -> Plot {
     let mut plot = Plot::new(
         format!("{title}: transmission error"),
         Axis::new("Time", "s"),
@@ -137,13 +131,13 @@ fn error(title: &str, figures: &str, run: &RunTrace, kind: RunKind, papers: bool
     )
     .half()
     .with(
-        Series::line("transmission error", thinned(run.time_s, run.te_arcmin)).coloured(Colour::Palette(0)),
+        Series::line("transmission error", thinned(&run.time_s, &run.te_arcmin)).coloured(Colour::Palette(0)),
     );
     plot.note = format!(
         "{figures} From {} s on: mean size {} arcmin, largest {} arcmin.",
         compact(run.steady_from_s, 2),
-        significant(run.mean_abs_arcmin, 4),
-        significant(run.max_abs_arcmin, 4)
+        significant(run.te.mean, 4),
+        significant(run.te.max, 4)
     );
     if papers && (run.wear_um - 10.0).abs() < 1e-6 {
         plot.note.push_str(&match kind {
@@ -159,37 +153,51 @@ fn error(title: &str, figures: &str, run: &RunTrace, kind: RunKind, papers: bool
     plot
 }
 
+/// Hours of the paper's wear rule, or the depth where it has none.
+fn place(life: &Tao2024, level: &Level) -> f64 {
+    if life.coefficient.is_some() { level.hours.unwrap_or(f64::NAN) } else { level.depth_um() }
+}
+
+fn places(life: &Tao2024) -> Axis {
+    match life.coefficient {
+        Some(_) => Axis::new("Running time (paper's wear rule)", "h"),
+        None => Axis::new("Uniform depth", "µm"),
+    }
+}
+
 fn over_hours(
-    rows: &[LifeRow],
-    value: impl Fn(&LifeRow) -> Option<MeanAndMax>,
+    life: &Tao2024,
+    value: impl Fn(&Level) -> Option<MeanAndMax>,
     part: fn(MeanAndMax) -> f64,
 ) -> Vec<(f64, f64)> {
-    rows.iter().filter_map(|row| value(row).map(|v| (row.hours, part(v)))).collect()
+    life.levels.iter().filter_map(|row| value(row).map(|v| (place(life, row), part(v)))).collect()
 }
 
-fn hours_at_10_um(life: &LifePage) -> Option<f64> {
-    life.study.iter().find(|row| (row.max_depth_um - 10.0).abs() < 1e-6).map(|row| row.hours)
+fn hours_at_10_um(life: &Tao2024) -> Option<f64> {
+    life.levels.iter().find(|row| (row.depth_um() - 10.0).abs() < 1e-6)?.hours
 }
 
-fn paper_points(life: &LifePage, at_10_um: f64, largest: (f64, f64)) -> Vec<(f64, f64)> {
-    hours_at_10_um(life).map(|hours| (hours, at_10_um)).into_iter().chain([largest]).collect()
+fn paper_points(life: &Tao2024, at_10_um: f64, largest: (f64, f64)) -> Vec<(f64, f64)> {
+    let at_10_um = hours_at_10_um(life).map(|hours| (hours, at_10_um));
+    // Without hours of ours there is no place for the paper's.
+    at_10_um.map_or(Vec::new(), |first| vec![first, largest])
 }
 
-fn rigid_over_life(life: &LifePage) -> Plot {
+fn rigid_over_life(life: &Tao2024) -> Plot {
     let mut plot = Plot::new(
-        "Rigid model: transmission error over the study",
-        Axis::new("Running time (paper's wear rule)", "h"),
+        "Rigid discs: transmission error over the study",
+        places(life),
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted("Figure 18 of [Tao2024]. Without load the output floats in the clearance: the shaded band is what uniform wear geometrically allows.");
     plot.series.push(
-        Series::band("geometric clearance", life.study.iter().map(|row| (row.hours, 0.0, row.play_arcmin)))
-            .coloured(Colour::Palette(5)),
+        Series::band("geometric clearance", life.levels.iter().map(|row| (place(life, row), 0.0, row.accuracy.play.arcmin())))
+            .coloured(Colour::Palette(6)),
     );
-    type Quantity = (&'static str, fn(&LifeRow) -> Option<MeanAndMax>, u8);
-    let quantities: [Quantity; 2] = [("STE", |row| row.ste_rigid, 0), ("DTE", |row| row.dte_rigid, 1)];
+    type Quantity = (&'static str, fn(&Level) -> Option<MeanAndMax>, u8);
+    let quantities: [Quantity; 2] = [("STE", Level::ste_rigid, 0), ("DTE", Level::dte_rigid, 1)];
     for (name, value, colour) in quantities {
-        let means = over_hours(life.study, value, |v| v.mean_arcmin);
+        let means = over_hours(life, value, |v| v.mean);
         if means.is_empty() {
             continue;
         }
@@ -202,7 +210,7 @@ fn rigid_over_life(life: &LifePage) -> Plot {
             Series::new(
                 format!("{name}, largest"),
                 Style::Dashed,
-                over_hours(life.study, value, |v| v.max_arcmin),
+                over_hours(life, value, |v| v.max),
             )
             .coloured(Colour::Palette(colour)),
         );
@@ -210,20 +218,20 @@ fn rigid_over_life(life: &LifePage) -> Plot {
     let starts: Vec<(f64, f64, f64)> = life
         .study
         .iter()
-        .zip(&life.ste_starts)
-        .filter_map(|(row, spread)| {
+        .filter_map(|row| {
+            let spread = row.rigid.as_ref().and_then(|runs| runs.spread.as_ref());
             let means = || spread.iter().flat_map(|spread| &spread.runs).map(|run| run.mean_abs / ARCMIN);
             means().next()?;
-            Some((row.hours, means().fold(f64::INFINITY, f64::min), means().fold(0.0, f64::max)))
+            Some((place(life, row), means().fold(f64::INFINITY, f64::min), means().fold(0.0, f64::max)))
         })
         .collect();
     if !starts.is_empty() {
-        plot.series.push(Series::band("STE means of other starts", starts).coloured(Colour::Palette(0)));
+        plot.series.push(Series::band("STE means of other starts", starts).coloured(Colour::Palette(3)));
         plot.note.push_str(
-            " The darker band holds the means of runs that start elsewhere in the clearance: undamped rattling is chaotic, so that no single mean is a result.",
+            " The other band holds the means of runs that start elsewhere in the clearance: undamped rattling is chaotic, so that no single mean is a result.",
         );
     }
-    if is_the_papers(life.machine) {
+    if is_its_machine(&life.machine) {
         plot.series.push(
             Series::markers("STE, Tao2024", paper_points(life, STE_MEAN_AT_10_UM, STE_LARGEST))
                 .coloured(Colour::Palette(0)),
@@ -236,10 +244,10 @@ fn rigid_over_life(life: &LifePage) -> Plot {
     plot
 }
 
-fn flexible_over_life(life: &LifePage) -> Plot {
+fn flexible_over_life(life: &Tao2024) -> Plot {
     let mut plot = Plot::new(
-        "Rigid and flexible disc without load over the study",
-        Axis::new("Running time (paper's wear rule)", "h"),
+        "Rigid and elastic discs without load over the study",
+        places(life),
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
@@ -249,30 +257,30 @@ fn flexible_over_life(life: &LifePage) -> Plot {
         Series::new(
             "rigid, mean",
             Style::LineMarkers,
-            over_hours(life.study, |row| row.ste_rigid, |v| v.mean_arcmin),
+            over_hours(life, |row| row.ste_rigid(), |v| v.mean),
         )
         .coloured(Colour::Palette(0)),
     );
     plot.series.push(
         Series::new(
-            "flexible, mean",
+            "elastic, mean",
             Style::LineMarkers,
-            over_hours(life.study, |row| row.ste_flexible, |v| v.mean_arcmin),
+            over_hours(life, |row| row.ste_flexible(), |v| v.mean),
         )
         .coloured(Colour::Palette(2)),
     );
     plot.series.push(
         Series::new(
-            "flexible, largest",
+            "elastic, largest",
             Style::Dashed,
-            over_hours(life.study, |row| row.ste_flexible, |v| v.max_arcmin),
+            over_hours(life, |row| row.ste_flexible(), |v| v.max),
         )
         .coloured(Colour::Palette(2)),
     );
-    if is_the_papers(life.machine) {
+    if is_its_machine(&life.machine) {
         plot.series.push(
             Series::markers(
-                "flexible, Tao2024",
+                "elastic, Tao2024",
                 paper_points(life, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_LARGEST),
             )
             .coloured(Colour::Reference),
@@ -282,23 +290,23 @@ fn flexible_over_life(life: &LifePage) -> Plot {
 }
 
 /// Under load: what the compliance of the disc adds.
-fn loaded_over_life(life: &LifePage) -> Plot {
+fn loaded_over_life(life: &Tao2024) -> Plot {
     let mut plot = Plot::new(
-        "Rigid and flexible disc with sinusoidal load over the study",
-        Axis::new("Running time (paper's wear rule)", "h"),
+        "Rigid and elastic discs with sinusoidal load over the study",
+        places(life),
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
-    .noted("The paper shows no loaded run with a flexible disc.");
-    type Quantity = (&'static str, fn(&LifeRow) -> Option<MeanAndMax>, u8);
+    .noted("The paper shows no loaded run with an elastic disc.");
+    type Quantity = (&'static str, fn(&Level) -> Option<MeanAndMax>, u8);
     let quantities: [Quantity; 2] =
-        [("rigid", |row| row.dte_rigid, 0), ("flexible", |row| row.dte_flexible, 2)];
+        [("rigid", Level::dte_rigid, 0), ("elastic", Level::dte_elastic, 2)];
     for (name, value, colour) in quantities {
         for (part, style, of) in [
-            ("mean", Style::LineMarkers, (|v| v.mean_arcmin) as fn(MeanAndMax) -> f64),
-            ("largest", Style::Dashed, |v| v.max_arcmin),
+            ("mean", Style::LineMarkers, (|v| v.mean) as fn(MeanAndMax) -> f64),
+            ("largest", Style::Dashed, |v| v.max),
         ] {
             plot.series.push(
-                Series::new(format!("{name}, {part}"), style, over_hours(life.study, value, of))
+                Series::new(format!("{name}, {part}"), style, over_hours(life, value, of))
                     .coloured(Colour::Palette(colour)),
             );
         }
@@ -314,31 +322,31 @@ fn at_hours(points: &[(f64, f64)], hours: f64) -> Option<f64> {
     })
 }
 
-fn comparison(life: &LifePage) -> Table {
+fn comparison(life: &Tao2024) -> Table {
     use crate::report::Column;
     let first = hours_at_10_um(life).unwrap_or(0.0);
-    type Row = (&'static str, fn(&LifeRow) -> Option<MeanAndMax>, f64, f64, f64);
+    type Row = (&'static str, fn(&Level) -> Option<MeanAndMax>, f64, f64, f64);
     let rows: [Row; 6] = [
-        ("STE, rigid, 10 µm", |row| row.ste_rigid, first, STE_MEAN_AT_10_UM, 0.0),
-        ("STE, rigid, 6450 h", |row| row.ste_rigid, STE_LARGEST.0, STE_LARGEST.1, 0.0),
-        ("DTE, rigid, 10 µm", |row| row.dte_rigid, first, DTE_MEAN_AT_10_UM, DTE_EXCURSION_AT_10_UM),
-        ("DTE, rigid, 6450 h", |row| row.dte_rigid, DTE_LARGEST.0, DTE_LARGEST.1, 0.0),
+        ("STE, rigid, 10 µm", |row| row.ste_rigid(), first, STE_MEAN_AT_10_UM, 0.0),
+        ("STE, rigid, 6450 h", |row| row.ste_rigid(), STE_LARGEST.0, STE_LARGEST.1, 0.0),
+        ("DTE, rigid, 10 µm", |row| row.dte_rigid(), first, DTE_MEAN_AT_10_UM, DTE_EXCURSION_AT_10_UM),
+        ("DTE, rigid, 6450 h", |row| row.dte_rigid(), DTE_LARGEST.0, DTE_LARGEST.1, 0.0),
         (
-            "STE, flexible, 10 µm",
-            |row| row.ste_flexible,
+            "STE, elastic, 10 µm",
+            |row| row.ste_flexible(),
             first,
             FLEXIBLE_MEAN_AT_10_UM,
             FLEXIBLE_MAX_AT_10_UM,
         ),
-        ("STE, flexible, 7500 h", |row| row.ste_flexible, FLEXIBLE_LARGEST.0, FLEXIBLE_LARGEST.1, 0.0),
+        ("STE, elastic, 7500 h", |row| row.ste_flexible(), FLEXIBLE_LARGEST.0, FLEXIBLE_LARGEST.1, 0.0),
     ];
     let or_dash = |value: f64| if value > 0.0 { format!("{value}") } else { "–".to_owned() };
-    let plays: Vec<(f64, f64)> = life.study.iter().map(|row| (row.hours, row.play_arcmin)).collect();
+    let plays: Vec<(f64, f64)> = life.levels.iter().map(|row| (place(life, row), row.accuracy.play.arcmin())).collect();
     let rows = rows
         .iter()
         .filter_map(|(name, value, hours, paper_mean, paper_max)| {
-            let mean = at_hours(&over_hours(life.study, value, |v| v.mean_arcmin), *hours)?;
-            let max = at_hours(&over_hours(life.study, value, |v| v.max_arcmin), *hours)?;
+            let mean = at_hours(&over_hours(life, value, |v| v.mean), *hours)?;
+            let max = at_hours(&over_hours(life, value, |v| v.max), *hours)?;
             let clearance = at_hours(&plays, *hours)
                 .map_or_else(|| "–".to_owned(), |play| format!("±{}", significant(play, 3)));
             Some(vec![
@@ -369,30 +377,30 @@ fn comparison(life: &LifePage) -> Table {
 }
 
 /// One honest sentence on every difference.
-fn differences(life: &LifePage) -> Vec<String> {
-    let at = |depth: f64| life.study.iter().find(|row| (row.max_depth_um - depth).abs() < 1e-6);
+fn differences(life: &Tao2024) -> Vec<String> {
+    let at = |depth: f64| life.levels.iter().find(|row| (row.depth_um() - depth).abs() < 1e-6);
     let mut texts = Vec::new();
-    if let Some(row) = at(10.0).filter(|row| row.ste_rigid.is_some()) {
+    if let Some(row) = at(10.0).filter(|row| row.ste_rigid().is_some()) {
         texts.push(format!(
             "Without load, rigid: uniform wear of 10 µm lets the output float by ±{} arcmin. Where in this band it rattles depends on the \
              smallest disturbance when nothing damps it, so a mean inside the band, the paper's {STE_MEAN_AT_10_UM} arcmin as well as ours, \
              is not a property of the machine; the band is.",
-            significant(row.play_arcmin, 3)
+            significant(row.accuracy.play.arcmin(), 3)
         ));
     }
-    if let Some(row) = at(50.0).filter(|row| row.ste_rigid.is_some() && row.play_arcmin < STE_LARGEST.1) {
+    if let Some(row) = at(50.0).filter(|row| row.ste_rigid().is_some() && row.accuracy.play.arcmin() < STE_LARGEST.1) {
         texts.push(format!(
             "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows between rigid teeth. It must contain \
              something other than the worn shape: penetration of a soft contact, the spline or the mesh of the contact curve, or a search that \
              jumps between the two flanks of the root.",
             STE_LARGEST.1,
             STE_LARGEST.0,
-            significant(row.play_arcmin, 3)
+            significant(row.accuracy.play.arcmin(), 3)
         ));
     }
     if let Some(row) = at(10.0)
-        .and_then(|row| row.dte_rigid.map(|dte| (row, dte)))
-        .filter(|(row, dte)| dte.max_arcmin > row.play_arcmin)
+        .and_then(|row| row.dte_rigid().map(|dte| (row, dte)))
+        .filter(|(row, dte)| dte.max > row.accuracy.play.arcmin())
     {
         let (row, dte) = row;
         texts.push(format!(
@@ -400,25 +408,25 @@ fn differences(life: &LifePage) -> Vec<String> {
              contact deflection: {} arcmin here. The paper's excursions of about {DTE_EXCURSION_AT_10_UM} arcmin at 10 µm (clearance \
              ±{} arcmin) would need teeth about {} times softer; its small mean of {DTE_MEAN_AT_10_UM} arcmin is what remains when \
              swings of both signs cancel.",
-            significant(dte.max_arcmin, 3),
-            significant(row.play_arcmin, 3),
-            significant((DTE_EXCURSION_AT_10_UM - row.play_arcmin) / (dte.max_arcmin - row.play_arcmin), 2)
+            significant(dte.max, 3),
+            significant(row.accuracy.play.arcmin(), 3),
+            significant((DTE_EXCURSION_AT_10_UM - row.accuracy.play.arcmin()) / (dte.max - row.accuracy.play.arcmin()), 2)
         ));
     }
-    if let Some(flexible) = at(10.0).and_then(|row| row.ste_flexible) {
+    if let Some(flexible) = at(10.0).and_then(|row| row.ste_flexible()) {
         texts.push(format!(
-            "Flexible disc: without load nothing deforms it, so that its clearance is that of the rigid disc and the mean here is {} arcmin. The \
+            "Elastic discs: without load nothing deforms it, so that its clearance is that of the rigid disc and the mean here is {} arcmin. The \
              paper finds {FLEXIBLE_MEAN_AT_10_UM} arcmin and explains it by elasticity. A mesh of linear elements changes the play by as much as \
              the wear studied: contact with its edges takes play away (1 mm jams), contact at its nodes alone adds some (1.3 arcmin at 60 µm and \
              2 mm). `arcmin simulate --flank faceted` and `--flank nodes` show it; neither reaches the paper's figure.",
-            significant(flexible.mean_arcmin, 3)
+            significant(flexible.mean, 3)
         ));
     }
-    if let Some((rigid, flexible)) = at(10.0).and_then(|row| Some((row.dte_rigid?, row.dte_flexible?))) {
+    if let Some((rigid, flexible)) = at(10.0).and_then(|row| Some((row.dte_rigid()?, row.dte_flexible()?))) {
         texts.push(format!(
-            "Under the sinusoidal load the flexible disc swings to {} arcmin instead of {}: the difference is the static compliance of its teeth and body.",
-            significant(flexible.max_arcmin, 3),
-            significant(rigid.max_arcmin, 3)
+            "Under the sinusoidal load the elastic disc swings to {} arcmin instead of {}: the difference is the static compliance of its teeth and body.",
+            significant(flexible.max, 3),
+            significant(rigid.max, 3)
         ));
     }
     texts

@@ -1,6 +1,6 @@
 //! Figures 4 and 7 of Tao2024: the flank with and without wear, and its curvature radius.
 
-use super::LifePage;
+use super::Tao2024;
 use crate::geometry::{Profile, Relief};
 use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, compact, significant};
 use crate::units::{DEG, UM};
@@ -8,15 +8,13 @@ use crate::units::{DEG, UM};
 /// Wear is drawn larger by the largest of these that leaves the drawn outline regular.
 const ENLARGEMENTS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
-pub(super) fn blocks(life: &LifePage) -> Vec<Block> {
-    vec![Block::Plot(outline(life)), Block::Plot(curvature(life)), Block::Plot(sliding(life))]
+pub(super) fn blocks(study: &Tao2024) -> Vec<Block> {
+    vec![Block::Plot(outline(study)), Block::Plot(curvature(study)), Block::Plot(sliding(study))]
 }
 
-fn outline(life: &LifePage) -> Plot {
-    let profile = life.machine.profile();
-    let study_depth = life.study.last().map_or(0.0, |row| row.max_depth_um * UM);
-    let last = life.flanks.last().filter(|worn| !worn.flank.is_zero());
-    let deepest = last.map_or(0.0, |worn| worn.flank.deepest().0).max(study_depth).max(1e-12);
+fn outline(study: &Tao2024) -> Plot {
+    let profile = study.machine.profile();
+    let deepest = study.levels.last().map_or(0.0, |level| level.depth).max(1e-12);
     // An offset by the sharpest convex radius would draw a corner.
     let drawable =
         0.8 * (profile.sharpest_convex_trace().0 - profile.pin_radius).max(0.1 * profile.pin_radius);
@@ -28,21 +26,10 @@ fn outline(life: &LifePage) -> Plot {
         ));
     plot.equal_scales = true;
     plot.series.push(Series::line("as cut", worn_outline(&profile, &Relief::uniform(0.0), 0.0)));
-    if let Some(worn) = last {
-        let name = format!("predicted wear after {:.0} h (×{enlargement:.0})", worn.hours);
-        plot.series.push(Series::line(name, worn_outline(&profile, worn.flank, enlargement)).strong());
-    }
-    if study_depth > 0.0 {
-        let name =
-            format!("uniform {} µm (×{enlargement:.0}), the paper's study", compact(study_depth / UM, 3));
-        plot.series.push(
-            Series::new(
-                name,
-                Style::Dashed,
-                worn_outline(&profile, &Relief::uniform(study_depth), enlargement),
-            )
-            .coloured(Colour::Reference),
-        );
+    if let Some(level) = study.levels.last().filter(|level| level.depth > 0.0) {
+        let name = format!("uniform {} µm (×{enlargement:.0})", compact(level.depth / UM, 3));
+        let outline = worn_outline(&profile, &Relief::uniform(level.depth), enlargement);
+        plot.series.push(Series::new(name, Style::Dashed, outline).coloured(Colour::Palette(1)));
     }
     plot
 }
@@ -65,8 +52,8 @@ fn meshing_angle() -> Axis {
     Axis::new("Meshing angle |φ|", "°").between(0.0, 180.0)
 }
 
-fn curvature(life: &LifePage) -> Plot {
-    let profile = life.machine.profile();
+fn curvature(study: &Tao2024) -> Plot {
+    let profile = study.machine.profile();
     let (sharpest_trace, at) = profile.sharpest_convex_trace();
     let sharpest = sharpest_trace - profile.pin_radius;
     let shown = (8.0 * profile.pin_radius * 1e3).max(4.0 * sharpest.abs() * 1e3);
@@ -104,8 +91,8 @@ fn curvature(life: &LifePage) -> Plot {
     plot
 }
 
-fn sliding(life: &LifePage) -> Plot {
-    let profile = life.machine.profile();
+fn sliding(study: &Tao2024) -> Plot {
+    let profile = study.machine.profile();
     Plot::new("Specific sliding of the disc flank", meshing_angle(), Axis::new("Sliding per length of flank, ξ", "").from_zero())
         .half()
         .with(Series::line(

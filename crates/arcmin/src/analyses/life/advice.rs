@@ -1,0 +1,262 @@
+//! What to change, computed: how the quantity that ends the life first follows the keys of the design.
+
+use rayon::prelude::*;
+
+use super::bearings::bearing_lives;
+use super::verdict::{LifeVerdict, LimitKind};
+use crate::analyses::{AnalysisError, Host};
+use crate::design::{Design, Value};
+use crate::fidelity::Fidelity;
+use crate::life::{LifePoint, Prediction, lost_motion_causes};
+use crate::load::ShareLoad;
+use crate::machine::Machine;
+use crate::report::{compact, significant};
+use crate::units::{ARCMIN, MPA};
+
+/// One change and what it would gain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advice {
+    /// Key of the design.
+    pub key: &'static str,
+    /// Value now and after a realistic change, in the unit of the key.
+    pub from: f64,
+    pub to: f64,
+    /// What ends the life first, now and after the change, in the unit of its kind.
+    pub before: f64,
+    pub after: f64,
+    /// The same as a sentence.
+    pub text: String,
+}
+
+/// A key that may be changed, and how far that is realistic.
+struct Lever {
+    key: &'static str,
+    words: &'static str,
+    unit: &'static str,
+    /// Of the present value.
+    factor: f64,
+    /// Whether the depth worn in given hours follows the value: with it (1), against it (−1), not at all (0).
+    wear: f64,
+}
+
+const fn lever(key: &'static str, words: &'static str, unit: &'static str, factor: f64, wear: f64) -> Lever {
+    Lever { key, words, unit, factor, wear }
+}
+
+/// Accuracy: clearances one class closer, stiffer parts, less wear.
+const ACCURACY: &[Lever] = &[
+    lever("bearings.turning_arm.clearance_um", "turning-arm clearance", "µm", 0.6, 0.0),
+    lever("bearings.crank_support.clearance_um", "clearance of the crank supports", "µm", 0.6, 0.0),
+    lever("bearings.main.clearance_um", "clearance of the main bearings", "µm", 0.6, 0.0),
+    lever("bearings.turning_arm.roller_length_mm", "length of the turning-arm rollers", "mm", 1.15, 0.0),
+    lever("bearings.crank_support.roller_length_mm", "length of the support rollers", "mm", 1.15, 0.0),
+    lever("gear_stage.backlash_um", "backlash of the gears", "µm", 0.6, 0.0),
+    lever("gear_stage.mesh_stiffness_n_per_um", "stiffness of the gear meshes", "N/µm", 1.25, 0.0),
+    lever("disc.modification.equidistant_offset_um", "equidistant offset", "µm", 0.6, 0.0),
+    lever("disc.modification.radial_offset_um", "radial offset", "µm", 0.6, 0.0),
+    lever("disc.width_mm", "disc width", "mm", 1.15, -1.0),
+    lever("wear.coupled.coefficient_mm2_per_n", "wear coefficient (lubricant, surface)", "mm²/N", 0.5, 1.0),
+];
+
+/// Bearing life: larger ratings, lower loads.
+const LIFE: &[Lever] = &[
+    lever("bearings.turning_arm.roller_length_mm", "length of the turning-arm rollers", "mm", 1.15, 0.0),
+    lever("bearings.turning_arm.dynamic_load_rating_kn", "load rating of the turning arms", "kN", 1.15, 0.0),
+    lever("bearings.turning_arm.clearance_um", "turning-arm clearance", "µm", 0.6, 0.0),
+    lever("bearings.crank_support.roller_length_mm", "length of the support rollers", "mm", 1.15, 0.0),
+    lever("bearings.crank_support.dynamic_load_rating_kn", "load rating of the crank supports", "kN", 1.15, 0.0),
+    lever("bearings.crank_support_span_mm", "span of the crank supports", "mm", 1.15, 0.0),
+    lever("crankshafts.count", "crankshafts", "", 1.5, 0.0),
+    lever("load.rated_torque_n_m", "torque of the duty", "N·m", 0.9, 0.0),
+    lever("load.input_speed_rpm", "input speed of the duty", "rpm", 0.9, 0.0),
+];
+
+/// Contact pressure: softer contacts, more of them, less force.
+const PRESSURE: &[Lever] = &[
+    lever("disc.width_mm", "disc width", "mm", 1.15, 0.0),
+    lever("ring.pin_radius_mm", "pin radius", "mm", 1.1, 0.0),
+    lever("disc.modification.equidistant_offset_um", "equidistant offset", "µm", 0.6, 0.0),
+    lever("disc.modification.radial_offset_um", "radial offset", "µm", 0.6, 0.0),
+    lever("bearings.turning_arm.clearance_um", "turning-arm clearance", "µm", 0.6, 0.0),
+    lever("load.rated_torque_n_m", "rated torque", "N·m", 0.9, 0.0),
+];
+
+/// Share of a realistic change at which the sensitivity is taken.
+const SMALL: f64 = 0.05;
+/// Changes named.
+const NAMED: usize = 3;
+/// Crank positions of one evaluation.
+const POSITIONS: usize = 8;
+
+/// The best three changes against what ends the life first.
+///
+/// Slopes are differences at a twentieth of a realistic change; the best three are computed again with the
+/// whole change. A key whose change the design does not take is left out.
+///
+/// # Errors
+/// [`AnalysisError::Stopped`] when the host says so; the present machine always has its value.
+pub(super) fn advise(
+    design: &Design,
+    fidelity: &Fidelity,
+    prediction: &Prediction,
+    verdict: &LifeVerdict,
+    host: &dyn Host,
+) -> Result<Vec<Advice>, AnalysisError> {
+    let kind = verdict.limited_by().map_or(LimitKind::LostMotion, |limit| limit.kind);
+    let question = Question { kind, fidelity, prediction };
+    let levers = match kind {
+        LimitKind::LostMotion | LimitKind::Backlash | LimitKind::TransmissionError => ACCURACY,
+        LimitKind::BearingLife => LIFE,
+        LimitKind::ContactPressure => PRESSURE,
+        // What the duty asks for, and findings, say themselves what to change.
+        _ => return Ok(Vec::new()),
+    };
+    let machine = design.machine();
+    let Some(before) = question.ask(&machine, 0.0) else { return Ok(Vec::new()) };
+    let mut slopes: Vec<(&Lever, f64, f64)> = levers
+        .par_iter()
+        .filter_map(|lever| {
+            let from = match design.get(lever.key).ok()? {
+                Value::Number(number) => number,
+                Value::Count(count) => count as f64,
+                _ => return None,
+            };
+            if from == 0.0 || host.is_cancelled() {
+                return None;
+            }
+            // A count has no small step.
+            let share = if lever.key == "crankshafts.count" { 1.0 } else { SMALL };
+            let step = share * (lever.factor - 1.0);
+            let after = question.with(design, lever, from * (1.0 + step))?;
+            Some((lever, from, kind_sign(kind) * (after - before) / share))
+        })
+        .collect();
+    slopes.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let best: Vec<Advice> = slopes
+        .into_par_iter()
+        .filter(|(_, _, gain)| *gain > 0.005 * before.abs())
+        .take_any_while(|_| !host.is_cancelled())
+        .collect::<Vec<_>>()
+        .into_iter()
+        .take(NAMED)
+        .filter_map(|(lever, from, _)| {
+            let to = from * lever.factor;
+            let after = question.with(design, lever, to)?;
+            let text = sentence(lever, from, to, kind, before, after);
+            (kind_sign(kind) * (after - before) > 0.0)
+                .then_some(Advice { key: lever.key, from, to, before, after, text })
+        })
+        .collect();
+    if host.is_cancelled() { Err(AnalysisError::Stopped) } else { Ok(best) }
+}
+
+/// +1 where more is better.
+fn kind_sign(kind: LimitKind) -> f64 {
+    if kind == LimitKind::BearingLife { 1.0 } else { -1.0 }
+}
+
+fn sentence(lever: &Lever, from: f64, to: f64, kind: LimitKind, before: f64, after: f64) -> String {
+    let amount = |value: f64| match kind {
+        LimitKind::BearingLife => format!("{value:.0}"),
+        LimitKind::ContactPressure => significant(value, 4),
+        _ => significant(value, 3),
+    };
+    let unit = if lever.unit.is_empty() { String::new() } else { format!(" {}", lever.unit) };
+    let of = match kind {
+        LimitKind::BearingLife => "shortest bearing life",
+        LimitKind::ContactPressure => "largest contact pressure",
+        LimitKind::Backlash => "backlash",
+        LimitKind::TransmissionError => "transmission error",
+        _ => "lost motion at the end of the service life",
+    };
+    format!(
+        "{} {} → {}{unit}: {of} {} → {} {}",
+        lever.words,
+        compact(from, 3),
+        compact(to, 3),
+        amount(before),
+        amount(after),
+        kind.unit()
+    )
+}
+
+/// The quantity that ends the life first, cheaply, for a changed machine.
+struct Question<'a> {
+    kind: LimitKind,
+    fidelity: &'a Fidelity,
+    prediction: &'a Prediction,
+}
+
+impl Question<'_> {
+    fn with(&self, design: &Design, lever: &Lever, value: f64) -> Option<f64> {
+        let from = match design.get(lever.key).ok()? {
+            Value::Count(count) => count as f64,
+            Value::Number(number) => number,
+            _ => return None,
+        };
+        let value = if lever.key == "crankshafts.count" { value.round() } else { value };
+        let mut machine = design.with(lever.key, value).ok()?.machine();
+        // The duty is given in rows of its own, or is the rated point.
+        let scale = value / from;
+        match lever.key {
+            "load.rated_torque_n_m" if self.kind == LimitKind::BearingLife => {
+                let rated = design.machine();
+                machine.duty = rated.duty;
+                machine.duty.iter_mut().for_each(|row| row.torque *= scale);
+                machine.rated.torque = rated.rated.torque;
+            }
+            "load.input_speed_rpm" => {
+                machine.duty = design.machine().duty;
+                machine.duty.iter_mut().for_each(|row| row.input_speed *= scale);
+            }
+            _ => {}
+        }
+        self.ask(&machine, lever.wear * scale.ln())
+    }
+
+    /// `rate`: logarithm of the factor on the rate of wear. A wear rate times s reaches at H hours what the
+    /// present one reaches at s H: both follow the same states.
+    fn ask(&self, machine: &Machine, rate: f64) -> Option<f64> {
+        match self.kind {
+            LimitKind::BearingLife => {
+                let settings = self.fidelity.joint_settings().ok()?;
+                Some(bearing_lives(machine, &settings, POSITIONS).ok()?.worst()?.life_h)
+            }
+            LimitKind::ContactPressure => {
+                let point = self.largest_pressure()?;
+                let mut meshing = self.fidelity.meshing(machine).ok()?;
+                point.state.put_on(machine, &mut meshing);
+                let cycle = meshing.whole_cycle(machine.rated.torque, POSITIONS).ok()?;
+                Some(cycle.max_pressure(&machine.line_contact()) / MPA)
+            }
+            _ => {
+                let joints = self.fidelity.in_bearings(machine).ok()?;
+                let (point, rest) = self.worn(rate)?;
+                let lost = lost_motion_causes(machine, joints, &point.state).ok()?.lost_motion.whole / ARCMIN;
+                Some(lost + rest)
+            }
+        }
+    }
+
+    fn largest_pressure(&self) -> Option<&LifePoint> {
+        let pressure = |point: &&LifePoint| point.accuracy.max_pressure;
+        self.prediction.points.iter().max_by(|a, b| pressure(a).total_cmp(&pressure(b)))
+    }
+
+    /// The point of the prediction next to the wear wanted, and what lost motion of the present machine grows
+    /// from there on, in arcmin.
+    fn worn(&self, rate: f64) -> Option<(&LifePoint, f64)> {
+        let points = &self.prediction.points;
+        let end = points.last()?.hours();
+        let hours = end * rate.exp();
+        let at = points.partition_point(|point| point.hours() < hours).min(points.len() - 1);
+        let (here, before) = (&points[at], &points[at.saturating_sub(1)]);
+        let width = here.hours() - before.hours();
+        let slope = if width > 0.0 {
+            (here.lost_motion().arcmin() - before.lost_motion().arcmin()) / width
+        } else {
+            0.0
+        };
+        Some((here, slope * (hours - here.hours())))
+    }
+}

@@ -1,0 +1,102 @@
+//! Static and dynamic transmission error of the multibody model along the predicted life.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::analyses::simulate::dynamics;
+use crate::analyses::AnalysisError;
+use crate::dynamics::{Drive, ErrorStatistics, OutputLoad, Run, RunPlan, RunResult};
+use crate::fidelity::Fidelity;
+use crate::life::WornState;
+use crate::machine::Machine;
+use crate::progress::Progress;
+
+/// The machine in motion at one age.
+#[derive(Debug, Clone)]
+pub struct Age {
+    /// Which point of the prediction.
+    pub point: usize,
+    pub hours: f64,
+    /// Without load.
+    pub unloaded: RunResult,
+    /// Under the sinusoidal load.
+    pub loaded: RunResult,
+}
+
+/// 0.1 s to rated speed, then one period of the load.
+pub(super) const RISE: f64 = 0.1;
+pub(super) const PERIOD: f64 = 0.3;
+
+/// New, a quarter, a half, three quarters, the end: which points of the prediction.
+pub(super) fn points(intervals: usize) -> Vec<usize> {
+    let mut points: Vec<usize> = (0..=4).map(|quarter| (intervals * quarter + 2) / 4).collect();
+    points.dedup();
+    points
+}
+
+/// What is run at one age.
+#[derive(Debug, Clone)]
+pub(super) struct Job {
+    pub point: usize,
+    pub state: WornState,
+    pub loaded: bool,
+}
+
+/// Collects runs from whichever thread did them.
+#[derive(Default)]
+pub(super) struct Runs(Mutex<Vec<(Job, Result<RunResult, AnalysisError>)>>);
+
+impl Runs {
+    pub fn run(&self, job: Job, machine: &Machine, fidelity: &Fidelity, progress: &dyn Progress) {
+        let result = simulate(&job, machine, fidelity, progress);
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push((job, result));
+    }
+
+    /// The ages in order, or the first error.
+    pub fn ages(self) -> Result<Vec<Age>, AnalysisError> {
+        let mut runs = self.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        runs.sort_by_key(|(job, _)| (job.point, job.loaded));
+        let mut ages = Vec::with_capacity(runs.len() / 2);
+        let mut runs = runs.into_iter();
+        while let (Some((job, unloaded)), Some((_, loaded))) = (runs.next(), runs.next()) {
+            ages.push(Age { point: job.point, hours: job.state.hours, unloaded: unloaded?, loaded: loaded? });
+        }
+        Ok(ages)
+    }
+}
+
+fn simulate(
+    job: &Job,
+    machine: &Machine,
+    fidelity: &Fidelity,
+    progress: &dyn Progress,
+) -> Result<RunResult, AnalysisError> {
+    let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: RISE };
+    let load = if job.loaded {
+        OutputLoad::Sine { amplitude: machine.rated.torque, period: PERIOD }
+    } else {
+        OutputLoad::None
+    };
+    let model = fidelity.model(machine, &job.state, drive, load, 0.0, None)?;
+    let plan = RunPlan { end: RISE + PERIOD, window_start: RISE, ..RunPlan::default() };
+    let failed = || dynamics("simulate the transmission error");
+    let mut run = Run::new(model, plan, progress).map_err(failed())?;
+    run.finish(progress).map_err(failed())?;
+    Ok(run.result())
+}
+
+/// Both jobs of one age.
+pub(super) fn jobs(point: usize, state: &WornState) -> [Job; 2] {
+    [false, true].map(|loaded| Job { point, state: state.clone(), loaded })
+}
+
+impl Age {
+    /// STE and DTE over the window.
+    pub fn statistics(&self) -> [Option<ErrorStatistics>; 2] {
+        [self.unloaded.statistics, self.loaded.statistics]
+    }
+}
+
+/// Whether nothing holds the output in its play while it runs without load.
+pub(super) fn rattles(machine: &Machine) -> bool {
+    machine.friction.seal_drag == 0.0
+}

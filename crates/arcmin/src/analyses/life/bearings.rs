@@ -1,0 +1,173 @@
+//! Rating lives of all bearings at the duty.
+
+use crate::analyses::AnalysisError;
+use crate::dynamics::JointSettings;
+use crate::machine::{DutyPoint, Machine, RollerKind};
+use crate::results::{TableOf, decimals, quantities as q, quantity};
+use crate::rig::{BearingLoad, bearing_loads};
+use crate::units::HOUR;
+
+/// Basic rating life of one bearing at the duty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BearingLife {
+    pub name: String,
+    /// Equivalent dynamic load P in N over duty and crank turn.
+    pub equivalent: f64,
+    /// C in N.
+    pub rating: f64,
+    /// L10h in h.
+    pub life_h: f64,
+}
+
+/// All turning-arm bearings and crank supports.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BearingLives {
+    pub bearings: Vec<BearingLife>,
+    /// L10h in h of all bearings together.
+    pub system_h: f64,
+}
+
+/// Crank positions over a turn of the crankshafts.
+pub(super) const POSITIONS: usize = 24;
+/// Weibull slope of rolling bearings with line contact (ISO 281; Lundberg and Palmgren).
+const WEIBULL_SLOPE: f64 = 9.0 / 8.0;
+
+/// `bearing_life.csv`.
+pub(super) const TABLE: TableOf<BearingLife> = TableOf {
+    name: "bearing_life",
+    what: "One bearing a row, at the design's duty",
+    columns: || {
+        vec![
+            q::BEARING.of(|b: &BearingLife| b.name.clone().into()),
+            quantity(
+                "duty_equivalent_load_n",
+                decimals(0),
+                "Equivalent dynamic load over duty and crank turn (ISO 281, exponent 10/3, balls 3).",
+            )
+            .of(|b| b.equivalent.into()),
+            quantity("dynamic_load_rating_n", decimals(0), "Basic dynamic load rating C.").of(|b| b.rating.into()),
+            quantity("life_l10_h", decimals(0), "Basic rating life L10 at the duty.").of(|b| b.life_h.into()),
+        ]
+    },
+};
+
+/// Rating lives of the new machine by ISO 281: damages of the rows of the duty add up (Palmgren–Miner), and
+/// the system survives as long as every bearing does, L^(−e) = Σ L_i^(−e) with e = 9/8. Rows without torque or
+/// speed do no damage.
+///
+/// # Errors
+/// [`AnalysisError`] where a balance cannot be found.
+pub fn bearing_lives(
+    machine: &Machine,
+    settings: &JointSettings,
+    positions: usize,
+) -> Result<BearingLives, AnalysisError> {
+    let acts = |row: &&DutyPoint| {
+        row.torque.abs() > 1e-6 * machine.rated.torque.abs() && row.input_speed != 0.0 && row.share > 0.0
+    };
+    let mut rows: Vec<(f64, Vec<BearingLoad>)> = Vec::new();
+    for row in machine.duty.iter().filter(acts) {
+        let at_row = Machine { rated: DutyPoint { share: 1.0, ..*row }, ..machine.clone() };
+        let loads = bearing_loads(&at_row, settings, positions)
+            .map_err(AnalysisError::compute("find the loads of the bearings"))?;
+        rows.push((row.share, loads));
+    }
+    let count = rows.first().map_or(0, |(_, loads)| loads.len());
+    let bearings: Vec<BearingLife> = (0..count)
+        .map(|index| {
+            let of = |loads: &[BearingLoad]| (loads[index].life_h(), loads[index].rating);
+            let damage: f64 = rows.iter().map(|(share, loads)| share / of(loads).0).sum();
+            let speed: f64 = rows.iter().map(|(share, loads)| share * turns_per_hour(&loads[index], machine)).sum();
+            let (_, rating) = of(&rows[0].1);
+            let life_h = 1.0 / damage;
+            let power = exponent(machine, &rows[0].1[index].name);
+            BearingLife {
+                name: rows[0].1[index].name.clone(),
+                equivalent: rating * (1e6 / (life_h * speed)).powf(1.0 / power),
+                rating,
+                life_h,
+            }
+        })
+        .collect();
+    let system: f64 = bearings.iter().map(|bearing| bearing.life_h.powf(-WEIBULL_SLOPE)).sum();
+    Ok(BearingLives { bearings, system_h: system.powf(-1.0 / WEIBULL_SLOPE) })
+}
+
+fn exponent(machine: &Machine, name: &str) -> f64 {
+    let bearing = if name.starts_with("turning arm") {
+        &machine.bearings.turning_arm
+    } else {
+        &machine.bearings.crank_support
+    };
+    if bearing.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 }
+}
+
+/// From the definition of its own life: L10h = (C/P)^p 10⁶ turns.
+fn turns_per_hour(load: &BearingLoad, machine: &Machine) -> f64 {
+    1e6 * (load.rating / load.equivalent).powf(exponent(machine, &load.name)) / (load.life / HOUR)
+}
+
+impl BearingLives {
+    /// The bearing that lasts shortest; `None` where nothing turns under load.
+    pub fn worst(&self) -> Option<&BearingLife> {
+        self.bearings.iter().min_by(|a, b| a.life_h.total_cmp(&b.life_h))
+    }
+}
+
+/// The maker's catalogue life (hours at rated torque and 15 rpm of the output) at the duty, by ISO 281:
+/// L = L_c (15/n_m) (T_r/T_m)^(10/3), n_m and T_m the mean speed and the equivalent torque of the duty. `None`
+/// where nothing turns under load.
+pub fn catalogue_life_at_duty(machine: &Machine, hours: f64) -> Option<f64> {
+    const CATALOGUE_RPM: f64 = 15.0;
+    let power = 10.0 / 3.0;
+    let kinematics = machine.kinematics();
+    let speed = |row: &DutyPoint| (kinematics.speeds(row.input_speed).0 / crate::units::RPM).abs();
+    let damage: f64 = machine
+        .duty
+        .iter()
+        .map(|row| row.share * speed(row) / CATALOGUE_RPM * (row.torque / machine.rated.torque).abs().powf(power))
+        .sum();
+    (damage > 0.0).then(|| hours / damage)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One row: the life of the bench. Two halves at full and half torque: 2/(1 + 2^(−10/3)) of it, as near as
+    /// loads follow the torque.
+    #[test]
+    fn lives_follow_the_duty() {
+        let machine = crate::templates::rv_40e_81();
+        let settings = JointSettings::default();
+        let one = bearing_lives(&machine, &settings, 12).unwrap();
+        let bench = bearing_loads(&machine, &settings, 12).unwrap();
+        for (life, load) in one.bearings.iter().zip(&bench) {
+            assert!((life.life_h / load.life_h() - 1.0).abs() < 1e-9);
+            assert!((life.equivalent / load.equivalent - 1.0).abs() < 1e-9);
+        }
+        let (worst, system) = (one.worst().unwrap().life_h, one.system_h);
+        assert!(system < worst && system > worst / (one.bearings.len() as f64).powf(8.0 / 9.0), "{system}");
+        let mut two = machine.clone();
+        two.duty = vec![
+            DutyPoint { share: 0.5, ..machine.rated },
+            DutyPoint { share: 0.5, torque: 0.5 * machine.rated.torque, ..machine.rated },
+        ];
+        let of_two = bearing_lives(&two, &settings, 12).unwrap();
+        let expected = 2.0 / (1.0 + 0.5_f64.powf(10.0 / 3.0));
+        let found = of_two.worst().unwrap().life_h / worst;
+        assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+    }
+
+    /// At rated torque and 15 rpm of the output the catalogue's life is the life.
+    #[test]
+    fn catalogue_life_is_kept_at_its_own_conditions() {
+        let mut machine = crate::templates::rv_40e_81();
+        let speed = 15.0 * crate::units::RPM * machine.kinematics().ratio();
+        machine.duty = vec![DutyPoint { input_speed: speed, share: 1.0, ..machine.rated }];
+        assert!((catalogue_life_at_duty(&machine, 6000.0).unwrap() - 6000.0).abs() < 1e-6);
+        machine.duty[0].torque *= 0.5;
+        let half = catalogue_life_at_duty(&machine, 6000.0).unwrap();
+        assert!((half / 6000.0 - 2.0_f64.powf(10.0 / 3.0)).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,218 @@
+//! Tables and figures of the life of a machine.
+
+use super::ages::Age;
+use super::{Life, bearings};
+use crate::analyses::causes::{self, CausesAt, HasCauses};
+use crate::analyses::{errors_table, wear};
+use crate::dynamics::ErrorStatistics;
+use crate::fidelity::Fidelity;
+use crate::life::{LifePoint, PartsPoint};
+use crate::results::{
+    DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, quantities as q, quantity,
+};
+use crate::units::{ARCMIN, DEG, HOUR, MPA, UM};
+
+/// One time of the prediction, in trade units, with the multibody runs where there are some.
+pub(super) struct Row {
+    hours: f64,
+    max_depth_um: f64,
+    play_arcmin: f64,
+    lost_motion_arcmin: f64,
+    contact_lost_motion_arcmin: f64,
+    te_no_load_arcmin: f64,
+    te_loaded_arcmin: f64,
+    /// STE and DTE.
+    te: [Option<ErrorStatistics>; 2],
+    max_force_n: f64,
+    max_pressure_mpa: f64,
+    loaded_pairs: f64,
+    free_travel_arcmin: f64,
+    peak_to_peak_arcmin: f64,
+    max_depth_at_deg: f64,
+    max_pin_depth_um: f64,
+}
+
+impl Row {
+    fn new(point: &LifePoint, age: Option<&Age>) -> Row {
+        let accuracy = &point.accuracy;
+        Row {
+            hours: point.hours(),
+            max_depth_um: accuracy.max_depth / UM,
+            play_arcmin: accuracy.play.arcmin(),
+            lost_motion_arcmin: point.lost_motion().arcmin(),
+            contact_lost_motion_arcmin: point.contact_lost_motion.arcmin(),
+            te_no_load_arcmin: accuracy.no_load_error.arcmin(),
+            te_loaded_arcmin: accuracy.loaded_error.arcmin(),
+            te: age.map_or([None, None], Age::statistics),
+            max_force_n: accuracy.max_force,
+            max_pressure_mpa: accuracy.max_pressure / MPA,
+            loaded_pairs: accuracy.loaded_pairs,
+            free_travel_arcmin: accuracy.free_travel.arcmin(),
+            peak_to_peak_arcmin: accuracy.loaded_peak_to_peak.arcmin(),
+            max_depth_at_deg: accuracy.max_depth_at.abs() / DEG,
+            max_pin_depth_um: point.state.surfaces.pin().deepest().0 / UM,
+        }
+    }
+
+    fn te(&self, loaded: bool, of: fn(&ErrorStatistics) -> f64) -> Value {
+        Value::from(self.te[usize::from(loaded)].map(|statistics| of(&statistics) / ARCMIN))
+    }
+}
+
+const STE_MEAN: Quantity = quantity(
+    "ste_mean_arcmin",
+    decimals(3),
+    "Mean of |TE| of the multibody run without load, in the same fidelity. Without drag the output rattles \
+     freely in its play and this mean depends on the start; the band is what the machine has.",
+);
+const STE_MAX: Quantity =
+    quantity("ste_max_arcmin", decimals(3), "Largest |TE| of the multibody run without load.");
+const DTE_MEAN: Quantity = quantity(
+    "dte_mean_arcmin",
+    decimals(3),
+    "Mean of |TE| of the multibody run under a sinusoidal load of the rated torque, period 0.3 s.",
+);
+const DTE_MAX: Quantity =
+    quantity("dte_max_arcmin", decimals(3), "Largest |TE| of the multibody run under the sinusoidal load.");
+
+const LIFE: TableOf<Row> = TableOf {
+    name: "life",
+    what: "The machine at one time of its life a row; STE and DTE at five of them",
+    columns: || {
+        vec![
+            q::HOURS.of(|r: &Row| r.hours.into()),
+            q::MAX_DEPTH.of(|r| r.max_depth_um.into()),
+            q::PLAY.of(|r| r.play_arcmin.into()),
+            q::LOST_MOTION.of(|r| r.lost_motion_arcmin.into()),
+            q::CONTACT_LOST_MOTION.of(|r| r.contact_lost_motion_arcmin.into()),
+            q::TE_NO_LOAD.of(|r| r.te_no_load_arcmin.into()),
+            q::TE_LOADED.of(|r| r.te_loaded_arcmin.into()),
+            STE_MEAN.of(|r| r.te(false, |s| s.mean_abs)),
+            STE_MAX.of(|r| r.te(false, |s| s.max_abs)),
+            DTE_MEAN.of(|r| r.te(true, |s| s.mean_abs)),
+            DTE_MAX.of(|r| r.te(true, |s| s.max_abs)),
+            q::MAX_FORCE.of(|r| r.max_force_n.into()),
+            q::MAX_PRESSURE.of(|r| r.max_pressure_mpa.into()),
+            q::LOADED_PAIRS.of(|r| r.loaded_pairs.into()),
+            q::FREE_TRAVEL.of(|r| r.free_travel_arcmin.into()),
+            q::TE_LOADED_PEAK_TO_PEAK.of(|r| r.peak_to_peak_arcmin.into()),
+            q::MAX_DEPTH_AT.of(|r| r.max_depth_at_deg.into()),
+            q::MAX_PIN_DEPTH.of(|r| r.max_pin_depth_um.into()),
+        ]
+    },
+};
+
+pub fn tables() -> Vec<DeclaredTable> {
+    vec![
+        LIFE.into(),
+        wear::WEAR_TABLE.into(),
+        causes::TABLE.into(),
+        bearings::TABLE.into(),
+        errors_table::TABLE.into(),
+    ]
+}
+
+pub(super) fn fill(life: &Life) -> Vec<Table> {
+    let points = &life.prediction.points;
+    let places: Vec<_> =
+        points.iter().flat_map(|point| wear::places(&life.machine, &point.state, &point.accuracy)).collect();
+    let mut tables = vec![
+        life_table(life),
+        wear::WEAR_TABLE.fill(&places),
+        causes::TABLE.fill(&life.causes_over_hours()),
+        bearings::TABLE.fill(&life.bearings.bearings),
+    ];
+    tables.extend(errors_table::table(&life.fidelity));
+    tables
+}
+
+/// `life.csv`.
+pub(super) fn life_table(life: &Life) -> Table {
+    let points = life.prediction.points.iter().enumerate();
+    let row = |(index, point)| Row::new(point, life.ages.iter().find(|age| age.point == index));
+    LIFE.fill(&points.map(row).collect::<Vec<Row>>())
+}
+
+pub const SUMMARY: SummaryOf<Life> = SummaryOf {
+    entries: || {
+        let mut entries = vec![
+            q::RATIO.of(|o: &Life| o.machine.kinematics().ratio().into()),
+            quantity("verdict.ok", PLAIN, "Whether every limit is kept for the planned service life.")
+                .of(|o| o.verdict.ok().into()),
+            quantity("verdict.limited_by", PLAIN, "The limit that ends the life first.")
+                .of(|o| Value::from(o.verdict.limited_by().map(|limit| limit.kind.key()))),
+            quantity(
+                "verdict.limits",
+                PLAIN,
+                "Every limit: which, of which part, value found and value allowed in its unit, the hours for which                  it is kept (null: as long as was computed), and whether it is exceeded only before contacts have                  worn in.",
+            )
+            .of(|o| o.verdict.value()),
+            quantity("hours_to_limit", decimals(0), "Hours until the first of all limits is reached.")
+                .of(|o| o.verdict.hours_to_limit().into()),
+            quantity(
+                "hours_to_lost_motion_limit",
+                decimals(0),
+                "Hours until the lost motion of the whole machine reaches its limit.",
+            )
+            .of(|o| o.prediction.hours_to_limit.into()),
+            quantity("searched_h", decimals(0), "Hours up to which the limit of lost motion was looked for.")
+                .of(|o| o.prediction.searched_hours.into()),
+            quantity("service_life_h", decimals(0), "Planned service life.")
+                .of(|o| (o.machine.limits.service_life / HOUR).into()),
+            q::LOST_MOTION.of(|o| o.last().lost_motion().arcmin().into()),
+            quantity("lost_motion_new_arcmin", decimals(3), "Lost motion of the whole machine when new.")
+                .of(|o| o.first().lost_motion().arcmin().into()),
+            quantity("limit_lost_motion_arcmin", decimals(3), "Lost motion that the design allows.")
+                .of(|o| (o.machine.limits.lost_motion / ARCMIN).into()),
+            q::CONTACT_LOST_MOTION.of(|o| o.last().contact_lost_motion.arcmin().into()),
+            q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
+            q::MAX_DEPTH_AT.of(|o| (o.last().accuracy.max_depth_at.abs() / DEG).into()),
+            q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
+            q::PLAY.of(|o| o.last().accuracy.play.arcmin().into()),
+            q::TE_NO_LOAD.of(|o| o.last().accuracy.no_load_error.arcmin().into()),
+            q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
+            q::TE_LOADED_PEAK_TO_PEAK.of(|o| o.last().accuracy.loaded_peak_to_peak.arcmin().into()),
+            STE_MEAN.of(|o| o.last_te(false, |s| s.mean_abs)),
+            STE_MAX.of(|o| o.last_te(false, |s| s.max_abs)),
+            DTE_MEAN.of(|o| o.last_te(true, |s| s.mean_abs)),
+            DTE_MAX.of(|o| o.last_te(true, |s| s.max_abs)),
+            q::MAX_FORCE.of(|o| o.over_life(|point| point.accuracy.max_force).into()),
+            q::MAX_PRESSURE.of(|o| (o.over_life(|point| point.accuracy.max_pressure) / MPA).into()),
+            q::LOADED_PAIRS.of(|o| o.last().accuracy.loaded_pairs.into()),
+            quantity("bearing_system_life_h", decimals(0), "L10 of all bearings together (Weibull slope 9/8).")
+                .of(|o| (!o.bearings.bearings.is_empty()).then_some(o.bearings.system_h).into()),
+            q::WEAR_COEFFICIENT.of(|o| o.prediction.exposure.coefficient.into()),
+            q::FLANK_UPDATES.of(|o| o.prediction.updates.into()),
+            quantity("advice", PLAIN, "What to change first, with what it gains of the limit reached first.")
+                .of(|o| Value::list(o.advice.iter().map(|advice| advice.text.clone()))),
+            quantity("stages", PLAIN, "Wall seconds of the stages; some run side by side.").of(|o| {
+                Value::Record(o.stages.iter().map(|(stage, seconds)| (*stage, (*seconds).into())).collect())
+            }),
+        ];
+        entries.extend(causes::entries());
+        entries.extend(Fidelity::entries());
+        entries
+    },
+};
+
+impl Life {
+    pub(super) fn causes_over_hours(&self) -> Vec<CausesAt> {
+        let at = |point: &LifePoint| CausesAt { hours: point.hours(), point: point.parts };
+        self.prediction.points.iter().map(at).collect()
+    }
+
+    fn last_te(&self, loaded: bool, of: fn(&ErrorStatistics) -> f64) -> Value {
+        let statistics = self.ages.last().and_then(|age| age.statistics()[usize::from(loaded)]);
+        Value::from(statistics.map(|statistics| of(&statistics) / ARCMIN))
+    }
+
+    fn over_life(&self, of: impl Fn(&LifePoint) -> f64) -> f64 {
+        self.prediction.points.iter().map(of).fold(0.0, f64::max)
+    }
+}
+
+impl HasCauses for Life {
+    fn causes(&self) -> Option<&PartsPoint> {
+        Some(&self.last().parts)
+    }
+}

@@ -1,0 +1,303 @@
+//! Figures of the report of a life.
+
+use super::ages::Age;
+use super::{Life, page};
+use crate::analyses::wear::stations;
+use crate::dynamics::RunResult;
+use crate::geometry::Relief;
+use crate::life::LifePoint;
+use crate::report::{
+    Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, compact, envelope, significant, thinned,
+};
+use crate::units::{ARCMIN, DEG, MPA, UM};
+
+/// Curves that a reader can tell apart in one figure.
+const CURVES: usize = 5;
+/// Steps of the meshing angle over which the largest value is taken, in degrees.
+const STEP_DEG: f64 = 2.5;
+
+fn hours() -> Axis {
+    Axis::new("Running time", "h")
+}
+
+fn meshing_angle() -> Axis {
+    Axis::new("Meshing angle |φ|", "°").between(0.0, 180.0)
+}
+
+/// Sign of the meshing angles that carry the rated torque: positive torque loads the negative ones.
+fn loaded_side(life: &Life) -> f64 {
+    if life.machine.rated.torque < 0.0 { 1.0 } else { -1.0 }
+}
+
+fn over(life: &Life, value: impl Fn(&LifePoint) -> f64) -> Vec<(f64, f64)> {
+    life.prediction.points.iter().map(|point| (point.hours(), value(point))).collect()
+}
+
+pub(super) fn accuracy(life: &Life) -> Vec<Block> {
+    let mut angles = Plot::new(
+        "Accuracy over running time",
+        hours(),
+        Axis::new("Angle at the output", "arcmin").from_zero(),
+    )
+    .with(
+        Series::line("lost motion of the machine at ±3 % torque", over(life, |p| p.lost_motion().arcmin()))
+            .strong()
+            .coloured(Colour::Palette(0)),
+    )
+    .with(
+        Series::new("play, one-sided", Style::Dashed, over(life, |p| p.accuracy.play.arcmin()))
+            .coloured(Colour::Palette(2)),
+    )
+    .with(
+        Series::line("size of the error at rated torque", over(life, |p| p.accuracy.loaded_error.arcmin().abs()))
+            .coloured(Colour::Palette(1)),
+    )
+    .noted(
+        "While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, which \
+         no one notices; it shows when the torque reverses, as lost motion [GBT40731].",
+    );
+    let limit = life.machine.limits.lost_motion / ARCMIN;
+    angles.limit_at(limit, format!("{} arcmin of lost motion allowed", compact(limit, 3)));
+    let end = life.last().hours();
+    // Far beyond the computed life it would only squeeze the curves.
+    if let Some(at) = life.prediction.hours_to_limit.filter(|at| *at <= 1.1 * end) {
+        let label = format!("limit reached, {at:.0} h");
+        angles.annotations.push(Annotation::Vertical { at, label, tone: Tone::Bad });
+    }
+    let mut pressure =
+        Plot::new("Largest contact pressure", hours(), Axis::new("Pressure", "MPa").from_zero())
+            .with(Series::line("largest of all pins", over(life, |p| p.accuracy.max_pressure / MPA)))
+            .noted("Hertz pressure between pin and flank at rated torque, over everything that repeats.")
+            .half();
+    let allowed = life.machine.limits.contact_pressure / MPA;
+    pressure.limit_at(allowed, format!("{} MPa allowed", compact(allowed, 4)));
+    let pairs = Plot::new("Pins that carry, per disc", hours(), Axis::new("Loaded pairs", "").from_zero())
+        .with(Series::line("mean over the cycle", over(life, |p| p.accuracy.loaded_pairs)))
+        .noted("Mean number of pins that carry force on one disc at rated torque.")
+        .half();
+    vec![
+        Block::Plot(angles),
+        Block::Plot(pressure),
+        Block::Plot(pairs),
+        Block::Table(page::life_table(life)),
+    ]
+}
+
+/// Points of the prediction as a reader can tell them apart, with their place among them.
+fn shown(life: &Life) -> Vec<(&LifePoint, Colour)> {
+    let points = &life.prediction.points;
+    let last = points.len().saturating_sub(1).max(1) as f64;
+    stations(points.len(), CURVES).map(|index| (&points[index], Colour::Ordered(index as f64 / last))).collect()
+}
+
+fn name(point: &LifePoint) -> String {
+    if point.hours() == 0.0 { "new".to_owned() } else { format!("{:.0} h", point.hours()) }
+}
+
+pub(super) fn wear(life: &Life) -> Vec<Block> {
+    let depth = Plot::new("Deepest wear over running time", hours(), Axis::new("Largest depth", "µm").from_zero())
+        .half()
+        .with(Series::line("flank", over(life, |p| p.accuracy.max_depth / UM)).strong())
+        .noted(format!(
+            "Wear law [Archard1953] with k = {} 1/Pa; the worn flank changes the load sharing, so that wear slows \
+             down by itself.",
+            significant(life.prediction.exposure.coefficient, 3)
+        ));
+    let side = loaded_side(life);
+    let along = |flank: &Relief, side: f64| -> Vec<(f64, f64)> {
+        let at = |half: i32| (0.5 * f64::from(half), flank.at(side * 0.5 * f64::from(half) * DEG).depth / UM);
+        (0..=360).map(at).collect()
+    };
+    let mut flank =
+        Plot::new("Wear along the flank", meshing_angle(), Axis::new("Worn depth", "µm").from_zero()).half();
+    for (point, colour) in shown(life).into_iter().filter(|(point, _)| point.accuracy.max_depth > 0.0) {
+        flank.series.push(Series::line(name(point), along(&point.accuracy.flank, side)).coloured(colour));
+    }
+    let end = life.last();
+    let other = along(&end.accuracy.flank, -side);
+    // Beyond the contact width next to the root, the other flank wears only if the duty reverses.
+    if other.iter().any(|(_, depth)| *depth > 0.2 * end.accuracy.max_depth / UM) {
+        let series = Series::new(format!("other flank, {}", name(end)), Style::Dashed, other);
+        flank.series.push(series.coloured(Colour::Reference));
+    }
+    flank.note = format!(
+        "{} µm at most, at {:.0}°, where force and sliding together are largest.",
+        significant(end.accuracy.max_depth / UM, 3),
+        (end.accuracy.max_depth_at / DEG).abs()
+    );
+    let profile = life.machine.profile();
+    let sliding = Plot::new("Specific sliding", meshing_angle(), Axis::new("Sliding ξ", "").from_zero())
+        .half()
+        .with(Series::line(
+            "disc flank",
+            (0..=360).map(|half| {
+                let phi = 0.5 * f64::from(half);
+                (phi, profile.specific_sliding((phi * DEG).cos()))
+            }),
+        ))
+        .noted("Sliding speed over the speed of the contact along the flank; depth per pass is k·(F/B)·ξ.");
+    vec![Block::Plot(depth), Block::Plot(flank), Block::Plot(sliding)]
+}
+
+pub(super) fn load(life: &Life) -> Vec<Block> {
+    let side = loaded_side(life);
+    let contact = life.machine.line_contact();
+    let mut force =
+        Plot::new("Contact force along the flank", meshing_angle(), Axis::new("Contact force", "N").from_zero())
+            .half()
+            .noted(
+                "Largest force of all pins within each step of the meshing angle, over everything that repeats. Wear \
+                 takes the load off the flank where it slides most and moves it towards the root.",
+            );
+    let mut pressure = Plot::new(
+        "Hertz pressure along the flank",
+        meshing_angle(),
+        Axis::new("Largest pressure", "MPa").from_zero(),
+    )
+    .half()
+    .noted(
+        "Line contact with the relative curvature of the flank at that place [Johnson1985]; largest within each \
+         step of the meshing angle.",
+    );
+    let mut largest = 0.0_f64;
+    for (point, colour) in shown(life) {
+        let on_side = || point.accuracy.flank_peaks.iter().filter(|f| f.meshing_angle * side >= 0.0);
+        let forces = envelope(on_side().map(|f| (f.meshing_angle * side / DEG, f.force)), STEP_DEG);
+        let pressures = envelope(
+            on_side().map(|f| {
+                let pressure = contact.pressure(f.force, 1.0 / f.relative_curvature) / MPA;
+                (f.meshing_angle * side / DEG, pressure)
+            }),
+            STEP_DEG,
+        );
+        largest = pressures.iter().map(|point| point.1).fold(largest, f64::max);
+        force.series.push(Series::line(name(point), forces).coloured(colour));
+        pressure.series.push(Series::line(name(point), pressures).coloured(colour));
+    }
+    let allowed = life.machine.limits.contact_pressure / MPA;
+    // A limit far away would only flatten the curves.
+    if allowed < 2.0 * largest {
+        pressure.limit_at(allowed, format!("{} MPa allowed", compact(allowed, 4)));
+    }
+    let mut blocks = vec![Block::Plot(force), Block::Plot(pressure)];
+    blocks.extend(pins(life).map(Block::Plot));
+    blocks.push(Block::Plot(loaded_error(life)));
+    blocks
+}
+
+/// What each pin bears in the mean over everything that repeats, where pins do not bear alike.
+fn pins(life: &Life) -> Option<Plot> {
+    let (new, end) = (life.first(), life.last());
+    if end.accuracy.pin_loads.is_empty() {
+        return None;
+    }
+    let mut plot = Plot::new(
+        "Mean load of every pin",
+        Axis::new("Pin, counted from the x axis", ""),
+        Axis::new("Mean contact force", "N").from_zero(),
+    )
+    .noted(
+        "Sum over the discs, mean over a turn of the output, unloaded times included. Without manufacturing errors \
+         all pins would bear the same.",
+    );
+    for (point, colour, style) in
+        [(new, Colour::Palette(0), Style::Line), (end, Colour::Palette(1), Style::LineMarkers)]
+    {
+        let mut forces = vec![0.0; life.machine.ring.pin_count];
+        for load in &point.accuracy.pin_loads {
+            if let Some(force) = forces.get_mut(load.pin) {
+                *force += load.mean_force;
+            }
+        }
+        let points = forces.into_iter().enumerate().map(|(pin, force)| ((pin + 1) as f64, force));
+        plot.series.push(Series::new(name(point), style, points).coloured(colour));
+    }
+    Some(plot)
+}
+
+/// Loaded transmission error over one pin pitch of crank angle.
+fn loaded_error(life: &Life) -> Plot {
+    let mut plot = Plot::new(
+        "Loaded transmission error over the crank angle",
+        Axis::new("Crank angle", "°"),
+        Axis::new("Error less its mean", "arcsec"),
+    );
+    let mut means = Vec::new();
+    for (point, colour) in shown(life) {
+        let cycle = &point.accuracy.cycle;
+        let mean = cycle.mean_error().radians();
+        let steps = cycle.positions.len().max(1);
+        means.push(format!("{} {} arcmin", name(point), significant(mean / ARCMIN, 3)));
+        let points = cycle.positions.iter().enumerate().map(|(step, position)| {
+            let angle = cycle.period / DEG * step as f64 / steps as f64;
+            (angle, (position.output_error.radians() - mean) / ARCMIN * 60.0)
+        });
+        plot.series.push(Series::line(name(point), points).coloured(colour));
+    }
+    plot.note = format!(
+        "One pin pitch at rated torque, quasi-static: the ripple is that of pairs entering and leaving. Mean: {}.",
+        means.join(", ")
+    );
+    plot
+}
+
+pub(super) fn mechanism(life: &Life) -> Vec<Block> {
+    let (new, end) = (life.first(), life.last());
+    let states = [(name(new), &new.accuracy.cycle), (name(end), &end.accuracy.cycle)];
+    let mut drawing = crate::report::mechanism(&life.machine, &states);
+    if !life.fidelity.errors.is_zero() {
+        drawing.note.push_str(
+            " Manufacturing errors are too small to be drawn; the forces are those of the first pin pitch, repeated.",
+        );
+    }
+    vec![Block::Mechanism(drawing)]
+}
+
+/// STE and DTE over the hours, and the runs of the new and of the worn machine.
+pub(super) fn motion(life: &Life, caveat: Option<String>) -> Vec<Block> {
+    let mut plot = Plot::new(
+        "Transmission error in motion over running time",
+        hours(),
+        Axis::new("Size of the transmission error", "arcmin").from_zero(),
+    )
+    .noted(format!(
+        "Multibody model in the same fidelity as the prediction, {} s to speed and one period of {} s. STE: without \
+         load. DTE: under a sinusoidal load of the rated torque.",
+        super::ages::RISE,
+        super::ages::PERIOD
+    ));
+    for (loaded, name, colour) in [(false, "STE", 0), (true, "DTE", 1)] {
+        for (part, style, of) in [
+            ("mean", Style::LineMarkers, (|s| s.mean_abs) as fn(&crate::dynamics::ErrorStatistics) -> f64),
+            ("largest", Style::Dashed, |s| s.max_abs),
+        ] {
+            let point = |age: &Age| Some((age.hours, of(&age.statistics()[usize::from(loaded)]?) / ARCMIN));
+            let points: Vec<(f64, f64)> = life.ages.iter().filter_map(point).collect();
+            plot.series
+                .push(Series::new(format!("{name}, {part}"), style, points).coloured(Colour::Palette(colour)));
+        }
+    }
+    let mut blocks = vec![Block::Plot(plot)];
+    blocks.extend(caveat.map(|text| Block::Note(Tone::Neutral, text)));
+    let Some((new, end)) = life.ages.first().zip(life.ages.last()) else { return blocks };
+    for (title, note, of) in [
+        ("Without load", "The output floats in its clearance.", (|age| &age.unloaded) as fn(&Age) -> &RunResult),
+        (
+            "Under the sinusoidal load",
+            "Torque that reverses presses the teeth to one flank and then to the other.",
+            |age| &age.loaded,
+        ),
+    ] {
+        let mut plot =
+            Plot::new(title, Axis::new("Time", "s"), Axis::new("Transmission error", "arcmin")).half().noted(note);
+        for (age, colour) in [(end, 1), (new, 0)] {
+            let series = &of(age).series;
+            let time: Vec<f64> = series.iter().map(|sample| sample.time).collect();
+            let error: Vec<f64> = series.iter().map(|sample| sample.transmission_error / ARCMIN).collect();
+            let name = if age.hours == 0.0 { "new".to_owned() } else { format!("{:.0} h", age.hours) };
+            plot.series.push(Series::line(name, thinned(&time, &error)).coloured(Colour::Palette(colour)));
+        }
+        blocks.push(Block::Plot(plot));
+    }
+    blocks
+}

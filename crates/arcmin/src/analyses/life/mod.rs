@@ -1,0 +1,228 @@
+//! How accuracy decays with running hours, and what ends the life of a machine: the main job.
+
+mod advice;
+mod ages;
+mod bearings;
+mod declared;
+mod figures;
+mod page;
+#[cfg(test)]
+mod tests;
+mod verdict;
+
+pub use advice::Advice;
+pub use ages::Age;
+pub use bearings::{BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
+pub use declared::{SUMMARY, tables};
+pub use verdict::{LifeVerdict, Limit, LimitKind};
+
+use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
+use crate::checks::{self, Finding};
+use crate::design::{Design, default, optional, options};
+use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity};
+use crate::life::{LifeOptions, LifePoint, Prediction, predict};
+use crate::load::ShareLoad;
+use crate::machine::Machine;
+use crate::report::{Page, Section};
+use crate::results::{Summary, Table};
+
+pub const ABOUT: &str = "Predict accuracy over the hours of service, and what ends the life";
+pub const GUIDE: &str = "The main job: how the accuracy of the reducer decays with running hours, which limit \
+    ends its life, and what to change.\n\nPredicts the wear coupled to the load sharing; evaluates play, lost \
+    motion by cause, transmission error, forces and pressures over the service life; runs the multibody model \
+    without load (STE) and under a sinusoidal load (DTE) at five ages; rates every bearing by ISO 281 at the \
+    design's duty. All limits enter one verdict; an unkept limit is verdict.ok = false, not a failure of the \
+    run.\n\nEverything is computed in one fidelity: in bearings with rigid discs unless joints and discs say \
+    otherwise.";
+pub const EXAMPLES: &[&str] = &[
+    "arcmin life my-reducer.toml",
+    "arcmin life my-reducer.toml --quasi-static",
+    "arcmin life my-reducer.toml --discs elastic",
+    "arcmin life my-reducer.toml --errors drawn --seed 7",
+];
+
+options! {
+    /// Options of `life`.
+    pub struct Options {
+        [fidelity: FidelityOptions, joints = "bearings"]
+        /// Times between new and the end of the service life.
+        points: usize => default(30.0, 4.0, 1000.0),
+        /// Leave out the multibody runs (STE and DTE).
+        quasi_static: bool => optional(0.0, 0.0),
+    }
+}
+
+/// The life of a machine.
+#[derive(Debug, Clone)]
+pub struct Life {
+    pub machine: Machine,
+    pub fidelity: Fidelity,
+    pub prediction: Prediction,
+    /// Multibody runs at some points of the prediction; empty if left out.
+    pub ages: Vec<Age>,
+    pub bearings: BearingLives,
+    pub findings: Vec<Finding>,
+    pub verdict: LifeVerdict,
+    pub advice: Vec<Advice>,
+    /// Wall seconds of the stages.
+    pub stages: Vec<(&'static str, f64)>,
+    /// The design as written.
+    design_text: String,
+    elastic: Option<Section>,
+}
+
+/// Predicts the life.
+///
+/// # Errors
+/// [`AnalysisError`] where no load sharing or no wear coefficient is found, or the host stops it.
+pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, AnalysisError> {
+    let machine = design.machine();
+    let mut clock = Clock { host, since: host.seconds(), stages: Vec::new() };
+    let findings = checks::check_design(design);
+    clock.stage("check");
+    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    clock.stage("fidelity");
+    let settings = LifeOptions { intervals: options.points, ..LifeOptions::default() };
+    let (prediction, ages) = predict_with_runs(&machine, &fidelity, settings, options.quasi_static, host)?;
+    clock.stage(if options.quasi_static { "prediction" } else { "prediction_and_simulation" });
+    host.report("bearings", 0.0);
+    let bearings = bearing_lives(&machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
+    let emergency_pressure = emergency_pressure(&machine, &fidelity, &prediction)?;
+    let verdict = verdict::Judged {
+        machine: &machine,
+        prediction: &prediction,
+        bearings: &bearings,
+        findings: &findings,
+        emergency_pressure,
+    }
+    .verdict();
+    clock.stage("bearings");
+    host.report("advice", 0.0);
+    let advice = advice::advise(design, &fidelity, &prediction, &verdict, host)?;
+    clock.stage("advice");
+    let elastic = elastic_disc::section(&machine, &fidelity)?;
+    Ok(Life {
+        stages: clock.stages,
+        design_text: design.text().to_owned(),
+        machine,
+        fidelity,
+        prediction,
+        ages,
+        bearings,
+        findings,
+        verdict,
+        advice,
+        elastic,
+    })
+}
+
+struct Clock<'a> {
+    host: &'a dyn Host,
+    since: f64,
+    stages: Vec<(&'static str, f64)>,
+}
+
+impl Clock<'_> {
+    fn stage(&mut self, name: &'static str) {
+        let now = self.host.seconds();
+        self.stages.push((name, now - self.since));
+        self.since = now;
+    }
+}
+
+/// The prediction; multibody runs fill the other cores as soon as their state is reached.
+fn predict_with_runs(
+    machine: &Machine,
+    fidelity: &Fidelity,
+    settings: LifeOptions,
+    quasi_static: bool,
+    host: &dyn Host,
+) -> Result<(Prediction, Vec<Age>), AnalysisError> {
+    if quasi_static {
+        return Ok((predict(machine, fidelity, settings, host, |_| ())?, Vec::new()));
+    }
+    let wanted = ages::points(settings.intervals);
+    let runs = ages::Runs::default();
+    let prediction = rayon::scope(|scope| {
+        let mut reached = 0;
+        predict(machine, fidelity, settings, host, |state| {
+            if wanted.contains(&reached) {
+                for job in ages::jobs(reached, state) {
+                    let runs = &runs;
+                    scope.spawn(move |_| runs.run(job, machine, fidelity, host));
+                }
+            }
+            reached += 1;
+        })
+    })?;
+    Ok((prediction, runs.ages()?))
+}
+
+/// Largest pressure at the emergency torque that the design names, new and at the end.
+fn emergency_pressure(
+    machine: &Machine,
+    fidelity: &Fidelity,
+    prediction: &Prediction,
+) -> Result<Option<f64>, AnalysisError> {
+    let Some(torque) = machine.limits.emergency_torque else { return Ok(None) };
+    let torque = torque.copysign(machine.rated.torque);
+    let mut largest = 0.0_f64;
+    for point in prediction.points.first().into_iter().chain(prediction.points.last()) {
+        let mut meshing = fidelity.meshing(machine)?;
+        point.state.put_on(machine, &mut meshing);
+        let cycle = meshing
+            .whole_cycle(torque, 36)
+            .map_err(AnalysisError::compute("share the load of an emergency stop"))?;
+        largest = largest.max(cycle.max_pressure(&machine.line_contact()));
+    }
+    Ok(Some(largest))
+}
+
+impl Life {
+    /// The new machine.
+    pub fn first(&self) -> &LifePoint {
+        &self.prediction.points[0]
+    }
+
+    /// The machine at the end of its service life.
+    pub fn last(&self) -> &LifePoint {
+        // A prediction has the new machine at least.
+        &self.prediction.points[self.prediction.points.len() - 1]
+    }
+}
+
+impl HasFidelity for Life {
+    fn fidelity(&self) -> &Fidelity {
+        &self.fidelity
+    }
+}
+
+impl Outcome for Life {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        declared::fill(self)
+    }
+
+    fn said(&self) -> Vec<Said> {
+        page::said(self)
+    }
+
+    fn page(&self) -> Page {
+        page::page(self)
+    }
+
+    fn seeds(&self) -> Vec<u64> {
+        self.fidelity.seeds()
+    }
+
+    fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
+        elastic_disc::attachments(&self.machine, &self.fidelity)
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

@@ -1,0 +1,348 @@
+//! Terminal and report of a life.
+
+use super::verdict::{LifeVerdict, Limit, LimitKind};
+#[cfg(test)]
+use super::Outcome;
+use super::{Life, declared, figures};
+use crate::analyses::wear::stations;
+use crate::analyses::{Said, TextTable, causes};
+use crate::checks::{Severity, worst};
+use crate::fidelity::Joints;
+use crate::report::{
+    Block, Column, KeyFigure, Page, Provenance, Section, Table, Tone, Verdict, compact, findings_table,
+    references_to, significant,
+};
+use crate::units::{ARCMIN, HOUR};
+
+const COLUMNS: &[&str] = &[
+    "hours",
+    "max_depth_um",
+    "play_arcmin",
+    "lost_motion_arcmin",
+    "te_loaded_arcmin",
+    "ste_max_arcmin",
+    "dte_max_arcmin",
+    "max_force_n",
+    "max_pressure_mpa",
+];
+
+pub(super) fn said(life: &Life) -> Vec<Said> {
+    let verdict = &life.verdict;
+    let mark = match verdict.tone() {
+        Tone::Bad => "✕",
+        Tone::Caution => "▲",
+        _ => "✓",
+    };
+    let mut said = vec![
+        Said::line(format!("{}: {}", life.machine.name, life.fidelity.sentence())),
+        Said::line(format!("{mark} {}", verdict.headline())),
+        Said::Table(limits_text(verdict)),
+        Said::line(""),
+    ];
+    let table = declared::life_table(life);
+    said.push(Said::columns(&table, &shown_columns(life), shown_rows(life)));
+    said.push(Said::line(""));
+    said.extend(life.causes_over_hours().last().map(causes::said).unwrap_or_default());
+    if !life.advice.is_empty() {
+        said.push(Said::line("what to change first:"));
+        said.extend(life.advice.iter().map(|advice| Said::line(format!("  {}", advice.text))));
+    }
+    if let Some(text) = rattling(life) {
+        said.push(Said::line(text));
+    }
+    said
+}
+
+/// New, the ages that were simulated, the end; without runs some stations on the way.
+fn shown_rows(life: &Life) -> Vec<usize> {
+    match life.ages.is_empty() {
+        true => stations(life.prediction.points.len(), 7).collect(),
+        false => life.ages.iter().map(|age| age.point).collect(),
+    }
+}
+
+fn shown_columns(life: &Life) -> Vec<&'static str> {
+    let simulated = !life.ages.is_empty();
+    COLUMNS.iter().copied().filter(|key| simulated || !key.contains("te_max")).collect()
+}
+
+/// What is found, what is allowed, how long it lasts, in words.
+fn limit_row(limit: &Limit, verdict: &LifeVerdict) -> [String; 5] {
+    let unit = limit.kind.unit();
+    let amount = |value: f64| match unit {
+        "h" | "" => format!("{value:.0} {unit}").trim().to_owned(),
+        _ => format!("{} {unit}", significant(value, if unit == "MPa" { 4 } else { 3 })),
+    };
+    let hours = match limit.hours {
+        Some(hours) => format!("{hours:.0} h"),
+        None if limit.kind == LimitKind::LostMotion => format!("> {:.0} h", verdict.searched_h),
+        None => format!("> {:.0} h", verdict.service_h),
+    };
+    let judged = match (limit.is_kept(verdict.service_h), limit.transient) {
+        (false, _) => "not kept",
+        (true, true) => "exceeded until worn in",
+        (true, false) => "kept",
+    };
+    let name = match &limit.place {
+        Some(place) => format!("{}: {place}", limit.kind.name()),
+        None => limit.kind.name().to_owned(),
+    };
+    [name, amount(limit.value), format!("{} {unit}", compact(limit.allowed, 4)), hours, judged.to_owned()]
+}
+
+fn limits_text(verdict: &LifeVerdict) -> TextTable {
+    TextTable {
+        header: ["limit", "found", "allowed", "lasts", ""].map(str::to_owned).into(),
+        rows: verdict.limits.iter().map(|limit| limit_row(limit, verdict).into()).collect(),
+    }
+}
+
+/// What the numbers of an undamped run without load are worth.
+fn rattling(life: &Life) -> Option<String> {
+    let undamped = !life.ages.is_empty() && super::ages::rattles(&life.machine);
+    undamped.then(|| {
+        "STE: without load and drag the output rattles freely in its play; its largest error is that play, its \
+         mean depends on the start and is no property of the machine."
+            .to_owned()
+    })
+}
+
+pub(super) fn page(life: &Life) -> Page {
+    let machine = &life.machine;
+    let mut sections = vec![
+        Section::new("limits", "Limits", limits(life)),
+        Section::new("accuracy", "Accuracy over life", figures::accuracy(life)),
+        causes::section(&life.causes_over_hours()),
+        Section::new("wear", "Wear", figures::wear(life)),
+        Section::new("load", "Load sharing", figures::load(life)),
+    ];
+    if let Some(at) = life.causes_over_hours().last() {
+        sections[2].blocks.push(causes::shares(at));
+    }
+    if !life.ages.is_empty() {
+        sections.push(Section::new("simulation", "Transmission error in motion", figures::motion(life, rattling(life))));
+    }
+    sections.push(Section::new("mechanism", "Mechanism and contact forces", figures::mechanism(life)));
+    sections.extend(life.elastic.clone());
+    let findings = match worst(&life.findings) {
+        Severity::Info => Block::Text(format!("All {} checks of the design are passed.", life.findings.len())),
+        _ => findings_table(&life.findings),
+    };
+    sections.push(Section::new("findings", "Findings on the design", vec![findings]));
+    let code = Block::Code { title: "Design".to_owned(), text: life.design_text.clone() };
+    sections.push(Section::new("design", "Design as used", vec![code]));
+    let cited = ["Archard1953", "Johnson1985", "Harris2006", "ISO281", "ISO76", "GBT40731"];
+    sections.push(Section::new("literature", "Literature", vec![Block::References(references_to(&cited))]));
+    Page {
+        title: machine.name.clone(),
+        subtitle: format!("Accuracy over {} h of service", compact(machine.limits.service_life / HOUR, 4)),
+        provenance: Provenance::default(),
+        verdict: verdict(life),
+        sections,
+    }
+}
+
+fn verdict(life: &Life) -> Verdict {
+    let judged = &life.verdict;
+    let mut verdict = Verdict::new(judged.tone(), judged.headline());
+    let service = judged.service_h;
+    let figure = |label: String, value: String, unit: &str, note: String, kept: bool| KeyFigure {
+        label,
+        value,
+        unit: unit.to_owned(),
+        note,
+        tone: if kept { Tone::Neutral } else { Tone::Bad },
+    };
+    let (new, end) = (life.first(), life.last());
+    let allowed = life.machine.limits.lost_motion / ARCMIN;
+    let lost = |point: &crate::life::LifePoint| significant(point.lost_motion().arcmin(), 3);
+    let kept = |kind: LimitKind| judged.limit(kind).is_none_or(|limit| limit.is_kept(service));
+    verdict.figures = vec![
+        match judged.limited_by() {
+            Some(limit) => figure(
+                "Life".to_owned(),
+                format!("{:.0}", limit.hours.unwrap_or(0.0)),
+                "h",
+                format!("until {} ends it; {service:.0} h planned", limit.kind.name()),
+                limit.is_kept(service),
+            ),
+            None => figure(
+                "Life".to_owned(),
+                format!("> {:.0}", judged.searched_h),
+                "h",
+                format!("{service:.0} h planned"),
+                true,
+            ),
+        },
+        figure(
+            "Lost motion, new".to_owned(),
+            lost(new),
+            "arcmin",
+            "the whole machine in its bearings, at ±3 % of rated torque".to_owned(),
+            new.lost_motion().arcmin() <= allowed,
+        ),
+        figure(
+            format!("After {:.0} h", end.hours()),
+            lost(end),
+            "arcmin",
+            format!("lost motion; {} arcmin allowed", compact(allowed, 3)),
+            kept(LimitKind::LostMotion),
+        ),
+    ];
+    if let Some(worst) = life.bearings.worst() {
+        verdict.figures.push(figure(
+            "Shortest bearing life".to_owned(),
+            format!("{:.0}", worst.life_h),
+            "h",
+            format!("L10, {}; all bearings together {:.0} h", worst.name, life.bearings.system_h),
+            kept(LimitKind::BearingLife),
+        ));
+    }
+    if let Some(pressure) = judged.limit(LimitKind::ContactPressure) {
+        let mut tile = figure(
+            "Largest contact pressure".to_owned(),
+            significant(pressure.value, 4),
+            "MPa",
+            format!("over the whole life; {} MPa allowed", compact(pressure.allowed, 4)),
+            pressure.is_kept(service),
+        );
+        if pressure.transient {
+            tile.tone = Tone::Caution;
+            tile.note.push_str(", exceeded only until contacts have worn in");
+        }
+        verdict.figures.push(tile);
+    }
+    verdict.answers = answers(life);
+    verdict.summary = summary(life, &verdict);
+    verdict
+}
+
+fn answers(life: &Life) -> Vec<(String, String)> {
+    let mut answers = Vec::new();
+    let (new, end) = (life.first().lost_motion().arcmin(), life.last().lost_motion().arcmin());
+    let causes = causes::largest(&life.last().parts);
+    let named: Vec<String> =
+        causes.iter().take(2).map(|(cause, arcmin)| format!("{cause} {arcmin:.2} arcmin")).collect();
+    answers.push((
+        "Where the lost motion comes from".to_owned(),
+        format!(
+            "{} of {} arcmin are there when new, wear adds {}. Largest causes at the end: {}.",
+            significant(new, 3),
+            significant(end, 3),
+            significant(end - new, 2),
+            named.join(", ")
+        ),
+    ));
+    if !life.advice.is_empty() {
+        let texts: Vec<String> = life.advice.iter().map(|advice| format!("{}.", advice.text)).collect();
+        answers.push(("What to change first".to_owned(), texts.join(" ")));
+    }
+    answers.push(("Which physics".to_owned(), physics(life)));
+    answers
+}
+
+/// Which physics answered, and what the next finer one would change where that is known.
+fn physics(life: &Life) -> String {
+    let mut text = format!("{}.", capitalised(&life.fidelity.sentence()));
+    if life.fidelity.joints == Joints::Ideal {
+        let contacts = significant(life.last().contact_lost_motion.arcmin(), 3);
+        text.push_str(&format!(
+            " Load sharing and wear are those of ideal joints; lost motion is that of the whole machine in its \
+             bearings all the same (contacts alone: {contacts} arcmin). `joints = bearings` lets wear follow them too."
+        ));
+    }
+    if life.fidelity.elastic.is_none() {
+        text.push_str(
+            " Discs are rigid but at the contacts; `discs = elastic` lets them give way and spreads the load over \
+             more pins.",
+        );
+    }
+    if life.fidelity.errors.is_zero() {
+        text.push_str(" Manufacturing errors are left out; `errors = drawn` shows a machine of the series.");
+    }
+    text
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn summary(life: &Life, verdict: &Verdict) -> String {
+    let mut text = format!("{}: {}\n", life.machine.name, verdict.headline);
+    for figure in &verdict.figures {
+        text.push_str(&format!("- {}: {} {} ({})\n", figure.label, figure.value, figure.unit, figure.note));
+    }
+    for (question, answer) in &verdict.answers {
+        text.push_str(&format!("- {question}: {answer}\n"));
+    }
+    let k = life.prediction.exposure.coefficient;
+    text.push_str(&format!("- Wear coefficient: {k:.3e} 1/Pa ({:.3e} mm²/N)\n", k * 1e6));
+    text
+}
+
+fn limits(life: &Life) -> Vec<Block> {
+    let limits = Table {
+        title: "Every limit and how long it is kept".to_owned(),
+        columns: vec![
+            Column::text("Limit"),
+            Column::number("Found", ""),
+            Column::number("Allowed", ""),
+            Column::number("Lasts", ""),
+            Column::text("Verdict"),
+        ],
+        rows: life.verdict.limits.iter().map(|limit| limit_row(limit, &life.verdict).into()).collect(),
+        note: "Lost motion at the end of the planned life, pressure over all of it, bearings by ISO 281 [ISO281] at \
+               the design's duty. Further limits can be set in `[limits]`."
+            .to_owned(),
+    };
+    let rows = life
+        .bearings
+        .bearings
+        .iter()
+        .map(|b| vec![b.name.clone(), significant(b.equivalent, 4), significant(b.rating, 4), format!("{:.0}", b.life_h)]);
+    let bearings = Table {
+        title: "Rating life of the bearings".to_owned(),
+        columns: vec![
+            Column::text("Bearing"),
+            Column::number("Equivalent load", "N"),
+            Column::number("Load rating C", "N"),
+            Column::number("L10", "h"),
+        ],
+        rows: rows.collect(),
+        note: format!(
+            "Loads of the new machine over a turn of the crankshafts, rows of the duty by their damage [ISO281]. All \
+             bearings together: {:.0} h (Weibull slope 9/8).",
+            life.bearings.system_h
+        ),
+    };
+    vec![Block::Table(limits), Block::Table(bearings)]
+}
+
+/// The rows that a reader wants, as a table of the report.
+pub(super) fn life_table(life: &Life) -> Table {
+    let table = declared::life_table(life);
+    let keys = shown_columns(life);
+    let columns: Vec<_> = keys.iter().filter_map(|key| table.column(key)).collect();
+    let head = |column: &&crate::results::TableColumn| {
+        let label = column.quantity.label();
+        Column::number(capitalised(&label), column.quantity.unit())
+    };
+    let row = |row: usize| columns.iter().map(|c| c.quantity.show(&c.cells.value(row))).collect();
+    Table {
+        title: "The machine over its life".to_owned(),
+        rows: shown_rows(life).into_iter().map(row).collect(),
+        columns: columns.iter().map(head).collect(),
+        note: "Every point is in `life.csv`. Signs: an output that lags is negative.".to_owned(),
+    }
+}
+
+/// So that summary and page agree where both say the same.
+#[cfg(test)]
+pub(super) fn headline_of(life: &Life) -> (String, Option<String>) {
+    let word = life.summary().get("verdict.limited_by").and_then(|value| match value {
+        crate::results::Value::Word(word) => Some(word.clone()),
+        _ => None,
+    });
+    (verdict(life).headline, word)
+}

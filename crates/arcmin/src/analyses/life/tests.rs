@@ -1,0 +1,114 @@
+use super::*;
+use crate::analyses::NoHost;
+use crate::report::{Block, Plot, Tone};
+
+fn quick(options: &str) -> Life {
+    let design = crate::templates::design("rv-40e-81").unwrap();
+    let options = Options::parse(&format!("points = 4\n{options}"), "test").unwrap();
+    run(&design, &options, &NoHost).unwrap()
+}
+
+/// The first limit of the default machine are its turning-arm bearings, not its lost motion: headline, summary
+/// and terminal say the same, and there is no green tick.
+#[test]
+fn terminal_report_and_summary_agree_on_what_ends_the_life() {
+    let life = quick("quasi_static = true");
+    let worst = life.bearings.worst().unwrap();
+    let limited = life.verdict.limited_by().unwrap();
+    assert_eq!(limited.kind, LimitKind::BearingLife);
+    assert!(worst.name.starts_with("turning arm") && (worst.life_h / 4885.0 - 1.0).abs() < 0.02);
+    let summary = life.summary();
+    assert_eq!(summary.number("hours_to_limit"), Some(worst.life_h));
+    let lost_motion = summary.number("hours_to_lost_motion_limit").unwrap();
+    assert!(lost_motion > 7500.0, "{lost_motion}");
+    let (headline, word) = page::headline_of(&life);
+    assert_eq!(word.as_deref(), Some("bearing_life"));
+    assert!(headline.contains(&worst.name) && !life.verdict.ok());
+    assert_eq!(life.page().verdict.tone, Tone::Bad);
+    let said = life.said();
+    assert!(said.iter().any(|said| matches!(said, Said::Line(line) if line.contains(&headline))));
+}
+
+/// What the advice promises is what the changed design gives.
+#[test]
+fn advice_is_what_the_changed_design_gives() {
+    let life = quick("quasi_static = true");
+    let design = crate::templates::design("rv-40e-81").unwrap();
+    assert!(!life.advice.is_empty() && life.advice.len() <= 3);
+    for advice in life.advice.iter().filter(|advice| advice.key.starts_with("bearings.")) {
+        let changed = design.with(advice.key, advice.to).unwrap().machine();
+        let settings = crate::dynamics::JointSettings::default();
+        let lives = bearing_lives(&changed, &settings, 8).unwrap();
+        assert!((lives.worst().unwrap().life_h / advice.after - 1.0).abs() < 1e-9, "{advice:?}");
+        assert!(advice.after > advice.before);
+    }
+}
+
+/// Limits that a design sets beyond the usual ones enter the verdict.
+#[test]
+fn limits_of_the_maker_enter_the_verdict() {
+    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = design
+        .with_all([
+            ("limits.transmission_error_arcmin", 1e-3),
+            ("limits.backlash_arcmin", 100.0),
+            ("limits.start_stop_torque_n_m", 400.0),
+            ("limits.emergency_torque_n_m", 2060.0),
+            ("limits.output_speed_rpm", 15.0),
+            ("limits.catalogue_life_h", 6000.0),
+        ])
+        .unwrap();
+    let options = Options::parse("points = 4\nquasi_static = true\njoints = \"ideal\"", "test").unwrap();
+    let life = run(&design, &options, &NoHost).unwrap();
+    let limit = |kind| life.verdict.limit(kind).unwrap();
+    assert_eq!(limit(LimitKind::TransmissionError).hours, Some(0.0));
+    assert_eq!(limit(LimitKind::Backlash).hours, None);
+    assert_eq!(limit(LimitKind::StartStopTorque).hours, Some(0.0));
+    assert!(limit(LimitKind::EmergencyTorque).value > 1000.0);
+    // 1500 rpm over 81.
+    assert!((limit(LimitKind::OutputSpeed).value - 1500.0 / 81.0).abs() < 1e-9);
+    let expected = 6000.0 * 15.0 * 81.0 / 1500.0;
+    assert!((limit(LimitKind::CatalogueLife).value / expected - 1.0).abs() < 1e-9);
+}
+
+/// Ideal joints: five ages are simulated, their statistics stand in life.csv at their hours and nowhere else;
+/// every figure has a caption and no two of its lines look alike.
+#[test]
+fn ages_stand_in_the_table_and_figures_can_be_read() {
+    let life = quick("joints = \"ideal\"");
+    assert_eq!(life.ages.len(), 5);
+    let table = declared::life_table(&life);
+    let ste = table.numbers("ste_max_arcmin").unwrap();
+    assert!(ste.iter().all(|value| value.is_finite()));
+    // Rattling cannot leave the play by more than what contacts give way.
+    let play = table.numbers("play_arcmin").unwrap();
+    assert!(ste[4] > 0.5 * play[4] && ste[4] < play[4] + 0.2, "{} {}", ste[4], play[4]);
+    let page = life.page();
+    let plots: Vec<&Plot> = page
+        .sections
+        .iter()
+        .flat_map(|section| &section.blocks)
+        .filter_map(|block| match block {
+            Block::Plot(plot) => Some(plot),
+            _ => None,
+        })
+        .collect();
+    assert!(plots.len() > 10);
+    for plot in plots {
+        assert!(!plot.note.is_empty(), "{} has no caption", plot.title);
+        let looks: Vec<String> = plot
+            .series
+            .iter()
+            .enumerate()
+            .map(|(index, series)| match series.colour {
+                crate::report::Colour::Auto => format!("auto {index}"),
+                colour => format!("{colour:?} {:?}", series.style),
+            })
+            .collect();
+        let mut once = looks.clone();
+        once.sort();
+        once.dedup();
+        assert_eq!(once.len(), looks.len(), "{}: {looks:?}", plot.title);
+    }
+    assert!(!page.render().contains("Tao2024"));
+}

@@ -1,0 +1,444 @@
+//! One verdict over all limits of a machine, each with the hours for which it is kept.
+
+use super::bearings::{BearingLives, catalogue_life_at_duty};
+use crate::checks::{Finding, Severity};
+use crate::life::{LifePoint, Prediction};
+use crate::machine::Machine;
+use crate::report::{Tone, compact, significant};
+use crate::results::Value;
+use crate::units::{ARCMIN, HOUR, MPA, RPM};
+
+/// What can end a life.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitKind {
+    LostMotion,
+    ContactPressure,
+    BearingLife,
+    TransmissionError,
+    Backlash,
+    StartStopTorque,
+    EmergencyTorque,
+    OutputSpeed,
+    CatalogueLife,
+    Findings,
+}
+
+impl LimitKind {
+    /// Word of the summary.
+    pub fn key(self) -> &'static str {
+        match self {
+            LimitKind::LostMotion => "lost_motion",
+            LimitKind::ContactPressure => "contact_pressure",
+            LimitKind::BearingLife => "bearing_life",
+            LimitKind::TransmissionError => "transmission_error",
+            LimitKind::Backlash => "backlash",
+            LimitKind::StartStopTorque => "start_stop_torque",
+            LimitKind::EmergencyTorque => "emergency_torque",
+            LimitKind::OutputSpeed => "output_speed",
+            LimitKind::CatalogueLife => "catalogue_life",
+            LimitKind::Findings => "findings",
+        }
+    }
+
+    /// Words for a reader.
+    pub fn name(self) -> &'static str {
+        match self {
+            LimitKind::LostMotion => "lost motion",
+            LimitKind::ContactPressure => "contact pressure",
+            LimitKind::BearingLife => "bearing life",
+            LimitKind::TransmissionError => "transmission error",
+            LimitKind::Backlash => "backlash",
+            LimitKind::StartStopTorque => "start–stop torque",
+            LimitKind::EmergencyTorque => "emergency torque",
+            LimitKind::OutputSpeed => "output speed",
+            LimitKind::CatalogueLife => "catalogue life",
+            LimitKind::Findings => "error findings",
+        }
+    }
+
+    /// Unit of value and allowed value.
+    pub fn unit(self) -> &'static str {
+        match self {
+            LimitKind::LostMotion | LimitKind::TransmissionError | LimitKind::Backlash => "arcmin",
+            LimitKind::ContactPressure | LimitKind::EmergencyTorque => "MPa",
+            LimitKind::BearingLife | LimitKind::CatalogueLife => "h",
+            LimitKind::StartStopTorque => "N·m",
+            LimitKind::OutputSpeed => "rpm",
+            LimitKind::Findings => "",
+        }
+    }
+}
+
+/// One limit and how the machine stands to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    pub kind: LimitKind,
+    /// Which part, where there are several.
+    pub place: Option<String>,
+    /// What was found and what is allowed, in the unit of the kind.
+    pub value: f64,
+    pub allowed: f64,
+    /// Hours for which it is kept; `None` if it is for as long as was computed.
+    pub hours: Option<f64>,
+    /// Exceeded only before contacts have worn in: that does not end the life.
+    pub transient: bool,
+}
+
+/// The verdict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LifeVerdict {
+    /// In the order of the kinds.
+    pub limits: Vec<Limit>,
+    pub service_h: f64,
+    /// How far the limit of lost motion was looked for.
+    pub searched_h: f64,
+}
+
+/// Contacts are worn in by this share of the service life at the latest: what is exceeded only before is
+/// transient.
+const WORN_IN: f64 = 0.2;
+/// A limit reached within this part beyond the service life is worth a warning: wear coefficients and rating
+/// lives are not known better.
+const NARROW: f64 = 1.2;
+/// Hertz pressure of rollers at which the permanent dent is a ten-thousandth of their diameter (ISO 76).
+pub(super) const STATIC_PRESSURE: f64 = 4000.0;
+
+/// What the verdict is about.
+pub(super) struct Judged<'a> {
+    pub machine: &'a Machine,
+    pub prediction: &'a Prediction,
+    pub bearings: &'a BearingLives,
+    pub findings: &'a [Finding],
+    /// Largest pressure in Pa at the emergency torque, new and worn, where the design names one.
+    pub emergency_pressure: Option<f64>,
+}
+
+impl Judged<'_> {
+    pub(super) fn verdict(&self) -> LifeVerdict {
+        let service_h = self.machine.limits.service_life / HOUR;
+        let mut limits = vec![self.lost_motion(), self.contact_pressure(service_h)];
+        limits.extend(self.bearing_life(service_h));
+        limits.extend(self.of_the_maker(service_h));
+        limits.extend(self.findings());
+        LifeVerdict { limits, service_h, searched_h: self.prediction.searched_hours }
+    }
+
+    fn lost_motion(&self) -> Limit {
+        Limit {
+            kind: LimitKind::LostMotion,
+            place: None,
+            value: self.last().lost_motion().arcmin(),
+            allowed: self.machine.limits.lost_motion / ARCMIN,
+            hours: self.prediction.hours_to_limit,
+            transient: false,
+        }
+    }
+
+    fn last(&self) -> &LifePoint {
+        // A prediction has the new machine at least.
+        &self.prediction.points[self.prediction.points.len() - 1]
+    }
+
+    fn history(&self, value: impl Fn(&LifePoint) -> f64) -> Vec<(f64, f64)> {
+        self.prediction.points.iter().map(|point| (point.hours(), value(point))).collect()
+    }
+
+    fn contact_pressure(&self, service_h: f64) -> Limit {
+        let history = self.history(|point| point.accuracy.max_pressure / MPA);
+        let allowed = self.machine.limits.contact_pressure / MPA;
+        Limit { kind: LimitKind::ContactPressure, ..worn_in(&history, allowed, service_h) }
+    }
+
+    fn bearing_life(&self, service_h: f64) -> Option<Limit> {
+        let worst = self.bearings.worst()?;
+        Some(Limit {
+            kind: LimitKind::BearingLife,
+            place: Some(worst.name.clone()),
+            value: worst.life_h,
+            allowed: service_h,
+            hours: Some(worst.life_h),
+            transient: false,
+        })
+    }
+
+    /// What a design may set beyond the limits that every design has.
+    fn of_the_maker(&self, service_h: f64) -> Vec<Limit> {
+        let limits = &self.machine.limits;
+        let over_life = |kind: LimitKind, allowed: Option<f64>, history: Vec<(f64, f64)>| {
+            allowed.map(|allowed| Limit {
+                kind,
+                place: None,
+                value: history.iter().map(|(_, value)| *value).fold(0.0, f64::max),
+                allowed,
+                hours: crate::life::crossing(&history, allowed),
+                transient: false,
+            })
+        };
+        let at_once = |kind: LimitKind, allowed: Option<f64>, value: f64| {
+            allowed.map(|allowed| Limit {
+                kind,
+                place: None,
+                value,
+                allowed,
+                hours: (value > allowed).then_some(0.0),
+                transient: false,
+            })
+        };
+        let kinematics = self.machine.kinematics();
+        let duty = &self.machine.duty;
+        let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
+        let speed = duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
+        let catalogue = limits.catalogue_life.and_then(|life| {
+            let hours = catalogue_life_at_duty(self.machine, life / HOUR)?;
+            Some(Limit {
+                kind: LimitKind::CatalogueLife,
+                place: None,
+                value: hours,
+                allowed: service_h,
+                hours: Some(hours),
+                transient: false,
+            })
+        });
+        [
+            over_life(
+                LimitKind::TransmissionError,
+                limits.transmission_error.map(|limit| limit / ARCMIN),
+                self.history(|point| point.accuracy.loaded_peak_to_peak.arcmin()),
+            ),
+            over_life(
+                LimitKind::Backlash,
+                limits.backlash.map(|limit| limit / ARCMIN),
+                self.history(|point| point.accuracy.free_travel.arcmin()),
+            ),
+            at_once(LimitKind::StartStopTorque, limits.start_stop_torque, torque),
+            self.emergency_pressure.and_then(|pressure| {
+                at_once(LimitKind::EmergencyTorque, Some(STATIC_PRESSURE), pressure / MPA)
+            }),
+            at_once(LimitKind::OutputSpeed, limits.output_speed.map(|limit| limit / RPM), speed),
+            catalogue,
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    fn findings(&self) -> Option<Limit> {
+        let errors: Vec<&str> = self
+            .findings
+            .iter()
+            .filter(|finding| finding.severity == Severity::Error)
+            .map(|finding| finding.code)
+            .collect();
+        (!errors.is_empty()).then(|| Limit {
+            kind: LimitKind::Findings,
+            place: Some(errors.join(", ")),
+            value: errors.len() as f64,
+            allowed: 0.0,
+            hours: Some(0.0),
+            transient: false,
+        })
+    }
+}
+
+/// A value over hours against what is allowed: when it is exceeded for good, and whether it was before
+/// contacts have worn in only.
+fn worn_in(history: &[(f64, f64)], allowed: f64, service_h: f64) -> Limit {
+    let value = history.iter().map(|(_, value)| *value).fold(0.0, f64::max);
+    let last_above = history.iter().rposition(|(_, value)| *value > allowed);
+    let transient = last_above.is_some_and(|last| {
+        last + 1 < history.len()
+            && history[last].0 <= WORN_IN * service_h
+            && history[..=last].iter().all(|(_, value)| *value > allowed)
+    });
+    let hours = if transient { None } else { crate::life::crossing(history, allowed.next_up()) };
+    Limit { kind: LimitKind::ContactPressure, place: None, value, allowed, hours, transient }
+}
+
+impl Limit {
+    /// Whether it is kept for the planned hours.
+    pub fn is_kept(&self, service_h: f64) -> bool {
+        self.hours.is_none_or(|hours| hours >= service_h * (1.0 - 1e-9))
+    }
+
+    /// What happens to it, as the beginning of a sentence.
+    pub fn sentence(&self) -> String {
+        let hours = self.hours.unwrap_or(f64::INFINITY);
+        let (value, allowed) = (significant(self.value, 3), compact(self.allowed, 4));
+        let unit = self.kind.unit();
+        match self.kind {
+            LimitKind::LostMotion => format!("Lost motion reaches {allowed} arcmin after {hours:.0} h"),
+            LimitKind::ContactPressure if hours <= 0.0 => {
+                format!("Contact pressure is above {allowed} MPa from the start, {} MPa", significant(self.value, 4))
+            }
+            LimitKind::ContactPressure => format!("Contact pressure exceeds {allowed} MPa after {hours:.0} h"),
+            LimitKind::BearingLife => {
+                format!("The bearing “{}” lasts {hours:.0} h (L10)", self.place.as_deref().unwrap_or(""))
+            }
+            LimitKind::TransmissionError => {
+                format!("Transmission error reaches {allowed} arcmin peak to peak after {hours:.0} h")
+            }
+            LimitKind::Backlash => format!("Backlash reaches {allowed} arcmin after {hours:.0} h"),
+            LimitKind::StartStopTorque => {
+                format!("The duty asks for {value} {unit}, more than the {allowed} {unit} of start and stop")
+            }
+            LimitKind::EmergencyTorque => {
+                format!("An emergency stop presses flanks and pins with {value} {unit}, {allowed} {unit} allowed")
+            }
+            LimitKind::OutputSpeed => {
+                format!("The duty turns the output at {value} {unit}, {allowed} {unit} allowed")
+            }
+            LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours:.0} h"),
+            LimitKind::Findings => {
+                format!("The design has error findings: {}", self.place.as_deref().unwrap_or(""))
+            }
+        }
+    }
+
+    fn value(&self) -> Value {
+        Value::Record(vec![
+            ("limit", self.kind.key().into()),
+            ("where", self.place.clone().into()),
+            ("value", self.value.into()),
+            ("allowed", self.allowed.into()),
+            ("unit", self.kind.unit().into()),
+            ("hours", self.hours.into()),
+            ("transient", self.transient.into()),
+        ])
+    }
+}
+
+impl LifeVerdict {
+    /// Whether every limit is kept for the planned hours.
+    pub fn ok(&self) -> bool {
+        self.limits.iter().all(|limit| limit.is_kept(self.service_h))
+    }
+
+    /// The limit that ends the life first; `None` if none does within what was computed.
+    pub fn limited_by(&self) -> Option<&Limit> {
+        let hours = |limit: &&Limit| limit.hours.unwrap_or(f64::INFINITY);
+        self.limits
+            .iter()
+            .filter(|limit| limit.hours.is_some())
+            // Findings come last but speak first.
+            .rev()
+            .min_by(|a, b| hours(a).total_cmp(&hours(b)))
+    }
+
+    /// Hours to the earliest of all limits.
+    pub fn hours_to_limit(&self) -> Option<f64> {
+        self.limited_by().and_then(|limit| limit.hours)
+    }
+
+    pub fn limit(&self, kind: LimitKind) -> Option<&Limit> {
+        self.limits.iter().find(|limit| limit.kind == kind)
+    }
+
+    pub fn tone(&self) -> Tone {
+        match self.hours_to_limit() {
+            _ if !self.ok() => Tone::Bad,
+            Some(hours) if hours < NARROW * self.service_h => Tone::Caution,
+            _ if self.limits.iter().any(|limit| limit.transient) => Tone::Caution,
+            _ => Tone::Good,
+        }
+    }
+
+    /// What ends the life first, in a sentence, and what is not kept beside it.
+    pub fn headline(&self) -> String {
+        let service = self.service_h;
+        let mut text = match self.limited_by() {
+            Some(limit) if !limit.is_kept(service) => {
+                format!("{}; {service:.0} h are planned.", limit.sentence())
+            }
+            Some(limit) => {
+                let first = limit.kind.name();
+                let hours = limit.hours.unwrap_or(service);
+                let but = if hours < NARROW * service { ", but only just" } else { "" };
+                format!(
+                    "Keeps every limit for the planned {service:.0} h{but}; the first to be reached is {first}, \
+                     after {hours:.0} h."
+                )
+            }
+            None => format!("Keeps every limit for all {:.0} h computed; {service:.0} h are planned.", self.searched_h),
+        };
+        let first = self.limited_by().map(|limit| limit.kind);
+        let others: Vec<String> = self
+            .limits
+            .iter()
+            .filter(|limit| Some(limit.kind) != first && !limit.is_kept(service))
+            .map(|limit| limit.sentence())
+            .collect();
+        if !others.is_empty() {
+            text.push_str(&format!(" Also: {}.", others.join("; ")));
+        }
+        for limit in self.limits.iter().filter(|limit| limit.transient) {
+            text.push_str(&format!(
+                " {} MPa of contact pressure are above the {} MPa allowed until contacts have worn in.",
+                significant(limit.value, 4),
+                compact(limit.allowed, 4)
+            ));
+        }
+        text
+    }
+
+    /// The limits for a summary.
+    pub(super) fn value(&self) -> Value {
+        Value::List(self.limits.iter().map(Limit::value).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limit(kind: LimitKind, hours: Option<f64>) -> Limit {
+        Limit { kind, place: Some("turning arm".to_owned()), value: 1.0, allowed: 2.0, hours, transient: false }
+    }
+
+    fn verdict(limits: Vec<Limit>) -> LifeVerdict {
+        LifeVerdict { limits, service_h: 7500.0, searched_h: 30_000.0 }
+    }
+
+    /// Lost motion kept for 9235 h of 7500 is no green tick where a bearing lasts 4885 h.
+    #[test]
+    fn the_worst_limit_speaks_first() {
+        let both = verdict(vec![
+            limit(LimitKind::LostMotion, Some(9235.0)),
+            limit(LimitKind::BearingLife, Some(4885.0)),
+        ]);
+        assert!(!both.ok());
+        assert_eq!(both.tone(), Tone::Bad);
+        assert_eq!(both.hours_to_limit(), Some(4885.0));
+        assert_eq!(both.limited_by().unwrap().kind, LimitKind::BearingLife);
+        assert!(both.headline().starts_with("The bearing “turning arm” lasts 4885 h"), "{}", both.headline());
+    }
+
+    #[test]
+    fn the_tone_follows_the_first_limit() {
+        for (hours, tone) in [
+            (Some(5000.0), Tone::Bad),
+            (Some(8000.0), Tone::Caution),
+            (Some(20_000.0), Tone::Good),
+            (None, Tone::Good),
+        ] {
+            let one = verdict(vec![limit(LimitKind::LostMotion, hours)]);
+            assert_eq!(one.tone(), tone, "{hours:?}: {}", one.headline());
+            assert_eq!(one.ok(), tone != Tone::Bad);
+        }
+    }
+
+    /// Exceeded while contacts wear in, exceeded from the start for good, exceeded later, never.
+    #[test]
+    fn a_pressure_of_wearing_in_is_told_apart() {
+        let of = |values: [f64; 6]| {
+            let history: Vec<(f64, f64)> =
+                values.iter().enumerate().map(|(i, value)| (1500.0 * i as f64, *value)).collect();
+            let limit = worn_in(&history, 2000.0, 7500.0);
+            (limit.hours, limit.transient)
+        };
+        assert_eq!(of([2400.0, 2100.0, 1900.0, 1800.0, 1700.0, 1700.0]), (None, true));
+        assert_eq!(of([2400.0, 2300.0, 2200.0, 2100.0, 2050.0, 2010.0]), (Some(0.0), false));
+        let (hours, transient) = of([1500.0, 1600.0, 1700.0, 1900.0, 2100.0, 2300.0]);
+        assert!(!transient && (hours.unwrap() - 5250.0).abs() < 1e-6);
+        assert_eq!(of([1500.0; 6]), (None, false));
+    }
+}
