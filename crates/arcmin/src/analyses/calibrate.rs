@@ -83,8 +83,7 @@ const CALIBRATION: TableOf<Row> = TableOf {
     columns: || {
         vec![
             q::HOURS.of(|r: &Row| (r.observation.time / HOUR).into()),
-            quantity("quantity", PLAIN, "What was observed, with its unit.")
-                .of(|r| quantity_of(r.observation.value).0.into()),
+            q::QUANTITY.of(|r| quantity_of(r.observation.value).0.into()),
             quantity("observed", digits(5), "Observed value, in the unit of the quantity.").of(|r| {
                 let (_, value, unit) = quantity_of(r.observation.value);
                 (value / unit).into()

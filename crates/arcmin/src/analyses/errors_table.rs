@@ -21,7 +21,7 @@ pub(crate) const TABLE: TableOf<Deviation> = TableOf {
     columns: || {
         vec![
             quantity("part", PLAIN, "The part that deviates.").of(|d: &Deviation| d.part.clone().into()),
-            quantity("quantity", PLAIN, "What of it deviates from the drawing.").of(|d| d.quantity.into()),
+            q::QUANTITY.of(|d| d.quantity.into()),
             q::VALUE.with(digits(6)).of(|d| d.value.into()),
             q::UNIT.of(|d| d.unit.into()),
         ]

@@ -76,10 +76,37 @@ pub fn check_design(design: &Design) -> Vec<Finding> {
         change: "write the keys with their true values (`arcmin keys` explains each)",
     });
     findings.extend(stale_masses(design));
+    findings.extend(unknowns(design));
     findings
 }
 
 /// Masses given for another geometry; nothing for a design as it stands in its file.
+/// Unknowns that do not fit the design any more: its value lies outside of their range, or is not there.
+fn unknowns(design: &Design) -> Option<Finding> {
+    let all = design.unknowns();
+    let outside = all.iter().filter(|unknown| !unknown.covers_nominal()).map(|unknown| {
+        let [low, high] = unknown.distribution.bounds();
+        format!("{} is {}, said to lie from {low} to {high}", unknown.path, unknown.nominal)
+    });
+    let idle = design
+        .unknowns
+        .0
+        .iter()
+        .filter(|varied| all.iter().all(|unknown| unknown.path != varied.path))
+        .map(|varied| format!("{} has no value here that could vary so", varied.path));
+    let list: Vec<String> = outside.chain(idle).collect();
+    (!list.is_empty()).then(|| Finding {
+        code: "unknowns",
+        severity: Severity::Warning,
+        message: format!("[unknowns] does not fit the design: {}", list.join("; ")),
+        value: list.len() as f64,
+        limit: 0.0,
+        unit: "",
+        why: "a band that leaves out the design's own value says nothing about this machine",
+        change: "correct the range, or take the row out of [unknowns]",
+    })
+}
+
 fn stale_masses(design: &Design) -> Option<Finding> {
     let stale = design.stale_masses();
     let worst = stale.iter().map(|mass| mass.factor.ln().abs().exp()).reduce(f64::max)?;

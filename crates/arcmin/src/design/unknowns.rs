@@ -25,13 +25,22 @@ pub struct Unknown {
     pub distribution: Distribution,
 }
 
-/// All unknowns of a design; each names a numeric key that has a value, varies within what the key accepts, and
-/// has its nominal value inside.
-pub(super) fn unknowns(design: &DesignSections, tree: &Branch, source: &Source) -> Result<Vec<Unknown>> {
-    design.unknowns.0.iter().map(|varied| unknown(varied, tree, source)).collect()
+impl Unknown {
+    /// Whether the design's own value lies in the range, up to rounding.
+    pub fn covers_nominal(&self) -> bool {
+        let [low, high] = self.distribution.bounds();
+        let slack = 1e-12 * self.nominal.abs();
+        self.nominal >= low - slack && self.nominal <= high + slack
+    }
 }
 
-fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Unknown> {
+/// All unknowns of a design; each names a numeric key and varies within what the key accepts. Those whose key
+/// has no number in this design (a stiffness that is left out) are idle and left out.
+pub(super) fn unknowns(design: &DesignSections, tree: &Branch, source: &Source) -> Result<Vec<Unknown>> {
+    design.unknowns.0.iter().filter_map(|varied| unknown(varied, tree, source).transpose()).collect()
+}
+
+fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Option<Unknown>> {
     let at = |message: String, hint: &str| contradiction(source, &Some(varied.span.clone()), message, hint);
     let path = &varied.path;
     let target = path::find(path, "", &DesignSections::SCHEMA, source)
@@ -42,12 +51,15 @@ fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Unknown> {
         _ => None,
     };
     let Some(nominal) = nominal else {
-        return Err(contradiction(
-            source,
-            &Some(varied.path_span.clone()),
-            format!("`{path}` has no number in this design that could be unknown"),
-            "name a key with a number that the design gives or leaves to its default",
-        ));
+        if !numeric {
+            return Err(contradiction(
+                source,
+                &Some(varied.path_span.clone()),
+                format!("`{path}` holds no number that could be unknown"),
+                "name a key with a number",
+            ));
+        }
+        return Ok(None);
     };
     let distribution =
         varied.variation.about(nominal).map_err(|why| at(format!("`{path}` cannot vary so"), &why))?;
@@ -66,16 +78,6 @@ fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Unknown> {
             &format!("{} to {}{space}{unit} are believable", plain(rule.low), plain(rule.high)),
         ));
     }
-    // A bound computed from the nominal value may miss it by rounding.
-    let slack = 1e-12 * nominal.abs();
-    if nominal < low - slack || nominal > high + slack {
-        let message = format!(
-            "`{path}` is {} in this design, outside of {} to {}, between which it is said to lie",
-            plain(nominal),
-            plain(low),
-            plain(high)
-        );
-        return Err(at(message, "correct the one or the other"));
-    }
-    Ok(Unknown { path: path.clone(), unit, nominal, variation: varied.variation.clone(), distribution })
+    let variation = varied.variation.clone();
+    Ok(Some(Unknown { path: path.clone(), unit, nominal, variation, distribution }))
 }

@@ -176,8 +176,6 @@ pub const ORDERS: Quantity =
 
 pub const PART: Quantity = quantity("part", PLAIN, "Part of the machine.");
 
-pub const BEARING: Quantity = quantity("bearing", PLAIN, "Which bearing.");
-
 pub const EFFICIENCY: Quantity = quantity(
     "efficiency",
     decimals(3),
@@ -201,3 +199,5 @@ pub const SOFT_STIFFNESS: Quantity = quantity(
     decimals(1),
     "Slope of the loop between 3 and 15 % of rated torque.",
 );
+
+pub const QUANTITY: Quantity = quantity("quantity", PLAIN, "Which quantity the row is about.");

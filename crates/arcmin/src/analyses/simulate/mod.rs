@@ -94,7 +94,7 @@ options! {
         /// Exponent of the impact function.
         contact_exponent: f64 => default(1.1, 1.0, 3.0),
         /// Local error per step, in arcmin at the output.
-        tolerance: f64 => default(1e-4, 1e-10, 1.0),
+        tolerance: f64 => default(5e-5, 1e-10, 1.0),
         /// Constant time step in place of error control.
         fixed_step_s: Option<f64> => optional(1e-9, 1e-2),
         /// Perturbed starts of an unloaded run without drag, for its spread.
