@@ -139,3 +139,64 @@ pub fn findings_table(findings: &[Finding]) -> Block {
         note: format!("{} checks were made; the others are passed.", findings.len()),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Relief;
+    use crate::machine::CrankAngle;
+    use crate::templates::rv_40e_81;
+    use crate::units::UM;
+
+    /// The drawing's rule, normals through the pitch point a·z_p·e(θ_k + α), carries the torque: 0.4815 T on each
+    /// disc of the new machine.
+    #[test]
+    fn drawn_forces_balance_the_torque() {
+        let machine = rv_40e_81();
+        let cycle = machine.meshing(&Relief::uniform(0.0)).cycle(machine.rated.torque, 6).expect("solvable");
+        let drawing = mechanism(&machine, &[("new".to_owned(), &cycle)]);
+        let pins = drawing.pin_count;
+        for (disc, phase) in drawing.eccentric_phase_deg.iter().enumerate() {
+            for (step, forces) in drawing.states[0].force_n[disc].iter().enumerate() {
+                let crank = std::f64::consts::TAU / pins as f64 * step as f64
+                    / drawing.states[0].force_n[disc].len() as f64
+                    + phase * DEG;
+                let pitch_point = crate::geometry::unit(crank) * drawing.eccentricity_mm * pins as f64;
+                let centre = crate::geometry::unit(crank) * drawing.eccentricity_mm;
+                let moment: f64 = forces
+                    .iter()
+                    .enumerate()
+                    .map(|(pin, force)| {
+                        let place = crate::geometry::unit(std::f64::consts::TAU * pin as f64 / pins as f64)
+                            * drawing.pin_circle_radius_mm;
+                        let normal = (pitch_point - place).normalize();
+                        crate::geometry::cross(place - centre, normal) * 1e-3 * force
+                    })
+                    .sum();
+                // Micrometres of elastic approach tilt the normals by some 1e-4.
+                assert!(
+                    (moment / (0.48148 * machine.rated.torque) - 1.0).abs() < 2e-3,
+                    "disc {disc}, step {step}: {moment}"
+                );
+            }
+        }
+    }
+
+    /// One pin pitch later the same forces act on the next pin: what lets the drawing turn on a table of one
+    /// pitch.
+    #[test]
+    fn forces_move_on_by_one_pin_per_pitch() {
+        let machine = rv_40e_81();
+        let meshing = machine.meshing(&Relief::uniform(3.0 * UM));
+        let at = |crank: f64| meshing.load_sharing(CrankAngle::from_radians(crank), 412.0).expect("solvable");
+        let pitch = meshing.kinematics().pattern_period();
+        let force = |position: &crate::load::LoadSharing, pin: usize| {
+            position.discs[1].iter().find(|contact| contact.pin == pin).map_or(0.0, |contact| contact.force)
+        };
+        let (here, later) = (at(0.05), at(0.05 + pitch));
+        for pin in 0..40 {
+            let (before, after) = (force(&here, pin), force(&later, (pin + 1) % 40));
+            assert!((before - after).abs() < 1e-5 * 412.0, "pin {pin}: {before} N, then {after} N");
+        }
+    }
+}

@@ -159,8 +159,6 @@ pub const LARGEST_PIN_FORCE: Quantity = quantity(
     "Largest force of one pin on one disc in the running machine.",
 );
 
-pub const BEARING: Quantity = quantity("bearing", PLAIN, "Which bearing: its kind and its place.");
-
 pub const FLANK_UPDATES: Quantity =
     quantity("flank_updates", PLAIN, "Updates of the flank: steps of the coupled computation.");
 

@@ -6,7 +6,7 @@ mod page;
 
 pub use declared::{SUMMARY, tables};
 
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
 use crate::contact::PinContact;
 use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
@@ -243,6 +243,10 @@ impl Outcome for Contact {
 
     fn seeds(&self) -> Vec<u64> {
         self.fidelity.seeds()
+    }
+
+    fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
+        elastic_disc::attachments(&self.machine, &self.fidelity)
     }
 
     fn as_any(&self) -> &dyn std::any::Any {

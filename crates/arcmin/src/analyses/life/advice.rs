@@ -11,6 +11,7 @@ use crate::life::{LifePoint, Prediction, lost_motion_causes};
 use crate::load::ShareLoad;
 use crate::machine::Machine;
 use crate::report::{compact, significant};
+use crate::rig::dynamic_load_rating;
 use crate::units::{ARCMIN, MPA};
 
 /// One change and what it would gain.
@@ -64,7 +65,13 @@ const LIFE: &[Lever] = &[
     lever("bearings.turning_arm.dynamic_load_rating_kn", "load rating of the turning arms", "kN", 1.15, 0.0),
     lever("bearings.turning_arm.clearance_um", "turning-arm clearance", "µm", 0.6, 0.0),
     lever("bearings.crank_support.roller_length_mm", "length of the support rollers", "mm", 1.15, 0.0),
-    lever("bearings.crank_support.dynamic_load_rating_kn", "load rating of the crank supports", "kN", 1.15, 0.0),
+    lever(
+        "bearings.crank_support.dynamic_load_rating_kn",
+        "load rating of the crank supports",
+        "kN",
+        1.15,
+        0.0,
+    ),
     lever("bearings.crank_support_span_mm", "span of the crank supports", "mm", 1.15, 0.0),
     lever("crankshafts.count", "crankshafts", "", 1.5, 0.0),
     lever("load.rated_torque_n_m", "torque of the duty", "N·m", 0.9, 0.0),
@@ -116,11 +123,7 @@ pub(super) fn advise(
     let mut slopes: Vec<(&Lever, f64, f64)> = levers
         .par_iter()
         .filter_map(|lever| {
-            let from = match design.get(lever.key).ok()? {
-                Value::Number(number) => number,
-                Value::Count(count) => count as f64,
-                _ => return None,
-            };
+            let from = present(design, &machine, lever.key)?;
             if from == 0.0 || host.is_cancelled() {
                 return None;
             }
@@ -143,11 +146,32 @@ pub(super) fn advise(
             let to = from * lever.factor;
             let after = question.with(design, lever, to)?;
             let text = sentence(lever, from, to, kind, before, after);
-            (kind_sign(kind) * (after - before) > 0.0)
-                .then_some(Advice { key: lever.key, from, to, before, after, text })
+            (kind_sign(kind) * (after - before) > 0.0).then_some(Advice {
+                key: lever.key,
+                from,
+                to,
+                before,
+                after,
+                text,
+            })
         })
         .collect();
     if host.is_cancelled() { Err(AnalysisError::Stopped) } else { Ok(best) }
+}
+
+/// What a key is now; a load rating that the design leaves out is that of the bearing's geometry.
+fn present(design: &Design, machine: &Machine, key: &str) -> Option<f64> {
+    let bearing = match key {
+        "bearings.turning_arm.dynamic_load_rating_kn" => Some(&machine.bearings.turning_arm),
+        "bearings.crank_support.dynamic_load_rating_kn" => Some(&machine.bearings.crank_support),
+        _ => None,
+    };
+    match (design.get(key).ok()?, bearing) {
+        (Value::Number(number), _) => Some(number),
+        (Value::Count(count), _) => Some(count as f64),
+        (_, Some(bearing)) => Some(dynamic_load_rating(bearing) * 1e-3),
+        _ => None,
+    }
 }
 
 /// +1 where more is better.
@@ -189,11 +213,7 @@ struct Question<'a> {
 
 impl Question<'_> {
     fn with(&self, design: &Design, lever: &Lever, value: f64) -> Option<f64> {
-        let from = match design.get(lever.key).ok()? {
-            Value::Count(count) => count as f64,
-            Value::Number(number) => number,
-            _ => return None,
-        };
+        let from = present(design, &design.machine(), lever.key)?;
         let value = if lever.key == "crankshafts.count" { value.round() } else { value };
         let mut machine = design.with(lever.key, value).ok()?.machine();
         // The duty is given in rows of its own, or is the rated point.

@@ -75,19 +75,16 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
         .with(Series::line("mean over the cycle", over(life, |p| p.accuracy.loaded_pairs)))
         .noted("Mean number of pins that carry force on one disc at rated torque.")
         .half();
-    vec![
-        Block::Plot(angles),
-        Block::Plot(pressure),
-        Block::Plot(pairs),
-        Block::Table(page::life_table(life)),
-    ]
+    vec![Block::Plot(angles), Block::Plot(pressure), Block::Plot(pairs), Block::Table(page::life_table(life))]
 }
 
 /// Points of the prediction as a reader can tell them apart, with their place among them.
 fn shown(life: &Life) -> Vec<(&LifePoint, Colour)> {
     let points = &life.prediction.points;
     let last = points.len().saturating_sub(1).max(1) as f64;
-    stations(points.len(), CURVES).map(|index| (&points[index], Colour::Ordered(index as f64 / last))).collect()
+    stations(points.len(), CURVES)
+        .map(|index| (&points[index], Colour::Ordered(index as f64 / last)))
+        .collect()
 }
 
 fn name(point: &LifePoint) -> String {
@@ -142,13 +139,16 @@ pub(super) fn wear(life: &Life) -> Vec<Block> {
 pub(super) fn load(life: &Life) -> Vec<Block> {
     let side = loaded_side(life);
     let contact = life.machine.line_contact();
-    let mut force =
-        Plot::new("Contact force along the flank", meshing_angle(), Axis::new("Contact force", "N").from_zero())
-            .half()
-            .noted(
-                "Largest force of all pins within each step of the meshing angle, over everything that repeats. Wear \
+    let mut force = Plot::new(
+        "Contact force along the flank",
+        meshing_angle(),
+        Axis::new("Contact force", "N").from_zero(),
+    )
+    .half()
+    .noted(
+        "Largest force of all pins within each step of the meshing angle, over everything that repeats. Wear \
                  takes the load off the flank where it slides most and moves it towards the root.",
-            );
+    );
     let mut pressure = Plot::new(
         "Hertz pressure along the flank",
         meshing_angle(),
@@ -261,9 +261,10 @@ pub(super) fn motion(life: &Life, caveat: Option<String>) -> Vec<Block> {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(format!(
-        "Multibody model in the same fidelity as the prediction, {} s to speed and one period of {} s. STE: without \
-         load. DTE: under a sinusoidal load of the rated torque.",
+        "Multibody model in the same fidelity as the prediction, {} s to speed. STE: without load, {} s. DTE: under \
+         one period of {} s of a sinusoidal load of the rated torque.",
         super::ages::RISE,
+        super::ages::UNLOADED,
         super::ages::PERIOD
     ));
     for (loaded, name, colour) in [(false, "STE", 0), (true, "DTE", 1)] {
@@ -273,23 +274,29 @@ pub(super) fn motion(life: &Life, caveat: Option<String>) -> Vec<Block> {
         ] {
             let point = |age: &Age| Some((age.hours, of(&age.statistics()[usize::from(loaded)]?) / ARCMIN));
             let points: Vec<(f64, f64)> = life.ages.iter().filter_map(point).collect();
-            plot.series
-                .push(Series::new(format!("{name}, {part}"), style, points).coloured(Colour::Palette(colour)));
+            plot.series.push(
+                Series::new(format!("{name}, {part}"), style, points).coloured(Colour::Palette(colour)),
+            );
         }
     }
     let mut blocks = vec![Block::Plot(plot)];
     blocks.extend(caveat.map(|text| Block::Note(Tone::Neutral, text)));
     let Some((new, end)) = life.ages.first().zip(life.ages.last()) else { return blocks };
     for (title, note, of) in [
-        ("Without load", "The output floats in its clearance.", (|age| &age.unloaded) as fn(&Age) -> &RunResult),
+        (
+            "Without load",
+            "The output floats in its clearance.",
+            (|age| &age.unloaded) as fn(&Age) -> &RunResult,
+        ),
         (
             "Under the sinusoidal load",
             "Torque that reverses presses the teeth to one flank and then to the other.",
             |age| &age.loaded,
         ),
     ] {
-        let mut plot =
-            Plot::new(title, Axis::new("Time", "s"), Axis::new("Transmission error", "arcmin")).half().noted(note);
+        let mut plot = Plot::new(title, Axis::new("Time", "s"), Axis::new("Transmission error", "arcmin"))
+            .half()
+            .noted(note);
         for (age, colour) in [(end, 1), (new, 0)] {
             let series = &of(age).series;
             let time: Vec<f64> = series.iter().map(|sample| sample.time).collect();

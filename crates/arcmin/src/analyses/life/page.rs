@@ -1,8 +1,8 @@
 //! Terminal and report of a life.
 
-use super::verdict::{LifeVerdict, Limit, LimitKind};
 #[cfg(test)]
 use super::Outcome;
+use super::verdict::{LifeVerdict, Limit, LimitKind};
 use super::{Life, declared, figures};
 use crate::analyses::wear::stations;
 use crate::analyses::{Said, TextTable, causes};
@@ -120,12 +120,18 @@ pub(super) fn page(life: &Life) -> Page {
         sections[2].blocks.push(causes::shares(at));
     }
     if !life.ages.is_empty() {
-        sections.push(Section::new("simulation", "Transmission error in motion", figures::motion(life, rattling(life))));
+        sections.push(Section::new(
+            "simulation",
+            "Transmission error in motion",
+            figures::motion(life, rattling(life)),
+        ));
     }
     sections.push(Section::new("mechanism", "Mechanism and contact forces", figures::mechanism(life)));
     sections.extend(life.elastic.clone());
     let findings = match worst(&life.findings) {
-        Severity::Info => Block::Text(format!("All {} checks of the design are passed.", life.findings.len())),
+        Severity::Info => {
+            Block::Text(format!("All {} checks of the design are passed.", life.findings.len()))
+        }
         _ => findings_table(&life.findings),
     };
     sections.push(Section::new("findings", "Findings on the design", vec![findings]));
@@ -296,11 +302,14 @@ fn limits(life: &Life) -> Vec<Block> {
                the design's duty. Further limits can be set in `[limits]`."
             .to_owned(),
     };
-    let rows = life
-        .bearings
-        .bearings
-        .iter()
-        .map(|b| vec![b.name.clone(), significant(b.equivalent, 4), significant(b.rating, 4), format!("{:.0}", b.life_h)]);
+    let rows = life.bearings.bearings.iter().map(|b| {
+        vec![
+            b.name.clone(),
+            significant(b.equivalent, 4),
+            significant(b.rating, 4),
+            format!("{:.0}", b.life_h),
+        ]
+    });
     let bearings = Table {
         title: "Rating life of the bearings".to_owned(),
         columns: vec![

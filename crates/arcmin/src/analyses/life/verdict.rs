@@ -187,7 +187,8 @@ impl Judged<'_> {
         let kinematics = self.machine.kinematics();
         let duty = &self.machine.duty;
         let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
-        let speed = duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
+        let speed =
+            duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
         let catalogue = limits.catalogue_life.and_then(|life| {
             let hours = catalogue_life_at_duty(self.machine, life / HOUR)?;
             Some(Limit {
@@ -268,9 +269,14 @@ impl Limit {
         match self.kind {
             LimitKind::LostMotion => format!("Lost motion reaches {allowed} arcmin after {hours:.0} h"),
             LimitKind::ContactPressure if hours <= 0.0 => {
-                format!("Contact pressure is above {allowed} MPa from the start, {} MPa", significant(self.value, 4))
+                format!(
+                    "Contact pressure is above {allowed} MPa from the start, {} MPa",
+                    significant(self.value, 4)
+                )
             }
-            LimitKind::ContactPressure => format!("Contact pressure exceeds {allowed} MPa after {hours:.0} h"),
+            LimitKind::ContactPressure => {
+                format!("Contact pressure exceeds {allowed} MPa after {hours:.0} h")
+            }
             LimitKind::BearingLife => {
                 format!("The bearing “{}” lasts {hours:.0} h (L10)", self.place.as_deref().unwrap_or(""))
             }
@@ -282,7 +288,9 @@ impl Limit {
                 format!("The duty asks for {value} {unit}, more than the {allowed} {unit} of start and stop")
             }
             LimitKind::EmergencyTorque => {
-                format!("An emergency stop presses flanks and pins with {value} {unit}, {allowed} {unit} allowed")
+                format!(
+                    "An emergency stop presses flanks and pins with {value} {unit}, {allowed} {unit} allowed"
+                )
             }
             LimitKind::OutputSpeed => {
                 format!("The duty turns the output at {value} {unit}, {allowed} {unit} allowed")
@@ -358,7 +366,10 @@ impl LifeVerdict {
                      after {hours:.0} h."
                 )
             }
-            None => format!("Keeps every limit for all {:.0} h computed; {service:.0} h are planned.", self.searched_h),
+            None => format!(
+                "Keeps every limit for all {:.0} h computed; {service:.0} h are planned.",
+                self.searched_h
+            ),
         };
         let first = self.limited_by().map(|limit| limit.kind);
         let others: Vec<String> = self
@@ -391,7 +402,14 @@ mod tests {
     use super::*;
 
     fn limit(kind: LimitKind, hours: Option<f64>) -> Limit {
-        Limit { kind, place: Some("turning arm".to_owned()), value: 1.0, allowed: 2.0, hours, transient: false }
+        Limit {
+            kind,
+            place: Some("turning arm".to_owned()),
+            value: 1.0,
+            allowed: 2.0,
+            hours,
+            transient: false,
+        }
     }
 
     fn verdict(limits: Vec<Limit>) -> LifeVerdict {

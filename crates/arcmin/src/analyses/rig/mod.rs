@@ -7,7 +7,7 @@ mod page;
 pub use declared::{SUMMARY, tables};
 
 use super::causes::{CausesAt, HasCauses};
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
 use crate::design::{Design, InputFile, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
 use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
@@ -109,7 +109,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
 }
 
 /// The machine as it is tested, and whether its friction is assumed: where the design gives none at all.
-fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, bool) {
+pub(crate) fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, bool) {
     let mut tested = machine.clone();
     let f = &machine.friction;
     let none = [f.flank, f.pin_seat, f.bearing, f.gear_mesh, f.seal_drag, f.oil_drag]
@@ -168,6 +168,10 @@ impl Outcome for Rig {
 
     fn seeds(&self) -> Vec<u64> {
         self.fidelity.seeds()
+    }
+
+    fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
+        elastic_disc::attachments(&self.machine, &self.fidelity)
     }
 
     fn as_any(&self) -> &dyn std::any::Any {

@@ -24,7 +24,7 @@ pub use declared::{SUMMARY, tables};
 
 use serde::{Deserialize, Serialize};
 
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
 use crate::contact::MeshContact;
 use crate::design::{Choice, Design, InputFile, default, default_word, optional, options};
 use crate::dynamics::{
@@ -315,6 +315,10 @@ impl Outcome for Simulate {
 
     fn failure(&self) -> Option<String> {
         self.broke_off.clone()
+    }
+
+    fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
+        elastic_disc::attachments(&self.machine, &self.fidelity)
     }
 
     fn as_any(&self) -> &dyn std::any::Any {

@@ -12,10 +12,24 @@ type Of = (&'static str, &'static str, fn(&Level) -> Option<MeanAndMax>, fn(Mean
 const ERRORS: [Of; 8] = [
     ("ste_rigid_mean_arcmin", "Mean of |TE| without load, rigid discs.", Level::ste_rigid, |te| te.mean),
     ("ste_rigid_max_arcmin", "Largest |TE| without load, rigid discs.", Level::ste_rigid, |te| te.max),
-    ("dte_rigid_mean_arcmin", "Mean of |TE| under the sinusoidal load, rigid discs.", Level::dte_rigid, |te| te.mean),
-    ("dte_rigid_max_arcmin", "Largest |TE| under the sinusoidal load, rigid discs.", Level::dte_rigid, |te| te.max),
-    ("ste_flexible_mean_arcmin", "Mean of |TE| without load, elastic discs.", Level::ste_flexible, |te| te.mean),
-    ("ste_flexible_max_arcmin", "Largest |TE| without load, elastic discs.", Level::ste_flexible, |te| te.max),
+    (
+        "dte_rigid_mean_arcmin",
+        "Mean of |TE| under the sinusoidal load, rigid discs.",
+        Level::dte_rigid,
+        |te| te.mean,
+    ),
+    (
+        "dte_rigid_max_arcmin",
+        "Largest |TE| under the sinusoidal load, rigid discs.",
+        Level::dte_rigid,
+        |te| te.max,
+    ),
+    ("ste_flexible_mean_arcmin", "Mean of |TE| without load, elastic discs.", Level::ste_flexible, |te| {
+        te.mean
+    }),
+    ("ste_flexible_max_arcmin", "Largest |TE| without load, elastic discs.", Level::ste_flexible, |te| {
+        te.max
+    }),
     (
         "dte_flexible_mean_arcmin",
         "Mean of |TE| under the sinusoidal load, elastic discs.",

@@ -62,13 +62,17 @@ pub(super) fn blocks(study: &Tao2024) -> Vec<Block> {
 
 fn depth_over_hours(study: &Tao2024) -> Plot {
     let points = study.levels.iter().filter_map(|level| Some((level.hours?, level.depth / UM)));
-    Plot::new("Uniform depth over the hours", Axis::new("Running time", "h"), Axis::new("Depth", "µm").from_zero())
-        .half()
-        .with(Series::new("paper's wear rule", Style::LineMarkers, points))
-        .noted(format!(
-            "The uniform depth grows at the rate of the worst point of the flank, k = {} 1/Pa [Archard1953].",
-            study.coefficient.map_or("–".to_owned(), |k| significant(k, 3))
-        ))
+    Plot::new(
+        "Uniform depth over the hours",
+        Axis::new("Running time", "h"),
+        Axis::new("Depth", "µm").from_zero(),
+    )
+    .half()
+    .with(Series::new("paper's wear rule", Style::LineMarkers, points))
+    .noted(format!(
+        "The uniform depth grows at the rate of the worst point of the flank, k = {} 1/Pa [Archard1953].",
+        study.coefficient.map_or("–".to_owned(), |k| significant(k, 3))
+    ))
 }
 
 const ANGLES: i32 = 360;
@@ -128,7 +132,8 @@ fn study_depth(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
         .iter()
         .map(|load| {
             let at = |phi: f64| {
-                closed_form_force(&life.machine, load, phi * DEG) * profile.specific_sliding((phi * DEG).cos())
+                closed_form_force(&life.machine, load, phi * DEG)
+                    * profile.specific_sliding((phi * DEG).cos())
             };
             let largest = angles_deg().map(at).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
             angles_deg().map(|phi| at(phi) / largest).collect()

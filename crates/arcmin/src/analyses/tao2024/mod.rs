@@ -134,8 +134,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Tao202
     let (rigid, flexible) = if options.quasi_static {
         (None, None)
     } else {
-        let settings =
-            StudySettings { perturbed_starts: options.starts, ..StudySettings::tao2024(&machine) };
+        let settings = StudySettings { perturbed_starts: options.starts, ..StudySettings::tao2024(&machine) };
         let rigid = transmission_error_study(&machine, &wear, &settings, host)
             .map_err(dynamics("simulate the transmission error"))?;
         (Some(rigid), simulate_elastic(&machine, &fidelity, &wear, &settings, host)?)

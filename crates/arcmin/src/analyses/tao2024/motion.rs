@@ -20,8 +20,13 @@ pub(super) fn blocks(life: &Tao2024) -> Vec<Block> {
     let runs = [
         (trace(rigid, |p| &p.no_load), "Rigid discs without load", "Figures 11 and 12", RunKind::Static),
         (trace(rigid, |p| &p.loaded), "Rigid discs with sinusoidal load", "Figures 13–15", RunKind::Dynamic),
-        (trace(elastic, |p| &p.no_load), "Elastic discs without load", "Figures 16 and 17", RunKind::Flexible),
-        (trace(elastic, |p| &p.loaded), "Elastic discs with sinusoidal load", "", RunKind::FlexibleDynamic),
+        (
+            trace(flexible, |p| &p.no_load),
+            "Elastic discs without load",
+            "Figures 16 and 17",
+            RunKind::Flexible,
+        ),
+        (trace(flexible, |p| &p.loaded), "Elastic discs with sinusoidal load", "", RunKind::FlexibleDynamic),
     ];
     let figures_of = |figures: &str| {
         if figures.is_empty() { "Not in [Tao2024].".to_owned() } else { format!("{figures} of [Tao2024].") }
@@ -97,7 +102,8 @@ fn speeds(title: &str, figures: &str, run: &Trace, ratio: f64) -> Plot {
     Plot::new(format!("{title}: speeds"), Axis::new("Time", "s"), Axis::new("Speed at the output", "°/s"))
         .half()
         .with(
-            Series::line("output", thinned(&run.time_s, &run.output_speed_deg_s)).coloured(Colour::Palette(0)),
+            Series::line("output", thinned(&run.time_s, &run.output_speed_deg_s))
+                .coloured(Colour::Palette(0)),
         )
         .with(
             Series::new(
@@ -191,8 +197,11 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
     )
     .noted("Figure 18 of [Tao2024]. Without load the output floats in the clearance: the shaded band is what uniform wear geometrically allows.");
     plot.series.push(
-        Series::band("geometric clearance", life.levels.iter().map(|row| (place(life, row), 0.0, row.accuracy.play.arcmin())))
-            .coloured(Colour::Palette(6)),
+        Series::band(
+            "geometric clearance",
+            life.levels.iter().map(|row| (place(life, row), 0.0, row.accuracy.play.arcmin())),
+        )
+        .coloured(Colour::Palette(6)),
     );
     type Quantity = (&'static str, fn(&Level) -> Option<MeanAndMax>, u8);
     let quantities: [Quantity; 2] = [("STE", Level::ste_rigid, 0), ("DTE", Level::dte_rigid, 1)];
@@ -207,16 +216,12 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
                 .strong(),
         );
         plot.series.push(
-            Series::new(
-                format!("{name}, largest"),
-                Style::Dashed,
-                over_hours(life, value, |v| v.max),
-            )
-            .coloured(Colour::Palette(colour)),
+            Series::new(format!("{name}, largest"), Style::Dashed, over_hours(life, value, |v| v.max))
+                .coloured(Colour::Palette(colour)),
         );
     }
     let starts: Vec<(f64, f64, f64)> = life
-        .study
+        .levels
         .iter()
         .filter_map(|row| {
             let spread = row.rigid.as_ref().and_then(|runs| runs.spread.as_ref());
@@ -254,12 +259,8 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
         "Figure 19 of [Tao2024]. Without load nothing deforms a disc: the means of the two models lie on one another but for the chance of undamped rattling.",
     );
     plot.series.push(
-        Series::new(
-            "rigid, mean",
-            Style::LineMarkers,
-            over_hours(life, |row| row.ste_rigid(), |v| v.mean),
-        )
-        .coloured(Colour::Palette(0)),
+        Series::new("rigid, mean", Style::LineMarkers, over_hours(life, |row| row.ste_rigid(), |v| v.mean))
+            .coloured(Colour::Palette(0)),
     );
     plot.series.push(
         Series::new(
@@ -270,20 +271,13 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
         .coloured(Colour::Palette(2)),
     );
     plot.series.push(
-        Series::new(
-            "elastic, largest",
-            Style::Dashed,
-            over_hours(life, |row| row.ste_flexible(), |v| v.max),
-        )
-        .coloured(Colour::Palette(2)),
+        Series::new("elastic, largest", Style::Dashed, over_hours(life, |row| row.ste_flexible(), |v| v.max))
+            .coloured(Colour::Palette(2)),
     );
     if is_its_machine(&life.machine) {
         plot.series.push(
-            Series::markers(
-                "elastic, Tao2024",
-                paper_points(life, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_LARGEST),
-            )
-            .coloured(Colour::Reference),
+            Series::markers("elastic, Tao2024", paper_points(life, FLEXIBLE_MEAN_AT_10_UM, FLEXIBLE_LARGEST))
+                .coloured(Colour::Reference),
         );
     }
     plot
@@ -298,8 +292,7 @@ fn loaded_over_life(life: &Tao2024) -> Plot {
     )
     .noted("The paper shows no loaded run with an elastic disc.");
     type Quantity = (&'static str, fn(&Level) -> Option<MeanAndMax>, u8);
-    let quantities: [Quantity; 2] =
-        [("rigid", Level::dte_rigid, 0), ("elastic", Level::dte_elastic, 2)];
+    let quantities: [Quantity; 2] = [("rigid", Level::dte_rigid, 0), ("elastic", Level::dte_flexible, 2)];
     for (name, value, colour) in quantities {
         for (part, style, of) in [
             ("mean", Style::LineMarkers, (|v| v.mean) as fn(MeanAndMax) -> f64),
@@ -341,7 +334,8 @@ fn comparison(life: &Tao2024) -> Table {
         ("STE, elastic, 7500 h", |row| row.ste_flexible(), FLEXIBLE_LARGEST.0, FLEXIBLE_LARGEST.1, 0.0),
     ];
     let or_dash = |value: f64| if value > 0.0 { format!("{value}") } else { "–".to_owned() };
-    let plays: Vec<(f64, f64)> = life.levels.iter().map(|row| (place(life, row), row.accuracy.play.arcmin())).collect();
+    let plays: Vec<(f64, f64)> =
+        life.levels.iter().map(|row| (place(life, row), row.accuracy.play.arcmin())).collect();
     let rows = rows
         .iter()
         .filter_map(|(name, value, hours, paper_mean, paper_max)| {
@@ -388,7 +382,9 @@ fn differences(life: &Tao2024) -> Vec<String> {
             significant(row.accuracy.play.arcmin(), 3)
         ));
     }
-    if let Some(row) = at(50.0).filter(|row| row.ste_rigid().is_some() && row.accuracy.play.arcmin() < STE_LARGEST.1) {
+    if let Some(row) =
+        at(50.0).filter(|row| row.ste_rigid().is_some() && row.accuracy.play.arcmin() < STE_LARGEST.1)
+    {
         texts.push(format!(
             "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows between rigid teeth. It must contain \
              something other than the worn shape: penetration of a soft contact, the spline or the mesh of the contact curve, or a search that \

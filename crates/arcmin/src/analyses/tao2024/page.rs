@@ -4,8 +4,8 @@ use super::{MeanAndMax, Tao2024, flank, load, motion, paper};
 use crate::analyses::{Said, TextTable};
 use crate::machine::PinMounting;
 use crate::report::{
-    Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Table, Tone, Verdict,
-    compact, references_to, significant,
+    Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Table, Tone,
+    Verdict, compact, references_to, significant,
 };
 use crate::units::{MPA, RPM};
 
@@ -29,8 +29,11 @@ pub(super) fn said(study: &Tao2024) -> Vec<Said> {
         header.extend(["elastic STE ′", "elastic DTE ′"]);
     }
     let row = |level: &super::Level| {
-        let mut row =
-            vec![hours(level.hours), compact(level.depth_um(), 3), format!("{:.3}", level.accuracy.play.arcmin())];
+        let mut row = vec![
+            hours(level.hours),
+            compact(level.depth_um(), 3),
+            format!("{:.3}", level.accuracy.play.arcmin()),
+        ];
         if simulated {
             row.extend([pair(level.ste_rigid()), pair(level.dte_rigid())]);
         }
@@ -194,7 +197,7 @@ fn tables_of_the_paper(study: &Tao2024) -> Vec<Block> {
         note: "Table 2 of [Tao2024].".to_owned(),
     };
     let joint = |a: &str, b: &str, how: &str| vec![a.to_owned(), b.to_owned(), how.to_owned()];
-    let pins = match machine.ring.pin_mounting {
+    let pins = match machine.ring.mounting {
         PinMounting::Fixed => "pins at rest: flank and pin slide",
         PinMounting::Spinning => "pins turn freely in their seats",
     };
@@ -210,7 +213,8 @@ fn tables_of_the_paper(study: &Tao2024) -> Vec<Block> {
             joint("Pins", "housing", pins),
             joint("Carrier", "housing", "turns about the axis; carries the load"),
         ],
-        note: "Table 3 of [Tao2024]: ideal joints, so that play and error come from the contacts alone.".to_owned(),
+        note: "Table 3 of [Tao2024]: ideal joints, so that play and error come from the contacts alone."
+            .to_owned(),
     };
     vec![Block::Table(dimensions), Block::Table(materials), Block::Table(joints)]
 }
@@ -221,21 +225,31 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
     let line = |value: &dyn Fn(&super::Level) -> f64| -> Vec<(f64, f64)> {
         study.levels.iter().map(|level| (level.depth_um(), value(level))).collect()
     };
-    let angles = Plot::new("Play and loaded error", depth.clone(), Axis::new("Angle at the output", "arcmin").from_zero())
-        .half()
-        .with(Series::new("play, one-sided", Style::LineMarkers, line(&|l| l.accuracy.play.arcmin())).coloured(Colour::Palette(2)))
-        .with(
-            Series::new(
-                "size of the error at rated torque",
-                Style::LineMarkers,
-                line(&|l| l.accuracy.loaded_error.arcmin().abs()),
-            )
-            .coloured(Colour::Palette(1)),
+    let angles = Plot::new(
+        "Play and loaded error",
+        depth.clone(),
+        Axis::new("Angle at the output", "arcmin").from_zero(),
+    )
+    .half()
+    .with(
+        Series::new("play, one-sided", Style::LineMarkers, line(&|l| l.accuracy.play.arcmin()))
+            .coloured(Colour::Palette(2)),
+    )
+    .with(
+        Series::new(
+            "size of the error at rated torque",
+            Style::LineMarkers,
+            line(&|l| l.accuracy.loaded_error.arcmin().abs()),
         )
-        .noted("Quasi-static, input locked: uniform wear opens the play in proportion.");
+        .coloured(Colour::Palette(1)),
+    )
+    .noted("Quasi-static, input locked: uniform wear opens the play in proportion.");
     let forces = Plot::new("Largest force", depth, Axis::new("Force", "N").from_zero())
         .half()
-        .with(Series::new("equilibrium", Style::LineMarkers, line(&|l| l.accuracy.max_force)).coloured(Colour::Palette(0)))
+        .with(
+            Series::new("equilibrium", Style::LineMarkers, line(&|l| l.accuracy.max_force))
+                .coloured(Colour::Palette(0)),
+        )
         .with(
             Series::new(
                 "closed form",

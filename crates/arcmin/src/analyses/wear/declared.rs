@@ -1,15 +1,13 @@
 //! Tables and figures of wear.
 
-use crate::analyses::errors_table;
 use super::{Mode, Station, Wear};
+use crate::analyses::errors_table;
 use crate::fidelity::Fidelity;
 use crate::geometry::Relief;
 use crate::life::{Accuracy, WornState};
 use crate::load::FlankForce;
 use crate::machine::Machine;
-use crate::results::{
-    DeclaredTable, PLAIN, SummaryOf, Table, TableOf, decimals, quantities as q, quantity,
-};
+use crate::results::{DeclaredTable, PLAIN, SummaryOf, Table, TableOf, decimals, quantities as q, quantity};
 use crate::units::{DEG, UM};
 
 /// One place of a flank at one time.
@@ -29,7 +27,8 @@ pub(crate) const WEAR: TableOf<Place> = TableOf {
         vec![
             q::HOURS.of(|p: &Place| p.hours.into()),
             q::MESHING_ANGLE.of(|p| (p.meshing_angle / DEG).into()),
-            quantity("depth_um", decimals(3), "Depth worn off the flank there.").of(|p| (p.depth / UM).into()),
+            quantity("depth_um", decimals(3), "Depth worn off the flank there.")
+                .of(|p| (p.depth / UM).into()),
             q::FORCE.of(|p| p.force.into()),
             q::SPECIFIC_SLIDING.of(|p| p.sliding.into()),
             q::DISC.of(|p| p.disc.into()),
@@ -107,7 +106,8 @@ fn force_at(forces: &[FlankForce], phi: f64) -> f64 {
     match (forces.get(at.wrapping_sub(1)), forces.get(at)) {
         (Some(a), Some(b)) => {
             a.force
-                + (b.force - a.force) * (phi - a.meshing_angle) / (b.meshing_angle - a.meshing_angle).max(1e-12)
+                + (b.force - a.force) * (phi - a.meshing_angle)
+                    / (b.meshing_angle - a.meshing_angle).max(1e-12)
         }
         (Some(only), None) | (None, Some(only)) => only.force,
         (None, None) => 0.0,

@@ -3,12 +3,12 @@
 mod declared;
 mod page;
 
+pub use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
-pub use declared::{SUMMARY, tables};
 
 use super::contact::refuse_beyond_closed_form;
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
 use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity};
 use crate::geometry::Relief;
@@ -231,6 +231,10 @@ impl Outcome for Wear {
 
     fn seeds(&self) -> Vec<u64> {
         self.fidelity.seeds()
+    }
+
+    fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
+        elastic_disc::attachments(&self.machine, &self.fidelity)
     }
 
     fn as_any(&self) -> &dyn std::any::Any {
