@@ -61,12 +61,20 @@ fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Option<Unk
         }
         return Ok(None);
     };
+    let relative = matches!(varied.variation, Variation::Factor { .. });
+    if relative && nominal == 0.0 {
+        // A factor on nothing says nothing.
+        return Ok(None);
+    }
     let distribution =
         varied.variation.about(nominal).map_err(|why| at(format!("`{path}` cannot vary so"), &why))?;
     let [low, high] = distribution.bounds();
     let Key { rule, .. } = target.key;
     let unit = target.key.unit();
     if low < rule.low || high > rule.high {
+        if relative {
+            return Ok(None);
+        }
         let message = format!(
             "`{path}` would vary from {} to {}, beyond what this program believes",
             plain(low),

@@ -199,3 +199,5 @@ pub const SOFT_STIFFNESS: Quantity = quantity(
 );
 
 pub const QUANTITY: Quantity = quantity("quantity", PLAIN, "Which quantity the row is about.");
+
+pub const BEARING: Quantity = quantity("bearing", PLAIN, "Which bearing: its kind and its place.");
