@@ -29,7 +29,11 @@ pub(super) fn blocks(life: &Tao2024) -> Vec<Block> {
         (trace(flexible, |p| &p.loaded), "Elastic discs with sinusoidal load", "", RunKind::FlexibleDynamic),
     ];
     let figures_of = |figures: &str| {
-        if figures.is_empty() { "Not in [Tao2024].".to_owned() } else { format!("[Tao2024] shows it in {figures}.") }
+        if figures.is_empty() {
+            "Not in [Tao2024].".to_owned()
+        } else {
+            format!("[Tao2024] shows it in {figures}.")
+        }
     };
     let has = |value: fn(&Level) -> bool| life.levels.iter().any(value);
     if has(|row| row.ste_rigid().is_some() || row.dte_rigid().is_some()) {
