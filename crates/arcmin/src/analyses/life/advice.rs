@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::bearings::bearing_lives;
+use super::bearings::{self, bearing_lives};
 use super::verdict::{LifeVerdict, LimitKind};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
@@ -92,8 +92,8 @@ const PRESSURE: &[Lever] = &[
 const SMALL: f64 = 0.05;
 /// Changes named.
 const NAMED: usize = 3;
-/// Crank positions of one evaluation.
-const POSITIONS: usize = 8;
+/// Crank positions at which pressure is asked for, as in the prediction.
+const POSITIONS: usize = 36;
 
 /// The best three changes against what ends the life first.
 ///
@@ -135,27 +135,20 @@ pub(super) fn advise(
         })
         .collect();
     slopes.sort_by(|a, b| b.2.total_cmp(&a.2));
-    let best: Vec<Advice> = slopes
-        .into_par_iter()
-        .filter(|(_, _, gain)| *gain > 0.005 * before.abs())
-        .take_any_while(|_| !host.is_cancelled())
-        .collect::<Vec<_>>()
-        .into_iter()
-        .take(NAMED)
-        .filter_map(|(lever, from, _)| {
-            let to = from * lever.factor;
-            let after = question.with(design, lever, to)?;
+    // Some changes that are possible in small steps are not as a whole: a roller longer than its disc is wide.
+    let worth = slopes.into_iter().filter(|(_, _, gain)| *gain > 0.005 * before.abs()).take(2 * NAMED);
+    let mut best = Vec::new();
+    for (lever, from, _) in worth {
+        if best.len() == NAMED || host.is_cancelled() {
+            break;
+        }
+        let to = from * lever.factor;
+        let Some(after) = question.with(design, lever, to) else { continue };
+        if kind_sign(kind) * (after - before) > 0.0 {
             let text = sentence(lever, from, to, kind, before, after);
-            (kind_sign(kind) * (after - before) > 0.0).then_some(Advice {
-                key: lever.key,
-                from,
-                to,
-                before,
-                after,
-                text,
-            })
-        })
-        .collect();
+            best.push(Advice { key: lever.key, from, to, before, after, text });
+        }
+    }
     if host.is_cancelled() { Err(AnalysisError::Stopped) } else { Ok(best) }
 }
 
@@ -240,7 +233,7 @@ impl Question<'_> {
         match self.kind {
             LimitKind::BearingLife => {
                 let settings = self.fidelity.joint_settings().ok()?;
-                Some(bearing_lives(machine, &settings, POSITIONS).ok()?.worst()?.life_h)
+                Some(bearing_lives(machine, &settings, bearings::POSITIONS).ok()?.worst()?.life_h)
             }
             LimitKind::ContactPressure => {
                 let point = self.largest_pressure()?;

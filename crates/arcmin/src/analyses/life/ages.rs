@@ -25,8 +25,8 @@ pub struct Age {
 /// 0.1 s to rated speed, then one period of the load.
 pub(super) const RISE: f64 = 0.1;
 pub(super) const PERIOD: f64 = 0.3;
-/// Without load some turns of the crankshafts are enough.
-pub(super) const UNLOADED: f64 = 0.15;
+/// Without load more than a turn of the crankshafts is enough.
+pub(super) const UNLOADED: f64 = 0.1;
 /// Local error per step in arcmin at the output: means of loaded runs move by less than 1e-4 arcmin.
 const TOLERANCE: f64 = 2e-3;
 

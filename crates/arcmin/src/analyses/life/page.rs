@@ -101,8 +101,8 @@ fn limits_text(verdict: &LifeVerdict) -> TextTable {
 fn rattling(life: &Life) -> Option<String> {
     let undamped = !life.ages.is_empty() && super::ages::rattles(&life.machine);
     undamped.then(|| {
-        "STE: without load and drag the output rattles freely in its play; its largest error is that play, its \
-         mean depends on the start and is no property of the machine."
+        "STE: without load and drag the output rattles freely within its play: where depends on the start, so \
+         that mean and largest error are those of one run, the play is the machine's."
             .to_owned()
     })
 }

@@ -38,7 +38,7 @@ fn advice_is_what_the_changed_design_gives() {
     for advice in life.advice.iter().filter(|advice| advice.key.starts_with("bearings.")) {
         let changed = design.with(advice.key, advice.to).unwrap().machine();
         let settings = crate::dynamics::JointSettings::default();
-        let lives = bearing_lives(&changed, &settings, 8).unwrap();
+        let lives = bearing_lives(&changed, &settings, bearings::POSITIONS).unwrap();
         assert!((lives.worst().unwrap().life_h / advice.after - 1.0).abs() < 1e-9, "{advice:?}");
         assert!(advice.after > advice.before);
     }

@@ -22,7 +22,7 @@ fn outline(study: &Tao2024) -> Plot {
         ENLARGEMENTS.iter().copied().rfind(|factor| factor * deepest <= drawable).unwrap_or(1.0);
     let mut plot = Plot::new("Tooth flank with and without wear", Axis::new("Along the pitch", "mm"), Axis::new("Radius from the disc centre", "mm"))
         .noted(format!(
-            "One tooth space and half a tooth to each side, pins not drawn (Figure 4 of [Tao2024]). Wear is drawn {enlargement:.0} times larger than it is."
+            "One tooth space and half a tooth to each side, pins not drawn; [Tao2024] shows it in Figure 4. Wear is drawn {enlargement:.0} times larger than it is."
         ));
     plot.equal_scales = true;
     plot.series.push(Series::line("as cut", worn_outline(&profile, &Relief::uniform(0.0), 0.0)));
@@ -73,7 +73,7 @@ fn curvature(study: &Tao2024) -> Plot {
         }),
     ));
     plot.note = format!(
-        "Figure 7 of [Tao2024]. The sharpest convex place has a radius of {} mm at {:.1}°.",
+        "[Tao2024] shows it in Figure 7. The sharpest convex place has a radius of {} mm at {:.1}°.",
         significant(sharpest * 1e3, 3),
         at / DEG
     );

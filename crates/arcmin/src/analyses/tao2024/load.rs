@@ -103,7 +103,7 @@ fn study_forces(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
     }
     let (first, final_load) = (&study[0], &study[study.len() - 1]);
     plot.note = format!(
-        "Figure 8 of [Tao2024]: forces rise and fewer pairs carry as the uniform depth grows, from {} N on {} pairs to {} N on {}. The paper's \
+        "[Tao2024] shows it in Figure 8: forces rise and fewer pairs carry as the uniform depth grows, from {} N on {} pairs to {} N on {}. The paper's \
          printed formula for the first force has the pin radius where the pin circle radius belongs; with that misprint it would be {} N.",
         significant(first.solution.max_force, 4),
         first.solution.loaded_pairs(),
@@ -140,7 +140,7 @@ fn study_depth(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
         })
         .collect();
     let mut plot = Plot::new("Wear along the flank in the paper's study", meshing_angle(), Axis::new("Worn depth", "µm").from_zero()).half().noted(
-        "Figure 10 of [Tao2024] from the closed-form forces and exact sliding. The paper takes the largest value of each curve as a uniform \
+        "From the closed-form forces and exact sliding; [Tao2024] shows it in Figure 10 and takes the largest value of each curve as a uniform \
              depth for the next level.",
     );
     let mut depth = vec![0.0; shares[0].len()];
@@ -162,7 +162,7 @@ fn sliding_distance(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
     let profile = life.machine.profile();
     let contact = life.machine.line_contact();
     let mut plot = Plot::new("Sliding distance of one pass", meshing_angle(), Axis::new("Sliding distance", "µm").from_zero()).half().noted(
-        "Figure 9 of [Tao2024]: contact width times specific sliding, 2·b·ξ. The paper's curve falls to zero near 35° and peaks at 6° and 100°; \
+        "[Tao2024] shows it in Figure 9: contact width times specific sliding, 2·b·ξ. The paper's curve falls to zero near 35° and peaks at 6° and 100°; \
          with exact kinematics the sliding at the inflection is not zero (ξ = 0.92 for its RV-40E-81), because only the curvature changes \
          its sign there, not the sliding speed.",
     );

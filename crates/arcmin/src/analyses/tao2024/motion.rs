@@ -29,7 +29,11 @@ pub(super) fn blocks(life: &Tao2024) -> Vec<Block> {
         (trace(flexible, |p| &p.loaded), "Elastic discs with sinusoidal load", "", RunKind::FlexibleDynamic),
     ];
     let figures_of = |figures: &str| {
-        if figures.is_empty() { "Not in [Tao2024].".to_owned() } else { format!("{figures} of [Tao2024].") }
+        if figures.is_empty() {
+            "Not in [Tao2024].".to_owned()
+        } else {
+            format!("[Tao2024] shows it in {figures}.")
+        }
     };
     let has = |value: fn(&Level) -> bool| life.levels.iter().any(value);
     if has(|row| row.ste_rigid().is_some() || row.dte_rigid().is_some()) {
@@ -195,7 +199,7 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
         places(life),
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
-    .noted("Figure 18 of [Tao2024]. Without load the output floats in the clearance: the shaded band is what uniform wear geometrically allows.");
+    .noted("[Tao2024] shows it in Figure 18. Without load the output floats in the clearance: the shaded band is what uniform wear geometrically allows.");
     plot.series.push(
         Series::band(
             "geometric clearance",
@@ -256,7 +260,7 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "Figure 19 of [Tao2024]. Without load nothing deforms a disc: the means of the two models lie on one another but for the chance of undamped rattling.",
+        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of the two models lie on one another but for the chance of undamped rattling.",
     );
     plot.series.push(
         Series::new("rigid, mean", Style::LineMarkers, over_hours(life, |row| row.ste_rigid(), |v| v.mean))

@@ -129,7 +129,7 @@ function ramp(part) {
 const isDark = () => document.documentElement.dataset.theme === 'dark' && !document.documentElement.dataset.printing;
 
 // Ordered series leave out the end of the ramp that would vanish in the background.
-const orderedColour = part => isDark() ? ramp(0.25 + 0.75 * part) : ramp(0.82 * part);
+const orderedColour = part => isDark() ? ramp(0.4 + 0.6 * part) : ramp(0.82 * part);
 
 function seriesColours(series) {
   const taken = new Set(series.filter(one => typeof one.colour === 'object' && 'palette' in one.colour).map(one => one.colour.palette % 7));
