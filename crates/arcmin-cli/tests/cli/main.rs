@@ -1,0 +1,10 @@
+//! The command as a user meets it: names, texts, exit status, files.
+
+mod atomic;
+mod common;
+mod errors;
+mod messages;
+mod runs;
+mod surface;
+mod tables;
+mod words;

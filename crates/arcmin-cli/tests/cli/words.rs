@@ -1,0 +1,192 @@
+//! `new`, `check`, `keys`, help: what is read before anything is computed.
+
+use crate::common::*;
+
+#[test]
+fn help_of_every_command_runs_and_shows_an_example() {
+    let directory = tempfile::tempdir().unwrap();
+    let help = good(directory.path(), &["--help"]);
+    let commands: Vec<&str> = help
+        .lines()
+        .skip_while(|line| !line.starts_with("Commands:"))
+        .skip(1)
+        .take_while(|line| !line.trim().is_empty())
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
+    for word in ["new", "keys", "check", "profile", "contact", "wear", "calibrate", "simulate", "rig"] {
+        assert!(commands.contains(&word), "{word}: {help}");
+    }
+    for command in commands.into_iter().filter(|command| *command != "help") {
+        assert!(good(directory.path(), &[command, "--help"]).contains("Examples:"), "{command}");
+    }
+}
+
+#[test]
+fn every_analysis_takes_the_same_words() {
+    let directory = tempfile::tempdir().unwrap();
+    let common = ["--out <DIR>", "--threads <N>", "--quiet"];
+    let fidelity = ["--joints <", "--discs <", "--errors <", "--seed <"];
+    for (command, words) in [
+        ("check", &["--json", "--explain"][..]),
+        ("profile", &["--points <", "--wear-um <"]),
+        ("contact", &["--method <", "--wear-um <", "--hours <", "--torque-nm <"]),
+        ("wear", &["--mode <", "--hours <"]),
+        ("calibrate", &["<DATA>"]),
+        (
+            "simulate",
+            &[
+                "--wear-um <",
+                "--hours <",
+                "--load <",
+                "--torque-nm <",
+                "--period-s <",
+                "--drag-nm <",
+                "--end-s <",
+                "--contact <",
+                "--resume",
+            ],
+        ),
+        ("rig", &["--hours <", "--measured <"]),
+    ] {
+        let help = good(directory.path(), &[command, "-h"]);
+        let shared: &[&str] = if matches!(command, "check" | "profile") { &[] } else { &fidelity };
+        for word in common.iter().chain(words).chain(shared) {
+            assert!(help.contains(word), "{command} {word}: {help}");
+        }
+        for word in fidelity.iter().filter(|_| !shared.is_empty()) {
+            assert_eq!(help.matches(word).count(), 1, "{command} {word}");
+        }
+    }
+    let ideal = ["contact", "simulate"];
+    for command in ["contact", "simulate", "wear", "calibrate", "rig"] {
+        let help = good(directory.path(), &[command, "-h"]);
+        let line = help.lines().skip_while(|line| !line.contains("--joints <")).take(3).collect::<String>();
+        let word = if ideal.contains(&command) { "ideal" } else { "bearings" };
+        assert!(line.contains(&format!("[default: {word}]")), "{command}: {line}");
+    }
+}
+
+#[test]
+fn new_lists_its_templates_and_writes_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    let list = good(d, &["new", "--list"]);
+    let first: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(first, ["rv-40e-81", "rv-80e"]);
+    assert_eq!(names(d), Vec::<String>::new(), "a list writes nothing");
+    assert!(good(d, &["new", "d.toml"]).ends_with("next: arcmin check d.toml\n"));
+    good(d, &["new", "rv-80e", "e.toml"]);
+    assert!(read(d, "d.toml").contains("RV-40E-81") && read(d, "e.toml").contains("RV-80E"));
+    for design in ["d.toml", "e.toml"] {
+        assert!(good(d, &["check", design]).contains(" 0 errors"), "shipped designs have no error findings");
+    }
+}
+
+#[test]
+fn new_does_not_overwrite_unless_told_so() {
+    let directory = with_design();
+    let d = directory.path();
+    write(d, "d.toml", "mine");
+    assert_eq!(
+        refused(d, &["new", "d.toml"]),
+        "  × d.toml exists already\n  help: --force overwrites it\n"
+    );
+    assert_eq!(read(d, "d.toml"), "mine");
+    good(d, &["new", "rv-80e", "d.toml", "--force"]);
+    assert!(read(d, "d.toml").contains("RV-80E"));
+    assert_eq!(
+        refused(d, &["new", "rv-9", "e.toml"]),
+        "  × no template is called \"rv-9\"\n  help: templates are rv-40e-81, rv-80e\n"
+    );
+    assert_eq!(
+        refused(d, &["new", "rv-80e"]),
+        "  × rv-80e is a template, and there is no file to write it to\n  \
+         help: `arcmin new rv-80e rv-80e.toml` writes rv-80e.toml\n"
+    );
+    assert_eq!(
+        refused(d, &["new"]),
+        "  × there is no file to write\n  help: `arcmin new my-reducer.toml`, or `arcmin new --list`\n"
+    );
+    assert_eq!(names(d), ["d.toml"]);
+}
+
+#[test]
+fn an_error_finding_exits_with_one_and_says_what_to_change() {
+    let directory = with_design();
+    edit(directory.path(), "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
+    let output = arcmin(directory.path(), &["check", "d.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let (said, _) = texts(&output);
+    assert!(
+        said.contains(
+            "ERROR    undercut: the generating pin radius 4.900 mm exceeds the smallest convex radius of the \
+             pin path, 4.612 mm at 64.9°"
+        ),
+        "{said}"
+    );
+    assert!(said.contains("change: smaller pins, smaller eccentricity, or a larger pin circle"));
+    let words: Vec<&str> = said.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    let rank = |word: &&str| ["ERROR", "WARNING", "ok"].iter().position(|known| known == word);
+    let ranks: Vec<usize> = words.iter().filter_map(rank).collect();
+    assert!(ranks.len() > 20 && ranks.is_sorted(), "the worst first: {said}");
+    assert!(!said.contains('\u{1b}'), "no colours where nobody looks");
+}
+
+#[test]
+fn check_as_json_is_the_summary_and_writes_no_file() {
+    let directory = with_design();
+    let d = directory.path();
+    edit(d, "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
+    let output = arcmin(d, &["check", "d.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(names(d), ["d.toml"]);
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let first = &told["findings"][0];
+    assert_eq!((first["severity"].as_str(), first["code"].as_str()), (Some("error"), Some("undercut")));
+    assert_eq!(first["value"], 4.9);
+    assert!((first["limit"].as_f64().unwrap() - 4.6117).abs() < 1e-4);
+    assert_eq!(told["errors"].as_u64().unwrap(), 1 + told["findings"][1]["severity"].eq("error") as u64);
+    good(d, &["new", "e.toml"]);
+    good(d, &["check", "e.toml", "--quiet", "--out", "e"]);
+    let of_file = summary(d, "e");
+    let told: serde_json::Value = serde_json::from_str(&good(d, &["check", "e.toml", "--json"])).unwrap();
+    assert_eq!(told["findings"], of_file["findings"]);
+}
+
+#[test]
+fn keys_explain_the_design_and_the_results() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    let all = good(d, &["keys"]);
+    assert!(all.contains("| `pin_radius_mm` |") && all.contains("## `[load]`"));
+    let some = good(d, &["keys", "PIN_radius"]);
+    assert!(some.contains("## `[ring]`") && some.contains("| `pin_radius_mm` |"), "{some}");
+    assert!(!some.contains("clearance_um") && some.lines().count() < 20, "{some}");
+    let results = good(d, &["keys", "--results"]);
+    for name in ["contact.csv", "wear_history.csv", "`max_force_n`", "`te.mean_abs_arcmin`", "`max_depth_um`"] {
+        assert!(results.contains(name), "{name}");
+    }
+    let some = good(d, &["keys", "--results", "half_width"]);
+    assert!(some.contains("contact.csv") && some.contains("| `half_width_um` |"), "{some}");
+    assert!(!some.contains("timeseries"), "{some}");
+    assert_eq!(
+        refused(d, &["keys", "phlogiston"]),
+        "  × nothing here is called \"phlogiston\"\n  help: try a part of the word, or no filter\n"
+    );
+}
+
+#[test]
+fn keys_are_also_a_schema_for_editors() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = good(directory.path(), &["keys", "--json-schema"]);
+    let schema: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert!(schema["$schema"].as_str().unwrap().contains("json-schema.org"));
+    assert!(schema["properties"]["ring"].to_string().contains("pin_radius_mm"), "{text:.300}");
+}
+
+#[test]
+fn completions_and_manual_page_name_the_commands() {
+    let directory = tempfile::tempdir().unwrap();
+    assert!(good(directory.path(), &["completions", "bash"]).contains("simulate"));
+    assert!(good(directory.path(), &["man"]).starts_with(".ie"));
+}
