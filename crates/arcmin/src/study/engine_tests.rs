@@ -33,14 +33,20 @@ fn plan(what: &str, samples: u64) -> Plan {
         Factor { whole: true, ..Factor::number("n", "", Distribution::Uniform { low: 1.0, high: 5.0 }) },
         Factor::drawn(),
     ];
-    let kept = [("te.mean_arcmin", Kind::Number), ("word", Kind::Word), ("curve", Kind::Curve), ("ok", Kind::Number)];
+    let kept = [
+        ("te.mean_arcmin", Kind::Number),
+        ("word", Kind::Word),
+        ("curve", Kind::Curve),
+        ("ok", Kind::Number),
+    ];
     let kept = kept.map(|(key, kind)| Kept { key: key.into(), kind }).to_vec();
     Plan::new(what, factors, Layout::Sobol, samples, 3, kept).unwrap().with_samples_per_part(8)
 }
 
 /// Some arithmetic that fails here and there.
 fn compute(row: &Row) -> Result<Json, RowError> {
-    let [Setting::Number(width), Setting::Word(_), Setting::Number(n), Setting::Seed(seed)] = &row.settings[..]
+    let [Setting::Number(width), Setting::Word(_), Setting::Number(n), Setting::Seed(seed)] =
+        &row.settings[..]
     else {
         panic!("{row:?}");
     };
@@ -48,7 +54,9 @@ fn compute(row: &Row) -> Result<Json, RowError> {
         return Err(RowError::Failed(format!("jams, \"at\" {n}")));
     }
     let curve: Vec<Json> = (0..row.number % 4).map(|k| json!(k as f64 * width)).collect();
-    Ok(json!({ "te": { "mean_arcmin": width.sin() * *seed as f64 }, "word": "x\ny", "curve": curve, "ok": true }))
+    Ok(
+        json!({ "te": { "mean_arcmin": width.sin() * *seed as f64 }, "word": "x\ny", "curve": curve, "ok": true }),
+    )
 }
 
 fn go(plan: &Plan, shard: Shard, store: &Memory) -> Done {
@@ -91,7 +99,11 @@ fn killed_shards_lose_nothing_but_what_ran() {
         let until = stream.below(12) as u64;
         let count = AtomicU64::new(0);
         let stopping = |row: &Row| {
-            if count.fetch_add(1, Ordering::Relaxed) >= until { Err(RowError::Cancelled) } else { compute(row) }
+            if count.fetch_add(1, Ordering::Relaxed) >= until {
+                Err(RowError::Cancelled)
+            } else {
+                compute(row)
+            }
         };
         let shard = Shard::new(1 + stream.below(7) as u64, 7).unwrap();
         run(&plan, shard, &store, &stopping, &|_| {}).unwrap();

@@ -111,8 +111,9 @@ const SAMPLES_PER_PART: u64 = 32;
 
 impl Plan {
     /// `what` is the identity of the computation: of design, analysis, options, content of input files and
-    /// version of the program. Parts of another identity are not taken for those of this plan; more samples of the same
-    /// study are the same study, except for Latin hypercubes, whose points all depend on their number.
+    /// version of the program. Parts of another identity are not taken for those of this plan; more samples
+    /// of the same study are the same study, except for Latin hypercubes, whose points all depend on their
+    /// number.
     ///
     /// # Errors
     /// [`StudyError`] of the layout; factors or results that share a name, a list without its entries.
@@ -131,7 +132,9 @@ impl Plan {
             .chain(["sample", "failed"])
             .collect();
         if let Some((_, twice)) = names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)) {
-            return Err(StudyError::Sampling { reason: format!("`{twice}` would be the name of two columns") });
+            return Err(StudyError::Sampling {
+                reason: format!("`{twice}` would be the name of two columns"),
+            });
         }
         if let Some(factor) = factors.iter().find(
             |factor| matches!(factor.distribution, Distribution::List { count } if count != factor.entries.len()),
@@ -154,8 +157,8 @@ impl Plan {
         let identity = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         let distributions = factors.iter().map(|factor| factor.distribution).collect();
         let sampling = Sampling::new(layout, distributions, samples, seed)?;
-        let rows_per_part = SAMPLES_PER_PART.div_ceil(sampling.rows_per_sample()).max(1)
-            * sampling.rows_per_sample();
+        let rows_per_part =
+            SAMPLES_PER_PART.div_ceil(sampling.rows_per_sample()).max(1) * sampling.rows_per_sample();
         Ok(Plan { factors, sampling, kept, identity, rows_per_part })
     }
 
@@ -198,7 +201,8 @@ impl Plan {
         first..(first + self.rows_per_part).min(self.rows())
     }
 
-    /// Name of the file of a part; it depends on the size of parts, so that parts of two sizes are not mixed up.
+    /// Name of the file of a part; it depends on the size of parts, so that parts of two sizes are not mixed
+    /// up.
     pub fn part_name(&self, part: u64) -> String {
         format!("rows-{:09}-{}.parquet", part * self.rows_per_part, self.rows_per_part)
     }
@@ -206,8 +210,7 @@ impl Plan {
     pub fn row(&self, number: u64) -> Row {
         let point = self.sampling.point(number);
         let values = self.sampling.values(&point);
-        let settings =
-            self.factors.iter().zip(values).map(|(factor, value)| factor.setting(value)).collect();
+        let settings = self.factors.iter().zip(values).map(|(factor, value)| factor.setting(value)).collect();
         Row { number, settings, point }
     }
 
