@@ -44,24 +44,25 @@ impl Rows {
     /// Numbers of a column by its name, one for each record; `None` where there is none.
     pub fn numbers(&self, plan: &Plan, name: &str) -> Option<Vec<Option<f64>>> {
         let index = plan.columns().iter().position(|(column, _)| *column == name)?;
-        Some(self.records.iter().map(|record| record.cells[index].number()).collect())
+        Some(self.records.iter().map(|record| as_number(&record.cells[index])).collect())
     }
 
-    /// Numbers of a column in the place of every row of the plan, for statistics that go by the layout: `None` for rows that
-    /// failed or are not there yet.
+    /// Numbers of a column in the place of every row of the plan, for statistics that go by the layout:
+    /// `None` for rows that failed or are not there yet.
     pub fn in_place(&self, plan: &Plan, name: &str) -> Option<Vec<Option<f64>>> {
         let index = plan.columns().iter().position(|(column, _)| *column == name)?;
         let mut all = vec![None; usize::try_from(self.of).ok()?];
         for record in &self.records {
             if let Some(place) = usize::try_from(record.number).ok().and_then(|number| all.get_mut(number)) {
-                *place = record.cells[index].number();
+                *place = as_number(&record.cells[index]);
             }
         }
         Some(all)
     }
 
-    /// The table as CSV: `sample`, what varies, the results, `failed`. Numbers have the shortest form that reads back to the
-    /// same bits, so that equal rows are equal bytes; of a curve the values stand between spaces.
+    /// The table as CSV: `sample`, what varies, the results, `failed`. Numbers have the shortest form that
+    /// reads back to the same bits, so that equal rows are equal bytes; of a curve the values stand between
+    /// spaces.
     pub fn to_csv(&self, plan: &Plan) -> String {
         let mut out = String::from("sample");
         for (name, _) in plan.columns() {
@@ -92,6 +93,16 @@ impl Rows {
             out.push('\n');
         }
         out
+    }
+}
+
+/// Words that are numbers (counts), and yes and no, count as such.
+fn as_number(cell: &Cell) -> Option<f64> {
+    match cell {
+        Cell::Word(word) if word == "true" => Some(1.0),
+        Cell::Word(word) if word == "false" => Some(0.0),
+        Cell::Word(word) => word.parse().ok().filter(|number: &f64| number.is_finite()),
+        cell => cell.number(),
     }
 }
 

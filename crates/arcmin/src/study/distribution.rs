@@ -18,6 +18,8 @@ pub enum Distribution {
     List { count: usize },
     /// A machine drawn from its tolerances: the value is the seed of the draw.
     Drawn,
+    /// A width that machines are drawn within: it stays as it is until it is tightened.
+    Tolerance { width: f64 },
 }
 
 /// A value of a [`Distribution`].
@@ -74,6 +76,9 @@ impl Distribution {
             Distribution::Normal { limit: Some(limit), .. } if !(limit > 0.0 && limit.is_finite()) => {
                 wrong("the limit in standard deviations must be positive")
             }
+            Distribution::Tolerance { width } if !(width > 0.0 && width.is_finite()) => {
+                wrong("a tolerance must be positive")
+            }
             Distribution::List { count: 0 } => wrong("a list needs an entry"),
             _ => Ok(()),
         }
@@ -99,6 +104,7 @@ impl Distribution {
                 Value::Number(mean + deviation * standard_normal(u))
             }
             Distribution::List { count } => Value::Entry(((u * count as f64) as usize).min(count - 1)),
+            Distribution::Tolerance { width } => Value::Number(width),
             Distribution::Drawn => Value::Seed(mix(u.to_bits()) >> 11),
         }
     }
@@ -106,6 +112,7 @@ impl Distribution {
     /// The middle (median) of what is drawn; `None` where there is none (lists, drawn machines).
     pub fn middle(&self) -> Option<f64> {
         match self.at(0.5) {
+            _ if matches!(self, Distribution::Tolerance { .. }) => Some(0.0),
             Value::Number(middle) => Some(middle),
             Value::Entry(_) | Value::Seed(_) => None,
         }
@@ -127,6 +134,7 @@ impl Distribution {
         match *self {
             Distribution::Uniform { low, high } => Some(0.5 * (high - low)),
             Distribution::Normal { deviation, limit, .. } => Some(deviation * limit.unwrap_or(3.0)),
+            Distribution::Tolerance { width } => Some(width),
             _ => None,
         }
     }
@@ -199,6 +207,9 @@ mod tests {
             max_relative = 1e-14
         );
         assert_eq!(Distribution::Drawn.tightened(Value::Seed(5), 0.5), Value::Seed(5));
+        let width = Distribution::Tolerance { width: 4.0 };
+        assert_eq!((width.at(0.9), width.half_width()), (Value::Number(4.0), Some(4.0)));
+        assert_eq!(width.tightened(width.at(0.1), 0.25), Value::Number(3.0));
     }
 
     #[test]

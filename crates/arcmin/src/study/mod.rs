@@ -16,6 +16,7 @@ pub mod distribution;
 #[cfg(test)]
 mod engine_tests;
 mod error;
+pub mod judge;
 pub mod optimise;
 pub mod part;
 mod plan;

@@ -1,5 +1,5 @@
-//! Rows as Parquet: one file a part, optional columns, repeated numbers for curves; the identity of the study in the
-//! metadata.
+//! Rows as Parquet: one file a part, optional columns, repeated numbers for curves; the identity of the study
+//! in the metadata.
 
 use std::sync::Arc;
 

@@ -111,8 +111,9 @@ const SAMPLES_PER_PART: u64 = 32;
 
 impl Plan {
     /// `what` is the identity of the computation: of design, analysis, options, content of input files and
-    /// version of the program. Parts of another identity are not taken for those of this plan; more samples of the same
-    /// study are the same study, except for Latin hypercubes, whose points all depend on their number.
+    /// version of the program. Parts of another identity are not taken for those of this plan; more samples
+    /// of the same study are the same study, except for Latin hypercubes, whose points all depend on their
+    /// number.
     ///
     /// # Errors
     /// [`StudyError`] of the layout; factors or results that share a name, a list without its entries.
@@ -200,7 +201,8 @@ impl Plan {
         first..(first + self.rows_per_part).min(self.rows())
     }
 
-    /// Name of the file of a part; it depends on the size of parts, so that parts of two sizes are not mixed up.
+    /// Name of the file of a part; it depends on the size of parts, so that parts of two sizes are not mixed
+    /// up.
     pub fn part_name(&self, part: u64) -> String {
         format!("rows-{:09}-{}.parquet", part * self.rows_per_part, self.rows_per_part)
     }

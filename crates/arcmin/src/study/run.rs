@@ -12,8 +12,8 @@ pub trait Store: Sync {
     /// In a sentence, where they cannot be read.
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String>;
 
-    /// Keeps bytes under a name in place of what was there, all or nothing: a temporary name first, renamed at
-    /// the end.
+    /// Keeps bytes under a name in place of what was there, all or nothing: a temporary name first, renamed
+    /// at the end.
     ///
     /// # Errors
     /// In a sentence, where they cannot be kept.
@@ -42,7 +42,8 @@ impl Shard {
         Shard::new(index.trim().parse().ok()?, of.trim().parse().ok()?)
     }
 
-    /// Its parts: every so manieth, so that shards take about the same time where a study becomes costlier along the way.
+    /// Its parts: every so manieth, so that shards take about the same time where a study becomes costlier
+    /// along the way.
     pub fn parts(self, plan: &Plan) -> impl Iterator<Item = u64> {
         (self.index - 1..plan.parts()).step_by(usize::try_from(self.of).unwrap_or(usize::MAX))
     }
@@ -70,8 +71,9 @@ pub struct Done {
     pub cancelled: bool,
 }
 
-/// Computes the rows of a shard that are not there yet, on all threads of the pool it is called in, and keeps every part
-/// as soon as it is complete; a cancelled one with the rows it has. `finished` is told every row that ends.
+/// Computes the rows of a shard that are not there yet, on all threads of the pool it is called in, and keeps
+/// every part as soon as it is complete; a cancelled one with the rows it has. `finished` is told every row
+/// that ends.
 ///
 /// # Errors
 /// In a sentence, where a part cannot be read or kept.

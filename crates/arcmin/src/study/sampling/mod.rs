@@ -99,7 +99,8 @@ impl Sampling {
             }
             Layout::LatinHypercube if samples.saturating_mul(dimensions as u64) > STRATA => {
                 return no(format!(
-                    "a Latin hypercube of {samples} samples in {dimensions} dimensions is too large; take `random`"
+                    "a Latin hypercube of {samples} samples in {dimensions} dimensions is too \
+                     large; take `random`"
                 ));
             }
             _ => {}
@@ -152,6 +153,18 @@ impl Sampling {
         match &self.layout {
             Layout::Grid { levels } => levels.iter().map(|n| *n as u64).product(),
             _ => self.samples * self.rows_per_sample(),
+        }
+    }
+
+    /// Whether a row is a draw from the distributions of all factors, so that quantiles and yields mean
+    /// something: not points of a grid or a trajectory, rows with exchanged columns or tightened ones.
+    pub fn is_sample(&self, row: u64) -> bool {
+        let (within, last) = (row % self.rows_per_sample(), self.rows_per_sample() - 1);
+        match self.layout {
+            Layout::Grid { .. } | Layout::Morris { .. } => false,
+            Layout::Random | Layout::LatinHypercube | Layout::Sobol => true,
+            Layout::Saltelli { .. } => within == 0 || within == last,
+            Layout::Tighten { .. } => within == 0,
         }
     }
 

@@ -103,6 +103,11 @@ impl Weibull {
         -(-(hours / self.scale).powf(self.shape)).exp_m1()
     }
 
+    /// What was fitted.
+    pub fn lives(&self) -> &[Life] {
+        &self.lives
+    }
+
     fn log_likelihood_of(&self, shape: f64, scale: f64) -> f64 {
         self.lives
             .iter()

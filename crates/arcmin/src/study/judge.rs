@@ -1,0 +1,320 @@
+use serde_json::{Value as Json, json};
+
+use super::collect::Rows;
+use super::plan::{Kind, Plan};
+use super::sampling::Layout;
+use super::sensitivity::morris::{Effects, morris};
+use super::sensitivity::regression::{Linear, linear};
+use super::sensitivity::sobol::{Indices, sobol};
+use super::sensitivity::tighten::{Gains, tighten};
+use super::statistics::{
+    Bootstrap, Capability, Interval, Life, Limits, Normality, Quantile, Sides, ToleranceLimits, Weibull,
+    Yield, clopper_pearson, fit_weibull, normality, quantile, sorted_finite_or_infinite, tolerance_limits,
+};
+use super::{Distribution, StudyError};
+
+/// Shares whose quantiles are reported.
+pub const SHARES: [f64; 5] = [0.05, 0.1, 0.5, 0.9, 0.95];
+/// The quantile that tightening is judged by.
+pub const TIGHTEN_SHARE: f64 = 0.95;
+
+/// What a study says, from the rows that are there.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    pub rows: usize,
+    pub of: u64,
+    /// Share of draws that cannot be assembled, jam or cannot be computed.
+    pub failed: Yield,
+    pub confidence: f64,
+    pub results: Vec<JudgedResult>,
+}
+
+/// What a study says of one result.
+#[derive(Debug, Clone)]
+pub struct JudgedResult {
+    pub key: String,
+    /// Values there are, and rows that have none although they did not fail.
+    pub count: usize,
+    pub absent: usize,
+    pub range: [f64; 2],
+    /// Of samples of the distribution; `None` for a layout that is none (grid, trajectories).
+    pub spread: Option<Spread>,
+    pub limits: Limits,
+    /// Of all draws, failed ones counting as not kept.
+    pub kept: Option<Yield>,
+    pub capability: Option<Capability>,
+    /// Lives, where the result is one.
+    pub weibull: Option<Weibull>,
+    pub sensitivity: Sensitivity,
+}
+
+/// How a result is spread.
+#[derive(Debug, Clone)]
+pub struct Spread {
+    pub mean: f64,
+    pub deviation: f64,
+    pub quantiles: Vec<Quantile>,
+    /// Band for 95 % of all machines, if there are enough.
+    pub band: Option<ToleranceLimits>,
+    pub normality: Option<Normality>,
+}
+
+/// What a result hangs on, by the way the rows allow.
+#[derive(Debug, Clone)]
+pub enum Sensitivity {
+    Morris(Vec<Effects>),
+    Sobol(Indices),
+    Tighten(Gains),
+    Linear(Linear),
+    /// Not known, with the reason.
+    None(String),
+}
+
+/// Judges all results that are numbers. `limits` are by the key of their result.
+///
+/// # Errors
+/// [`StudyError::Statistic`] if there are no rows, or for a confidence outside (0, 1).
+pub fn judge(
+    plan: &Plan,
+    rows: &Rows,
+    limits: &[(String, Limits)],
+    confidence: f64,
+) -> Result<Judged, StudyError> {
+    let drawn: Vec<usize> = (0..rows.records.len())
+        .filter(|index| plan.sampling().is_sample(rows.records[*index].number))
+        .collect();
+    // Grids and trajectories are no draws, but all of them may fail.
+    let tried: Vec<usize> = if drawn.is_empty() { (0..rows.records.len()).collect() } else { drawn.clone() };
+    let failures = tried.iter().filter(|index| rows.records[**index].failed.is_some()).count();
+    let failed = clopper_pearson(failures as u64, tried.len() as u64, confidence)?;
+    let searched = rows.numbers(plan, "searched_hours");
+    let mut results = Vec::new();
+    for kept in plan.kept().iter().filter(|kept| kept.kind != Kind::Curve) {
+        let Some(values) = rows.numbers(plan, &kept.key) else { continue };
+        let all: Vec<f64> = values.iter().flatten().copied().collect();
+        let sampled: Vec<f64> = drawn.iter().filter_map(|index| values[*index]).collect();
+        if all.is_empty() {
+            continue;
+        }
+        let limits = limits.iter().find(|(key, _)| *key == kept.key);
+        let limits = limits.map_or(Limits { low: None, high: None }, |(_, limits)| *limits);
+        let limited = limits.low.is_some() || limits.high.is_some();
+        let keeps = |value: &&f64| {
+            limits.low.is_none_or(|low| **value >= low) && limits.high.is_none_or(|high| **value <= high)
+        };
+        let yield_of = |kept: usize| clopper_pearson(kept as u64, drawn.len() as u64, confidence);
+        let lives = searched.as_ref().filter(|_| kept.key.contains("hours_to")).map(|searched| {
+            drawn
+                .iter()
+                .filter(|index| rows.records[**index].failed.is_none())
+                .filter_map(|index| match (values[*index], searched[*index]) {
+                    (Some(hours), _) => Some(Life { hours, ended: true }),
+                    (None, Some(hours)) => Some(Life { hours, ended: false }),
+                    (None, None) => None,
+                })
+                .collect::<Vec<_>>()
+        });
+        results.push(JudgedResult {
+            key: kept.key.clone(),
+            count: all.len(),
+            absent: rows.records.len() - rows.failed() - all.len(),
+            range: all
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]),
+            spread: if sampled.len() < 2 { None } else { Some(spread(&sampled, confidence)?) },
+            limits,
+            kept: if limited && !drawn.is_empty() {
+                Some(yield_of(sampled.iter().filter(keeps).count())?)
+            } else {
+                None
+            },
+            capability: limited.then(|| Capability::of(&sampled, limits, confidence).ok()).flatten(),
+            weibull: lives.and_then(|lives| fit_weibull(&lives).ok()),
+            sensitivity: sensitivity(plan, rows, &kept.key, confidence)
+                .unwrap_or_else(|error| Sensitivity::None(error.to_string())),
+        });
+    }
+    Ok(Judged { rows: rows.records.len(), of: rows.of, failed, confidence, results })
+}
+
+fn spread(values: &[f64], confidence: f64) -> Result<Spread, StudyError> {
+    let sorted = sorted_finite_or_infinite(values)?;
+    let n = sorted.len() as f64;
+    let mean = sorted.iter().sum::<f64>() / n;
+    let deviation = (sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let quantiles =
+        SHARES.iter().map(|share| quantile(&sorted, *share, confidence)).collect::<Result<_, _>>()?;
+    let band = tolerance_limits(&sorted, 0.95, confidence, Sides::Two)?;
+    Ok(Spread { mean, deviation, quantiles, band, normality: normality(&sorted).ok() })
+}
+
+fn sensitivity(plan: &Plan, rows: &Rows, key: &str, confidence: f64) -> Result<Sensitivity, StudyError> {
+    let bootstrap = Bootstrap { resamples: 400, confidence, seed: 0 };
+    let none = || StudyError::Statistic { reason: "there is no such result" };
+    let in_place = || rows.in_place(plan, key).ok_or_else(none);
+    let dimensions = plan.factors().len();
+    Ok(match plan.sampling().layout() {
+        Layout::Morris { levels } => {
+            let units: Vec<Vec<f64>> = (0..plan.rows()).map(|row| plan.sampling().point(row).unit).collect();
+            Sensitivity::Morris(morris(&units, &in_place()?, *levels, bootstrap)?)
+        }
+        Layout::Saltelli { second_order } => {
+            Sensitivity::Sobol(sobol(&in_place()?, dimensions, *second_order, bootstrap)?)
+        }
+        Layout::Tighten { .. } => {
+            Sensitivity::Tighten(tighten(&in_place()?, dimensions, TIGHTEN_SHARE, bootstrap)?)
+        }
+        _ => {
+            // Places stand for values: they are as even for logarithms; drawn machines and words have no
+            // direction.
+            let ordered: Vec<usize> = (0..dimensions)
+                .filter(|d| {
+                    let distribution = plan.factors()[*d].distribution;
+                    !matches!(distribution, Distribution::Drawn | Distribution::List { .. })
+                })
+                .collect();
+            if ordered.is_empty() {
+                return Err(StudyError::Statistic { reason: "nothing varies that has a direction" });
+            }
+            let inputs: Vec<Vec<f64>> = rows
+                .records
+                .iter()
+                .map(|record| {
+                    let unit = plan.sampling().point(record.number).unit;
+                    (0..dimensions).map(|d| if ordered.contains(&d) { unit[d] } else { 0.0 }).collect()
+                })
+                .collect();
+            Sensitivity::Linear(linear(&inputs, &rows.numbers(plan, key).ok_or_else(none)?, bootstrap)?)
+        }
+    })
+}
+
+impl Judged {
+    /// As JSON, by the key of the result: what `summary.json` of a study holds.
+    pub fn to_json(&self, plan: &Plan) -> Json {
+        let ends = |interval: &Interval| json!([interval.low, interval.high]);
+        let names: Vec<&str> = plan.factors().iter().map(|factor| factor.path.as_str()).collect();
+        let result = |r: &JudgedResult| {
+            let mut entry = json!({
+                "count": r.count, "absent": r.absent, "min": r.range[0], "max": r.range[1],
+            });
+            if let Some(spread) = &r.spread {
+                entry["mean"] = json!(spread.mean);
+                entry["deviation"] = json!(spread.deviation);
+                let quantiles = spread
+                    .quantiles
+                    .iter()
+                    .map(|q| json!({ "share": q.share, "value": q.estimate, "interval": ends(&q.interval) }));
+                entry["quantiles"] = quantiles.collect();
+                entry["band"] = spread.band.as_ref().map_or(Json::Null, |band| {
+                    json!({
+                        "coverage": band.coverage, "confidence": band.confidence,
+                        "low": band.low, "high": band.high,
+                    })
+                });
+                entry["normality_p"] = json!(spread.normality.map(|n| n.p_value));
+            }
+            if let Some(kept) = &r.kept {
+                entry["yield"] = json!({
+                    "kept": kept.kept, "of": kept.of, "share": kept.share, "interval": [kept.low, kept.high],
+                });
+            }
+            if let Some(c) = &r.capability {
+                entry["cp"] = json!(c.cp.map(|(cp, _)| cp));
+                entry["cp_interval"] = c.cp.map_or(Json::Null, |(_, interval)| ends(&interval));
+                entry["cpk"] = json!(c.cpk);
+                entry["cpk_interval"] = ends(&c.cpk_interval);
+            }
+            if let Some(w) = &r.weibull {
+                let life = |share: f64| {
+                    let interval = w.life_interval(share, self.confidence).ok();
+                    json!({ "hours": w.life(share), "interval": interval.as_ref().map_or(Json::Null, ends) })
+                };
+                entry["weibull"] = json!({
+                    "shape": w.shape, "scale": w.scale, "ended": w.ended, "survived": w.survived,
+                    "b10": life(0.1), "b50": life(0.5),
+                });
+            }
+            entry["sensitivity"] = r.sensitivity.to_json(&names);
+            (r.key.clone(), entry)
+        };
+        json!({
+            "rows": self.rows, "of": self.of, "confidence": self.confidence,
+            "failed": {
+                "count": self.failed.kept, "of": self.failed.of, "share": self.failed.share,
+                "interval": [self.failed.low, self.failed.high],
+            },
+            "results": self.results.iter().map(result).collect::<serde_json::Map<_, _>>(),
+        })
+    }
+}
+
+impl Sensitivity {
+    fn to_json(&self, names: &[&str]) -> Json {
+        let ends = |interval: &Interval| json!([interval.low, interval.high]);
+        match self {
+            Sensitivity::Morris(effects) => {
+                let one = |(name, e): (&&str, &Effects)| {
+                    json!({
+                        "key": name, "mu": e.mu, "mu_star": e.mu_star.value,
+                        "mu_star_interval": ends(&e.mu_star.interval), "sigma": e.sigma,
+                    })
+                };
+                json!({ "kind": "morris", "keys": names.iter().zip(effects).map(one).collect::<Vec<_>>() })
+            }
+            Sensitivity::Sobol(indices) => {
+                let keys: Vec<Json> = names
+                    .iter()
+                    .zip(indices.first.iter().zip(&indices.total))
+                    .map(|(name, (first, total))| {
+                        json!({
+                            "key": name, "first": first.value, "first_interval": ends(&first.interval),
+                            "total": total.value, "total_interval": ends(&total.interval),
+                        })
+                    })
+                    .collect();
+                let pairs: Vec<Json> = indices
+                    .second
+                    .iter()
+                    .map(|(i, j, s)| {
+                        json!({ "keys": [names[*i], names[*j]], "share": s.value, "interval": ends(&s.interval) })
+                    })
+                    .collect();
+                json!({
+                    "kind": "sobol", "keys": keys, "pairs": pairs, "used": indices.used, "left_out": indices.left_out,
+                })
+            }
+            Sensitivity::Tighten(gains) => {
+                let keys: Vec<Json> = gains
+                    .gains
+                    .iter()
+                    .map(|gain| {
+                        json!({
+                            "key": names[gain.dimension], "quantile_gain": gain.quantile.value,
+                            "quantile_gain_interval": ends(&gain.quantile.interval),
+                            "mean_gain": gain.mean.value, "deviation_gain": gain.deviation.value,
+                        })
+                    })
+                    .collect();
+                json!({
+                    "kind": "tighten", "quantile": TIGHTEN_SHARE, "value": gains.quantile, "keys": keys,
+                    "used": gains.used, "left_out": gains.left_out,
+                })
+            }
+            Sensitivity::Linear(fit) => {
+                let keys: Vec<Json> = names
+                    .iter()
+                    .zip(fit.shares.iter().zip(&fit.coefficients))
+                    .map(|(name, (share, coefficient))| {
+                        json!({
+                            "key": name, "share": share.value, "interval": ends(&share.interval),
+                            "coefficient": coefficient,
+                        })
+                    })
+                    .collect();
+                json!({ "kind": "linear", "r_squared": fit.r_squared, "keys": keys, "rows": fit.rows })
+            }
+            Sensitivity::None(why) => json!({ "kind": "none", "reason": why }),
+        }
+    }
+}
