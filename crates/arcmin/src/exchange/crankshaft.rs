@@ -80,10 +80,7 @@ fn mutual(a: &Slice, b: &Slice) -> Mutual {
     let towards = between.y.atan2(between.x);
     let on = |r: f64, other: f64| ((d * d + r * r - other * other) / (2.0 * d * r)).clamp(-1.0, 1.0).acos();
     let (first, second) = (on(a.radius, b.radius), on(b.radius, a.radius));
-    Mutual::Crossing(
-        [towards - first, towards + first],
-        [towards + PI + second, towards + PI - second],
-    )
+    Mutual::Crossing([towards - first, towards + first], [towards + PI + second, towards + PI - second])
 }
 
 /// Area that two circles share.
@@ -117,7 +114,8 @@ fn seams(avoided: &[f64]) -> [f64; 2] {
         };
         avoided.iter().map(off).fold(f64::INFINITY, f64::min)
     };
-    let best = (0..24).map(|i| PI * f64::from(i) / 24.0).max_by(|a, b| clearance(*a).total_cmp(&clearance(*b)));
+    let best =
+        (0..24).map(|i| PI * f64::from(i) / 24.0).max_by(|a, b| clearance(*a).total_cmp(&clearance(*b)));
     let seam = best.unwrap_or(0.0);
     [seam, seam + PI]
 }
@@ -127,7 +125,8 @@ pub(super) fn solid(step: &mut Step, name: &str, slices: &[Slice]) -> usize {
     let meetings: Vec<Mutual> = slices.windows(2).map(|pair| mutual(&pair[0], &pair[1])).collect();
     // Angles on the lower and the upper rim of each slice.
     let crossing = |index: usize, upper: bool| -> Vec<f64> {
-        let meeting = if upper { meetings.get(index) } else { index.checked_sub(1).and_then(|i| meetings.get(i)) };
+        let meeting =
+            if upper { meetings.get(index) } else { index.checked_sub(1).and_then(|i| meetings.get(i)) };
         match meeting {
             Some(Mutual::Crossing(first, second)) => if upper { *first } else { *second }.to_vec(),
             _ => Vec::new(),
@@ -140,7 +139,8 @@ pub(super) fn solid(step: &mut Step, name: &str, slices: &[Slice]) -> usize {
         let seams = seams(&avoided);
         let rim = |step: &mut Step, upper: bool, shared: Option<&Rim>| {
             let z = if upper { slice.to } else { slice.from };
-            let mut angles: Vec<(f64, Option<Vertex>)> = seams.iter().map(|a| (a.rem_euclid(TAU), None)).collect();
+            let mut angles: Vec<(f64, Option<Vertex>)> =
+                seams.iter().map(|a| (a.rem_euclid(TAU), None)).collect();
             for angle in crossing(index, upper) {
                 let place = slice.centre + slice.radius * unit(angle);
                 // Where circles cross, both have the same vertex.

@@ -120,12 +120,19 @@ pub fn import_duty(
         .map(|i| Sample { torque: torque[i], speed: speed[i], time: weight(i) })
         .filter(|sample| sample.time > 0.0)
         .collect();
-    let nothing = |message: &str, remedy: &str| ExchangeError::Fit { message: message.into(), remedy: remedy.into() };
+    let nothing =
+        |message: &str, remedy: &str| ExchangeError::Fit { message: message.into(), remedy: remedy.into() };
     if samples.is_empty() {
-        return Err(nothing("the joint never moves in this log", "check the column of speed or angle and its unit"));
+        return Err(nothing(
+            "the joint never moves in this log",
+            "check the column of speed or angle and its unit",
+        ));
     }
     if samples.iter().all(|sample| sample.torque == 0.0) {
-        return Err(nothing("the joint carries no torque while it moves", "check the column of torque or current"));
+        return Err(nothing(
+            "the joint carries no torque while it moves",
+            "check the column of torque or current",
+        ));
     }
     let duration: f64 = (0..table.len()).map(weight).sum();
     let moving: f64 = samples.iter().map(|sample| sample.time).sum();
@@ -162,7 +169,11 @@ pub fn import_duty(
 
 fn check(options: &DutyImportOptions) -> Result<(), ExchangeError> {
     let within = |what, value: f64, low: f64, high: f64| {
-        if (low..=high).contains(&value) { Ok(()) } else { Err(ExchangeError::Option { what, value, low, high }) }
+        if (low..=high).contains(&value) {
+            Ok(())
+        } else {
+            Err(ExchangeError::Option { what, value, low, high })
+        }
     };
     within("a torque constant in N·m/A", options.torque_constant.unwrap_or(1.0), 1e-6, 1e4)?;
     within("an efficiency", options.gear_efficiency, 0.01, 1.0)?;
@@ -177,9 +188,15 @@ fn form() -> Form {
         Column::number("torque_n_m").also(&["output_torque", "joint_torque"]).optional().within(-1e7, 1e7),
         Column::number("input_torque_n_m").also(&["motor_torque"]).optional().within(-1e7, 1e7),
         Column::number("current_a").also(&["motor_current"]).optional().within(-1e6, 1e6),
-        Column::number("speed_rad_s").also(&["output_speed", "joint_speed", "velocity"]).optional().within(-1e4, 1e4),
+        Column::number("speed_rad_s")
+            .also(&["output_speed", "joint_speed", "velocity"])
+            .optional()
+            .within(-1e4, 1e4),
         Column::number("input_speed_rad_s").also(&["motor_speed"]).optional().within(-1e5, 1e5),
-        Column::number("angle_rad").also(&["output_angle", "joint_angle", "position"]).optional().within(-1e9, 1e9),
+        Column::number("angle_rad")
+            .also(&["output_angle", "joint_angle", "position"])
+            .optional()
+            .within(-1e9, 1e9),
         Column::number("input_angle_rad").also(&["motor_angle"]).optional().within(-1e9, 1e9),
     ])
     .with_others()
@@ -190,7 +207,11 @@ fn one_of<'a>(table: &Table, names: &[&'a str], what: &str) -> Result<&'a str, T
     let found: Vec<&str> = names.iter().copied().filter(|name| table.has(name)).collect();
     match found[..] {
         [one] => Ok(one),
-        [] => Err(header(table, format!("there is no column of {what}"), format!("name one of {}", names.join(", ")))),
+        [] => Err(header(
+            table,
+            format!("there is no column of {what}"),
+            format!("name one of {}", names.join(", ")),
+        )),
         _ => Err(header(
             table,
             format!("{what} is given more than once: {}", found.join(", ")),
@@ -226,7 +247,9 @@ fn output_speed(table: &Table, time: &[f64], ratio: f64) -> Result<Vec<f64>, Tab
     // A log often has both; the speed is the better one.
     let name = match one_of(table, &names[..2], "speed") {
         Ok(name) => name,
-        Err(_) if !table.has(names[0]) && !table.has(names[1]) => one_of(table, &names[2..], "speed or angle")?,
+        Err(_) if !table.has(names[0]) && !table.has(names[1]) => {
+            one_of(table, &names[2..], "speed or angle")?
+        }
         Err(error) => return Err(error),
     };
     let values = table.numbers(name)?;
@@ -245,7 +268,8 @@ fn output_speed(table: &Table, time: &[f64], ratio: f64) -> Result<Vec<f64>, Tab
 
 /// The value of the largest size among the indices, and its index; zero if there is none.
 fn largest(values: &[f64], counts: impl Fn(usize) -> bool) -> (f64, usize) {
-    let best = (0..values.len()).filter(|i| counts(*i)).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
+    let best =
+        (0..values.len()).filter(|i| counts(*i)).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
     best.map_or((0.0, 0), |i| (values[i], i))
 }
 
@@ -253,7 +277,12 @@ fn toml(import: &DutyImport) -> String {
     let r = &import.reduction;
     let mut text = String::new();
     let hours = |seconds: f64| trimmed(seconds / 3600.0, 4);
-    let _ = writeln!(text, "# From a log of {} h, of which {} h at rest.", hours(import.duration), hours(import.at_rest));
+    let _ = writeln!(
+        text,
+        "# From a log of {} h, of which {} h at rest.",
+        hours(import.duration),
+        hours(import.at_rest)
+    );
     let _ = writeln!(
         text,
         "# {} readings became {} rows; against the log they are off by {} % (wear), {} % (bearing load), {} % (life).",

@@ -23,7 +23,11 @@ fn log(seconds: usize, rate: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         };
         time.push(t);
         speed.push(way * 1.8 * w);
-        torque.push(way * (a * 300.0 + 20.0 * f64::from(w > 0.0)) + load * (0.3 * t).sin() + random.random_range(-3.0..3.0));
+        torque.push(
+            way * (a * 300.0 + 20.0 * f64::from(w > 0.0))
+                + load * (0.3 * t).sin()
+                + random.random_range(-3.0..3.0),
+        );
     }
     (time, torque, speed)
 }
@@ -52,19 +56,21 @@ fn fifty_rows_stand_for_the_whole_log() {
         .unwrap()
         .iter()
         .map(|row| {
-            ["torque_n_m", "input_speed_rpm", "share"].map(|key| {
-                row[key].as_float().unwrap_or_else(|| row[key].as_integer().unwrap() as f64)
-            })
+            ["torque_n_m", "input_speed_rpm", "share"]
+                .map(|key| row[key].as_float().unwrap_or_else(|| row[key].as_integer().unwrap() as f64))
         })
         .collect();
     assert!((rows.iter().map(|row| row[2]).sum::<f64>() - 1.0).abs() < 1e-11);
     let moving: Vec<usize> = (0..time.len()).filter(|i| speed[*i].abs() > 1.8e-3).collect();
     let log_sum = |power: f64| {
-        moving.iter().map(|i| torque[*i].abs().powf(power) * speed[*i].abs()).sum::<f64>() / moving.len() as f64
+        moving.iter().map(|i| torque[*i].abs().powf(power) * speed[*i].abs()).sum::<f64>()
+            / moving.len() as f64
     };
     let ratio = machine.kinematics().ratio();
     let row_sum = |power: f64| {
-        rows.iter().map(|row| row[0].abs().powf(power) * (row[1] * crate::units::RPM / ratio).abs() * row[2]).sum::<f64>()
+        rows.iter()
+            .map(|row| row[0].abs().powf(power) * (row[1] * crate::units::RPM / ratio).abs() * row[2])
+            .sum::<f64>()
     };
     for (power, limit) in [(0.0, 1e-4), (1.0, 0.002), (10.0 / 3.0, 0.005)] {
         let off = row_sum(power) / log_sum(power) - 1.0;
@@ -82,7 +88,10 @@ fn fifty_rows_stand_for_the_whole_log() {
     assert!((import.duration - 599.995).abs() < 1e-6 && (import.at_rest - 180.0).abs() < 4.0);
     assert!((299..=300).contains(&import.starts) && (298..=299).contains(&import.reversals));
     assert!((import.output_turns - 600.0 * 0.5 * 1.8 / std::f64::consts::TAU).abs() < 0.5);
-    assert_eq!(import.peak_torque.0.abs(), torque.iter().fold(0.0_f64, |m, t| m.max(format!("{t:.9}").parse::<f64>().unwrap().abs())));
+    assert_eq!(
+        import.peak_torque.0.abs(),
+        torque.iter().fold(0.0_f64, |m, t| m.max(format!("{t:.9}").parse::<f64>().unwrap().abs()))
+    );
     let shares: f64 = import.picture.cells.iter().flatten().sum();
     assert!((shares - 100.0).abs() < 1e-9);
     let design = crate::templates::TEMPLATES[0].text;
@@ -109,8 +118,11 @@ fn motor_side_logs_agree() {
     let degrees: Vec<f64> = angle.iter().map(|a| (a * ratio).to_degrees()).collect();
     let milliseconds: Vec<f64> = time.iter().map(|t| t * 1e3).collect();
     let file = text("time_ms,motor_current [A],motor_angle [°]", &[&milliseconds, &current, &degrees]);
-    let options =
-        DutyImportOptions { torque_constant: Some(0.5), gear_efficiency: 0.9, ..DutyImportOptions::default() };
+    let options = DutyImportOptions {
+        torque_constant: Some(0.5),
+        gear_efficiency: 0.9,
+        ..DutyImportOptions::default()
+    };
     let motor = import_duty(&machine, file.as_bytes(), "log.csv", &options).unwrap();
     let (a, b) = (&direct.reduction, &motor.reduction);
     assert!((b.equivalent_torque / a.equivalent_torque - 1.0).abs() < 2e-3);

@@ -33,7 +33,14 @@ impl Writer {
 
     fn entity(&mut self, kind: &str, layer: &str, class: &str) {
         let handle = self.next_handle();
-        self.put_all(&[(0, kind), (5, &handle), (330, MODEL_SPACE), (100, "AcDbEntity"), (8, layer), (100, class)]);
+        self.put_all(&[
+            (0, kind),
+            (5, &handle),
+            (330, MODEL_SPACE),
+            (100, "AcDbEntity"),
+            (8, layer),
+            (100, class),
+        ]);
     }
 
     fn circle(&mut self, layer: &str, centre: Vec2, radius: f64) {
@@ -98,9 +105,7 @@ fn escaped(words: &str) -> String {
     words
         .chars()
         .filter(|c| !c.is_control())
-        .flat_map(|c| {
-            if c.is_ascii() { vec![c] } else { format!("\\U+{:04X}", c as u32).chars().collect() }
-        })
+        .flat_map(|c| if c.is_ascii() { vec![c] } else { format!("\\U+{:04X}", c as u32).chars().collect() })
         .collect()
 }
 
@@ -146,7 +151,14 @@ impl ProfileExport {
             w.put_all(&head);
             w.put_all(&[(100, "AcDbBlockBegin"), (2, name), (70, "0"), (10, "0"), (20, "0"), (30, "0")]);
             w.put_all(&[(3, name), (1, "")]);
-            w.put_all(&[(0, "ENDBLK"), (5, end), (330, owner), (100, "AcDbEntity"), (8, "0"), (100, "AcDbBlockEnd")]);
+            w.put_all(&[
+                (0, "ENDBLK"),
+                (5, end),
+                (330, owner),
+                (100, "AcDbEntity"),
+                (8, "0"),
+                (100, "AcDbBlockEnd"),
+            ]);
         }
         w.put_all(&[(0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES")]);
         w.text.push_str(&entities);
@@ -194,7 +206,14 @@ impl ProfileExport {
         w.table("APPID", "9", 1, |w| {
             w.record("APPID", "12", "9", "AcDbRegAppTableRecord", &[(2, "ACAD"), (70, "0")]);
         });
-        w.put_all(&[(0, "TABLE"), (2, "DIMSTYLE"), (5, "A"), (330, "0"), (100, "AcDbSymbolTable"), (70, "0")]);
+        w.put_all(&[
+            (0, "TABLE"),
+            (2, "DIMSTYLE"),
+            (5, "A"),
+            (330, "0"),
+            (100, "AcDbSymbolTable"),
+            (70, "0"),
+        ]);
         w.put_all(&[(100, "AcDbDimStyleTable"), (71, "0"), (0, "ENDTAB")]);
         w.table("BLOCK_RECORD", "1", 2, |w| {
             for (handle, name) in [("1F", "*Model_Space"), ("1B", "*Paper_Space")] {

@@ -103,7 +103,9 @@ pub(super) fn fit(
         .iter()
         .map(|(_, start)| refine(outline, &table, &few, *start, probe_radius, free_centre))
         .min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((start, _)) = best else { return Err(wrong("no start for the fit".to_owned(), "measure more points")) };
+    let Some((start, _)) = best else {
+        return Err(wrong("no start for the fit".to_owned(), "measure more points"));
+    };
     let (pose, scale) = refine(outline, &table, &set.points, start, probe_radius, free_centre);
     let size = 0.25 * profile.eccentricity;
     if !(scale < size) {
@@ -139,7 +141,12 @@ pub(super) fn fit(
 
 /// Normals of the file must be those of the flank, to within 15°, on nine points of ten: a mirrored or a
 /// swapped file fails here.
-fn check_normals(outline: &Outline, set: &PointSet, pose: &Pose, table: &OutlineTable) -> Result<(), ExchangeError> {
+fn check_normals(
+    outline: &Outline,
+    set: &PointSet,
+    pose: &Pose,
+    table: &OutlineTable,
+) -> Result<(), ExchangeError> {
     let Some(normals) = &set.normals else { return Ok(()) };
     let agreeing = set
         .points
@@ -156,7 +163,8 @@ fn check_normals(outline: &Outline, set: &PointSet, pose: &Pose, table: &Outline
     }
     Err(ExchangeError::Fit {
         message: format!("{agreeing} of {} normals are those of the fitted flank", set.points.len()),
-        remedy: "check the order of the columns and the direction of the z axis, or leave the normals out".into(),
+        remedy: "check the order of the columns and the direction of the z axis, or leave the normals out"
+            .into(),
     })
 }
 
@@ -222,7 +230,10 @@ fn refine(
         pose.centre += Vec2::new(step[0], step[1]);
         pose.rotation += step[2].clamp(-0.1 * outline.lobe_pitch(), 0.1 * outline.lobe_pitch());
         pose.offset += step[3];
-        let size = step[0].abs() + step[1].abs() + step[3].abs() + step[2].abs() * outline.profile().pin_circle_radius;
+        let size = step[0].abs()
+            + step[1].abs()
+            + step[3].abs()
+            + step[2].abs() * outline.profile().pin_circle_radius;
         // A tenth of a nanometre.
         if size < 1e-10 {
             break;

@@ -89,7 +89,11 @@ pub fn import_flank(
         FlankTarget::MeasuredFlank { disc, file } => {
             csv = Some(measured_table(&depths, profile.lobe_count())?);
             let name = file.replace(['"', '\\'], "_");
-            format!("{}[[errors.measured_flanks]]\ndisc = {}\nfile = \"{name}\"\n", head(&fit, &split), disc + 1)
+            format!(
+                "{}[[errors.measured_flanks]]\ndisc = {}\nfile = \"{name}\"\n",
+                head(&fit, &split),
+                disc + 1
+            )
         }
         FlankTarget::Harmonics { disc } => head(&fit, &split) + &harmonics(&split, *disc, depths.len()),
         FlankTarget::Modification => head(&fit, &split) + &modification(&profile, &depths, &split),
@@ -228,9 +232,8 @@ fn modification(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) ->
         trimmed(rotation / ARCMIN, 5)
     );
     if grid.map(|phi| rest(phi).abs()).fold(0.0, f64::max) > 0.3 * UM {
-        let pairs: Vec<String> = (-18..18)
-            .map(|i| format!("[{}, {}]", 10 * i, um(rest(f64::from(10 * i) * DEG))))
-            .collect();
+        let pairs: Vec<String> =
+            (-18..18).map(|i| format!("[{}, {}]", 10 * i, um(rest(f64::from(10 * i) * DEG)))).collect();
         let _ = writeln!(text, "free_form_deg_um = [{}]", pairs.join(", "));
     }
     text

@@ -135,8 +135,7 @@ fn measured_flank_round_trip() {
     };
     let measurement = Measurement { error: error.clone(), noise: 0.5e-6, rotation: 0.03, ..plain() };
     let points = measurement.points(&machine, 2);
-    let import =
-        import_flank(&machine, as_list(&points).as_bytes(), "points", &options(measured())).unwrap();
+    let import = import_flank(&machine, as_list(&points).as_bytes(), "points", &options(measured())).unwrap();
     let csv = import.csv.unwrap();
     let form = crate::tables::Form::new(&[
         crate::tables::Column::number("angle_deg").rising(),
@@ -161,9 +160,13 @@ fn measured_flank_round_trip() {
     // Points stand as densely as the grid that the reader makes of them, so the noise stays.
     assert!((square / 2000.0).sqrt() < 0.6e-6, "{:e}", (square / 2000.0).sqrt());
 
-    let import =
-        import_flank(&machine, as_list(&points).as_bytes(), "points", &options(FlankTarget::Harmonics { disc: 1 }))
-            .unwrap();
+    let import = import_flank(
+        &machine,
+        as_list(&points).as_bytes(),
+        "points",
+        &options(FlankTarget::Harmonics { disc: 1 }),
+    )
+    .unwrap();
     for (order, amplitude, phase, direction) in
         [(2, 4e-6, 0.3, FlankDirection::Inwards), (3, 3e-6, -0.2, FlankDirection::Around)]
     {
@@ -208,7 +211,8 @@ fn modification_round_trip() {
         import_flank(&rv_40e_81(), text.as_bytes(), "points", &options(FlankTarget::Modification)).unwrap();
     let keys = import.toml.replace("[disc.modification]", "");
     let parsed: toml::Table = keys.parse().unwrap();
-    let value = |key: &str| parsed[key].as_float().unwrap_or_else(|| parsed[key].as_integer().unwrap() as f64);
+    let value =
+        |key: &str| parsed[key].as_float().unwrap_or_else(|| parsed[key].as_integer().unwrap() as f64);
     // 1 µm over 2400 points is 0.02 µm; that the three trade against each other multiplies it by up to a
     // hundred, and a radial offset of 20 µm also changes the lean of the normals a little.
     assert!((value("equidistant_offset_um") - 12.0).abs() < 2.5, "{keys}");
@@ -272,7 +276,8 @@ fn hostile_points_are_refused_with_line_and_remedy() {
     // Points that are read but are no such disc.
     let circle = |count: usize, radius: f64| -> String {
         let at = |i: usize| radius * unit(std::f64::consts::TAU * i as f64 / count as f64);
-        "x_mm,y_mm\n".to_owned() + &(0..count).map(|i| format!("{},{}\n", at(i).x, at(i).y)).collect::<String>()
+        "x_mm,y_mm\n".to_owned()
+            + &(0..count).map(|i| format!("{},{}\n", at(i).x, at(i).y)).collect::<String>()
     };
     let line: String = "x_mm,y_mm\n".to_owned() + &(0..100).map(|i| format!("{i},{i}\n")).collect::<String>();
     let same = "x_mm,y_mm\n".to_owned() + &"1,1\n".repeat(100);
@@ -281,7 +286,10 @@ fn hostile_points_are_refused_with_line_and_remedy() {
         assert!(matches!(error, ExchangeError::Fit { .. }) && !error.remedy().is_empty(), "{error}");
     }
     let disc = options(FlankTarget::Harmonics { disc: 7 });
-    assert!(matches!(import_flank(&machine, b"", "p", &disc), Err(ExchangeError::NoDisc { disc: 8, count: 2 })));
+    assert!(matches!(
+        import_flank(&machine, b"", "p", &disc),
+        Err(ExchangeError::NoDisc { disc: 8, count: 2 })
+    ));
 }
 
 proptest::proptest! {

@@ -11,9 +11,13 @@
 mod crankshaft;
 mod drawing;
 mod duty;
+#[cfg(test)]
+mod duty_tests;
 mod dxf;
 mod fit;
 mod flank;
+#[cfg(test)]
+mod flank_tests;
 mod outline;
 mod points;
 mod profile;
@@ -21,10 +25,6 @@ mod solid;
 mod spline;
 mod split;
 mod step;
-#[cfg(test)]
-mod duty_tests;
-#[cfg(test)]
-mod flank_tests;
 #[cfg(test)]
 mod tests;
 
@@ -35,8 +35,8 @@ pub use outline::{Outline, OutlinePoint, OutlineTable};
 pub use points::{PointFormat, PointSet, read_points};
 pub use profile::{Flank, Parts, ProfileExport, ProfileOptions};
 pub use solid::SolidFigures;
-pub use split::FlankSplit;
 pub use spline::{CubicSpline, FittedSpline};
+pub use split::FlankSplit;
 
 use crate::tables::TableError;
 use crate::units::{DEG, MM, UM};

@@ -80,7 +80,8 @@ impl Outline {
         if reach > 0.0 {
             for point in flank.iter().step_by(8) {
                 let centre = point.place + offset * point.outward_normal();
-                let nearest = around.iter().map(|p| (p - centre).norm_squared()).fold(f64::INFINITY, f64::min);
+                let nearest =
+                    around.iter().map(|p| (p - centre).norm_squared()).fold(f64::INFINITY, f64::min);
                 if nearest.sqrt() < reach * (1.0 - 1e-6) - 1e-9 {
                     return Err(undercut(point.tau, nearest.sqrt()));
                 }
@@ -206,8 +207,9 @@ impl Outline {
     pub fn table(&self) -> OutlineTable {
         const PER_LOBE: i64 = 256;
         let step = self.lobe_pitch() / PER_LOBE as f64;
-        let samples =
-            (-PER_LOBE / 2..PER_LOBE + PER_LOBE / 2).map(|i| (i as f64 * step, self.at(i as f64 * step).place)).collect();
+        let samples = (-PER_LOBE / 2..PER_LOBE + PER_LOBE / 2)
+            .map(|i| (i as f64 * step, self.at(i as f64 * step).place))
+            .collect();
         OutlineTable { samples, step }
     }
 
@@ -232,7 +234,8 @@ impl Outline {
             .map(|pair| {
                 let (a, b) = (&pair[0], &pair[1]);
                 let length = step * (a.speed.max(b.speed) + 0.5 * (a.speed - b.speed).abs());
-                let curvature = a.curvature.abs().max(b.curvature.abs()) + 0.5 * (a.curvature - b.curvature).abs();
+                let curvature =
+                    a.curvature.abs().max(b.curvature.abs()) + 0.5 * (a.curvature - b.curvature).abs();
                 (length, curvature)
             })
             .collect();

@@ -76,8 +76,14 @@ impl Reader<'_> {
         let form = Form::new(&[
             Column::number("x_mm").within(-REACH, REACH),
             Column::number("y_mm").within(-REACH, REACH),
-            Column::number("outward_normal_x").also(&["normal_x", "nx", "i"]).optional().within(-1.001, 1.001),
-            Column::number("outward_normal_y").also(&["normal_y", "ny", "j"]).optional().within(-1.001, 1.001),
+            Column::number("outward_normal_x")
+                .also(&["normal_x", "nx", "i"])
+                .optional()
+                .within(-1.001, 1.001),
+            Column::number("outward_normal_y")
+                .also(&["normal_y", "ny", "j"])
+                .optional()
+                .within(-1.001, 1.001),
         ])
         .with_others();
         let table = form.read(bytes, self.file)?;
@@ -90,7 +96,11 @@ impl Reader<'_> {
             (None, None) => None,
             _ => {
                 let remedy = "give both components or none";
-                return Err(self.wrong(table.header_line(), "one component of the normals is missing", remedy));
+                return Err(self.wrong(
+                    table.header_line(),
+                    "one component of the normals is missing",
+                    remedy,
+                ));
             }
         };
         let collected = Collected {
@@ -117,7 +127,11 @@ impl Reader<'_> {
                     Some("INCH" | "IN" | "ENGLISH") => 25.4,
                     _ => {
                         let message = "the first line does not say the unit";
-                        return Err(self.wrong(number, message, "write XYZIJK METRIC (millimetres) or XYZIJK INCH"));
+                        return Err(self.wrong(
+                            number,
+                            message,
+                            "write XYZIJK METRIC (millimetres) or XYZIJK INCH",
+                        ));
                     }
                 });
                 continue;
@@ -162,7 +176,11 @@ impl Reader<'_> {
                 continue;
             }
             let Some(body) = columns_of_statement(line) else {
-                return Err(self.wrong(number, "a letter outside of ASCII", "VDA-FS knows ASCII alone; export again"));
+                return Err(self.wrong(
+                    number,
+                    "a letter outside of ASCII",
+                    "VDA-FS knows ASCII alone; export again",
+                ));
             };
             let body = body.trim();
             if body.is_empty() || body.starts_with("$$") {
@@ -218,7 +236,11 @@ impl Reader<'_> {
         }
         if !ended {
             let last = text.lines().count();
-            return Err(self.wrong(last, "the file ends without an END statement", "it is cut off: export it again"));
+            return Err(self.wrong(
+                last,
+                "the file ends without an END statement",
+                "it is cut off: export it again",
+            ));
         }
         self.finish(PointFormat::VdaFs, collected)
     }
@@ -231,11 +253,19 @@ impl Reader<'_> {
             Kind::Pset | Kind::Mdi => {
                 let (name, each) = if kind == Kind::Pset { ("PSET", 3) } else { ("MDI", 6) };
                 let Some((count, rest)) = values.split_first() else {
-                    return Err(self.wrong(line, format!("{name} without numbers"), "write the count, then the points"));
+                    return Err(self.wrong(
+                        line,
+                        format!("{name} without numbers"),
+                        "write the count, then the points",
+                    ));
                 };
                 if rest.len() as f64 != count * each as f64 {
                     let message = format!("{name} announces {count} points but holds {} numbers", rest.len());
-                    return Err(self.wrong(line, message, "each point has its numbers; export the file again"));
+                    return Err(self.wrong(
+                        line,
+                        message,
+                        "each point has its numbers; export the file again",
+                    ));
                 }
                 (name, each, rest, &lines[1..])
             }
@@ -276,7 +306,11 @@ impl Reader<'_> {
     fn finish(&self, format: PointFormat, collected: Collected) -> Result<PointSet, ExchangeError> {
         let Collected { points, normals, lines } = collected;
         if points.is_empty() {
-            return Err(self.wrong(1, "there are no points in the file", "export points (POINT, PSET, MDI, rows)"));
+            return Err(self.wrong(
+                1,
+                "there are no points in the file",
+                "export points (POINT, PSET, MDI, rows)",
+            ));
         }
         self.bounded(points.len(), lines[lines.len() - 1])?;
         if let Some(at) = points.iter().position(|p| p.iter().any(|c| c.abs() > REACH)) {

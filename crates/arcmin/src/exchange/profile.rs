@@ -35,7 +35,7 @@ pub enum Parts {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileOptions {
     pub flank: Flank,
-    /// Allowed distance of chords and splines from the exact flank in m.
+    /// Allowed distance of chords from the exact flank in m; splines keep a fiftieth of it.
     pub tolerance: f64,
     /// Distance in m by which the flank is moved out of the metal, along its normal: the radius of a wire or
     /// wheel and its gap, or stock that stays for grinding. Bores and holes are not moved.
@@ -65,6 +65,11 @@ pub struct ProfileExport {
     pub(super) flanks: [FittedSpline; 2],
     polyline_deviation: f64,
 }
+
+/// Splines keep this part of the tolerance: their error falls with the fourth power of the number of pieces,
+/// so it costs 2.7 times as many points, and area and volume are then right to better than a millionth. At the
+/// whole tolerance a mean of 0.15 µm on one side was 7e-6 of the disc's area.
+const SPLINE_SHARE: f64 = 50.0;
 
 impl ProfileExport {
     /// Prepares the export of a machine.
@@ -100,13 +105,21 @@ impl ProfileExport {
         corners.pop();
         corners.extend(&back[..back.len() - 1]);
         let flanks = [(0.0, crest), (crest, end)]
-            .map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance));
+            .map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance / SPLINE_SHARE));
         let polyline_deviation = first.max(second);
         let reached = flanks.iter().map(|flank| flank.deviation).fold(polyline_deviation, f64::max);
         if !(reached <= options.tolerance) {
             return Err(ExchangeError::Tolerance { reached, tolerance: options.tolerance });
         }
-        Ok(ProfileExport { machine: machine.clone(), stamp, options, outline, corners, flanks, polyline_deviation })
+        Ok(ProfileExport {
+            machine: machine.clone(),
+            stamp,
+            options,
+            outline,
+            corners,
+            flanks,
+            polyline_deviation,
+        })
     }
 
     /// The exact edge.
@@ -146,7 +159,10 @@ impl ProfileExport {
         };
         let um = |metres: f64| trimmed(metres / UM, 4);
         vec![
-            format!("arcmin {}, design {} ({})", self.stamp.version, self.stamp.design_hash, self.stamp.design_name),
+            format!(
+                "arcmin {}, design {} ({})",
+                self.stamp.version, self.stamp.design_hash, self.stamp.design_name
+            ),
             format!(
                 "flank {flank}, moved outwards by {} um; unit mm; origin in the disc's centre, a root on the x axis",
                 um(self.options.offset)

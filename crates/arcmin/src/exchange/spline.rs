@@ -141,7 +141,10 @@ impl Pieces {
         control.push(inner(last - 1).1);
         control.push(self.points[last]);
         let multiplicity = |i: usize| if i == 0 || i == last { 4 } else { 1 };
-        CubicSpline { control, knots: self.arc.iter().enumerate().map(|(i, t)| (*t, multiplicity(i))).collect() }
+        CubicSpline {
+            control,
+            knots: self.arc.iter().enumerate().map(|(i, t)| (*t, multiplicity(i))).collect(),
+        }
     }
 }
 

@@ -48,7 +48,8 @@ impl FlankSplit {
             high - values.iter().copied().fold(f64::INFINITY, f64::min)
         };
         let count = self.pitch.len();
-        let single = (0..count).map(|k| (self.pitch[(k + 1) % count] - self.pitch[k]).abs()).fold(0.0, f64::max);
+        let single =
+            (0..count).map(|k| (self.pitch[(k + 1) % count] - self.pitch[k]).abs()).fold(0.0, f64::max);
         (span(&self.pitch), single, span(&self.radial))
     }
 }

@@ -48,7 +48,8 @@ fn words(text: &str) -> String {
             c if c.is_ascii() => out.push(c),
             c => {
                 let mut units = [0; 2];
-                let hex: String = c.encode_utf16(&mut units).iter().map(|unit| format!("{unit:04X}")).collect();
+                let hex: String =
+                    c.encode_utf16(&mut units).iter().map(|unit| format!("{unit:04X}")).collect();
                 out.push_str(&format!("\\X2\\{hex}\\X0\\"));
             }
         }
@@ -91,7 +92,9 @@ impl Frame {
         let axis = step.placement([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
         let context = self.representation_context;
         let representation = step.add(&match solid {
-            Some(solid) => format!("ADVANCED_BREP_SHAPE_REPRESENTATION('{name}',(#{axis},#{solid}),#{context})"),
+            Some(solid) => {
+                format!("ADVANCED_BREP_SHAPE_REPRESENTATION('{name}',(#{axis},#{solid}),#{context})")
+            }
             None => format!("SHAPE_REPRESENTATION('{name}',(#{axis}),#{context})"),
         });
         step.add(&format!("SHAPE_DEFINITION_REPRESENTATION(#{shape},#{representation})"));
@@ -99,7 +102,15 @@ impl Frame {
     }
 
     /// A part in its assembly: turned by `angle`, then moved.
-    fn place(&self, step: &mut Step, whole: &Product, part: &Product, name: &str, angle: f64, place: [f64; 3]) {
+    fn place(
+        &self,
+        step: &mut Step,
+        whole: &Product,
+        part: &Product,
+        name: &str,
+        angle: f64,
+        place: [f64; 3],
+    ) {
         let name = words(name);
         let x = unit(angle);
         let target = step.placement(place, [0.0, 0.0, 1.0], [x.x, x.y, 0.0]);
@@ -269,7 +280,8 @@ impl ProfileExport {
             lower.push((low, true));
             upper.push((high, true));
         }
-        let reversed = |edges: &Loop| edges.iter().rev().map(|(edge, along)| (*edge, !along)).collect::<Loop>();
+        let reversed =
+            |edges: &Loop| edges.iter().rev().map(|(edge, along)| (*edge, !along)).collect::<Loop>();
         let (mut below, mut above) = (vec![reversed(&lower)], vec![upper]);
         let (bores, holes) = self.holes(disc);
         let named = bores.iter().map(|hole| ("bore", hole)).chain(holes.iter().map(|hole| ("hole", hole)));

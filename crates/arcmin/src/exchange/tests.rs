@@ -15,7 +15,9 @@ fn machine() -> (Machine, Stamp) {
 
 /// Wear that differs between the two sides of a tooth space.
 fn wear() -> Relief {
-    Relief::from_samples(Relief::grid(180).map(|phi| 1e-5 * (1.0 + phi.sin() + 0.3 * (3.0 * phi).cos())).collect())
+    Relief::from_samples(
+        Relief::grid(180).map(|phi| 1e-5 * (1.0 + phi.sin() + 0.3 * (3.0 * phi).cos())).collect(),
+    )
 }
 
 fn export(options: ProfileOptions) -> ProfileExport {
@@ -37,12 +39,16 @@ fn derivatives_of_the_outline_agree_with_differences() {
             let turn = cross(a.tangent, b.tangent) / (2.0 * h * p.speed);
             assert!((turn - p.curvature).abs() < 1e-4 * (p.curvature.abs() + 10.0), "{offset} {tau}");
         }
-        assert!((outline.length(0.1, 0.4) - {
-            let n = 200_000;
-            let places: Vec<Vec2> = (0..=n).map(|i| outline.at(0.1 + 0.3 * f64::from(i) / f64::from(n)).place).collect();
-            places.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>()
-        })
-        .abs() < 1e-9);
+        assert!(
+            (outline.length(0.1, 0.4) - {
+                let n = 200_000;
+                let places: Vec<Vec2> =
+                    (0..=n).map(|i| outline.at(0.1 + 0.3 * f64::from(i) / f64::from(n)).place).collect();
+                places.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>()
+            })
+            .abs()
+                < 1e-9
+        );
     }
 }
 
@@ -73,7 +79,10 @@ fn undercutting_offsets_are_refused() {
     let offset = |d: f64| Outline::new(profile.clone(), Relief::uniform(0.0), d);
     assert!(offset(2.9e-3).is_ok());
     let error = offset(3.2e-3).unwrap_err();
-    assert!(matches!(error, ExchangeError::Undercut { meshing_angle, .. } if meshing_angle.abs() < 0.2), "{error}");
+    assert!(
+        matches!(error, ExchangeError::Undercut { meshing_angle, .. } if meshing_angle.abs() < 0.2),
+        "{error}"
+    );
     let (trace, _) = profile.sharpest_convex_trace();
     let sharpest = trace - profile.pin_radius;
     assert!(offset(-0.99 * sharpest).is_ok() && offset(-1.01 * sharpest).is_err());
@@ -99,7 +108,10 @@ fn deviations_are_bounded() {
                 worst = worst.max(outline.distance(place, &table).0.abs());
             }
         }
-        assert!(worst <= export.polyline_deviation() && export.polyline_deviation() <= tolerance, "{worst:e}");
+        assert!(
+            worst <= export.polyline_deviation() && export.polyline_deviation() <= tolerance,
+            "{worst:e}"
+        );
         assert!(worst > 0.5 * tolerance, "chords are idle: {worst:e}");
         let mut worst = 0.0_f64;
         for flank in &export.flanks {
@@ -180,7 +192,9 @@ fn files_are_stamped_and_repeat_to_the_byte() {
     let files = |e: &ProfileExport| [e.dxf(), e.step(assembly), e.csv(), e.svg()];
     assert_eq!(files(&a), files(&b));
     for file in files(&a) {
-        for word in [env!("CARGO_PKG_VERSION"), &a.stamp.design_hash, "largest deviation from the exact flank"] {
+        for word in
+            [env!("CARGO_PKG_VERSION"), &a.stamp.design_hash, "largest deviation from the exact flank"]
+        {
             assert!(file.contains(word));
         }
         assert!(!file.contains("NaN") && !file.contains("inf"));

@@ -108,7 +108,8 @@ impl Group {
             .map(|to| match self.best.last() {
                 None => (if to == 0 { 0.0 } else { part(0, to) }, 0),
                 Some(before) => {
-                    let options = (0..=to).map(|from| (before[from].0 + if from == to { 0.0 } else { part(from, to) }, from));
+                    let options = (0..=to)
+                        .map(|from| (before[from].0 + if from == to { 0.0 } else { part(from, to) }, from));
                     options.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
                 }
             })
@@ -147,7 +148,12 @@ fn running(cells: &[Cell]) -> Vec<Cell> {
 /// median turn of the output). In each group a histogram over |T| is cut into rows where the sum of both
 /// errors is least; rows go one by one to the group that gains most, until all are used or a tenth of a
 /// permille is reached.
-pub(super) fn reduce(samples: &[Sample], rows: usize, wear_exponent: f64, ratio: f64) -> (Vec<DutyRow>, Reduction) {
+pub(super) fn reduce(
+    samples: &[Sample],
+    rows: usize,
+    wear_exponent: f64,
+    ratio: f64,
+) -> (Vec<DutyRow>, Reduction) {
     let peak = samples.iter().map(|s| s.torque.abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let cell_of = |s: &Sample| {
         let turns = s.speed.abs() * s.time;
@@ -165,9 +171,10 @@ pub(super) fn reduce(samples: &[Sample], rows: usize, wear_exponent: f64, ratio:
         for fast in [false, true] {
             let mut cells = vec![Cell::default(); CELLS];
             let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
-            for s in samples.iter().filter(|s| {
-                (sign(s.torque), sign(s.speed)) == signs && (s.speed.abs() > median) == fast
-            }) {
+            for s in samples
+                .iter()
+                .filter(|s| (sign(s.torque), sign(s.speed)) == signs && (s.speed.abs() > median) == fast)
+            {
                 let index = ((s.torque.abs() / peak * CELLS as f64) as usize).min(CELLS - 1);
                 cells[index] = cells[index].plus(&cell_of(s));
             }

@@ -29,8 +29,9 @@ pub(super) fn picture(samples: &[Sample], moving: f64) -> HeatMap {
         x_values: values(speed / RPM, COLUMNS),
         y_values: values(torque, ROWS),
         cells: shares.into_iter().map(|share| (share > 0.0).then_some(100.0 * share)).collect(),
-        note: "A torque is positive against positive motion; where both have the same sign, the joint drives."
-            .to_owned(),
+        note:
+            "A torque is positive against positive motion; where both have the same sign, the joint drives."
+                .to_owned(),
         width: Width::Full,
     }
 }
