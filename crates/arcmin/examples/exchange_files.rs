@@ -1,8 +1,7 @@
-//! Writes every export of the shipped designs, and the exact flank beside them, for the checks in
+//! Writes every export of the shipped designs, and the figures that a reader must find, for the checks in
 //! `validation/exchange`: `cargo run --release --example exchange_files -- DIR`.
 
 use std::error::Error;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -16,11 +15,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         let design = Design::parse(template.text, template.name).map_err(|error| error.to_string())?;
         let machine = design.machine();
         let wear = Relief::from_samples(Relief::grid(180).map(|phi| 1e-5 * (1.2 + phi.sin())).collect());
-        for (name, options) in [
-            ("modified", ProfileOptions::default()),
-            ("worn", ProfileOptions { flank: Flank::Worn(wear), ..ProfileOptions::default() }),
-            ("wire", ProfileOptions { offset: 1.5e-4, tolerance: 5e-7, ..ProfileOptions::default() }),
+        for (name, worn, options) in [
+            ("modified", false, ProfileOptions::default()),
+            ("worn", true, ProfileOptions { flank: Flank::Worn(wear), ..ProfileOptions::default() }),
+            ("wire", false, ProfileOptions { offset: 1.5e-4, tolerance: 5e-7, ..ProfileOptions::default() }),
         ] {
+            let offset = options.offset;
             let export = ProfileExport::new(&machine, Stamp::of(&design), options)?;
             let place = Path::new(&directory).join(format!("{}-{name}", template.name));
             fs::create_dir_all(&place)?;
@@ -32,26 +32,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             fs::write(place.join("crankshaft.step"), export.step(Parts::Crankshaft))?;
             let assembly = Parts::Assembly { crank_angle: 0.4 };
             fs::write(place.join("assembly.step"), export.step(assembly))?;
-            fs::write(place.join("exact.csv"), exact(&export))?;
-            fs::write(place.join("figures.json"), figures(&export))?;
+            fs::write(place.join("figures.json"), figures(&export, worn, offset))?;
         }
     }
     Ok(())
 }
 
-/// The exact edge, far denser than any tolerance.
-fn exact(export: &ProfileExport) -> String {
-    let outline = export.outline();
-    let count = 4000 * outline.lobe_count();
-    let mut text = String::from("x_mm,y_mm\n");
-    for i in 0..count {
-        let place = outline.at(std::f64::consts::TAU * i as f64 / count as f64).place * 1e3;
-        let _ = writeln!(text, "{},{}", place.x, place.y);
-    }
-    text
-}
-
-fn figures(export: &ProfileExport) -> String {
+fn figures(export: &ProfileExport, worn: bool, offset: f64) -> String {
+    let profile = export.profile();
     let parts: Vec<String> = export
         .solid_figures()
         .iter()
@@ -65,7 +53,15 @@ fn figures(export: &ProfileExport) -> String {
         })
         .collect();
     format!(
-        "{{\"polyline_deviation_mm\": {}, \"spline_deviation_mm\": {}, \"parts\": [{}]}}\n",
+        "{{\"pin_count\": {}, \"pin_circle_radius_mm\": {}, \"eccentricity_mm\": {}, \"pin_radius_mm\": {}, \
+         \"wear_mm\": {}, \"offset_mm\": {}, \"polyline_deviation_mm\": {}, \"spline_deviation_mm\": {}, \
+         \"parts\": [{}]}}\n",
+        profile.pin_count,
+        profile.pin_circle_radius * 1e3,
+        profile.eccentricity * 1e3,
+        profile.pin_radius * 1e3,
+        if worn { 0.01 } else { 0.0 },
+        offset * 1e3,
         export.polyline_deviation() * 1e3,
         export.spline_deviation() * 1e3,
         parts.join(", ")

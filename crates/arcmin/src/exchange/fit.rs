@@ -4,7 +4,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::points::PointSet;
 use super::{ExchangeError, Outline, OutlineTable};
-use crate::geometry::{Vec2, cross, quarter_turn, turned, unit};
+use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::units::{UM, wrap_angle};
 
 /// A point that does not belong to the flank.
@@ -94,8 +94,8 @@ pub(super) fn fit(
     let mut starts: Vec<(f64, Pose)> = (0..48)
         .map(|i| Pose { rotation: pitch * (f64::from(i) / 48.0 - 0.5), centre, offset: 0.0 })
         .map(|pose| {
-            let mut sizes = distances(outline, &table, &few, &pose, probe_radius);
-            (median(&mut sizes.iter_mut().map(|d| d.1.abs()).collect::<Vec<_>>()), pose)
+            let found = distances(outline, &table, &few, &pose, probe_radius);
+            (median(&mut found.iter().map(|(_, d)| d.abs()).collect::<Vec<_>>()), pose)
         })
         .collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -234,7 +234,8 @@ fn refine(
             + step[1].abs()
             + step[3].abs()
             + step[2].abs() * outline.profile().pin_circle_radius;
-        if size < 1e-12 {
+        // A tenth of a nanometre.
+        if size < 1e-10 {
             break;
         }
     }
@@ -261,12 +262,11 @@ fn circle_centre(points: &[Vec2], expected: f64) -> Option<Vec2> {
         if !(centre - mean).norm().is_finite() {
             return None;
         }
-        let mut radii: Vec<f64> = points.iter().map(|p| (p - centre).norm()).collect();
+        let radii: Vec<f64> = points.iter().map(|p| (p - centre).norm()).collect();
         let middle = median(&mut radii.clone());
-        let mut off: Vec<f64> = radii.iter_mut().map(|r| (*r - middle).abs()).collect();
+        let off: Vec<f64> = radii.iter().map(|r| (r - middle).abs()).collect();
         let limit = 3.0 * median(&mut off.clone());
         used = points.iter().zip(&off).filter(|(_, off)| **off <= limit).map(|(p, _)| *p).collect();
-        off.clear();
         if used.len() < 10 {
             return None;
         }
@@ -276,7 +276,7 @@ fn circle_centre(points: &[Vec2], expected: f64) -> Option<Vec2> {
     angles.sort_by(f64::total_cmp);
     let mut gap = angles[0] + std::f64::consts::TAU - angles[angles.len() - 1];
     gap = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(gap, f64::max);
-    (gap < 2.0 && cross(Vec2::x(), centre).is_finite()).then_some(centre)
+    (gap < 2.0).then_some(centre)
 }
 
 fn median(values: &mut [f64]) -> f64 {

@@ -96,7 +96,7 @@ pub fn import_flank(
             )
         }
         FlankTarget::Harmonics { disc } => head(&fit, &split) + &harmonics(&split, *disc, depths.len()),
-        FlankTarget::Modification => head(&fit, &split) + &modification(&profile, &split),
+        FlankTarget::Modification => head(&fit, &split) + &modification(&profile, &depths, &split),
     };
     let plots = plots(&profile, &depths, &split);
     Ok(FlankImport { points, fit, split, csv, toml, plots })
@@ -190,24 +190,27 @@ fn harmonics(split: &FlankSplit, disc: usize, points: usize) -> String {
     text
 }
 
-/// The common depth as equidistant and radial offset and rotation, by least squares over the tooth, and what
-/// is left as free form.
-fn modification(profile: &Profile, split: &FlankSplit) -> String {
-    let grid: Vec<f64> = Relief::grid(360).collect();
-    let basis = |phi: f64, rotation: bool| {
+/// The depth as equidistant and radial offset and rotation, by least squares over all points, and what is
+/// left of the common depth as free form.
+///
+/// The three depths are 1, cos ψ and sin ψ of the angle ψ between normal and radius, which stays below some
+/// 55°: they trade against each other, so that together they are known far better than each alone.
+fn modification(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) -> String {
+    let grid = Relief::grid(360);
+    let basis = |phi: f64| {
         let tau = -phi / profile.lobe_count() as f64;
         let outwards = profile.outward_normal(tau).dot(&unit(tau));
         // A larger circle moves the flank outwards: less metal is missing.
-        [1.0, -outwards, if rotation { profile.lever_arm(phi).abs() } else { 0.0 }]
+        [1.0, -outwards, profile.lever_arm(phi).abs()]
     };
     let solve = |rotation: bool| -> Option<[f64; 3]> {
         let mut matrix = nalgebra::Matrix3::<f64>::zeros();
         let mut load = nalgebra::Vector3::<f64>::zeros();
-        for phi in &grid {
-            let mut row = nalgebra::Vector3::from(basis(*phi, rotation));
-            row[2] /= profile.largest_lever_arm();
+        for (tau, depth) in depths {
+            let mut row = nalgebra::Vector3::from(basis(profile.meshing_angle(*tau)));
+            row[2] *= if rotation { 1.0 / profile.largest_lever_arm() } else { 0.0 };
             matrix += row * row.transpose();
-            load += split.common_depth(*phi) * row;
+            load += *depth * row;
         }
         if !rotation {
             matrix[(2, 2)] = 1.0;
@@ -219,7 +222,7 @@ fn modification(profile: &Profile, split: &FlankSplit) -> String {
     let both = solve(true).filter(|solution| solution[2] >= 0.0).or_else(|| solve(false));
     let [equidistant, radial, rotation] = both.unwrap_or([split.modification[0], 0.0, 0.0]);
     let rest = |phi: f64| {
-        let [_, outwards, lever] = basis(phi, true);
+        let [_, outwards, lever] = basis(phi);
         split.common_depth(phi) - equidistant - radial * outwards - rotation * lever
     };
     let mut text = format!(
@@ -228,7 +231,7 @@ fn modification(profile: &Profile, split: &FlankSplit) -> String {
         um(radial),
         trimmed(rotation / ARCMIN, 5)
     );
-    if grid.iter().map(|phi| rest(*phi).abs()).fold(0.0, f64::max) > 0.3 * UM {
+    if grid.map(|phi| rest(phi).abs()).fold(0.0, f64::max) > 0.3 * UM {
         let pairs: Vec<String> =
             (-18..18).map(|i| format!("[{}, {}]", 10 * i, um(rest(f64::from(10 * i) * DEG)))).collect();
         let _ = writeln!(text, "free_form_deg_um = [{}]", pairs.join(", "));

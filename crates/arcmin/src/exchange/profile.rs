@@ -35,7 +35,7 @@ pub enum Parts {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileOptions {
     pub flank: Flank,
-    /// Allowed distance of chords and splines from the exact flank in m.
+    /// Allowed distance of chords from the exact flank in m; splines keep a fiftieth of it.
     pub tolerance: f64,
     /// Distance in m by which the flank is moved out of the metal, along its normal: the radius of a wire or
     /// wheel and its gap, or stock that stays for grinding. Bores and holes are not moved.
@@ -65,6 +65,11 @@ pub struct ProfileExport {
     pub(super) flanks: [FittedSpline; 2],
     polyline_deviation: f64,
 }
+
+/// Splines keep this part of the tolerance: their error falls with the fourth power of the number of pieces,
+/// so it costs 2.7 times as many points, and area and volume are then right to better than a millionth. At the
+/// whole tolerance a mean of 0.15 µm on one side was 7e-6 of the disc's area.
+const SPLINE_SHARE: f64 = 50.0;
 
 impl ProfileExport {
     /// Prepares the export of a machine.
@@ -99,8 +104,8 @@ impl ProfileExport {
         let (back, second) = outline.chords(crest, end, tolerance);
         corners.pop();
         corners.extend(&back[..back.len() - 1]);
-        let flanks =
-            [(0.0, crest), (crest, end)].map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance));
+        let flanks = [(0.0, crest), (crest, end)]
+            .map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance / SPLINE_SHARE));
         let polyline_deviation = first.max(second);
         let reached = flanks.iter().map(|flank| flank.deviation).fold(polyline_deviation, f64::max);
         if !(reached <= options.tolerance) {
