@@ -169,7 +169,14 @@ fn verdict(life: &Life) -> Verdict {
                 "Life".to_owned(),
                 format!("{:.0}", limit.hours.unwrap_or(0.0)),
                 "h",
-                format!("until {} ends it; {service:.0} h planned", limit.kind.name()),
+                match limit.kind {
+                    LimitKind::BearingLife => format!(
+                        "L10, {}; all bearings together {:.0} h; {service:.0} h planned",
+                        limit.place.as_deref().unwrap_or_default(),
+                        life.bearings.system_h
+                    ),
+                    kind => format!("until {} ends it; {service:.0} h planned", kind.name()),
+                },
                 limit.is_kept(service),
             ),
             None => figure(
@@ -195,7 +202,9 @@ fn verdict(life: &Life) -> Verdict {
             kept(LimitKind::LostMotion),
         ),
     ];
-    if let Some(worst) = life.bearings.worst() {
+    // Where bearings end the life, the first figure has said it.
+    let said = judged.limited_by().is_some_and(|limit| limit.kind == LimitKind::BearingLife);
+    if let Some(worst) = life.bearings.worst().filter(|_| !said) {
         verdict.figures.push(figure(
             "Shortest bearing life".to_owned(),
             format!("{:.0}", worst.life_h),
@@ -240,7 +249,8 @@ fn answers(life: &Life) -> Vec<(String, String)> {
         ),
     ));
     if !life.advice.is_empty() {
-        let texts: Vec<String> = life.advice.iter().map(|advice| format!("{}.", advice.text)).collect();
+        let texts: Vec<String> =
+            life.advice.iter().map(|advice| format!("{}.", capitalised(&advice.text))).collect();
         answers.push(("What to change first".to_owned(), texts.join(" ")));
     }
     answers.push(("Which physics".to_owned(), physics(life)));
@@ -298,7 +308,7 @@ fn limits(life: &Life) -> Vec<Block> {
             Column::text("Verdict"),
         ],
         rows: life.verdict.limits.iter().map(|limit| limit_row(limit, &life.verdict).into()).collect(),
-        note: "Lost motion at the end of the planned life, pressure over all of it, bearings by ISO 281 [ISO281] at \
+        note: "Lost motion at the end of the planned life, pressure over all of it, bearings by [ISO281] at \
                the design's duty. Further limits can be set in `[limits]`."
             .to_owned(),
     };
