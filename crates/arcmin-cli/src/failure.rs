@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use arcmin::analyses::AnalysisError;
-use arcmin::design::DesignError;
+use arcmin::design::{DesignError, DesignErrorKind, Presence, SectionSchema};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
 use crate::arguments::long_name;
@@ -14,8 +14,8 @@ use crate::run::visible;
 pub enum Failure {
     #[error("{}", .error.kind)]
     Design { error: Box<DesignError>, source_code: NamedSource<String> },
-    #[error("{}", analysis_message(.error))]
-    Analysis { error: AnalysisError, has_error_findings: bool },
+    #[error("{}", analysis_message(.error, *.options))]
+    Analysis { error: AnalysisError, options: Option<&'static SectionSchema>, has_error_findings: bool },
     #[error("cannot read {}: {cause}", .path.display())]
     Read { path: PathBuf, cause: std::io::Error },
     #[error("cannot write {}: {cause}", .path.display())]
@@ -34,12 +34,43 @@ pub enum Failure {
     Usage { message: String, help: String },
 }
 
-/// Options are named as on the command line.
-fn analysis_message(error: &AnalysisError) -> String {
+/// The command's own words: what TOML calls a text is just what was typed.
+fn analysis_message(error: &AnalysisError, options: Option<&SectionSchema>) -> String {
     match error {
-        AnalysisError::Design(error) => format!("--{}", long_name(&error.kind.to_string())),
+        AnalysisError::Design(error) => {
+            let text = error.kind.to_string();
+            let text = match &error.kind {
+                DesignErrorKind::WrongType { .. } => text.split(", but here is").next().unwrap_or_default(),
+                _ => &text,
+            };
+            as_typed(text, options)
+        }
+        AnalysisError::Usage { message, .. } => as_typed(message, options),
         error => error.to_string(),
     }
+}
+
+/// A text of the library with its options written as on the command line: `load_file` and `joints = ideal`
+/// become `--load-file` and `--joints ideal`.
+fn as_typed(text: &str, options: Option<&SectionSchema>) -> String {
+    let mut typed = text.to_owned();
+    let keys = options.map_or(&[][..], |options| options.keys);
+    for key in keys.iter().filter(|key| key.rule.presence != Presence::Required) {
+        let option = format!("--{}", long_name(key.name));
+        typed = typed.replace(&format!("`{}`", key.name), &option);
+        typed = typed.replace(&format!("{} = ", key.name), &format!("{option} "));
+        if key.name.contains('_') {
+            let is_name = |c: char| c.is_alphanumeric() || c == '_';
+            let at = typed.find(key.name).filter(|at| {
+                let after = typed[at + key.name.len()..].chars().next();
+                !typed[..*at].ends_with(is_name) && !after.is_some_and(is_name)
+            });
+            if let Some(at) = at {
+                typed.replace_range(at..at + key.name.len(), &option);
+            }
+        }
+    }
+    typed
 }
 
 impl Failure {
@@ -51,7 +82,7 @@ impl Failure {
     /// 1 where the design has error findings, which were said before; else 2.
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Failure::Analysis { has_error_findings: true, error: AnalysisError::Compute { .. } } => {
+            Failure::Analysis { has_error_findings: true, error: AnalysisError::Compute { .. }, .. } => {
                 ExitCode::from(1)
             }
             _ => ExitCode::from(2),
@@ -90,7 +121,9 @@ impl Diagnostic for Failure {
             Failure::Analysis { error: AnalysisError::Interrupted { .. }, .. } => {
                 "the same command with --resume goes on from there".to_owned()
             }
-            Failure::Analysis { error, .. } => return error.help().map(|help| Box::new(help) as _),
+            Failure::Analysis { error, options, .. } => {
+                return error.help().map(|help| Box::new(as_typed(&help, *options)) as _);
+            }
             Failure::Read { cause, .. } if cause.kind() == std::io::ErrorKind::NotFound => {
                 "`arcmin new FILE` writes a design file to start from".to_owned()
             }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use arcmin::analyses::{Analysis, AnalysisError, identity};
 use arcmin::checks::{Finding, Severity, check_design};
+use arcmin::design::SectionSchema;
 use arcmin::report::Provenance;
 use clap::ArgMatches;
 use serde_json::json;
@@ -11,7 +12,7 @@ use serde_json::json;
 use super::Ending;
 use crate::arguments::options_text;
 use crate::failure::Failure;
-use crate::run::{Results, Terminal, read_design, say, terminal_text};
+use crate::run::{Results, Terminal, read_design, say, say_findings, terminal_text};
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
     let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
@@ -21,13 +22,14 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
     }
     let options = options_text(analysis, matches);
+    let schema = (analysis.options)();
     let is_check = analysis.name == "check";
     let errors: Vec<Finding> =
         check_design(&design).into_iter().filter(|finding| finding.severity == Severity::Error).collect();
     let ending = if errors.is_empty() { Ending::Fine } else { Ending::ErrorFindings };
     if is_check && matches.get_flag("json") {
         let host = Terminal::new(path, Path::new("."), Path::new("."), true);
-        let outcome = answered(analysis.run(&design, &options, "the options", &host), &errors)?;
+        let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
         let text = serde_json::to_string_pretty(&outcome.summary().to_json());
         say(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
         return Ok(ending);
@@ -44,15 +46,15 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     }
     let cache = matches.get_one::<PathBuf>("cache").unwrap_or(&out);
     let host = Terminal::new(path, &out, cache, quiet);
-    let identity = answered(identity(analysis, &design, &options, "the options", &host), &errors)?;
+    let identity = answered(identity(analysis, &design, &options, "the options", &host), schema, &errors)?;
     host.set_identity(&identity);
-    let outcome = answered(analysis.run(&design, &options, "the options", &host), &errors)?;
+    let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
     host.clear();
 
     for table in outcome.tables() {
         results.file(&table.file_name(), table.to_csv().as_bytes())?;
     }
-    for attachment in answered(outcome.attachments(), &errors)? {
+    for attachment in answered(outcome.attachments(), schema, &errors)? {
         results.file(&attachment.name, &attachment.bytes)?;
     }
     let mut page = outcome.page();
@@ -79,7 +81,12 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let names = results.publish(summary)?;
     host.discard_checkpoint();
     if !quiet {
-        say(&terminal_text(&outcome.said()))?;
+        let text = terminal_text(&outcome.said());
+        if is_check {
+            say_findings(&text)?
+        } else {
+            say(&text)?
+        }
         say(&format!("{} in {}", names.join(", "), out.display()))?;
     }
     match outcome.failure() {
@@ -90,6 +97,11 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
 
 /// An error of an analysis as the command says it: where the design has error findings, they are the cause to
 /// look at first.
-fn answered<T>(result: Result<T, AnalysisError>, findings: &[Finding]) -> Result<T, Failure> {
-    result.map_err(|error| Failure::Analysis { error, has_error_findings: !findings.is_empty() })
+fn answered<T>(
+    result: Result<T, AnalysisError>,
+    options: &'static SectionSchema,
+    findings: &[Finding],
+) -> Result<T, Failure> {
+    let has_error_findings = !findings.is_empty();
+    result.map_err(|error| Failure::Analysis { error, options: Some(options), has_error_findings })
 }

@@ -11,7 +11,7 @@ pub fn command() -> Command {
             "Prints every key of the design file with its unit, range, default and meaning, in Markdown; with \
              --results every table, column and figure that the analyses write.",
         )
-        .after_help("Examples:\n  arcmin keys | less\n  arcmin keys clearance\n  arcmin keys --results lost_motion")
+        .after_help("Examples:\n  arcmin keys | less\n  arcmin keys clearance\n  arcmin keys --results lost_motion\n  arcmin keys --json-schema > arcmin.schema.json")
         .arg(Arg::new("FILTER").help("Only lines that hold this text, under their headings"))
         .arg(
             Arg::new("results")
@@ -19,9 +19,20 @@ pub fn command() -> Command {
                 .action(ArgAction::SetTrue)
                 .help("The results in place of the design file"),
         )
+        .arg(
+            Arg::new("json-schema")
+                .long("json-schema")
+                .action(ArgAction::SetTrue)
+                .conflicts_with_all(["FILTER", "results"])
+                .help("A JSON Schema of the design file, for editors that complete and check while one writes"),
+        )
 }
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
+    if matches.get_flag("json-schema") {
+        say(arcmin::design::json_schema().trim_end())?;
+        return Ok(Ending::Fine);
+    }
     let text = if matches.get_flag("results") {
         let declared: Vec<_> = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)()).collect();
         arcmin::results::reference_of_results(&declared)

@@ -11,7 +11,7 @@ use arcmin::design::Design;
 use crate::failure::Failure;
 pub use output::{Results, write_file};
 pub use terminal::Terminal;
-pub use text::{say, say_bytes, terminal_text, visible};
+pub use text::{say, say_bytes, say_findings, terminal_text, visible};
 
 /// Reads and parses a design file.
 pub fn read_design(path: &Path) -> Result<Design, Failure> {

@@ -1,6 +1,6 @@
 //! What the terminal shows.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 
 use arcmin::analyses::{Said, TextTable};
 use comfy_table::{CellAlignment, presets};
@@ -10,6 +10,25 @@ use crate::failure::Failure;
 /// Prints a line. A reader who has gone (`arcmin … | head`) is no reason to fail; a full disk is.
 pub fn say(line: &str) -> Result<(), Failure> {
     say_bytes(format!("{}\n", visible(line)).as_bytes())
+}
+
+/// Prints findings, the words of their severity in colour where somebody looks who wants it.
+pub fn say_findings(text: &str) -> Result<(), Failure> {
+    let text = visible(text);
+    let wants_colour = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let text = if wants_colour && std::io::stdout().is_terminal() { coloured(&text) } else { text };
+    say_bytes(format!("{text}\n").as_bytes())
+}
+
+fn coloured(text: &str) -> String {
+    let line = |line: &str| {
+        let colours = [("ERROR", "1;31"), ("WARNING", "1;33"), ("ok", "32")];
+        match colours.iter().find(|(word, _)| line.split(' ').next() == Some(word)) {
+            Some((word, code)) => format!("\u{1b}[{code}m{word}\u{1b}[0m{}", &line[word.len()..]),
+            None => line.to_owned(),
+        }
+    };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// Prints bytes as they are.
@@ -55,6 +74,14 @@ fn table_text(content: &TextTable) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn severity_is_coloured_and_nothing_else() {
+        assert_eq!(
+            coloured("ERROR    undercut: ERROR\n           why: ok\nok       fine"),
+            "\u{1b}[1;31mERROR\u{1b}[0m    undercut: ERROR\n           why: ok\n\u{1b}[32mok\u{1b}[0m       fine"
+        );
+    }
 
     #[test]
     fn control_characters_do_not_reach_the_terminal() {

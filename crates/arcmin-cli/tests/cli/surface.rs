@@ -14,11 +14,7 @@ fn profile_writes_the_flank_with_its_closed_forms() {
     assert!((figure(&told, "inflection_deg") - 34.644).abs() < 5e-4);
     assert!((figure(&told, "min_convex_flank_radius_mm") - 1.6117).abs() < 5e-5);
     let file = format!("{out}/profile.csv");
-    has_columns(
-        d,
-        &file,
-        "tau_deg, meshing_angle_deg, x_mm, y_mm, normal_x, normal_y, curvature_radius_mm",
-    );
+    has_columns(d, &file, "tau_deg, meshing_angle_deg, x_mm, y_mm, normal_x, normal_y, curvature_radius_mm");
     let numbers = |name: &str| -> Vec<f64> {
         column(d, &file, name).iter().map(|field| field.parse().unwrap()).collect()
     };
@@ -27,7 +23,8 @@ fn profile_writes_the_flank_with_its_closed_forms() {
     assert!(nx.iter().zip(&ny).all(|(x, y)| (x.hypot(*y) - 1.0).abs() < 1e-12));
     // Root and tip: R_p ∓ a − r_p.
     let radii = x.iter().zip(&y).map(|(x, y)| x.hypot(*y));
-    let (low, high) = radii.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), r| (low.min(r), high.max(r)));
+    let (low, high) =
+        radii.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), r| (low.min(r), high.max(r)));
     assert!((low - 59.7).abs() < 1e-9 && (high - 62.3).abs() < 1e-9, "{low} {high}");
 }
 
@@ -47,7 +44,8 @@ fn uniform_wear_moves_the_flank_along_its_normal() {
 fn contact_in_both_methods() {
     let directory = with_design();
     let d = directory.path();
-    let columns = "crank_angle_deg, disc, pin, meshing_angle_deg, force_n, pressure_mpa, half_width_um, gap_um";
+    let columns =
+        "crank_angle_deg, disc, pin, meshing_angle_deg, force_n, pressure_mpa, half_width_um, gap_um";
     for (method, out) in [("equilibrium", "e"), ("closed-form", "c")] {
         good(d, &["contact", "d.toml", "--method", method, "--positions", "12", "--out", out]);
         has_columns(d, &format!("{out}/contact.csv"), columns);
@@ -103,7 +101,8 @@ fn wear_in_both_modes() {
 fn simulate_gives_transmission_error_and_what_the_solver_did() {
     let directory = with_design();
     let d = directory.path();
-    let run = ["simulate", "d.toml", "--load", "constant", "--rise-s", "0.02", "--end-s", "0.1", "--out", "s"];
+    let run =
+        ["simulate", "d.toml", "--load", "constant", "--rise-s", "0.02", "--end-s", "0.1", "--out", "s"];
     good(d, &run);
     has_columns(d, "s/timeseries.csv", "time_s, input_speed_deg_s, output_speed_deg_s, load_n_m, te_arcmin");
     let told = summary(d, "s");
@@ -157,10 +156,7 @@ fn every_summary_says_what_made_it() {
     let told = summary(d, "p");
     assert_eq!(told["arcmin_version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(told["command"], "profile");
-    assert_eq!(
-        told["command_line"],
-        serde_json::json!(["profile", "d.toml", "--points", "4", "--out", "p"])
-    );
+    assert_eq!(told["command_line"], serde_json::json!(["profile", "d.toml", "--points", "4", "--out", "p"]));
     assert_eq!(told["design"]["name"], "RV-40E-81");
     assert_eq!(told["design"]["hash"].as_str().unwrap().len(), 64);
     let mut files: Vec<String> = serde_json::from_value(told["files"].clone()).unwrap();

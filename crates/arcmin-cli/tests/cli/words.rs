@@ -87,10 +87,7 @@ fn new_does_not_overwrite_unless_told_so() {
     let directory = with_design();
     let d = directory.path();
     write(d, "d.toml", "mine");
-    assert_eq!(
-        refused(d, &["new", "d.toml"]),
-        "  × d.toml exists already\n  help: --force overwrites it\n"
-    );
+    assert_eq!(refused(d, &["new", "d.toml"]), "  × d.toml exists already\n  help: --force overwrites it\n");
     assert_eq!(read(d, "d.toml"), "mine");
     good(d, &["new", "rv-80e", "d.toml", "--force"]);
     assert!(read(d, "d.toml").contains("RV-80E"));
@@ -163,7 +160,8 @@ fn keys_explain_the_design_and_the_results() {
     assert!(some.contains("## `[ring]`") && some.contains("| `pin_radius_mm` |"), "{some}");
     assert!(!some.contains("clearance_um") && some.lines().count() < 20, "{some}");
     let results = good(d, &["keys", "--results"]);
-    for name in ["contact.csv", "wear_history.csv", "`max_force_n`", "`te.mean_abs_arcmin`", "`max_depth_um`"] {
+    for name in ["contact.csv", "wear_history.csv", "`max_force_n`", "`te.mean_abs_arcmin`", "`max_depth_um`"]
+    {
         assert!(results.contains(name), "{name}");
     }
     let some = good(d, &["keys", "--results", "half_width"]);

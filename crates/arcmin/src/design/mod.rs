@@ -53,7 +53,7 @@ pub use sections::*;
 pub use service::*;
 pub use unknowns::Unknown;
 pub use value::Value;
-pub use values::Section;
+pub use values::{Section, Stated};
 
 pub(crate) use error::Source;
 

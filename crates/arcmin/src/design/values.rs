@@ -187,6 +187,33 @@ impl<T: Choice> FieldValue for T {
     }
 }
 
+/// A value that knows whether it was written down or is a default.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stated<T> {
+    pub value: T,
+    pub is_written: bool,
+}
+
+impl<T: FieldValue> FieldValue for Stated<T> {
+    const MAY_BE_ABSENT: bool = T::MAY_BE_ABSENT;
+
+    fn kind() -> Kind {
+        T::kind()
+    }
+
+    fn read(key: &Key, item: &Item, table: &Table<'_>) -> Result<Stated<T>> {
+        Ok(Stated { value: T::read(key, item, table)?, is_written: true })
+    }
+
+    fn absent(key: &Key, table: &Table<'_>) -> Result<Stated<T>> {
+        Ok(Stated { value: T::absent(key, table)?, is_written: false })
+    }
+
+    fn canonical(&self, path: &str, out: &mut Vec<String>) {
+        self.value.canonical(path, out);
+    }
+}
+
 impl FieldValue for Material {
     fn kind() -> Kind {
         Kind::Material(MaterialTable::schema())

@@ -60,7 +60,7 @@ impl Fidelity {
         host: &dyn Host,
     ) -> Result<Fidelity, AnalysisError> {
         let machine = design.machine();
-        let mut fidelity = Fidelity { joints: options.joints, ..Fidelity::ideal() };
+        let mut fidelity = Fidelity { joints: options.joints.value, ..Fidelity::ideal() };
         fidelity.take_errors(design, &machine, options, host)?;
         if options.discs == DiscBodies::Elastic {
             fidelity.elastic = Some(Elastic::reduce(&machine, options, host)?);
@@ -76,7 +76,7 @@ impl Fidelity {
         host: &dyn Host,
     ) -> Result<(), AnalysisError> {
         let given = design.given_errors();
-        if options.joints == Joints::Ideal {
+        if options.joints.value == Joints::Ideal {
             if matches!(options.errors, Some(ErrorSource::Given | ErrorSource::Drawn)) {
                 return Err(AnalysisError::usage(
                     "ideal joints have no place for manufacturing errors",

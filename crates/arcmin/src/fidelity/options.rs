@@ -1,11 +1,11 @@
-use crate::design::{Choice, default, default_word, optional, options};
+use crate::design::{Choice, Stated, default, default_word, optional, options};
 use crate::dynamics::FlexibleOptions;
 
 options! {
     /// How finely the machine is modelled.
     pub struct FidelityOptions {
         /// Joints between the bodies.
-        joints: Joints => default_word("ideal"),
+        joints: Stated<Joints> => default_word("ideal"),
         /// Cycloid discs.
         discs: DiscBodies => default_word("rigid"),
         /// Manufacturing errors; they act in bearings. Left out: those of the design's [errors], if it has any.
@@ -124,6 +124,9 @@ mod tests {
     fn defaults_are_those_of_the_model() {
         let options = FidelityOptions::parse("", "options").unwrap();
         assert_eq!(options.dynamics(), FlexibleOptions::default());
-        assert_eq!((options.joints, options.discs, options.errors), (Joints::Ideal, DiscBodies::Rigid, None));
+        assert_eq!(
+            (options.joints.value, options.discs, options.errors),
+            (Joints::Ideal, DiscBodies::Rigid, None)
+        );
     }
 }

@@ -59,7 +59,7 @@ pub enum TableErrorKind {
     MixedMarks { point: usize },
     #[error("the comma of \"{field}\" may be a decimal comma or group thousands")]
     AmbiguousComma { field: String },
-    #[error("{value} in column {column} is outside of {low} to {high}, which is believable")]
+    #[error("{} in column {column} is outside of {} to {}, which is believable", plain(*.value), plain(*.low), plain(*.high))]
     Unbelievable { column: String, value: f64, low: f64, high: f64 },
     #[error("{column} must {rule}, but {value} follows {before}")]
     Order { column: String, rule: &'static str, value: f64, before: f64 },
@@ -116,6 +116,15 @@ impl TableError {
             Order { .. } => "sort the rows, or look for a restart of the recording".into(),
             Content { remedy, .. } => remedy.clone(),
         }
+    }
+}
+
+/// A number without hundreds of zeros.
+fn plain(number: f64) -> String {
+    if number == 0.0 || (1e-3..1e6).contains(&number.abs()) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
     }
 }
 

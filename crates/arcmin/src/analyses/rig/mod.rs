@@ -69,7 +69,7 @@ pub struct Rig {
 /// [`AnalysisError`]: measured curves that cannot be used, states without balance.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let started = host.seconds();
-    if options.fidelity.joints == Joints::Ideal {
+    if options.fidelity.joints.value == Joints::Ideal {
         return Err(AnalysisError::usage(
             "the bench tests the machine in its bearings",
             "leave joints = ideal out; `arcmin contact` shares the load with ideal joints",

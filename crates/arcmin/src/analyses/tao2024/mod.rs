@@ -120,7 +120,7 @@ impl Level {
 /// [`AnalysisError`] where no load sharing is found or the host stops it. A closed form that does not settle
 /// costs the hours and the figures that rest on it, and is said.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Tao2024, AnalysisError> {
-    if options.fidelity.joints == Joints::Bearings {
+    if options.fidelity.joints.value == Joints::Bearings {
         return Err(AnalysisError::usage(
             "the study of Tao2024 has ideal joints: its bodies have no bearings",
             "leave joints out here; `arcmin life` follows the machine in its bearings",

@@ -10,7 +10,7 @@ pub(crate) use page::stations;
 use super::contact::refuse_beyond_closed_form;
 use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
 use crate::design::{Choice, Design, default, default_word, optional, options};
-use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity};
+use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
 use crate::geometry::Relief;
 use crate::life::{Accuracy, Course, WornState, accuracy};
 use crate::load::closed_form::{self, ClosedForm};
@@ -28,7 +28,7 @@ pub const GUIDE: &str = "Wears flanks (and pins, bearings and gears, where the d
     largest k (F/B) ξ of all pins, with ideal joints.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin wear my-reducer.toml",
-    "arcmin wear my-reducer.toml --mode tao2024 --joints ideal",
+    "arcmin wear my-reducer.toml --mode tao2024",
     "arcmin wear my-reducer.toml --hours 2000 --points 40",
 ];
 
@@ -119,7 +119,11 @@ impl Station {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Wear, AnalysisError> {
     let machine = design.machine();
     let end = options.hours.unwrap_or(machine.limits.service_life / HOUR);
-    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    let mut words = options.fidelity.clone();
+    if options.mode == Mode::Tao2024 && !words.joints.is_written {
+        words.joints.value = Joints::Ideal;
+    }
+    let fidelity = Fidelity::resolve(design, &words, host)?;
     match options.mode {
         Mode::Coupled => coupled(machine, fidelity, end, options, host),
         Mode::Tao2024 => {
