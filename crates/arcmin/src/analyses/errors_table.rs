@@ -3,7 +3,7 @@
 use crate::fidelity::Fidelity;
 use crate::geometry::FlankDirection;
 use crate::machine::{BoreError, ManufacturingErrors, RunOut};
-use crate::results::{PLAIN, Table, TableOf, digits, quantities as q, quantity};
+use crate::results::{Table, TableOf, digits, quantities as q};
 use crate::units::{ARCMIN, DEG, UM};
 
 /// One deviation that is not zero, counted as in the design file.
@@ -20,7 +20,7 @@ pub(crate) const TABLE: TableOf<Deviation> = TableOf {
     what: "One manufacturing error of the machine a row (machines with errors); parts counted from 1",
     columns: || {
         vec![
-            quantity("part", PLAIN, "The part that deviates.").of(|d: &Deviation| d.part.clone().into()),
+            q::PART.of(|d: &Deviation| d.part.clone().into()),
             q::QUANTITY.of(|d| d.quantity.into()),
             q::VALUE.with(digits(6)).of(|d| d.value.into()),
             q::UNIT.of(|d| d.unit.into()),

@@ -65,11 +65,13 @@ pub const fn default_word(word: &'static str) -> Rule {
 }
 
 /// A switch that is `flag` where it is left out.
+#[cfg(test)]
 pub const fn default_flag(flag: bool) -> Rule {
     Rule { presence: Presence::Flag(flag), low: 0.0, high: 0.0 }
 }
 
 /// A list of numbers in `low..=high` that is `numbers` where it is left out.
+#[cfg(test)]
 pub const fn default_numbers(numbers: &'static [f64], low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Numbers(numbers), low, high }
 }

