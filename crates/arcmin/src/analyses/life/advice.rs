@@ -182,8 +182,6 @@ fn sentence(lever: &Lever, from: f64, to: f64, kind: LimitKind, before: f64, aft
     let of = match kind {
         LimitKind::BearingLife => "shortest bearing life",
         LimitKind::ContactPressure => "largest contact pressure",
-        LimitKind::Backlash => "backlash",
-        LimitKind::TransmissionError => "transmission error",
         _ => "lost motion at the end of the service life",
     };
     format!(
