@@ -36,7 +36,7 @@ use crate::geometry::{Profile, Relief, unit};
 /// ```
 /// let design = arcmin::templates::design("rv-40e-81").unwrap();
 /// let machine = design.with("ring.pin_radius_mm", 3.05)?.machine();
-/// assert_eq!(machine.ring().pin_radius, 3.05e-3);
+/// assert!((machine.ring().pin_radius - 3.05e-3).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
