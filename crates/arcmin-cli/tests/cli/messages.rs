@@ -112,7 +112,7 @@ fn option_errors_name_the_option() {
         (&["profile", "--points", "4.5"], "  × --points must be a whole number\n"),
         (
             &["contact", "--wear-um", "3", "--hours", "5"],
-            "  × a flank is worn uniformly (--wear-um) or by its duty (--hours), not both\n  \
+            "  × a flank is worn uniformly (--wear-um) or by its duty (hours), not both\n  \
              help: leave one of them out\n",
         ),
         (&["simulate", "--load", "table"], "  × this load needs a file\n  help: name it with --load-file\n"),
@@ -186,7 +186,7 @@ fn names_with_control_characters_reach_no_terminal() {
     edit(d, "name = \"RV-40E-81\"", "name = \"\\u001B[2J\\u0007evil<script>\"");
     std::fs::rename(d.join("d.toml"), d.join("\u{1b}[31md.toml")).unwrap();
     let hostile = "\u{1b}[31md.toml";
-    let output = arcmin(d, &["contact", hostile, "--positions", "4", "--out", "o"]);
+    let output = arcmin(d, &["contact", hostile, "--positions", "8", "--out", "o"]);
     let (said, complaint) = texts(&output);
     assert!(output.status.success(), "{complaint}");
     assert!(said.contains("evil") && !said.contains(['\u{1b}', '\u{7}']), "{said:?}");

@@ -91,7 +91,7 @@ macro_rules! options {
             fn schema() -> &'static $crate::design::SectionSchema {
                 static SCHEMA: std::sync::LazyLock<$crate::design::SectionSchema> =
                     std::sync::LazyLock::new(|| {
-                        #[allow(unused_mut)]
+                        #[allow(unused_mut, clippy::vec_init_then_push)]
                         let mut keys: Vec<$crate::design::Key> = Vec::new();
                         $(keys.extend($crate::design::options::with_defaults(
                             <$Group as $crate::design::OptionSet>::schema(),

@@ -66,12 +66,7 @@ impl Elastic {
     /// # Errors
     /// Wrong usage where one spider holds all bores.
     pub fn free(&self) -> Result<&ElasticDiscs, AnalysisError> {
-        self.free.as_ref().ok_or_else(|| {
-            AnalysisError::usage(
-                "bearings move every bore by itself: one spider for all bores leaves none to them",
-                "leave bores = common out, or choose joints = ideal",
-            )
-        })
+        self.free.as_ref().ok_or_else(bores_are_tied)
     }
 
     pub(super) fn bores_are_tied(&self) -> bool {
@@ -102,6 +97,14 @@ impl Elastic {
             .map_err(AnalysisError::compute("load the elastic disc"))?;
         Ok((model, sharing))
     }
+}
+
+/// Why one spider for all bores does not stand in bearings.
+pub(super) fn bores_are_tied() -> AnalysisError {
+    AnalysisError::usage(
+        "bearings move every bore by itself: one spider for all bores leaves none to them",
+        "leave bores = common out, or choose joints = ideal",
+    )
 }
 
 fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {

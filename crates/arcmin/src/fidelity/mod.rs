@@ -59,6 +59,11 @@ impl Fidelity {
         options: &FidelityOptions,
         host: &dyn Host,
     ) -> Result<Fidelity, AnalysisError> {
+        if options.discs == DiscBodies::Elastic
+            && (options.joints, options.bores) == (Joints::Bearings, Bores::Common)
+        {
+            return Err(elastic::bores_are_tied());
+        }
         let machine = design.machine();
         let mut fidelity = Fidelity { joints: options.joints.value, ..Fidelity::ideal() };
         fidelity.take_errors(design, &machine, options, host)?;

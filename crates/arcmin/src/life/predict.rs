@@ -113,7 +113,7 @@ pub fn predict(
         })
         .collect::<Result<Vec<LifePoint>, WearError>>()
         .map_err(failed())?;
-    let (updates, exposure) = (course.updates(), course.exposure().clone());
+    let (updates, exposure) = (course.updates(), *course.exposure());
     let history = points.iter().map(|point| (point.hours(), point.lost_motion().radians())).collect();
     let (hours_to_limit, searched_hours) =
         search_limit(&mut course, machine, options, history, progress).map_err(failed())?;

@@ -61,6 +61,7 @@ const UNITS: &[Unit] = &[
     unit(Force, &["n"], &["N"], 1.0),
     unit(Force, &["kn"], &["kN"], 1e3),
     unit(Torque, &["n_m", "nm"], &["N·m", "Nm", "N m", "N.m", "N*m"], 1.0),
+    unit(Torque, &["n_mm", "nmm"], &["N·mm", "Nmm", "N mm"], 1e-3),
     unit(Torque, &["mn_m"], &["mN·m", "mNm"], 1e-3),
     unit(Torque, &["kn_m"], &["kN·m", "kNm"], 1e3),
     unit(Pressure, &["pa"], &["Pa"], 1.0),

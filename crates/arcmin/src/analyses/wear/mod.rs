@@ -160,7 +160,7 @@ fn coupled(
         stations.push(Station { state, accuracy, handbook: None });
         host.report("wear", share);
     }
-    let (exposure, updates) = (course.exposure().clone(), course.updates());
+    let (exposure, updates) = (*course.exposure(), course.updates());
     drop(course);
     let mode = Mode::Coupled;
     Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um: None })

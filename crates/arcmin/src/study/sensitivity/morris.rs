@@ -32,7 +32,10 @@ pub fn morris(
     require(units.len() == results.len(), "there are not as many results as rows")?;
     require(results.iter().flatten().all(|y| y.is_finite()), "a result is not finite")?;
     let dimensions = units.first().map_or(0, Vec::len);
-    require(dimensions > 0 && units.len() % (dimensions + 1) == 0, "the rows are not whole trajectories")?;
+    require(
+        dimensions > 0 && units.len().is_multiple_of(dimensions + 1),
+        "the rows are not whole trajectories",
+    )?;
     require(levels >= 2, "trajectories need two levels")?;
     let delta = levels as f64 / (2.0 * (levels as f64 - 1.0));
     let mut effects = vec![Vec::new(); dimensions];

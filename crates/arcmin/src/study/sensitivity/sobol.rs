@@ -54,7 +54,7 @@ pub fn sobol(
 ) -> Result<Indices, StudyError> {
     let step = if second_order { 2 * dimensions + 2 } else { dimensions + 2 };
     require(dimensions > 0, "nothing varies")?;
-    require(!results.is_empty() && results.len() % step == 0, "the rows are not whole base points")?;
+    require(!results.is_empty() && results.len().is_multiple_of(step), "the rows are not whole base points")?;
     require(results.iter().flatten().all(|y| y.is_finite()), "a result is not finite")?;
     let complete: Vec<Vec<f64>> =
         results.chunks(step).filter_map(|rows| rows.iter().copied().collect()).collect();

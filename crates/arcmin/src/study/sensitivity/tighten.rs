@@ -44,7 +44,7 @@ pub fn tighten(
 ) -> Result<Gains, StudyError> {
     let step = dimensions + 1;
     require(dimensions > 0, "nothing varies")?;
-    require(!results.is_empty() && results.len() % step == 0, "the rows are not whole machines")?;
+    require(!results.is_empty() && results.len().is_multiple_of(step), "the rows are not whole machines")?;
     require(results.iter().flatten().all(|y| y.is_finite()), "a result is not finite")?;
     let complete: Vec<Vec<f64>> =
         results.chunks(step).filter_map(|rows| rows.iter().copied().collect()).collect();
