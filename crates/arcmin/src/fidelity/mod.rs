@@ -60,7 +60,7 @@ impl Fidelity {
         host: &dyn Host,
     ) -> Result<Fidelity, AnalysisError> {
         if options.discs == DiscBodies::Elastic
-            && (options.joints, options.bores) == (Joints::Bearings, Bores::Common)
+            && (options.joints.value, options.bores) == (Joints::Bearings, Bores::Common)
         {
             return Err(elastic::bores_are_tied());
         }
