@@ -77,7 +77,7 @@ fn tables_of_the_run_before_do_not_stay() {
     let directory = with_design();
     let d = directory.path();
     write(d, "d.toml", &(read(d, "d.toml") + "\n[errors]\npin_circle_radius_um = 2\n"));
-    let run = ["contact", "d.toml", "--joints", "bearings", "--positions", "4", "--out", "o"];
+    let run = ["contact", "d.toml", "--joints", "bearings", "--positions", "8", "--out", "o"];
     good(d, &run);
     assert!(d.join("o/errors.csv").exists());
     // What is not of the run before stays; so does what a summary that was tampered with names elsewhere.

@@ -186,7 +186,7 @@ fn names_with_control_characters_reach_no_terminal() {
     edit(d, "name = \"RV-40E-81\"", "name = \"\\u001B[2J\\u0007evil<script>\"");
     std::fs::rename(d.join("d.toml"), d.join("\u{1b}[31md.toml")).unwrap();
     let hostile = "\u{1b}[31md.toml";
-    let output = arcmin(d, &["contact", hostile, "--positions", "4", "--out", "o"]);
+    let output = arcmin(d, &["contact", hostile, "--positions", "8", "--out", "o"]);
     let (said, complaint) = texts(&output);
     assert!(output.status.success(), "{complaint}");
     assert!(said.contains("evil") && !said.contains(['\u{1b}', '\u{7}']), "{said:?}");

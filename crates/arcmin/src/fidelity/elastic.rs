@@ -66,12 +66,7 @@ impl Elastic {
     /// # Errors
     /// Wrong usage where one spider holds all bores.
     pub fn free(&self) -> Result<&ElasticDiscs, AnalysisError> {
-        self.free.as_ref().ok_or_else(|| {
-            AnalysisError::usage(
-                "bearings move every bore by itself: one spider for all bores leaves none to them",
-                "leave bores = common out, or choose joints = ideal",
-            )
-        })
+        self.free.as_ref().ok_or_else(no_free_bores)
     }
 
     pub(super) fn bores_are_tied(&self) -> bool {
@@ -118,4 +113,11 @@ fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {
         mode_frequency: settings.mode_frequency.max(options.mode_frequency_hz),
         ..settings
     }
+}
+
+pub(super) fn no_free_bores() -> AnalysisError {
+    AnalysisError::usage(
+        "bearings move every bore by itself: one spider for all bores leaves none to them",
+        "leave bores = common out, or choose joints = ideal",
+    )
 }

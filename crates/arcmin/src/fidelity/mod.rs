@@ -63,6 +63,10 @@ impl Fidelity {
         let mut fidelity = Fidelity { joints: options.joints.value, ..Fidelity::ideal() };
         fidelity.take_errors(design, &machine, options, host)?;
         if options.discs == DiscBodies::Elastic {
+            // Said before anything is meshed.
+            if options.joints.value == Joints::Bearings && options.bores == Bores::Common {
+                return Err(elastic::no_free_bores());
+            }
             fidelity.elastic = Some(Elastic::reduce(&machine, options, host)?);
         }
         Ok(fidelity)
