@@ -59,6 +59,7 @@ fn as_typed(text: &str, options: Option<&SectionSchema>) -> String {
         let option = format!("--{}", long_name(key.name));
         typed = typed.replace(&format!("`{}`", key.name), &option);
         typed = typed.replace(&format!("{} = ", key.name), &format!("{option} "));
+        typed = typed.replace(&format!("({})", key.name), &format!("({option})"));
         if key.name.contains('_') {
             let is_name = |c: char| c.is_alphanumeric() || c == '_';
             let at = typed.find(key.name).filter(|at| {

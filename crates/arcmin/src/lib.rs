@@ -30,3 +30,14 @@ pub mod templates;
 pub mod tribology;
 pub mod units;
 pub mod wear;
+
+/// Examples of the README and of the book, run as tests.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../../../README.md")]
+    mod readme {}
+    #[doc = include_str!("../../../docs/src/tutorial.md")]
+    mod tutorial {}
+    #[doc = include_str!("../../../docs/src/extending.md")]
+    mod extending {}
+}

@@ -19,12 +19,12 @@ pub const TEMPLATES: [Template; 2] = [
     Template {
         name: "rv-40e-81",
         summary: "RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m",
-        text: include_str!("../../../designs/rv-40e-81.toml"),
+        text: include_str!("../designs/rv-40e-81.toml"),
     },
     Template {
         name: "rv-80e",
         summary: "RV-80E with the teeth of Yang 2021: 40 pins, 39 lobes, ratio 153, 784 N·m",
-        text: include_str!("../../../designs/rv-80e.toml"),
+        text: include_str!("../designs/rv-80e.toml"),
     },
 ];
 

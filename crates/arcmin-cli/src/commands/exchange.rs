@@ -42,7 +42,7 @@ pub fn export() -> Command {
         .arg(out());
     Command::new("export")
         .about("Hand the design to other tools")
-        .after_help("Examples:\n  arcmin export profile my-reducer.toml --format step")
+        .after_help("Examples:\n  arcmin export profile my-reducer.toml --format dxf")
         .subcommand_required(true)
         .subcommand(profile)
 }
@@ -85,7 +85,7 @@ pub fn import() -> Command {
         .arg(out());
     Command::new("import")
         .about("Take measured flanks and logs into the design")
-        .after_help("Examples:\n  arcmin import flank my-reducer.toml points.csv\n  arcmin import duty my-reducer.toml log.csv")
+        .after_help("Examples:\n  arcmin import flank my-reducer.toml points.csv\n  arcmin import duty my-reducer.toml joint-3.csv")
         .subcommand_required(true)
         .subcommand(flank)
         .subcommand(duty)

@@ -73,7 +73,7 @@ fn columns_are_found_by_name() {
     let d = directory.path();
     write(d, "a.csv", "time_s,torque_n_m\n0,0\n0.02,412\n0.05,413\n");
     write(d, "b.csv", "torque_n_m,time_s\n0,0\n412,0.02\n413,0.05\n");
-    write(d, "c.csv", "torque_n_mm;time_ms\n0;0\n412000;20\n413000;50\n");
+    write(d, "c.csv", "torque_mn_m;time_ms\n0;0\n412000;20\n413000;50\n");
     for file in ["a", "b", "c"] {
         let name = format!("{file}.csv");
         good(

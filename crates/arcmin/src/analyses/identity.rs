@@ -25,9 +25,9 @@ pub fn identity(
     put(env!("CARGO_PKG_VERSION").as_bytes());
     put(analysis.name.as_bytes());
     put(design.canonical().as_bytes());
-    // To go on from a checkpoint is another way to the same result.
-    let options: Vec<&str> = normal.text.lines().filter(|line| !line.starts_with("resume = ")).collect();
-    put(options.join("\n").as_bytes());
+    // Whether a run goes on from a checkpoint changes nothing of what it computes.
+    let lines = normal.text.lines().filter(|line| !line.starts_with("resume = "));
+    put(lines.collect::<Vec<_>>().join("\n").as_bytes());
     for file in &normal.files {
         put(&host.read(file, Origin::Options)?);
     }

@@ -66,7 +66,7 @@ impl Elastic {
     /// # Errors
     /// Wrong usage where one spider holds all bores.
     pub fn free(&self) -> Result<&ElasticDiscs, AnalysisError> {
-        self.free.as_ref().ok_or_else(bores_are_tied)
+        self.free.as_ref().ok_or_else(no_free_bores)
     }
 
     pub(super) fn bores_are_tied(&self) -> bool {
@@ -99,14 +99,6 @@ impl Elastic {
     }
 }
 
-/// Why one spider for all bores does not stand in bearings.
-pub(super) fn bores_are_tied() -> AnalysisError {
-    AnalysisError::usage(
-        "bearings move every bore by itself: one spider for all bores leaves none to them",
-        "leave bores = common out, or choose joints = ideal",
-    )
-}
-
 fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {
     let settings = match options.element {
         Element::PlaneStress => FlexibleSettings::plane_stress(shape),
@@ -121,4 +113,11 @@ fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {
         mode_frequency: settings.mode_frequency.max(options.mode_frequency_hz),
         ..settings
     }
+}
+
+pub(super) fn no_free_bores() -> AnalysisError {
+    AnalysisError::usage(
+        "bearings move every bore by itself: one spider for all bores leaves none to them",
+        "leave bores = common out, or choose joints = ideal",
+    )
 }

@@ -59,15 +59,14 @@ impl Fidelity {
         options: &FidelityOptions,
         host: &dyn Host,
     ) -> Result<Fidelity, AnalysisError> {
-        if options.discs == DiscBodies::Elastic
-            && (options.joints.value, options.bores) == (Joints::Bearings, Bores::Common)
-        {
-            return Err(elastic::bores_are_tied());
-        }
         let machine = design.machine();
         let mut fidelity = Fidelity { joints: options.joints.value, ..Fidelity::ideal() };
         fidelity.take_errors(design, &machine, options, host)?;
         if options.discs == DiscBodies::Elastic {
+            // Said before anything is meshed.
+            if options.joints.value == Joints::Bearings && options.bores == Bores::Common {
+                return Err(elastic::no_free_bores());
+            }
             fidelity.elastic = Some(Elastic::reduce(&machine, options, host)?);
         }
         Ok(fidelity)

@@ -19,4 +19,4 @@ mod tests;
 pub use equilibrium::{FreeTravel, LoadError, LoadSharing, Meshing, Preload};
 pub use flexible::FlexibleMeshing;
 pub(crate) use share::turn_position;
-pub use share::{ShareLoad, lost_motion};
+pub use share::{LOST_MOTION_SHARE, ShareLoad, lost_motion};

@@ -123,6 +123,9 @@ fn sample<S: ShareLoad + ?Sized>(
     Ok(cycle)
 }
 
+/// Share of rated torque, to both sides, at which lost motion is read: the ±3 % of the makers' definition.
+pub const LOST_MOTION_SHARE: f64 = 0.03;
+
 /// Output errors at −3 % minus those at +3 % of rated torque, mean over `positions` crank positions. Without
 /// friction both branches of the hysteresis loop coincide, so the mid-points are the branch itself.
 ///
@@ -133,7 +136,7 @@ pub fn lost_motion<S: ShareLoad>(
     rated_torque: f64,
     positions: usize,
 ) -> Result<OutputAngle, LoadError> {
-    let small = 0.03 * rated_torque.abs();
+    let small = LOST_MOTION_SHARE * rated_torque.abs();
     let mut sum = 0.0;
     for sign in [1.0, -1.0] {
         let mut start = None;

@@ -1,6 +1,7 @@
 use super::RigError;
 use super::settle::{creep, tangent};
 use crate::dynamics::{BearingJoints, JointSettings, Part};
+use crate::load::LOST_MOTION_SHARE;
 use crate::machine::Machine;
 
 /// Which way the torque was going.
@@ -46,8 +47,6 @@ pub struct LoopFigures {
     pub work: f64,
 }
 
-/// Share of rated torque at which lost motion is read.
-pub const LOST_MOTION_SHARE: f64 = 0.03;
 /// Shares of rated torque between which the torsional stiffness is read.
 pub const STIFFNESS_WINDOW: (f64, f64) = (0.5, 1.0);
 /// "Zero" torque while the flank still holds: this share of rated torque on the side the branch comes from.
@@ -188,7 +187,7 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
         lost_motion,
         backlash,
         stiffness: mean(STIFFNESS_WINDOW.0, STIFFNESS_WINDOW.1)?,
-        soft_stiffness: mean(0.03, 0.15)?,
+        soft_stiffness: mean(LOST_MOTION_SHARE, 0.15)?,
         work,
     })
 }

@@ -17,11 +17,12 @@ mod state;
 mod tests;
 mod transmission;
 
+pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
 pub use hysteresis::{
-    Branch, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop,
-    hysteresis_loop, stiffness_split,
+    Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
+    stiffness_split,
 };
 pub use orders::{NamedOrder, name_orders};
 pub use state::{MeasuredOnBench, RigPlan, RigState};

@@ -4,7 +4,7 @@ use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
 use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
 use crate::geometry::Relief;
-use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
+use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
 use crate::units::ARCMIN;
 use crate::wear::parts;
@@ -53,8 +53,6 @@ impl LostMotionSplit {
     }
 }
 
-/// Share of rated torque at which lost motion is read.
-const LOST_MOTION_SHARE: f64 = 0.03;
 /// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would
 /// lie anywhere in their clearance.
 const ZERO_SHARE: f64 = 1e-4;

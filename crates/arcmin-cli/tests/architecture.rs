@@ -1,0 +1,125 @@
+//! What the texts of the repository say about it is true: the order of modules, generated chapters, copies.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap()
+}
+
+fn sources(directory: &Path, out: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, out);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            out.push(path);
+        }
+    }
+}
+
+/// Modules of the table in ARCHITECTURE.md with the number of their row.
+fn rows() -> BTreeMap<String, usize> {
+    let text = read("ARCHITECTURE.md");
+    let table = text.lines().skip_while(|line| *line != "| module | what lives there |").skip(2);
+    let mut rows = BTreeMap::new();
+    for (row, line) in table.take_while(|line| line.starts_with('|')).enumerate() {
+        let cell = line.split('|').nth(1).unwrap();
+        for name in cell.split('`').skip(1).step_by(2) {
+            rows.insert(name.to_owned(), row);
+        }
+    }
+    rows
+}
+
+/// Code without tests and comments.
+fn product(path: &Path) -> Option<String> {
+    let name = path.file_stem().unwrap().to_str().unwrap();
+    if name == "tests"
+        || name.ends_with("_tests")
+        || path.components().any(|part| part.as_os_str() == "tests")
+    {
+        return None;
+    }
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+    Some(text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n"))
+}
+
+/// Modules import only from rows above theirs; modules in one row may know each other where the table says so.
+#[test]
+fn modules_import_in_the_order_of_the_architecture() {
+    let source = root().join("crates/arcmin/src");
+    let rows = rows();
+    let lib = std::fs::read_to_string(source.join("lib.rs")).unwrap();
+    let modules: Vec<&str> =
+        lib.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
+    for module in &modules {
+        assert!(rows.contains_key(*module), "ARCHITECTURE.md does not tell what lives in {module}");
+    }
+    assert_eq!(rows.len(), modules.len(), "ARCHITECTURE.md names a module that is not there");
+    let mut files = Vec::new();
+    sources(&source, &mut files);
+    let mut wrong = Vec::new();
+    for path in files {
+        let inside = path.strip_prefix(&source).unwrap();
+        let first = inside.components().next().unwrap().as_os_str().to_str().unwrap();
+        let module = first.trim_end_matches(".rs");
+        let (Some(row), Some(text)) = (rows.get(module), product(&path)) else { continue };
+        for at in text.match_indices("crate::").map(|(at, _)| at) {
+            let used: String =
+                text[at + 7..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            // A `{` after `crate::` names several modules at once, which no file does.
+            if used != module && rows.get(&used).is_some_and(|other| other > row) {
+                wrong.push(format!("{} uses {used}", inside.display()));
+            }
+        }
+        assert!(!text.contains("use crate::{"), "{}: one line for each module", inside.display());
+    }
+    assert!(wrong.is_empty(), "against the order of ARCHITECTURE.md:\n{}", wrong.join("\n"));
+}
+
+/// The designs at the root are those that go into the package.
+#[test]
+fn shipped_designs_are_packaged() {
+    for name in ["rv-40e-81.toml", "rv-80e.toml"] {
+        let copy = format!("crates/arcmin/designs/{name}");
+        assert!(read(&format!("designs/{name}")) == read(&copy), "`cp designs/{name} {copy}`");
+    }
+    for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        for package in ["arcmin", "arcmin-cli"] {
+            assert!(read(licence) == read(&format!("crates/{package}/{licence}")), "{package} {licence}");
+        }
+    }
+}
+
+#[test]
+fn the_chapter_of_results_is_current() {
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("arcmin"));
+    let output = command.args(["keys", "--results"]).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let hint = "`cargo run --release -- keys --results > docs/src/results.md` writes it";
+    assert!(read("docs/src/results.md") == text, "the chapter is not that of the program; {hint}");
+}
+
+/// Every chapter is in the book, and every file the README and ARCHITECTURE link to exists.
+#[test]
+fn links_of_the_documents_lead_somewhere() {
+    for (file, base) in [
+        ("README.md", ""),
+        ("ARCHITECTURE.md", ""),
+        ("CONTRIBUTING.md", ""),
+        ("docs/src/SUMMARY.md", "docs/src/"),
+    ] {
+        for link in read(file).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let path = link.split('#').next().unwrap();
+            if !link.starts_with("http") && !path.is_empty() {
+                assert!(root().join(base).join(path).exists(), "{file} links to {link}");
+            }
+        }
+    }
+}
