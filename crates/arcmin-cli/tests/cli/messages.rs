@@ -112,7 +112,7 @@ fn option_errors_name_the_option() {
         (&["profile", "--points", "4.5"], "  × --points must be a whole number\n"),
         (
             &["contact", "--wear-um", "3", "--hours", "5"],
-            "  × a flank is worn uniformly (--wear-um) or by its duty (hours), not both\n  \
+            "  × a flank is worn uniformly (--wear-um) or by its duty (--hours), not both\n  \
              help: leave one of them out\n",
         ),
         (&["simulate", "--load", "table"], "  × this load needs a file\n  help: name it with --load-file\n"),
