@@ -76,7 +76,7 @@ fn as_typed(text: &str, options: Option<&SectionSchema>) -> String {
 
 impl Failure {
     pub fn design(error: Box<DesignError>, text: &str) -> Failure {
-        let source_code = NamedSource::new(error.file_name.clone(), text.to_owned());
+        let source_code = NamedSource::new(visible(&error.file_name), printable(text));
         Failure::Design { error, source_code }
     }
 
@@ -99,7 +99,7 @@ impl Failure {
         };
         let handler = GraphicalReportHandler::new_themed(theme).with_width(100).with_links(false);
         let mut text = String::new();
-        if handler.render_report(&mut text, self).is_err() {
+        if handler.render_report(&mut text, &Shown(self)).is_err() {
             text = format!("{}\n", visible(&self.to_string()));
         }
         // Nobody is left to be told if standard error is closed.
@@ -110,6 +110,47 @@ impl Failure {
 /// Says something on standard error that is no reason to stop.
 pub fn warn(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", visible(line));
+}
+
+/// A text with as many bytes and no control characters but ends of lines and tabs, so that places in it stay.
+fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        match c {
+            '\n' | '\t' => shown.push(c),
+            '\r' if rest.peek() == Some(&'\n') => shown.push(c),
+            c if c.is_control() => (0..c.len_utf8()).for_each(|_| shown.push('?')),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
+/// A failure as it is printed: names come from files that others wrote and must not command the terminal.
+#[derive(Debug)]
+struct Shown<'a>(&'a Failure);
+
+impl std::fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&visible(&self.0.to_string()))
+    }
+}
+
+impl std::error::Error for Shown<'_> {}
+
+impl Diagnostic for Shown<'_> {
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        self.0.help().map(|help| Box::new(visible(&help.to_string())) as _)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.0.source_code()
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        self.0.labels()
+    }
 }
 
 impl Diagnostic for Failure {
@@ -168,7 +209,7 @@ impl Diagnostic for Failure {
                     };
                     // A label over many lines (a whole section) would bury the message: mark its first line.
                     let first_line = error.text.lines().next().unwrap_or_default().trim_end().len();
-                    Some(LabeledSpan::new(text, error.span()?.start, first_line))
+                    Some(LabeledSpan::new(text.as_deref().map(visible), error.span()?.start, first_line))
                 };
                 Some(Box::new(error.all().enumerate().filter_map(label)))
             }

@@ -60,7 +60,7 @@ fn filtered(text: &str, filter: &str) -> String {
     let mut found = String::new();
     let (mut heading, mut shown, mut whole) = ("", false, false);
     for line in text.lines() {
-        if line.starts_with('#') {
+        if line.starts_with("##") {
             (heading, shown, whole) = (line, false, line.to_lowercase().contains(&wanted));
             continue;
         }
