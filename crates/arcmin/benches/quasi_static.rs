@@ -68,7 +68,10 @@ fn life(c: &mut Criterion) {
         });
     });
     group.bench_function("prediction with accuracy at 31 times", |b| {
-        b.iter(|| predict(&machine, LifeOptions::default(), &Silent))
+        b.iter(|| {
+            let fidelity = arcmin::fidelity::Fidelity::ideal();
+            predict(&machine, &fidelity, LifeOptions::default(), &Silent, |_| ())
+        })
     });
     group.finish();
 }

@@ -91,19 +91,21 @@ macro_rules! options {
             fn schema() -> &'static $crate::design::SectionSchema {
                 static SCHEMA: std::sync::LazyLock<$crate::design::SectionSchema> =
                     std::sync::LazyLock::new(|| {
-                        #[allow(unused_mut, clippy::vec_init_then_push)]
-                        let mut keys: Vec<$crate::design::Key> = Vec::new();
-                        $(keys.extend($crate::design::options::with_defaults(
-                            <$Group as $crate::design::OptionSet>::schema(),
-                            &[$((stringify!($key), $crate::design::Presence::Word($default)),)*],
-                        ));)*
-                        $(keys.push($crate::design::Key {
+                        let own: Vec<$crate::design::Key> = vec![$($crate::design::Key {
                             name: stringify!($field),
                             doc: concat!($($field_doc, "\n"),*),
                             rule: $rule,
                             kind: <$Type as $crate::design::FieldValue>::kind,
                             may_be_absent: <$Type as $crate::design::FieldValue>::MAY_BE_ABSENT,
-                        });)*
+                        },)*];
+                        let keys = [
+                            $($crate::design::options::with_defaults(
+                                <$Group as $crate::design::OptionSet>::schema(),
+                                &[$((stringify!($key), $crate::design::Presence::Word($default)),)*],
+                            ),)*
+                            own,
+                        ]
+                        .concat();
                         $crate::design::SectionSchema { doc: concat!($($doc, "\n"),*), keys: keys.leak() }
                     });
                 &SCHEMA
