@@ -2,7 +2,7 @@
 //!
 //! A [`Fidelity`] is made once from the words that every analysis takes alike (`joints`, `discs`, `errors`,
 //! `seed`) and then answers for all of them: [`Fidelity::meshing`] shares load, [`Fidelity::joint_settings`]
-//! is what the multibody model takes, [`worn_after`] is the machine after some hours. "After H hours" thus
+//! is what the multibody model takes, [`worn_after`](crate::life::worn_after) is the machine after some hours. "After H hours" thus
 //! means the same wherever it is asked.
 
 mod elastic;

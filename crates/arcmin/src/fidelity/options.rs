@@ -8,7 +8,7 @@ options! {
         joints: Stated<Joints> => default_word("ideal"),
         /// Cycloid discs.
         discs: DiscBodies => default_word("rigid"),
-        /// Manufacturing errors; they act in bearings. Left out: those of the design's [errors], if it has any.
+        /// Manufacturing errors; they act in bearings. Left out: those of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
         /// Seed of the machine that errors = drawn draws. Left out: 1.
         seed: Option<usize> => optional(0.0, 9e15),

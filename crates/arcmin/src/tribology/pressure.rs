@@ -6,7 +6,7 @@ use super::{Local, LocalRate};
 /// m = 1 and p_t = 0 is Archard's law. An exponent above 1 says that severer contact wears out of proportion,
 /// a threshold that the surface bears a pressure for good: elastic asperity contact and shakedown (Johnson
 /// 1985, §9), or the "zero wear" of Bayer, Clinton, Nelson & Schumacher (Wear 5, 1962, 378). Neither number
-/// is known for a pairing in advance; both are the user's. p_1 = 1 GPa ([`UNIT_PRESSURE`]) only gives k its
+/// is known for a pairing in advance; both are the user's. p_1 = 1 GPa (`UNIT_PRESSURE`) only gives k its
 /// unit: k is the coefficient of Archard's law that wears as fast at p_t + p_1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressurePower {
