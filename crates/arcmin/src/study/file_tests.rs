@@ -35,9 +35,7 @@ fn design() -> crate::design::Design {
 fn changed(from: &str, to: &str) -> Result<super::Study, String> {
     assert!(STUDY.contains(from), "{from}");
     let text = STUDY.replacen(from, to, 1);
-    let told = |error: &crate::design::DesignError| {
-        format!("{error} | {}", error.hint().unwrap_or_default())
-    };
+    let told = |error: &crate::design::DesignError| format!("{error} | {}", error.hint().unwrap_or_default());
     let file = StudyFile::parse(&text, "study.toml").map_err(|error| told(&error))?;
     file.study(&design(), "test").map_err(|error| match &error {
         crate::analyses::AnalysisError::Design(inner) => told(inner),
@@ -51,7 +49,10 @@ fn the_documented_study_is_read() {
     assert_eq!((file.design.0.as_str(), *file.method.kind), ("rv-40e-81.toml", MethodName::LatinHypercube));
     let study = file.study(&design(), "test").unwrap();
     let [offset, width, count] = study.plan.factors() else { panic!() };
-    assert_eq!((offset.distribution, offset.unit.as_str()), (Distribution::Uniform { low: 0.0, high: 20.0 }, "µm"));
+    assert_eq!(
+        (offset.distribution, offset.unit.as_str()),
+        (Distribution::Uniform { low: 0.0, high: 20.0 }, "µm")
+    );
     let normal = Distribution::Normal { mean: 8.75, deviation: 0.05, limit: Some(3.0) };
     assert_eq!((width.distribution, width.unit.as_str()), (normal, "mm"));
     assert_eq!(count.entries, [Setting::Number(2.0)]);
@@ -84,9 +85,11 @@ fn what_is_wrong_is_said_where_it_stands() {
 
 #[test]
 fn options_within_braces_are_options_too() {
-    let text = STUDY
-        .replacen("[options]\njoints = \"ideal\"\n", "", 1)
-        .replacen("\n[vary]", "options = { joints = \"ideal\", positions = 8 }\n\n[vary]", 1);
+    let text = STUDY.replacen("[options]\njoints = \"ideal\"\n", "", 1).replacen(
+        "\n[vary]",
+        "options = { joints = \"ideal\", positions = 8 }\n\n[vary]",
+        1,
+    );
     let file = StudyFile::parse(&text, "study.toml").unwrap();
     assert!(file.options().contains("joints = \"ideal\""), "{}", file.options());
     assert_eq!(file.options().lines().filter(|line| line.contains('=')).count(), 2);
