@@ -12,12 +12,17 @@
 //! system to another.
 
 mod collect;
+mod compute;
 pub mod distribution;
 #[cfg(test)]
 mod engine_tests;
 mod error;
+pub mod file;
+#[cfg(test)]
+mod file_tests;
 pub mod judge;
 pub mod optimise;
+pub mod page;
 pub mod part;
 mod plan;
 mod run;
@@ -29,6 +34,7 @@ mod stream;
 pub use collect::{Rows, collect};
 pub use distribution::{Distribution, Value};
 pub use error::StudyError;
+pub use file::{Study, StudyFile};
 pub use plan::{Factor, Kept, Kind, Plan, Row, Setting};
 pub use run::{Done, RowError, Shard, Store, run};
 pub use stream::{Purpose, Stream};
