@@ -1,8 +1,10 @@
 use serde_json::{Map, Value as Json};
 
 use super::file::Study;
+use super::list_place::ListPlace;
 use super::plan::{Kind, Row, Setting};
 use super::run::RowError;
+use super::stream::{Purpose, hash};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, DesignError, Value};
 
@@ -12,17 +14,35 @@ impl Study {
     /// # Errors
     /// Values that do not go together.
     pub fn design_of(&self, row: &Row) -> Result<Design, Box<DesignError>> {
-        let changes = self.plan.factors().iter().zip(&row.settings).filter_map(|(factor, setting)| {
+        let mut changes: Vec<(String, Value)> = Vec::new();
+        for (factor, setting) in self.plan.factors().iter().zip(&row.settings) {
             let value = match setting {
                 Setting::Number(number) if factor.whole => Value::Count(*number as usize),
                 Setting::Number(number) => Value::Number(*number),
                 Setting::Word(word) => Value::Text(word.clone()),
                 Setting::Flag(flag) => Value::Flag(*flag),
-                Setting::Seed(_) => return None,
+                Setting::Seed(_) => continue,
             };
-            Some((factor.path.as_str(), value))
-        });
+            let Some(place) = ListPlace::find(&self.design, &factor.path) else {
+                changes.push((factor.path.clone(), value));
+                continue;
+            };
+            let Some(number) = value.as_number() else { continue };
+            match changes.iter_mut().find(|(path, _)| *path == place.list) {
+                Some((_, list)) => place.set(list, number),
+                None => {
+                    let mut list = self.design.get(&place.list)?;
+                    place.set(&mut list, number);
+                    changes.push((place.list, list));
+                }
+            }
+        }
         self.design.with_all(changes)
+    }
+
+    /// The batch of a row, from 0; none where machines are drawn on their own.
+    pub fn batch_of(&self, number: u64) -> Option<u64> {
+        self.batches.map(|batches| number / self.plan.sampling().rows_per_sample() / batches.machines)
     }
 
     /// Options of a row: those of the study, and the seed of a drawn machine.
@@ -31,10 +51,13 @@ impl Study {
             Setting::Seed(seed) => Some(seed),
             _ => None,
         });
-        match seed {
-            Some(seed) => format!("{}\nerrors = \"drawn\"\nseed = {seed}\n", self.options()),
-            None => self.options().to_owned(),
+        let Some(seed) = seed else { return self.options().to_owned() };
+        let mut options = format!("{}\nerrors = \"drawn\"\nseed = {seed}\n", self.options());
+        if let (Some(batches), Some(batch)) = (self.batches, self.batch_of(row.number)) {
+            let seed = hash(&[self.plan.sampling().seed(), Purpose::Batches as u64, batch]) >> 11;
+            options.push_str(&format!("batch_seed = {seed}\nbatch_share = {:?}\n", batches.share));
         }
+        options
     }
 
     /// Computes a row: its summary, with curves as lists under `table.column`.

@@ -1,11 +1,10 @@
 //! What a result hangs on, as ranked bars.
 
-use super::{RANKED, StudyReport, ends, named, percent};
+use super::{RANKED, StudyReport, ends, interval_in_percent, named, percent};
 use crate::report::{Block, Column, Shares, Table, significant};
 use crate::study::judge::{JudgedResult, Sensitivity, TIGHTEN_SHARE};
 use crate::study::sampling::Layout;
 use crate::study::sensitivity::tighten::{Gain, Gains};
-use crate::study::statistics::Interval;
 use crate::study::{Distribution, Factor};
 
 impl StudyReport<'_> {
@@ -131,8 +130,4 @@ impl StudyReport<'_> {
         };
         vec![Block::Shares(bars), Block::Table(table)]
     }
-}
-
-fn interval_in_percent(interval: &Interval) -> String {
-    ends(&Interval { low: interval.low.map(|x| 100.0 * x), high: interval.high.map(|x| 100.0 * x) }, 2)
 }

@@ -2,13 +2,17 @@
 
 mod causes;
 mod figures;
+mod said;
+mod search;
+
+pub use search::SearchReport;
 
 use super::file::Study;
 use super::judge::{Judged, JudgedResult, SHARES};
 use super::part::Cell;
-use super::statistics::Interval;
-use super::{Distribution, Kind, Plan, Rows, Setting};
-use crate::design::unit_suffix;
+use super::statistics::{Interval, Yield};
+use super::{Distribution, Kind, Plan, Rows, Setting, StudyError};
+use crate::design::{Choice, unit_suffix};
 use crate::report::{
     Axis, Block, Column, DesignTemplate, KeyFigure, Page, Provenance, SampleColumn, Samples, Section, Table,
     Tone, Verdict, significant,
@@ -47,12 +51,47 @@ fn axis(key: &str) -> Axis {
 }
 
 fn ends(interval: &Interval, digits: usize) -> String {
-    let end = |end: Option<f64>| end.map_or("–".to_owned(), |x| significant(x, digits));
+    let end = |end: Option<f64>| end.map_or("–".to_owned(), |x| shown(x, digits));
     format!("{} … {}", end(interval.low), end(interval.high))
+}
+
+/// Lives that did not end are infinite.
+fn shown(value: f64, digits: usize) -> String {
+    if value == f64::INFINITY { "∞".to_owned() } else { significant(value, digits) }
 }
 
 fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 3))
+}
+
+fn interval_in_percent(interval: &Interval) -> String {
+    ends(&Interval { low: interval.low.map(|x| 100.0 * x), high: interval.high.map(|x| 100.0 * x) }, 2)
+}
+
+impl Study {
+    /// What the rows say.
+    ///
+    /// # Errors
+    /// [`StudyError::Statistic`] if there are no rows.
+    pub fn judge(&self, rows: &Rows) -> Result<Judged, StudyError> {
+        let batch = |number: u64| self.batch_of(number).unwrap_or(0);
+        let batch: Option<&dyn Fn(u64) -> u64> = if self.batches.is_some() { Some(&batch) } else { None };
+        super::judge::judge(&self.plan, rows, &self.limits, self.confidence, batch)
+    }
+
+    /// The report of rows that were judged.
+    pub fn report<'a>(&'a self, rows: &'a Rows, judged: &'a Judged) -> StudyReport<'a> {
+        let design = &self.design.name;
+        StudyReport {
+            title: format!("{}: study of {}", **design, self.analysis.name),
+            subtitle: format!("{} of {} rows, {}", rows.records.len(), rows.of, self.method.word()),
+            plan: &self.plan,
+            rows,
+            judged,
+            template: self.template(),
+            goals: Vec::new(),
+        }
+    }
 }
 
 impl StudyReport<'_> {
@@ -131,25 +170,41 @@ impl StudyReport<'_> {
             let Some(high) = spread.quantiles.iter().find(|q| q.share == 0.95) else { continue };
             verdict.figures.push(KeyFigure {
                 label: format!("{label}, 95 % of machines below"),
-                value: significant(high.estimate, 3),
+                value: shown(high.estimate, 3),
                 unit: unit.into(),
                 note: format!("{} with {confidence} confidence", ends(&high.interval, 3)),
                 tone: Tone::Neutral,
             });
         }
-        let failed = judged.failed;
-        if failed.kept > 0 {
-            verdict.answers.push((
-                "Cannot be assembled or computed".into(),
-                format!(
-                    "{} of {}: {} ({} to {})",
-                    failed.kept,
-                    failed.of,
-                    percent(failed.share),
-                    percent(failed.low),
-                    percent(failed.high)
-                ),
-            ));
+        let told = |share: &Yield| {
+            let (low, high) = (percent(share.low), percent(share.high));
+            format!("{} of {}: {} ({low} to {high})", share.kept, share.of, percent(share.share))
+        };
+        if judged.failed.kept > 0 {
+            let most = judged
+                .reasons
+                .first()
+                .map_or(String::new(), |(why, count)| format!("; {count} times: {why}"));
+            let question = "Cannot be assembled or computed".to_owned();
+            verdict.answers.push((question, format!("{}{most}", told(&judged.failed))));
+        }
+        if let Some(tight) = judged.tight.filter(|tight| tight.kept > 0) {
+            verdict
+                .answers
+                .push(("Have no play when turned by hand (preloaded or jammed)".into(), told(&tight)));
+        }
+        for result in judged.results.iter().take(4) {
+            if let Some(batches) = &result.batches {
+                let question = format!("{}: part of the variance between batches", named(&result.key).0);
+                let answer = format!(
+                    "{} ({}), {} batches; the machines tell as much as {} independent ones",
+                    percent(batches.share),
+                    interval_in_percent(&batches.interval),
+                    batches.batches,
+                    significant(batches.effective, 3)
+                );
+                verdict.answers.push((question, answer));
+            }
         }
         verdict
     }
@@ -180,7 +235,7 @@ impl StudyReport<'_> {
                         spread
                             .quantiles
                             .iter()
-                            .map(|q| format!("{} ({})", significant(q.estimate, 4), ends(&q.interval, 4))),
+                            .map(|q| format!("{} ({})", shown(q.estimate, 4), ends(&q.interval, 4))),
                     );
                     row.push(spread.band.as_ref().map_or("too few".into(), |band| {
                         ends(&Interval { low: band.low, high: band.high }, 4)
@@ -296,14 +351,19 @@ impl StudyReport<'_> {
 impl Study {
     /// The design file with places for the values of rows.
     pub fn template(&self) -> DesignTemplate {
-        let factors = self.plan.factors();
-        let (row, last) = (self.plan.row(0), self.plan.rows().min(1000));
+        self.template_of(&self.plan)
+    }
+
+    /// The same for rows of a plan with the same factors.
+    fn template_of(&self, plan: &Plan) -> DesignTemplate {
+        let factors = plan.factors();
+        let (row, last) = (plan.row(0), plan.rows().min(1000));
         let Ok(base) = self.design_of(&row) else { return DesignTemplate::default() };
         let other = |column: usize| {
             // Another value of this column from another row, all others as in the first.
             (1..last).find_map(|number| {
                 let mut changed = row.clone();
-                let setting = self.plan.row(number).settings.get(column)?.clone();
+                let setting = plan.row(number).settings.get(column)?.clone();
                 if changed.settings[column] == setting || matches!(setting, Setting::Seed(_)) {
                     return None;
                 }

@@ -1,9 +1,9 @@
 //! The study file: what it means, and what it says when it means nothing.
 
-use super::file::{MethodName, StudyFile};
-use super::{Distribution, Kind, Setting, Shard, Store, collect, judge, run};
+use super::{MethodName, StudyFile};
 use crate::analyses::NoHost;
 use crate::study::statistics::Limits;
+use crate::study::{Distribution, Kind, Setting, Shard, Store, Study, Watch, collect, judge, run};
 
 const STUDY: &str = r#"design = "rv-40e-81.toml"
 analysis = "contact"
@@ -32,7 +32,7 @@ fn design() -> crate::design::Design {
 }
 
 /// The study with one line changed or added.
-fn changed(from: &str, to: &str) -> Result<super::Study, String> {
+fn changed(from: &str, to: &str) -> Result<Study, String> {
     assert!(STUDY.contains(from), "{from}");
     let text = STUDY.replacen(from, to, 1);
     let told = |error: &crate::design::DesignError| format!("{error} | {}", error.hint().unwrap_or_default());
@@ -113,8 +113,8 @@ impl Store for Nowhere {
 fn a_study_runs_from_file_to_page() {
     let study = changed("samples = 8", "samples = 6").unwrap();
     let store = Nowhere(std::sync::Mutex::default());
-    let compute = |row: &super::Row| study.compute(row, &NoHost);
-    let done = run(&study.plan, Shard::WHOLE, &store, &compute, &|_| {}).unwrap();
+    let compute = |row: &crate::study::Row| study.compute(row, &NoHost);
+    let done = run(&study.plan, Shard::WHOLE, &store, &compute, &Watch::NONE).unwrap();
     assert_eq!((done.computed, done.failed), (6, 0));
     let rows = collect(&study.plan, &store).unwrap();
     let forces = rows.numbers(&study.plan, "max_force_n").unwrap();
@@ -123,11 +123,11 @@ fn a_study_runs_from_file_to_page() {
     let outcome = study.analysis.run(&alone, "joints = \"ideal\"", "test", &NoHost).unwrap();
     assert_eq!(forces[4], outcome.summary().number("max_force_n"));
     let limits = [("max_force_n".to_owned(), Limits { low: None, high: Some(2000.0) })];
-    let judged = judge::judge(&study.plan, &rows, &limits, 0.95).unwrap();
+    let judged = judge::judge(&study.plan, &rows, &limits, 0.95, None).unwrap();
     assert!(judged.results[0].kept.is_some() && judged.results[0].spread.is_some());
     let template = study.template();
     assert_eq!(template.columns.len(), 2, "the count of crankshafts has one value: {:?}", template.text);
-    let page = super::page::StudyReport {
+    let page = crate::study::page::StudyReport {
         title: "RV-40E-81".into(),
         subtitle: "Study".into(),
         plan: &study.plan,
