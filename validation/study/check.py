@@ -1,6 +1,6 @@
 """Any sharding on any engine, whatever is killed on the way, gives the same table.
 
-Usage: check.py ARCMIN DIR [ENGINE ...]. Every check prints its figures; the exit status is 1 if one is not kept.
+Usage: check.py ARCMIN DIR [ENGINE ...]. Every check prints its figures; the exit status is 1 if one fails.
 """
 
 import os
@@ -122,8 +122,8 @@ def locally(arcmin, study, out, shards, killer):
     while waiting or running:
         while waiting and len(running) < 2:
             shard = waiting.pop()
-            command = [arcmin, "study", "run", study, "--shard", f"{shard}/{shards}", "--out", out, "--threads", "1", "-q"]
-            running.append((shard, subprocess.Popen(command)))
+            words = ["--shard", f"{shard}/{shards}", "--out", out, "--threads", "1", "-q"]
+            running.append((shard, subprocess.Popen([arcmin, "study", "run", study, *words])))
             starts += 1
         time.sleep(killer.random.uniform(0.0, 0.1))
         if killer.left and running:
@@ -168,8 +168,8 @@ def main():
             kills = ", ".join(f"{count} {kind}s" for kind, count in killer.killed.items() if count)
             what = "processes" if engine == "local" else "submissions"
             print(
-                f"{'ok  ' if same else 'FAIL'} {engine}, {shards} shards: killed {kills or 'nothing'}; {starts} {what}, "
-                f"{time.monotonic() - started:.0f} s; {'the same rows' if same else 'other rows'}",
+                f"{'ok  ' if same else 'FAIL'} {engine}, {shards} shards: killed {kills or 'nothing'}; "
+                f"{starts} {what}, {time.monotonic() - started:.0f} s; {'the same' if same else 'other'} rows",
                 flush=True,
             )
     sys.exit(failures > 0)

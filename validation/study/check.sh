@@ -1,7 +1,7 @@
 #!/bin/sh
-# Computes shards of a study with kills under local processes, HyperQueue and Dask, and compares the tables byte for
-# byte: `validation/study/check.sh [VENV]`. Sets up its own Python environment (default: target/study-venv) and runs
-# check.py; needs python3 with venv, access to PyPI, and a few minutes.
+# Computes shards of a study with kills under local processes, HyperQueue and Dask, and compares the tables
+# byte for byte: `validation/study/check.sh [VENV]`. Sets up its own Python environment (default:
+# target/study-venv) and runs check.py; needs python3 with venv, access to PyPI, and a few minutes.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 venv=${1:-"$root/target/study-venv"}

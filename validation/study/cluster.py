@@ -8,7 +8,7 @@ import sys
 
 
 def command(arcmin, study, out, shard, shards):
-    return [arcmin, "study", "run", study, "--shard", f"{shard}/{shards}", "--out", out, "--threads", "1", "--quiet"]
+    return [arcmin, "study", "run", study, "--shard", f"{shard}/{shards}", "--out", out, "--threads", "1", "-q"]
 
 
 def on_hyperqueue(arcmin, study, out, shards):
@@ -34,7 +34,8 @@ def compute(words):
 def on_dask(arcmin, study, out, shards):
     from distributed import Client, LocalCluster, as_completed
 
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with LocalCluster(**options) as cluster, Client(cluster) as client:
         words = [command(arcmin, study, out, shard, shards) for shard in range(1, shards + 1)]
         for task in as_completed(client.map(compute, words, pure=False, retries=20)):
             task.result()

@@ -34,8 +34,8 @@ pub struct Tolerances {
     pub sun_run_out: f64,
 }
 
-/// Orders of the disc's pitch that are drawn; order 1 is its run-out. Up to 7 is an assumption: slow errors of
-/// the grinder's table are what pitch measurements show, faster ones are noise from tooth to tooth.
+/// Orders of the disc's pitch that are drawn; order 1 is its run-out. Up to 7 is an assumption: slow errors
+/// of the grinder's table are what pitch measurements show, faster ones are noise from tooth to tooth.
 const PITCH_ORDERS: std::ops::Range<usize> = 2..8;
 
 impl ManufacturingErrors {
@@ -47,9 +47,9 @@ impl ManufacturingErrors {
     }
 
     /// One machine of a batch. Its errors are √s times those of the batch, which all its machines have in
-    /// common since they come from one set-up, and √(1 − s) times its own, s being [`Batch::share`]: so much of
-    /// the variance lies between batches. Run-outs add up as vectors. Machines outside of their tolerances are
-    /// drawn again.
+    /// common since they come from one set-up, and √(1 − s) times its own, s being [`Batch::share`]: so
+    /// much of the variance lies between batches. Run-outs add up as vectors. Machines outside of their
+    /// tolerances are drawn again.
     pub fn draw_from_batch(
         machine: &Machine,
         tolerances: &Tolerances,

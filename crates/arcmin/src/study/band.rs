@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
-use super::judge::{Judged, JudgedResult, Sensitivity, is_life};
+use super::judge::{Judged, JudgedResult, Sensitivity};
 use super::page::StudyReport;
 use super::{Rows, Study, StudyFile};
 use crate::analyses::{AnalysisError, Said, identity};
@@ -57,7 +57,6 @@ pub fn study(
 }
 
 /// What the lives say together.
-#[derive(Debug)]
 pub struct Band<'a> {
     study: &'a Study,
     rows: &'a Rows,

@@ -84,8 +84,8 @@ pub struct Done {
 /// called in, and keeps every part as soon as it is complete; at the end of a cancelled run with the rows it
 /// has.
 ///
-/// Rows are taken in their order, each on a thread of its own: that keeps all threads busy to the end, and few
-/// parts unfinished at any time.
+/// Rows are taken in their order, each on a thread of its own: that keeps all threads busy to the end, and
+/// few parts unfinished at any time.
 ///
 /// # Errors
 /// In a sentence, where a part cannot be read or kept, or threads cannot be had.

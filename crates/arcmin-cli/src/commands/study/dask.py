@@ -1,7 +1,7 @@
 """Shards of a study on Dask. Started again, it computes what is missing.
 
-A task writes the parts of its shard and returns their names: nothing is lost with a worker or the scheduler but
-what was being computed.
+A task writes the parts of its shard and returns its number: nothing is lost with a worker or the scheduler
+but what was being computed.
 """
 
 import subprocess
@@ -19,15 +19,17 @@ ADDRESS = {address}  # of a scheduler; None starts workers here
 
 
 def compute(shard):
-    command = [ARCMIN, "study", "run", STUDY, "--shard", f"{shard}/{SHARDS}", "--out", OUT, "--threads", "1", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True)
+    words = ["--shard", f"{shard}/{SHARDS}", "--out", OUT, "--threads", "1", "--quiet"]
+    done = subprocess.run([ARCMIN, "study", "run", STUDY, *words], capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"shard {shard}: {done.stderr}")
     return shard
 
 
 def main():
-    cluster = None if ADDRESS else LocalCluster(n_workers=WORKERS, threads_per_worker=1, dashboard_address=None)
+    cluster = None
+    if ADDRESS is None:
+        cluster = LocalCluster(n_workers=WORKERS, threads_per_worker=1, dashboard_address=None)
     with Client(ADDRESS or cluster) as client:
         for _ in range(STAGES):
             tasks = client.map(compute, range(1, SHARDS + 1), pure=False, retries=5)

@@ -1,7 +1,8 @@
 //! `arcmin study submit`: shards as processes here, or handed to the engine that is there.
 //!
-//! An engine starts `arcmin study run --shard i/N` and nothing else. Whatever it loses (a worker, its scheduler,
-//! the machine), the parts that are in the directory stay, and the next submission computes the rest.
+//! An engine starts `arcmin study run --shard i/N` and nothing else. Whatever it loses (a worker, its
+//! scheduler, the machine), the parts that are in the directory stay, and the next submission computes the
+//! rest.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -27,8 +28,8 @@ pub fn command() -> Command {
         .long_about(
             "Computes all shards on an engine, then collects.\n\nlocal starts processes here. hq, slurm and dask \
              write a script into DIR/submit (readable, to be changed at will) and run it where the engine's \
-             command is there: hq, sbatch, or python3 with dask.distributed. All of them start `arcmin study run \
-             --shard I/N` and nothing else; the directory must be one that all machines see.\n\nAn optimisation is \
+             command is there: hq, sbatch, or python3 with dask.distributed. All start `arcmin study run --shard \
+             I/N` and nothing else; the directory must be one that all machines see.\n\nAn optimisation is \
              submitted generation by generation.",
         )
         .after_help(
@@ -206,51 +207,28 @@ impl Words {
         format!("'{}'", word.replace('\'', "'\\''"))
     }
 
-    fn head(&self) -> String {
-        format!(
-            "arcmin={}\nstudy={}\nout={}\nshards={}\n",
-            Words::shell(&self.program),
-            Words::shell(&self.study),
-            Words::shell(&self.out),
-            self.shards
-        )
-    }
-
-    /// A job array of HyperQueue; `hq alloc add slurm` or `hq worker start` gives it workers.
     fn hq(&self) -> String {
-        format!(
-            "#!/usr/bin/env bash\n# Shards of a study on HyperQueue. Started again, it computes what is missing.\nset -euo \
-             pipefail\n{}\nfor stage in $(seq {}); do\n  hq submit --array \"1-$shards\" --cpus 1 --crash-limit 5 \
-             --name arcmin-study --stdout none --stderr \"$out/submit/hq-%{{TASK_ID}}.err\" --wait -- \\\n    bash -c \
-             '\"$0\" study run \"$1\" --shard \"$HQ_TASK_ID/$2\" --out \"$3\" --threads 1 --quiet' \\\n    \"$arcmin\" \
-             \"$study\" \"$shards\" \"$out\"\ndone\n\"$arcmin\" study collect \"$study\" --out \"$out\"\n",
-            self.head(),
-            self.stages
-        )
+        self.filled(HQ, Words::shell)
     }
 
-    /// Job arrays of Slurm, each after the one before it, and the collection at the end.
     fn slurm(&self) -> String {
-        format!(
-            "#!/usr/bin/env bash\n# Shards of a study as job arrays of Slurm. Submitted again, they compute what is \
-             missing.\n# Partition, account and time limit: SBATCH_PARTITION, SBATCH_ACCOUNT, SBATCH_TIMELIMIT.\nset \
-             -euo pipefail\n{}\nafter=()\nfor stage in $(seq {}); do\n  job=$(sbatch --parsable \"${{after[@]}}\" \
-             --array=\"1-$shards\" --cpus-per-task=1 --requeue --job-name=arcmin-study \\\n    \
-             --output=\"$out/submit/slurm-%A_%a.log\" \\\n    --wrap=\"'$arcmin' study run '$study' --shard \
-             \\$SLURM_ARRAY_TASK_ID/$shards --out '$out' --threads 1 --quiet\")\n  after=(--dependency=\"afterany:${{job%%;*}}\")\ndone\nsbatch \
-             \"${{after[@]}}\" --job-name=arcmin-collect --output=\"$out/submit/collect.log\" \\\n  --wrap=\"'$arcmin' \
-             study collect '$study' --out '$out'\"\n",
-            self.head(),
-            self.stages
-        )
+        self.filled(SLURM, Words::shell)
     }
 
     fn dask(&self) -> String {
-        let text = |word: &str| serde_json::Value::String(word.to_owned()).to_string();
-        let address = self.address.as_deref().map_or("None".to_owned(), text);
-        DASK.replace("{arcmin}", &text(&self.program))
-            .replace("{study}", &text(&self.study))
-            .replace("{out}", &text(&self.out))
+        self.filled(DASK, Words::python)
+    }
+
+    fn python(word: &str) -> String {
+        serde_json::Value::String(word.to_owned()).to_string()
+    }
+
+    fn filled(&self, script: &str, quoted: fn(&str) -> String) -> String {
+        let address = self.address.as_deref().map_or("None".to_owned(), quoted);
+        script
+            .replace("{arcmin}", &quoted(&self.program))
+            .replace("{study}", &quoted(&self.study))
+            .replace("{out}", &quoted(&self.out))
             .replace("{shards}", &self.shards.to_string())
             .replace("{workers}", &self.workers.to_string())
             .replace("{stages}", &self.stages.to_string())
@@ -258,6 +236,8 @@ impl Words {
     }
 }
 
+const HQ: &str = include_str!("hq.sh");
+const SLURM: &str = include_str!("slurm.sh");
 const DASK: &str = include_str!("dask.py");
 
 #[cfg(test)]
@@ -283,9 +263,9 @@ mod tests {
         let hq = words().hq();
         assert!(hq.contains("hq submit --array \"1-$shards\"") && hq.contains("$HQ_TASK_ID/$2"), "{hq}");
         assert!(hq.contains("arcmin='/opt/it'\\''s/arcmin'\nstudy='/home/a b/study.toml'"), "{hq}");
-        assert!(hq.contains("for stage in $(seq 3)") && hq.contains("%{TASK_ID}"));
+        assert!(hq.contains("for stage in $(seq 3)") && hq.contains("%{TASK_ID}"), "{hq}");
         let slurm = words().slurm();
-        assert!(slurm.contains("--array=\"1-$shards\"") && slurm.contains("\\$SLURM_ARRAY_TASK_ID/$shards"));
+        assert!(slurm.contains("--array=\"1-$shards\"") && slurm.contains("$SLURM_ARRAY_TASK_ID/$shards"));
         assert!(slurm.contains("--dependency=\"afterany:${job%%;*}\"") && slurm.contains("study collect"));
         let dask = words().dask();
         assert!(

@@ -15,7 +15,6 @@ use crate::study::statistics::{clopper_pearson, quantile};
 use crate::study::{Plan, Rows, Setting, Study, StudyError};
 
 /// Everything that a search says.
-#[derive(Debug)]
 pub struct SearchReport<'a> {
     study: &'a Study,
     search: &'a Search,
@@ -416,8 +415,8 @@ impl SearchReport<'_> {
         summary
     }
 
-    /// `generations.csv`: every design that was tried, with what counts of its goals and by how much its limits
-    /// are exceeded.
+    /// `generations.csv`: every design that was tried, with what counts of its goals and by how much its
+    /// limits are exceeded.
     pub fn generations_csv(&self) -> String {
         let mut out = String::from("stage,design,first_sample,machines");
         for goal in &self.search.goals {

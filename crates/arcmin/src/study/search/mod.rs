@@ -1,8 +1,8 @@
 //! The search for the best design as a study: stages of rows that are sharded like any others.
 //!
-//! First the design as it stands, then generation after generation, at the end a check on fresh machines. What
-//! a stage holds follows from the rows of the stages before it and nothing else: whoever has the parts knows
-//! where the search stands, so that it goes on after any interruption and on any engine.
+//! First the design as it stands, then generation after generation, at the end a check on fresh machines.
+//! What a stage holds follows from the rows of the stages before it and nothing else: whoever has the parts
+//! knows where the search stands, so that it goes on after any interruption and on any engine.
 
 mod goal;
 #[cfg(test)]

@@ -21,8 +21,8 @@ impl Store for Memory {
     }
 }
 
-/// Least x² + y² with x + y ≥ 1, x and y in −2 … 2, seen with the scatter of the machine: at (½, ½) but for what
-/// the scatter adds.
+/// Least x² + y² with x + y ≥ 1, x and y in −2 … 2, seen with the scatter of the machine: at (½, ½) but for
+/// what the scatter adds.
 fn search(machines: u64, goals: usize) -> Search {
     let range = Distribution::Uniform { low: -2.0, high: 2.0 };
     let mut factors = vec![Factor::number("x", "", range), Factor::number("y", "", range)];

@@ -4,8 +4,8 @@ use super::{Bootstrap, Interval, Limits, StudyError, Yield, clopper_pearson_of, 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BetweenBatches {
     pub batches: usize,
-    /// Intraclass correlation ρ of a one-way analysis of variance, 0 where the batches differ less than chance
-    /// lets them.
+    /// Intraclass correlation ρ of a one-way analysis of variance, 0 where the batches differ less than
+    /// chance lets them.
     pub share: f64,
     /// By drawing batches again.
     pub interval: Interval,
@@ -123,8 +123,8 @@ mod tests {
 
     #[test]
     fn the_share_by_hand() {
-        // Means 1 and 3, within each ±1: MSB = 2·2·1 = 4 (one degree of freedom: 2·(1² + 1²) = 4), MSW = 4/2 = 2;
-        // ρ = (4 − 2)/(4 + 2) = 1/3.
+        // Means 1 and 3, within each ±1: MSB = 2·2·1 = 4 (one degree of freedom: 2·(1² + 1²) = 4), MSW =
+        // 4/2 = 2; ρ = (4 − 2)/(4 + 2) = 1/3.
         let batched = Batched(vec![vec![0.0, 2.0], vec![2.0, 4.0]]);
         let found = batched.between(Bootstrap::default()).unwrap();
         assert!((found.share - 1.0 / 3.0).abs() < 1e-14, "{found:?}");
@@ -133,8 +133,8 @@ mod tests {
     }
 
     /// Of 200 studies of 30 batches of 20 machines, half of the variance between batches: the share is found
-    /// without bias, and the interval of a yield holds the truth in 95 % of them, which it would miss by far if
-    /// machines counted as independent.
+    /// without bias, and the interval of a yield holds the truth in 95 % of them, which it would miss by
+    /// far if machines counted as independent.
     #[test]
     fn intervals_know_of_batches() {
         let limits = Limits { low: None, high: Some(1.0) };

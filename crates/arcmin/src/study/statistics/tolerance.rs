@@ -66,8 +66,8 @@ fn attained(n: u64, coverage: f64, outside: u64) -> f64 {
     Binomial::new(coverage, n).map_or(0.0, |binomial| binomial.cdf(n - outside))
 }
 
-/// Confidence that the smallest and the largest of so many enclose a share `coverage` of all; 0 for fewer than
-/// two.
+/// Confidence that the smallest and the largest of so many enclose a share `coverage` of all; 0 for fewer
+/// than two.
 pub fn attained_confidence(samples: usize, coverage: f64) -> f64 {
     attained(samples as u64, coverage, 2)
 }
