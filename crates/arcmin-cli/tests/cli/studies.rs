@@ -44,8 +44,8 @@ fn a_study_leaves_table_summary_report_and_parts() {
     let d = directory.path();
     let said = good(d, &["study", "s.toml", "--out", "o"]);
     assert!(said.contains("60 samples computed") && said.contains("max force"), "{said}");
-    let columns = "sample, disc.modification.equidistant_offset_um, disc.width_mm, crankshafts.count, max_force_n, \
-                   te_loaded_arcmin, failed";
+    let columns = "sample, disc.modification.equidistant_offset_um, disc.width_mm, crankshafts.count, \
+                   max_force_n, te_loaded_arcmin, failed";
     has_columns(d, "o/samples.csv", columns);
     assert_eq!(read(d, "o/samples.csv").lines().count(), 61);
     let told = summary(d, "o");
@@ -241,7 +241,7 @@ low = -3
 
 [method]
 kind = "optimise"
-generations = 12
+generations = 24
 seed = 2
 "#;
     write(d, "s.toml", study);

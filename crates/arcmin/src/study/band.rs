@@ -44,7 +44,8 @@ pub fn study(
     let once = |line: &&str| !line.starts_with("quasi_static");
     let options = options.lines().filter(once).collect::<Vec<_>>().join("\n");
     let text = format!(
-        "design = \"design\"\nanalysis = \"life\"\nunknowns = true\nresults = [{RESULTS}]\n\n[options]\n{options}\n\
+        "design = \"design\"\nanalysis = \"life\"\nunknowns = true\nresults = [{RESULTS}]\n\n\
+         [options]\n{options}\n\
          quasi_static = true\n\n[method]\nkind = \"random\"\nsamples = {machines}\nseed = {seed}\n\
          confidence = {CONFIDENCE}\n"
     );
@@ -146,8 +147,8 @@ impl<'a> Band<'a> {
             failed => format!(", {failed} of which have no result"),
         };
         format!(
-            "As little as is known of it, the machine {life}{causes} (95 % of what may be, with {} confidence, from \
-             {count} machines{failed}).",
+            "As little as is known of it, the machine {life}{causes} (95 % of what may be, with {} \
+             confidence, from {count} machines{failed}).",
             self.confidence()
         )
     }
@@ -207,14 +208,17 @@ impl<'a> Band<'a> {
             Some((key.to_owned(), json!({ "low": end(low), "median": median, "high": end(high) })))
         };
         let keys = self.judged.results.iter().map(|result| result.key.as_str());
+        let keys = keys.filter(|key| *key != super::file::SEARCHED);
+        let ranked = |(key, share): (&str, f64)| json!({ "key": key, "share": share });
+        let ranking: Vec<Json> = self.ranking().into_iter().map(ranked).collect();
         json!({
             "sentence": self.sentence(),
             "machines": self.rows.records.len(), "failed": self.rows.failed(),
             "coverage": 0.95, "confidence": CONFIDENCE,
             "searched_h": self.searched(),
-            "results": keys.filter(|key| *key != super::file::SEARCHED).filter_map(one).collect::<serde_json::Map<_, _>>(),
+            "results": keys.filter_map(one).collect::<serde_json::Map<_, _>>(),
             "ranked_by": self.ranked_by(),
-            "ranking": self.ranking().into_iter().map(|(key, share)| json!({ "key": key, "share": share })).collect::<Vec<_>>(),
+            "ranking": ranking,
         })
     }
 }

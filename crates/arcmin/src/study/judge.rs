@@ -323,15 +323,18 @@ impl Judged {
             entry["sensitivity"] = r.sensitivity.to_json(&names);
             (r.key.clone(), entry)
         };
+        let reason = |(why, count): &(String, usize)| json!({ "reason": why, "count": count });
+        let reasons: Vec<Json> = self.reasons.iter().map(reason).collect();
         json!({
             "rows": self.rows, "of": self.of, "confidence": self.confidence,
             "failed": {
                 "count": self.failed.kept, "of": self.failed.of, "share": self.failed.share,
                 "interval": [self.failed.low, self.failed.high],
-                "reasons": self.reasons.iter().map(|(why, count)| json!({ "reason": why, "count": count })).collect::<Vec<_>>(),
+                "reasons": reasons,
             },
             "tight": self.tight.map(|tight| json!({
-                "count": tight.kept, "of": tight.of, "share": tight.share, "interval": [tight.low, tight.high],
+                "count": tight.kept, "of": tight.of, "share": tight.share,
+                "interval": [tight.low, tight.high],
             })),
             "results": self.results.iter().map(result).collect::<serde_json::Map<_, _>>(),
         })

@@ -26,15 +26,15 @@ pub fn command() -> Command {
     Command::new("submit")
         .about("Compute all shards on an engine: local processes, HyperQueue, Slurm or Dask")
         .long_about(
-            "Computes all shards on an engine, then collects.\n\nlocal starts processes here. hq, slurm and dask \
-             write a script into DIR/submit (readable, to be changed at will) and run it where the engine's \
-             command is there: hq, sbatch, or python3 with dask.distributed. All start `arcmin study run --shard \
-             I/N` and nothing else; the directory must be one that all machines see.\n\nAn optimisation is \
-             submitted generation by generation.",
+            "Computes all shards on an engine, then collects.\n\nlocal starts processes here. hq, slurm and \
+             dask write a script into DIR/submit (readable, to be changed at will) and run it where the \
+             engine's command is there: hq, sbatch, or python3 with dask.distributed. All start `arcmin study \
+             run --shard I/N` and nothing else; the directory must be one that all machines see.\n\nAn \
+             optimisation is submitted generation by generation.",
         )
         .after_help(
-            "Examples:\n  arcmin study submit my-study.toml --engine local --workers 8\n  arcmin study submit \
-             my-study.toml --engine slurm --shards 200 --out /shared/study --print",
+            "Examples:\n  arcmin study submit my-study.toml --engine local --workers 8\n  \
+             arcmin study submit my-study.toml --engine slurm --shards 200 --out /shared/study --print",
         )
         .arg(
             Arg::new("engine")
@@ -63,7 +63,7 @@ pub fn command() -> Command {
                 .value_name("HOST:PORT")
                 .help("Address of a Dask scheduler that is there already"),
         )
-        .arg(Arg::new("print").long("print").action(ArgAction::SetTrue).help("Write the script, do not run it"))
+        .arg(Arg::new("print").long("print").action(ArgAction::SetTrue).help("Write the script, run nothing"))
 }
 
 pub fn run(job: &Job, matches: &ArgMatches) -> Result<Ending, Failure> {

@@ -27,7 +27,7 @@ with its options, what varies, how machines are chosen and which results to keep
 
 Results: samples.csv (a machine a row), summary.json (statistics, each with its interval) and report.html.
 Machines are kept in parts/ as they are computed: whoever stops the study, or kills it, starts it again and it
-goes on. Sample k depends on the seed and k alone, so that any way of sharing out the work gives the same rows.";
+goes on. Sample k depends on the seed and k alone, so that any sharing of the work gives the same rows.";
 
 const EXAMPLES: &str = "Examples:
   arcmin study new yield my-study.toml       write a commented study file to start from

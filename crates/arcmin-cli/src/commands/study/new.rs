@@ -12,10 +12,10 @@ pub fn command() -> Command {
         TEMPLATES.iter().map(|template| format!("\n  {:12} {}", template.name, template.summary)).collect();
     Command::new("new")
         .about("Write a commented study file to start from")
-        .long_about(format!("Writes a study file that can be run as it is, for one kind of question.\n\nTemplates:{list}"))
+        .long_about(format!("Writes a study file that can be run as it is.\n\nTemplates:{list}"))
         .after_help(
-            "Examples:\n  arcmin study new yield my-study.toml\n  arcmin study new optimise my-search.toml --design \
-             my-reducer.toml\n  arcmin study new --list",
+            "Examples:\n  arcmin study new yield my-study.toml\n  \
+             arcmin study new optimise my-search.toml --design my-reducer.toml\n  arcmin study new --list",
         )
         .arg(
             Arg::new("WHAT")
@@ -24,15 +24,12 @@ pub fn command() -> Command {
                 .help("File to write, and before it the template to start from [default: yield]"),
         )
         .arg(
-            Arg::new("design")
-                .long("design")
-                .value_name("FILE")
-                .help("Design file that the study is about, as seen from the study file [default: rv-40e-81.toml]"),
+            Arg::new("design").long("design").value_name("FILE").help(
+                "Design that the study is about, as seen from the study file [default: rv-40e-81.toml]",
+            ),
         )
         .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the templates"))
-        .arg(
-            Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite the file if it exists"),
-        )
+        .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite an existing file"))
 }
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {

@@ -3,7 +3,7 @@
 use super::{StudyReport, axis, named, percent};
 use crate::report::{Annotation, Axis, Block, Plot, Series, Style, Tone, significant};
 use crate::study::Kind;
-use crate::study::judge::JudgedResult;
+use crate::study::judge::{JudgedResult, is_life};
 use crate::study::part::Cell;
 use crate::study::statistics::{Life, Limits, PaperScale, ecdf, probability_paper, quantile};
 
@@ -36,7 +36,11 @@ impl StudyReport<'_> {
             Axis::new("Share of machines", "%").between(0.0, 100.0),
         )
         .half();
-        let steps = ecdf(&sorted);
+        // Lives that have not ended are longer than any that have.
+        let ongoing = if is_life(&result.key) { result.absent } else { 0 };
+        let mut all = sorted.clone();
+        all.resize(sorted.len() + ongoing, f64::INFINITY);
+        let steps = ecdf(&all);
         // A page needs no more steps than it has pixels.
         let every = steps.len().div_ceil(600);
         let thinned =

@@ -352,7 +352,10 @@ impl SearchReport<'_> {
                     let quantiles: Vec<Json> = [0.05, 0.5, 0.95]
                         .into_iter()
                         .filter_map(|share| quantile(values, share, confidence).ok())
-                        .map(|q| json!({ "share": q.share, "value": q.estimate, "interval": [q.interval.low, q.interval.high] }))
+                        .map(|q| {
+                            let ends = [q.interval.low, q.interval.high];
+                            json!({ "share": q.share, "value": q.estimate, "interval": ends })
+                        })
                         .collect();
                     (key.clone(), Json::Array(quantiles))
                 })
