@@ -21,6 +21,8 @@ pub mod machine;
 pub mod materials;
 pub mod named;
 pub mod progress;
+#[cfg(test)]
+mod property_tests;
 pub mod report;
 pub mod results;
 pub mod rig;

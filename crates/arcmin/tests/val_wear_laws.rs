@@ -1,12 +1,13 @@
 //! Wear laws against the measured lost motion of Lubricants 2025, 13(8), 362: 10.64″ after 600 h, 12.92″ after
 //! 1550 h. k is fitted to the first, the second is predicted.
 
+use arcmin::design::Value;
 use arcmin::dynamics::{BearingMeshing, JointSettings};
 use arcmin::geometry::Relief;
 use arcmin::load::ShareLoad;
 use arcmin::machine::Machine;
 use arcmin::tribology::{Local, LocalRate, WearLaw};
-use arcmin::units::{ARCSEC, HOUR, UM};
+use arcmin::units::{ARCSEC, HOUR, MPA, UM};
 use arcmin::wear::calibrate::{Observation, Observed, fit_and_predict};
 use arcmin::wear::{CoupledOptions, CoupledWear, Exposure};
 
@@ -15,9 +16,20 @@ fn observation(hours: f64, arcsec: f64) -> Observation {
 }
 
 fn machine(law: WearLaw) -> Machine {
-    let mut machine = arcmin::templates::rv_40e_81();
-    machine.wear.law = law;
-    machine
+    let keys: Vec<(&str, Value)> = match law {
+        WearLaw::Archard => Vec::new(),
+        WearLaw::PressurePower { exponent, threshold } => vec![
+            ("wear.law.name", "pressure-power".into()),
+            ("wear.law.exponent", exponent.into()),
+            ("wear.law.threshold_mpa", (threshold / MPA).into()),
+        ],
+        WearLaw::Smoothing { factor, depth } => vec![
+            ("wear.law.name", "smoothing".into()),
+            ("wear.law.factor", factor.into()),
+            ("wear.law.smoothing_depth_um", (depth / UM).into()),
+        ],
+    };
+    arcmin::templates::design("rv-40e-81").unwrap().with_all(keys).unwrap().machine()
 }
 
 /// The rows of the table in the chapter on validation: predicted increase at 1550 h in seconds of arc with ideal

@@ -1,6 +1,6 @@
 use super::{Finding, Severity, severity_if};
 use crate::geometry::unit;
-use crate::machine::{Bore, Kinematics, Machine, RollerBearing};
+use crate::machine::{Bore, Machine, RollerBearing, roller_spacing};
 use crate::units::{DEG, MM};
 
 /// Thinnest wall between two bores as a part of the smaller radius.
@@ -27,20 +27,7 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
 }
 
 fn ligament(machine: &Machine) -> Option<Finding> {
-    let disc = &machine.disc;
-    let cranks = &machine.crankshafts;
-    let circle = machine.gear_stage.centre_distance();
-    let mut bores: Vec<Bore> = (0..cranks.count)
-        .map(|k| Bore {
-            radius: disc.crank_bore_radius,
-            centre_radius: circle,
-            centre_angle: Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count),
-        })
-        .collect();
-    bores.extend(&disc.holes);
-    if disc.centre_hole_radius > 0.0 {
-        bores.push(Bore { radius: disc.centre_hole_radius, centre_radius: 0.0, centre_angle: 0.0 });
-    }
+    let bores = machine.disc_bores();
     let centre = |bore: &Bore| bore.centre_radius * unit(bore.centre_angle);
     let (wall, limit) = bores
         .iter()
@@ -180,8 +167,7 @@ fn gear_play(machine: &Machine) -> Finding {
 
 fn bearing(machine: &Machine, code: &'static str, bearing: &RollerBearing) -> Finding {
     debug_assert!(machine.disc_count > 0);
-    let spacing = bearing.pitch_diameter * (std::f64::consts::PI / bearing.roller_count as f64).sin();
-    let gap = spacing - bearing.roller_diameter;
+    let gap = roller_spacing(bearing.pitch_diameter, bearing.roller_count) - bearing.roller_diameter;
     let limit = 0.02 * bearing.roller_diameter;
     Finding {
         code,

@@ -7,6 +7,7 @@ use super::error::{DesignErrorKind, Source};
 use super::hint::plain;
 use super::{DesignError, DesignSections, resolve};
 use crate::geometry::unit;
+use crate::machine::roller_spacing;
 use crate::units::MM;
 
 /// Bytes in the file, if the value is in the file.
@@ -258,8 +259,7 @@ fn bearings(design: &DesignSections, source: &Source) -> Result<()> {
                 "both are diameters",
             ));
         }
-        let spacing = pitch * (std::f64::consts::PI / *bearing.roller_count as f64).sin();
-        if spacing < diameter {
+        if roller_spacing(pitch, *bearing.roller_count) < diameter {
             let fit = (std::f64::consts::PI / (diameter / pitch).asin()).floor();
             let message = format!(
                 "{} rollers of {diameter} mm do not fit on the pitch circle of {pitch} mm in bearings.{name}",

@@ -182,22 +182,24 @@ impl Linearisation for DenseLinearisation {
                 }
                 rhs.swap(column, pivot);
             }
-            for row in column + 1..n {
-                let factor = a[row * n + column] / largest;
+            // Slices of known length, so that the compiler takes several entries of a row at once.
+            let (above, below) = a.split_at_mut((column + 1) * n);
+            let pivot_row = &above[column * n + column + 1..];
+            for (offset, row) in below.chunks_exact_mut(n).enumerate() {
+                let factor = row[column] / largest;
                 if factor != 0.0 {
-                    for k in column + 1..n {
-                        a[row * n + k] -= factor * a[column * n + k];
+                    for (entry, pivot) in row[column + 1..].iter_mut().zip(pivot_row) {
+                        *entry -= factor * pivot;
                     }
-                    rhs[row] -= factor * rhs[column];
+                    rhs[column + 1 + offset] -= factor * rhs[column];
                 }
             }
         }
         for row in (0..n).rev() {
-            let mut sum = rhs[row];
-            for k in row + 1..n {
-                sum -= a[row * n + k] * rhs[k];
-            }
-            rhs[row] = sum / a[row * n + row];
+            let (solved_from, entries) = (row + 1, &a[row * n..(row + 1) * n]);
+            let known = entries[solved_from..].iter().zip(&rhs[solved_from..]);
+            let sum = known.fold(rhs[row], |sum, (entry, x)| sum - entry * x);
+            rhs[row] = sum / entries[row];
         }
         if rhs.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Singular) }
     }

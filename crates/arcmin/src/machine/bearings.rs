@@ -40,6 +40,12 @@ pub struct RollerBearing {
     pub dynamic_load_rating: Option<f64>,
 }
 
+/// Distance in m of the centres of neighbouring rollers, d_m sin(π/Z): neighbours touch where it is the diameter
+/// of a roller.
+pub fn roller_spacing(pitch_diameter: f64, roller_count: usize) -> f64 {
+    pitch_diameter * (std::f64::consts::PI / roller_count as f64).sin()
+}
+
 /// A linear radial support.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SupportStiffness {

@@ -14,7 +14,7 @@ mod tolerances;
 
 pub use access::InvalidAssumption;
 pub use angles::{CrankAngle, OutputAngle};
-pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness};
+pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness, roller_spacing};
 pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
 pub use kinematics::Kinematics;
 pub use part_wear::{PartWear, PartWearLaws, RollingWear};
@@ -41,26 +41,26 @@ use crate::geometry::{Profile, Relief, unit};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
-    pub name: String,
-    pub ring: PinRing,
+    pub(crate) name: String,
+    pub(crate) ring: PinRing,
     /// All discs are alike; they differ by the phase of their eccentric only.
-    pub disc: CycloidDisc,
-    pub disc_count: usize,
-    pub crankshafts: Crankshafts,
-    pub gear_stage: GearStage,
-    pub carrier: Carrier,
-    pub housing: Housing,
-    pub fixed_member: FixedMember,
-    pub bearings: BearingSet,
-    pub friction: Friction,
-    pub contact_law: ContactLaw,
-    pub contact_damping: Damping,
+    pub(crate) disc: CycloidDisc,
+    pub(crate) disc_count: usize,
+    pub(crate) crankshafts: Crankshafts,
+    pub(crate) gear_stage: GearStage,
+    pub(crate) carrier: Carrier,
+    pub(crate) housing: Housing,
+    pub(crate) fixed_member: FixedMember,
+    pub(crate) bearings: BearingSet,
+    pub(crate) friction: Friction,
+    pub(crate) contact_law: ContactLaw,
+    pub(crate) contact_damping: Damping,
     /// Rated operating point: output torque in N·m, input speed in rad/s.
-    pub rated: DutyPoint,
+    pub(crate) rated: DutyPoint,
     /// Load spectrum for wear; one point with the share 1 where only the rated point is known.
-    pub duty: Vec<DutyPoint>,
-    pub wear: Wear,
-    pub limits: Limits,
+    pub(crate) duty: Vec<DutyPoint>,
+    pub(crate) wear: Wear,
+    pub(crate) limits: Limits,
 }
 
 /// What the user still accepts.
@@ -145,6 +145,19 @@ impl Machine {
             PinMounting::Fixed => self.friction.flank,
             PinMounting::Spinning => self.friction.flank.min(self.friction.pin_seat),
         }
+    }
+
+    /// All bores and holes of a disc: crank bores, further holes, centre hole, in this order.
+    pub fn disc_bores(&self) -> Vec<Bore> {
+        let (disc, cranks) = (&self.disc, &self.crankshafts);
+        let crank_bores = (0..cranks.count).map(|k| Bore {
+            radius: disc.crank_bore_radius,
+            centre_radius: self.gear_stage.centre_distance(),
+            centre_angle: Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count),
+        });
+        let centre = Bore { radius: disc.centre_hole_radius, centre_radius: 0.0, centre_angle: 0.0 };
+        let holes = disc.holes.iter().copied().chain([centre]);
+        crank_bores.chain(holes.filter(|hole| hole.radius > 0.0)).collect()
     }
 
     pub fn kinematics(&self) -> Kinematics {

@@ -294,6 +294,7 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     ring
 }
 
+/// What the design cannot have checked already: a machine holds to the design's own rules.
 fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
     let check = DynamicsError::require;
     if let Some(discs) = &settings.discs {
@@ -306,31 +307,6 @@ fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<()
         )?;
     }
     check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
-    let positive = [
-        ("stiffness scale", settings.stiffness_scale, ""),
-        ("mesh stiffness", machine.gear_stage.mesh_stiffness, "N/m"),
-        ("radial stiffness of the main bearings", machine.bearings.main.radial, "N/m"),
-        ("radial stiffness of the sun's support", machine.bearings.sun.radial, "N/m"),
-        ("mass of a crankshaft", machine.crankshafts.mass, "kg"),
-        ("inertia of a crankshaft", machine.crankshafts.inertia, "kg·m²"),
-        ("mass of a disc", machine.disc.mass, "kg"),
-        ("inertia of a disc", machine.disc.inertia, "kg·m²"),
-        ("mass of the carrier", machine.carrier.mass, "kg"),
-        ("inertia of the carrier", machine.carrier.inertia, "kg·m²"),
-        ("mass of the housing", machine.housing.mass, "kg"),
-        ("inertia of the housing", machine.housing.inertia, "kg·m²"),
-        ("span of the crank supports", machine.bearings.crank_support_span, "m"),
-        ("diameter of the crankshaft", machine.crankshafts.shaft_diameter, "m"),
-        ("regularisation speed of the friction", machine.friction.regularisation_speed, "m/s"),
-    ];
-    for (name, value, unit) in positive {
-        check(value > 0.0 && value.is_finite(), name, value, unit, "must be positive")?;
-    }
-    for (name, value) in [
-        ("torsional stiffness of the carrier", machine.carrier.torsional_stiffness),
-        ("torsional stiffness of the input shaft", machine.gear_stage.input_torsional_stiffness),
-    ] {
-        check(value > 0.0, name, value, "N·m/rad", "must be positive")?;
-    }
-    Ok(())
+    let scale = settings.stiffness_scale;
+    check(scale > 0.0 && scale.is_finite(), "stiffness scale", scale, "", "must be positive")
 }

@@ -1,13 +1,13 @@
-//! Invariants of contact and wear for every law on random machines.
+//! Invariants of geometry, load sharing and wear on random machines, for every law.
 
-use arcmin::contact::ContactLaw;
-use arcmin::geometry::{Relief, cross, unit};
-use arcmin::machine::{CrankAngle, Machine};
-use arcmin::tribology::WearLaw;
-use arcmin::units::{MM, UM};
-use arcmin::wear::{CoupledOptions, CoupledWear};
+use crate::contact::ContactLaw;
+use crate::geometry::{Relief, cross, unit};
+use crate::machine::{CrankAngle, Machine};
+use crate::tribology::WearLaw;
+use crate::units::{MM, UM};
+use crate::wear::{CoupledOptions, CoupledWear};
 use proptest::prelude::*;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Machines of 20 to 60 pins, 30 to 150 mm, with flanks that can be cut, loaded to 10 to 60 N/mm by the
 /// handbook's first guess.
@@ -15,7 +15,7 @@ fn machines() -> impl Strategy<Value = Machine> {
     let whole = (10..30usize, 1..=3usize);
     let real = (30.0..150.0f64, 0.5..0.85f64, 0.3..0.7f64, 4.0..30.0f64, 10.0..60.0f64, 0.0..20.0f64);
     (whole, real).prop_map(|((pins, discs), (circle, k1, pin, width, load, offset))| {
-        let mut machine = arcmin::templates::rv_40e_81();
+        let mut machine = crate::templates::rv_40e_81();
         let pins = 2 * pins;
         machine.ring.pin_count = pins;
         machine.ring.pin_circle_radius = circle * MM;
@@ -42,6 +42,41 @@ fn contact_laws() -> [ContactLaw; 5] {
         ContactLaw::Tao2024,
         ContactLaw::Impact { stiffness: 1e10, exponent: 1.2 },
     ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Tangent, normal and curvature of the flank agree with differences of its points, and a pin set onto the
+    /// flank at any depth finds its foot again.
+    #[test]
+    fn flanks_agree_with_differences_of_their_points(
+        machine in machines(),
+        place in 0.0..1.0f64,
+        depth in -20.0..20.0f64,
+    ) {
+        let profile = machine.profile();
+        let lobe = TAU / profile.lobe_count() as f64;
+        let (tau, h) = (lobe * place, 1e-5 * lobe);
+        let point = |steps: f64| profile.flank_point(tau + steps * h);
+        let normal = profile.outward_normal(tau);
+        let first = (8.0 * (point(1.0) - point(-1.0)) - (point(2.0) - point(-2.0))) / (12.0 * h);
+        prop_assert!((normal.norm() - 1.0).abs() < 1e-14);
+        prop_assert!(first.dot(&normal).abs() < 1e-7 * first.norm(), "{}", first.dot(&normal));
+
+        // Arc length per meshing angle is |df/dτ|/z_c, and the normal turns by the curvature times that length.
+        let cos = profile.meshing_angle(tau).cos();
+        let per_angle = profile.flank_length_per_meshing_angle(cos) * profile.lobe_count() as f64;
+        prop_assert!((first.norm() / per_angle - 1.0).abs() < 1e-6);
+        let turned = profile.outward_normal(tau + h) - profile.outward_normal(tau - h);
+        let curvature = -turned.dot(&first.normalize()) / (2.0 * h * per_angle);
+        let scale = curvature.abs().max(1.0 / profile.pin_circle_radius);
+        prop_assert!((curvature - profile.flank_curvature(cos)).abs() < 1e-6 * scale);
+
+        // Off the trace along its normal, short of the centre of curvature, the foot is the place started from.
+        let foot = profile.foot(profile.trace(tau) + depth * UM * normal, tau + 0.02 * lobe);
+        prop_assert!((foot.tau - tau).abs() < 1e-9, "{} {tau}", foot.tau);
+    }
 }
 
 proptest! {
@@ -108,7 +143,12 @@ proptest! {
             let mut machine = machine.clone();
             machine.wear.law = law;
             machine.wear.pin_ratio = unit;
-            let options = CoupledOptions { flank_points: 360, crank_positions: 8, depth_increment: 0.2 * UM, ..CoupledOptions::default() };
+            let options = CoupledOptions {
+                flank_points: 360,
+                crank_positions: 8,
+                depth_increment: 0.2 * UM,
+                ..CoupledOptions::default()
+            };
             let mut wear = CoupledWear::new(&machine, options);
             let mut last = wear.state().clone();
             for _ in 0..8 {
