@@ -1,7 +1,6 @@
 use super::RigError;
 use crate::dynamics::{
-    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Linearisation, System, Weights,
-    solve_equilibrium,
+    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, System, solve_equilibrium,
 };
 
 /// What the friction sees while the machine is in balance without inertia.
@@ -96,15 +95,5 @@ pub(super) fn run(model: &BearingJoints, start: &[f64], velocity: Vec<f64>) -> R
 /// dq/dT per unit of applied torque at the output: the tangent motion of the whole machine, friction left
 /// aside.
 pub(super) fn tangent(model: &BearingJoints, position: &[f64]) -> Result<Vec<f64>, RigError> {
-    let n = position.len();
-    let rest = vec![0.0; n];
-    let mut force = vec![0.0; n];
-    let mut linearisation = model.linearisation();
-    model.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
-    let mut motion = vec![0.0; n];
-    motion[model.output_index()] = 1.0;
-    linearisation
-        .solve(&rest, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion)
-        .map_err(|_| RigError::Loose)?;
-    Ok(motion)
+    model.motion_per_torque(position).ok_or(RigError::Loose)
 }

@@ -14,6 +14,7 @@ mod shaft;
 mod sharing;
 mod springs;
 mod system;
+mod tangent;
 #[cfg(test)]
 mod tests;
 
