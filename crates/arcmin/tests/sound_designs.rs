@@ -73,3 +73,21 @@ fn val_bearings_and_ideal_joints_agree_on_interference() {
     assert!(real.mean_play().arcmin() < 0.0 && real.max_preload() > 1000.0);
     assert!((real.mean_play().arcmin() / ideal - 1.0).abs() < 0.02, "{} {ideal}", real.mean_play().arcmin());
 }
+
+/// A hysteresis loop of designs whose bodies hang loose, with friction.
+#[test]
+fn hard_designs_run_on_the_test_bench() {
+    for name in [
+        "one_disc_loose_in_its_bearings",
+        "four_crankshafts_wide_clearance",
+        "carrier_at_rest_with_clearances",
+        "ten_pins_four_discs",
+    ] {
+        let machine = design(name).machine();
+        let points = arcmin::rig::hysteresis_loop(&machine, &JointSettings::default(), 0.0)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let figures = arcmin::rig::evaluate_loop(&points, machine.rated.torque.abs()).unwrap();
+        assert!(figures.stiffness > 0.0 && figures.lost_motion > 0.0, "{name}: {figures:?}");
+        assert!(figures.work > -1e-9, "{name}: {figures:?}");
+    }
+}

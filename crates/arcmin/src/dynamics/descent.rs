@@ -6,8 +6,10 @@ use super::{Linearisation, System, Weights};
 /// A line search ends when the work along the step has fallen to this share of what it was at its beginning.
 const ENOUGH: f64 = 0.2;
 const LINE_SEARCHES: usize = 25;
-/// So many steps without halving the forces mean that they cannot be balanced any further.
+/// So many steps without halving the forces mean that what is left may be a jump…
 const STUCK: usize = 80;
+/// …and so many that there is no way on: bodies cross a clearance under a force that stays as it is.
+const HOPELESS: usize = 600;
 
 /// Finds q with Q(q, 0, t) = 0 by descent in energy: (K + μ D) Δq = Q with D = 1/scale², and along every step
 /// the place where the forces no longer do work.
@@ -64,7 +66,7 @@ pub(super) fn descend<S: System>(
         if largest(&force) <= control.force_tolerance || (stuck && size <= jump) {
             return Some(Equilibrium { residual: largest(&force), position, balance, iterations: iteration });
         }
-        if stuck {
+        if iteration > halved.1 + HOPELESS {
             return None;
         }
         // Along the forces alone a step of one trust length.

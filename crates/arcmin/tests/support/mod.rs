@@ -154,7 +154,7 @@ fn design_text(draw: &mut Draw, seed: u64) -> String {
         if draw.chance(0.7) { 0.0 } else { draw.between(0.0, 10.0) }
     ));
     let rubs = draw.chance(0.7);
-    let mut rub = |draw: &mut Draw, high: f64| if rubs { draw.between(0.0, high) } else { 0.0 };
+    let rub = |draw: &mut Draw, high: f64| if rubs { draw.between(0.0, high) } else { 0.0 };
     add(format_args!(
         "[friction]\nflank_coefficient = {}\npin_seat_coefficient = {}\nbearing_coefficient = {}\n\
          gear_mesh_coefficient = {}\nseal_drag_n_m = {}",

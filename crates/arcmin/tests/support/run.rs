@@ -1,9 +1,11 @@
 //! The four analyses of one design by library calls, as the commands make them.
 
+use arcmin::analyses::AnalysisError;
 use arcmin::design::Design;
 use arcmin::dynamics::{BearingMeshing, JointSettings};
+use arcmin::fidelity::{Fidelity, Joints};
 use arcmin::geometry::Relief;
-use arcmin::life::{LifeOptions, predict_with};
+use arcmin::life::{LifeOptions, predict};
 use arcmin::load::ShareLoad;
 use arcmin::machine::ManufacturingErrors;
 use arcmin::progress::Silent;
@@ -123,20 +125,39 @@ fn wear(design: &Design) -> Result<(), Failure> {
 
 fn life(design: &Design) -> Result<(), Failure> {
     let machine = design.machine();
-    let settings = JointSettings::default();
-    let meshing = BearingMeshing::new(&machine, &settings).map_err(text)?;
+    let fidelity = Fidelity { joints: Joints::Bearings, ..Fidelity::ideal() };
     let options = LifeOptions { intervals: 6, crank_positions: 12, ..LifeOptions::default() };
-    let prediction = predict_with(&machine, meshing, &settings, options, &Silent)?;
+    let prediction = match predict(&machine, &fidelity, options, &Silent, |_| ()) {
+        Ok(prediction) => prediction,
+        Err(error @ AnalysisError::Stopped) => return Err(text(error)),
+        Err(error) => {
+            let words = chain(&error);
+            return Err(match words.contains("runs away") || words.contains("not reached") {
+                true => Failure::Named(words),
+                false => Failure::Failed(words),
+            });
+        }
+    };
     for point in &prediction.points {
-        all_finite(&[point.max_force, point.play.arcmin(), point.lost_motion.arcmin()])?;
-        if let Some(parts) = &point.parts {
-            let split = parts.lost_motion;
-            if !(split.residual().abs() <= 0.1 * split.whole.abs()) {
-                return Err(Failure::Failed(format!("causes leave {} of {}", split.residual(), split.whole)));
-            }
+        let accuracy = &point.accuracy;
+        all_finite(&[accuracy.max_force, accuracy.play.arcmin(), point.lost_motion().arcmin()])?;
+        let split = point.parts.lost_motion;
+        if !(split.residual().abs() <= 0.1 * split.whole.abs()) {
+            return Err(Failure::Failed(format!("causes leave {} of {}", split.residual(), split.whole)));
         }
     }
-    Ok(())
+    match prediction.runs_away {
+        Some(end) => Err(Failure::Named(format!("wear runs away at {:.0} h", end.hours))),
+        None => Ok(()),
+    }
+}
+
+/// An error with its causes.
+fn chain(error: &dyn std::error::Error) -> String {
+    std::iter::successors(Some(error), |error| error.source())
+        .map(ToString::to_string)
+        .collect::<Vec<_>>()
+        .join(": ")
 }
 
 fn bench(design: &Design, errors: ManufacturingErrors) -> Result<(), Failure> {

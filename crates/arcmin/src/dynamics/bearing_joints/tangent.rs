@@ -1,6 +1,7 @@
-//! How a machine in balance yields.
+//! How a machine in balance yields, and easier machines on the way to a hard one.
 
 use super::BearingJoints;
+use crate::contact::Sliding;
 use crate::dynamics::{Linearisation, System, Weights};
 
 /// Square of 10 rad/s: inertia of a body at such a pace is some 1e-6 of any contact's stiffness.
@@ -24,6 +25,27 @@ impl BearingJoints {
             linearisation.solve(self.mass(), weights, &mut motion).ok()?;
             (motion[output] > 0.0 && motion[output] < LOOSE).then_some(motion)
         })
+    }
+
+    /// The same machine with all friction and drag multiplied by `share`.
+    pub(crate) fn with_friction(&self, share: f64) -> BearingJoints {
+        let mut model = self.clone();
+        for ring in &mut model.rings {
+            let less = |sliding: &Sliding| Sliding { coefficient: share * sliding.coefficient, ..*sliding };
+            let sliding = ring.sliding().map(less);
+            ring.set_sliding(sliding);
+        }
+        let friction = &mut model.friction;
+        friction.bearing *= share;
+        friction.gear_mesh *= share;
+        friction.oil_drag *= share;
+        model.drag *= share;
+        model
+    }
+
+    /// Constant torque at the output in N·m.
+    pub(crate) fn constant_load(&self) -> f64 {
+        self.load.torque(0.0)
     }
 }
 
