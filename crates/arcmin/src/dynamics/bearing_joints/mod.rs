@@ -16,6 +16,7 @@ mod roller;
 mod shaft;
 mod sharing;
 mod system;
+mod tangent;
 #[cfg(test)]
 mod tests;
 

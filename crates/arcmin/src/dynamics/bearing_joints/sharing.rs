@@ -2,7 +2,7 @@
 
 use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
-use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
+use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
@@ -305,15 +305,7 @@ impl BearingMeshing {
 
     /// dT/dφ at the output of the whole machine in N·m/rad.
     fn stiffness(&self, position: &[f64]) -> Option<f64> {
-        let n = position.len();
-        let rest = vec![0.0; n];
-        let mut force = vec![0.0; n];
-        let mut linearisation = self.model.linearisation();
-        self.model.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
-        let mut motion = vec![0.0; n];
-        motion[self.model.output_index()] = 1.0;
-        linearisation.solve(&rest, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion).ok()?;
-        Some(1.0 / motion[self.model.output_index()])
+        Some(1.0 / self.model.motion_per_torque(position)?[self.model.output_index()])
     }
 }
 
@@ -375,7 +367,7 @@ impl ShareLoad for BearingMeshing {
         )
     }
 
-    /// A body that no contact holds leaves the stiffness at 0.
+    /// An output that nothing holds has the stiffness 0.
     fn share(
         &mut self,
         crank: CrankAngle,
