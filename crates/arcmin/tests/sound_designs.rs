@@ -8,7 +8,7 @@ use arcmin::geometry::Relief;
 use arcmin::load::ShareLoad;
 use arcmin::wear::calibrate::coupled_exposure;
 use arcmin::wear::paper::PaperWear;
-use arcmin::wear::{CoupledOptions, CoupledWear, WearError};
+use arcmin::wear::{CoupledOptions, CoupledWear};
 use support::run::{Analysis, Outcome, run};
 
 fn design(name: &str) -> Design {
@@ -55,10 +55,11 @@ fn a_duty_without_speed_wears_nothing() {
 #[test]
 fn wear_that_runs_away_says_so() {
     let machine = design("runs_away").machine();
-    let Err(WearError::RunsAway { exposure, depth_um }) = PaperWear::deep_enough(&machine, 7500.0) else {
-        panic!("it does not run away");
-    };
-    assert!(exposure > 0.0 && depth_um > 100.0, "{exposure} {depth_um}");
+    let wear = PaperWear::deep_enough(&machine, 7500.0).unwrap();
+    let (hours, depth) = wear.runs_away.expect("it does not run away");
+    assert!(hours > 0.0 && hours < 7500.0 && depth > 100e-6, "{hours} {depth}");
+    assert!((wear.depth_at(hours) / depth - 1.0).abs() < 1e-9);
+    assert_eq!(wear.depth_at(0.0), 0.0);
 }
 
 /// Preload of a machine with bearings that nothing but the teeth yields in is that of ideal joints; the

@@ -42,8 +42,8 @@ pub struct Prediction {
     pub exposure: Exposure,
     /// Updates of the flank over the service life.
     pub updates: usize,
-    /// Hours until the lost motion of the whole machine reaches the design's limit, or wear runs away before;
-    /// `None` if neither happens within [`Prediction::searched_hours`].
+    /// Hours until the lost motion of the whole machine reaches the design's limit; `None` if it does not
+    /// within [`Prediction::searched_hours`].
     pub hours_to_limit: Option<f64>,
     /// How far the limit was looked for.
     pub searched_hours: f64,
@@ -104,8 +104,7 @@ pub fn predict(
     for interval in 0..=options.intervals {
         let share = interval as f64 / options.intervals as f64;
         match course.advance_to(service_hours * share, progress) {
-            Err(WearError::RunsAway { exposure, depth_um }) => {
-                let hours = course.exposure().time_at(exposure) / HOUR;
+            Err(WearError::RunsAwayAt { hours, depth_um }) => {
                 runs_away = Some(RunAway { hours, depth: depth_um * UM });
                 break;
             }
@@ -137,9 +136,7 @@ pub fn predict(
         points.iter().map(|point| (point.hours(), point.lost_motion().radians())).collect();
     let (hours_to_limit, searched_hours) = match runs_away {
         None => search_limit(&mut course, machine, options, history, progress).map_err(failed())?,
-        Some(RunAway { hours, .. }) => {
-            (crossing(&history, machine.limits.lost_motion).or(Some(hours)), hours)
-        }
+        Some(RunAway { hours, .. }) => (crossing(&history, machine.limits.lost_motion), hours),
     };
     Ok(Prediction { points, exposure, updates, hours_to_limit, searched_hours, runs_away })
 }
@@ -175,7 +172,7 @@ fn search_limit(
             Ok(lost) => history.push((hours, lost)),
             // Far beyond the service life a flank may be worn out of the model's reach; the search ends where
             // it still held.
-            Err(WearError::Load(_) | WearError::RunsAway { .. }) => break,
+            Err(WearError::Load(_) | WearError::RunsAwayAt { .. }) => break,
             Err(error) => return Err(error),
         }
         searched_hours = hours;

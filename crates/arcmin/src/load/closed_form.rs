@@ -34,11 +34,11 @@ pub struct ClosedForm {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClosedFormError {
     #[error(
-        "the closed form of the load sharing did not settle in {iterations} iterations (largest force {max_force:.6e} N); use the equilibrium method"
+        "the closed form of the load sharing did not settle in {iterations} iterations (largest force {max_force:.6e} N)"
     )]
     NotConverged { iterations: usize, max_force: f64 },
     #[error(
-        "the closed form has no solution: after rotation to first contact the offsets leave a gap of {smallest_gap_um:.2} µm, and the overlap alone bears more than the torque; use the equilibrium method"
+        "the closed form has no solution: after rotation to first contact the offsets leave a gap of {smallest_gap_um:.2} µm, and the overlap alone bears more than the torque"
     )]
     Overlap { smallest_gap_um: f64 },
     #[error("the closed form needs a positive torque, not {0} N·m")]

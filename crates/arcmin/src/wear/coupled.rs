@@ -41,6 +41,10 @@ pub enum WearError {
         "wear runs away: after an exposure of {exposure:.3e} s/Pa flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
     )]
     RunsAway { exposure: f64, depth_um: f64 },
+    #[error(
+        "wear runs away: after {hours:.4} h flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
+    )]
+    RunsAwayAt { hours: f64, depth_um: f64 },
     #[error("stopped")]
     Stopped,
 }
@@ -151,7 +155,7 @@ fn runs_away(exposure: f64, depth: f64) -> WearError {
 }
 
 /// Depth over pin radius at which flank or pin are gone.
-pub(super) const WORN_OUT: f64 = 0.25;
+pub(crate) const WORN_OUT: f64 = 0.25;
 /// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
 const RUN_AWAY: f64 = 0.02;
 /// Largest increment of the depth per update as a share of the depth reached: it takes over from the

@@ -83,9 +83,9 @@ impl From<String> for Failure {
 impl From<WearError> for Failure {
     fn from(error: WearError) -> Failure {
         match error {
-            WearError::RunsAway { .. } | WearError::TargetNotReached { .. } => {
-                Failure::Named(error.to_string())
-            }
+            WearError::RunsAway { .. }
+            | WearError::RunsAwayAt { .. }
+            | WearError::TargetNotReached { .. } => Failure::Named(error.to_string()),
             error => Failure::Failed(error.to_string()),
         }
     }

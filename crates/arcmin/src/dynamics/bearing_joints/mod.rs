@@ -13,6 +13,7 @@ mod preload;
 mod registry;
 mod rings;
 mod roller;
+mod running;
 mod shaft;
 mod sharing;
 mod system;
