@@ -217,7 +217,7 @@ fn worn(design: &Design, path: &Path, out: &Path, hours: f64) -> Result<Relief, 
         .map_err(arcmin::analyses::AnalysisError::from)
         .and_then(|options| Fidelity::resolve(design, &options, &host))
         .and_then(|fidelity| worn_after(&design.machine(), &fidelity, hours, &host))
-        .map_err(|error| Failure::Analysis { error, options: None, has_error_findings: false })?;
+        .map_err(|error| Failure::Analysis { error, options: None, finding: None })?;
     Ok(state.surfaces.flanks[0].clone())
 }
 
