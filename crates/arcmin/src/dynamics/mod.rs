@@ -1,6 +1,7 @@
 //! Multibody dynamics: equations of motion, their integration in time, static equilibrium, and the models.
 
 mod bearing_joints;
+mod descent;
 mod drive;
 mod elastic_disc;
 mod equilibrium;

@@ -177,6 +177,22 @@ impl Fidelity {
             .map_err(AnalysisError::compute("set up the machine in its bearings"))
     }
 
+    /// [`Fidelity::meshing`] in steady running at rated speed, with the machine's friction.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] with ideal joints, which know no friction, or where the machine cannot be modelled so.
+    pub fn running_meshing(&self, machine: &Machine) -> Result<MachineMeshing, AnalysisError> {
+        if self.joints == Joints::Ideal {
+            return Err(AnalysisError::usage(
+                "ideal joints share the load without friction",
+                "friction acts on the whole machine: joints = bearings",
+            ));
+        }
+        let meshing = BearingMeshing::running(machine, &self.joint_settings()?)
+            .map_err(AnalysisError::compute("set up the machine in its bearings"))?;
+        Ok(MachineMeshing::Bearings(Box::new(meshing)))
+    }
+
     /// What the multibody model in bearings takes, new surfaces.
     ///
     /// # Errors

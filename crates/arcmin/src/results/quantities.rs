@@ -37,6 +37,14 @@ pub const MAX_DEPTH_AT: Quantity =
 pub const MAX_PIN_DEPTH: Quantity =
     quantity("max_pin_depth_um", decimals(2), "Largest depth worn off a pin.");
 
+pub const PRELOAD: Quantity =
+    quantity("preload_n", decimals(1), "Largest force of a pin without load; 0 where there is play.");
+pub const PRELOAD_FRICTION: Quantity = quantity(
+    "preload_friction_n_m",
+    decimals(3),
+    "Friction torque at the output that the preload causes, with the design's flank friction; mean over the \
+     cycle.",
+);
 pub const PLAY: Quantity = quantity(
     "play_arcmin",
     decimals(3),

@@ -109,3 +109,55 @@ pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<Ru
     let back_driving = if slope < 0.0 { offset / -slope } else { f64::INFINITY };
     Ok(RunningTorques { no_load, starting, back_driving })
 }
+
+/// Losses at one speed as a straight line over the torque.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct LossLine {
+    pub input_speed_rad_per_s: f64,
+    /// Share of the torque that arrives: the motor drives, the load drives.
+    pub efficiency: [f64; 2],
+    /// Friction torque at the input in N·m that does not depend on the torque, in either case.
+    pub friction_n_m: [f64; 2],
+    /// Largest distance of a balance from its line, N·m at the input.
+    pub left_n_m: f64,
+}
+
+/// Lines τ_in = T/(i η₁) + τ₁ (the motor drives) and τ_in = τ₂ − T η₂/i (the load drives) through balances of
+/// the running machine between 10 % and 100 % of the rated torque, for some speeds.
+///
+/// # Errors
+/// [`RigError`] where a balance cannot be found.
+pub fn loss_lines(machine: &Machine, settings: &JointSettings) -> Result<Vec<LossLine>, RigError> {
+    use rayon::prelude::*;
+    const SPEEDS: [f64; 4] = [0.1, 0.5, 1.0, 1.5];
+    const SHARES: [f64; 3] = [0.1, 0.5, 1.0];
+    let rated = machine.rated.torque.abs();
+    SPEEDS
+        .into_par_iter()
+        .map(|share| {
+            let mut model = bench(machine, settings)?;
+            let ratio = model.kinematics().ratio().abs();
+            let speed = share * machine.rated.input_speed.abs();
+            let mut line = |side: f64| -> Result<(f64, f64, f64), RigError> {
+                let mut points = [(0.0, 0.0); SHARES.len()];
+                for (point, share) in points.iter_mut().zip(SHARES) {
+                    *point = (share * rated, input_torque(&mut model, rated, side * share * rated, speed)?);
+                }
+                let n = points.len() as f64;
+                let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
+                let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
+                    / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
+                let left = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).abs()).fold(0.0, f64::max);
+                Ok((slope, y - slope * x, left))
+            };
+            let (driving, friction, first) = line(1.0)?;
+            let (driven, back, second) = line(-1.0)?;
+            Ok(LossLine {
+                input_speed_rad_per_s: speed,
+                efficiency: [1.0 / (driving * ratio), -driven * ratio],
+                friction_n_m: [friction, back],
+                left_n_m: first.max(second),
+            })
+        })
+        .collect()
+}

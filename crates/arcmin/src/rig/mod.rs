@@ -19,7 +19,7 @@ mod transmission;
 
 pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
-pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
+pub use efficiency::{EfficiencyMap, LossLine, RunningTorques, efficiency_map, loss_lines, running_torques};
 pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
     stiffness_split,

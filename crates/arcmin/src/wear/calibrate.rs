@@ -294,7 +294,7 @@ impl WearCurve {
 }
 
 /// Exposure curve of a machine from its coupled coefficient, calibrated on the coupled prediction with the
-/// joints of `meshing` where asked for.
+/// joints of `meshing` where asked for; without wear, where the duty makes none.
 ///
 /// # Errors
 /// [`WearError`] when the prediction fails or the target is out of reach.
@@ -310,5 +310,10 @@ pub fn coupled_exposure<S: ShareLoad + Clone>(
             Observation { time, value: Observed::LostMotionIncrease(increase) }
         }
     };
-    Ok(fit_with(machine, meshing, options, &[observation])?.exposure)
+    match fit_with(machine, meshing, options, &[observation]) {
+        Ok(calibration) => Ok(calibration.exposure),
+        // Whatever the coefficient, a duty that moves nothing under load wears nothing.
+        Err(WearError::NoWear) => Ok(Exposure::new(0.0, &machine.wear)),
+        Err(error) => Err(error),
+    }
 }

@@ -13,6 +13,7 @@ pub mod paper;
 pub mod parts;
 mod smoothing;
 
+pub(crate) use coupled::WORN_OUT;
 pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
 pub use deposit::FlankArc;
 pub use exposure::Exposure;

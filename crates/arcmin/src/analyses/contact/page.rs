@@ -47,7 +47,17 @@ fn heading(contact: &Contact) -> String {
         (hours, _) => format!("after {hours:.0} h"),
     };
     let (name, torque) = (&contact.machine.name, contact.torque);
-    format!("{name}: {torque} N·m, {state}; {}", contact.fidelity.sentence())
+    let friction = match &contact.friction {
+        None => String::new(),
+        Some((f, assumed)) => format!(
+            ", running with {}friction (flank {}, bearings {}, gear mesh {})",
+            if *assumed { "assumed " } else { "" },
+            f.flank,
+            f.bearing,
+            f.gear_mesh
+        ),
+    };
+    format!("{name}: {torque} N·m, {state}{friction}; {}", contact.fidelity.sentence())
 }
 
 /// The pins that bear most and least, where they differ.

@@ -6,7 +6,8 @@ use crate::life::{LifePoint, Prediction};
 use crate::machine::Machine;
 use crate::report::{Tone, compact, significant};
 use crate::results::Value;
-use crate::units::{ARCMIN, HOUR, MPA, RPM};
+use crate::units::{ARCMIN, HOUR, MPA, RPM, UM};
+use crate::wear::WORN_OUT;
 
 /// What can end a life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +21,7 @@ pub enum LimitKind {
     EmergencyTorque,
     OutputSpeed,
     CatalogueLife,
+    Wear,
     Findings,
 }
 
@@ -36,6 +38,7 @@ impl LimitKind {
             LimitKind::EmergencyTorque => "emergency_torque",
             LimitKind::OutputSpeed => "output_speed",
             LimitKind::CatalogueLife => "catalogue_life",
+            LimitKind::Wear => "wear",
             LimitKind::Findings => "findings",
         }
     }
@@ -52,6 +55,7 @@ impl LimitKind {
             LimitKind::EmergencyTorque => "emergency torque",
             LimitKind::OutputSpeed => "output speed",
             LimitKind::CatalogueLife => "catalogue life",
+            LimitKind::Wear => "wear",
             LimitKind::Findings => "error findings",
         }
     }
@@ -63,6 +67,7 @@ impl LimitKind {
             LimitKind::ContactPressure | LimitKind::EmergencyTorque => "MPa",
             LimitKind::BearingLife | LimitKind::CatalogueLife => "h",
             LimitKind::StartStopTorque => "N·m",
+            LimitKind::Wear => "µm",
             LimitKind::OutputSpeed => "rpm",
             LimitKind::Findings => "",
         }
@@ -119,6 +124,7 @@ impl Judged<'_> {
         let mut limits = vec![self.lost_motion(), self.contact_pressure(service_h)];
         limits.extend(self.bearing_life(service_h));
         limits.extend(self.of_the_maker(service_h));
+        limits.extend(self.runs_away());
         limits.extend(self.findings());
         LifeVerdict { limits, service_h, searched_h: self.prediction.searched_hours }
     }
@@ -223,6 +229,18 @@ impl Judged<'_> {
         .collect()
     }
 
+    /// Wear that has consumed flank or pin within the service life.
+    fn runs_away(&self) -> Option<Limit> {
+        self.prediction.runs_away.map(|end| Limit {
+            kind: LimitKind::Wear,
+            place: None,
+            value: end.depth / UM,
+            allowed: WORN_OUT * self.machine.ring.pin_radius / UM,
+            hours: Some(end.hours),
+            transient: false,
+        })
+    }
+
     fn findings(&self) -> Option<Limit> {
         let errors: Vec<&str> = self
             .findings
@@ -296,6 +314,9 @@ impl Limit {
                 format!("The duty turns the output at {value} {unit}, {allowed} {unit} allowed")
             }
             LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours:.0} h"),
+            LimitKind::Wear => {
+                format!("Wear runs away: flank or pin are gone, {value} µm deep, after {hours:.1} h")
+            }
             LimitKind::Findings => {
                 format!("The design has error findings: {}", self.place.as_deref().unwrap_or(""))
             }

@@ -13,9 +13,11 @@ mod preload;
 mod registry;
 mod rings;
 mod roller;
+mod running;
 mod shaft;
 mod sharing;
 mod system;
+mod tangent;
 #[cfg(test)]
 mod tests;
 

@@ -221,6 +221,10 @@ impl Joint for Journal {
         Some(self)
     }
 
+    fn scale_friction(&mut self, share: f64) {
+        self.losses.scale_friction(share);
+    }
+
     fn boxed(&self) -> Box<dyn Joint> {
         Box::new(self.clone())
     }

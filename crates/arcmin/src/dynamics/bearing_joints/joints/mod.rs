@@ -51,6 +51,9 @@ pub(super) trait Joint: Debug + Send + Sync {
     /// Takes over what bearings and gears have lost.
     fn set_wear(&mut self, _wear: &PartWear) {}
 
+    /// Multiplies the friction of the joint.
+    fn scale_friction(&mut self, _share: f64) {}
+
     /// Adds the loads that wear the joint.
     fn add_loads(&self, _at: State<'_>, _loads: &mut PartLoads) {}
 
@@ -93,6 +96,11 @@ pub(super) struct Losses {
 }
 
 impl Losses {
+    fn scale_friction(&mut self, share: f64) {
+        self.friction.bearing *= share;
+        self.friction.gear_mesh *= share;
+    }
+
     /// v/√(v² + v_r²) and its derivative: regularised Coulomb friction.
     fn coulomb(&self, speed: f64) -> (f64, f64) {
         let floor = self.friction.regularisation_speed;
