@@ -1,6 +1,7 @@
 //! Files and terminal: reading designs, writing results, progress, Ctrl-C.
 
 mod output;
+mod pace;
 mod terminal;
 mod text;
 

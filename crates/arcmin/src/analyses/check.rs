@@ -1,8 +1,8 @@
 //! Is the design sound? Findings with value, limit, reason and remedy.
 
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Host, Origin, Outcome, Said, inputs};
 use crate::checks::{Finding, Severity, check_design, worst};
-use crate::design::{Design, optional, options};
+use crate::design::{Design, InputFile, optional, options};
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,
@@ -78,10 +78,39 @@ pub fn tables() -> Vec<DeclaredTable> {
 ///
 /// # Errors
 /// None today; the type is that of every analysis.
-pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<Check, AnalysisError> {
+pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check, AnalysisError> {
     let mut findings = check_design(design);
+    findings.extend(measured_flanks(design, host));
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     Ok(Check { findings, name: design.name.value.clone(), explain: options.explain })
+}
+
+/// Whether the files that the design names are there and can be used; nothing if it names none.
+fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
+    let flanks = design.measured_flanks();
+    let lobes = design.machine().ring.pin_count - 1;
+    let wrong: Vec<String> = flanks
+        .iter()
+        .filter_map(|flank| {
+            let file = InputFile(flank.file.clone());
+            let read = host.read(&file, Origin::Design).and_then(|bytes| inputs::measured_flank(&file, &bytes, lobes));
+            read.err().map(|error| error.to_string())
+        })
+        .collect();
+    let severity = if wrong.is_empty() { Severity::Info } else { Severity::Error };
+    (!flanks.is_empty()).then(|| Finding {
+        code: "measured-flanks",
+        severity,
+        message: match wrong.is_empty() {
+            true => format!("measured flanks are there and can be used: {}", flanks.len()),
+            false => wrong.join("; "),
+        },
+        value: wrong.len() as f64,
+        limit: 0.0,
+        unit: "",
+        why: "whatever takes the errors of the design into account needs the flanks that it names",
+        change: "put the file beside the design file with rows angle_deg,depth_um around the whole disc, or take it out of [errors]",
+    })
 }
 
 impl Check {

@@ -70,6 +70,7 @@ fn shown_columns(life: &Life) -> Vec<&'static str> {
 fn limit_row(limit: &Limit, verdict: &LifeVerdict) -> [String; 5] {
     let unit = limit.kind.unit();
     let amount = |value: f64| match unit {
+        "" if limit.kind == LimitKind::ContactFatigue => format!("damage {}", significant(value, 3)),
         "h" | "" => format!("{value:.0} {unit}").trim().to_owned(),
         _ => format!("{} {unit}", significant(value, if unit == "MPa" { 4 } else { 3 })),
     };
@@ -87,7 +88,8 @@ fn limit_row(limit: &Limit, verdict: &LifeVerdict) -> [String; 5] {
         Some(place) => format!("{}: {place}", limit.kind.name()),
         None => limit.kind.name().to_owned(),
     };
-    [name, amount(limit.value), format!("{} {unit}", compact(limit.allowed, 4)), hours, judged.to_owned()]
+    let allowed = format!("{} {unit}", compact(limit.allowed, 4)).trim().to_owned();
+    [name, amount(limit.value), allowed, hours, judged.to_owned()]
 }
 
 fn limits_text(verdict: &LifeVerdict) -> TextTable {

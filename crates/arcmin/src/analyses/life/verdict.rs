@@ -1,6 +1,7 @@
 //! One verdict over all limits of a machine, each with the hours for which it is kept.
 
 use super::bearings::{BearingLives, catalogue_life_at_duty};
+use super::fatigue::fatigue;
 use crate::checks::{Finding, Severity};
 use crate::life::{LifePoint, Prediction};
 use crate::machine::Machine;
@@ -20,6 +21,7 @@ pub enum LimitKind {
     EmergencyTorque,
     OutputSpeed,
     CatalogueLife,
+    ContactFatigue,
     Findings,
 }
 
@@ -36,6 +38,7 @@ impl LimitKind {
             LimitKind::EmergencyTorque => "emergency_torque",
             LimitKind::OutputSpeed => "output_speed",
             LimitKind::CatalogueLife => "catalogue_life",
+            LimitKind::ContactFatigue => "contact_fatigue",
             LimitKind::Findings => "findings",
         }
     }
@@ -52,6 +55,7 @@ impl LimitKind {
             LimitKind::EmergencyTorque => "emergency torque",
             LimitKind::OutputSpeed => "output speed",
             LimitKind::CatalogueLife => "catalogue life",
+            LimitKind::ContactFatigue => "fatigue of flanks and pins",
             LimitKind::Findings => "error findings",
         }
     }
@@ -64,7 +68,7 @@ impl LimitKind {
             LimitKind::BearingLife | LimitKind::CatalogueLife => "h",
             LimitKind::StartStopTorque => "N·m",
             LimitKind::OutputSpeed => "rpm",
-            LimitKind::Findings => "",
+            LimitKind::ContactFatigue | LimitKind::Findings => "",
         }
     }
 }
@@ -189,6 +193,13 @@ impl Judged<'_> {
         let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
         let speed =
             duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
+        let fatigue = limits.contact_endurance.map(|endurance| {
+            let history = self.history(|point| point.accuracy.max_pressure);
+            let (value, hours) =
+                fatigue(self.machine, &history, endurance, self.prediction.searched_hours.max(service_h));
+            let kind = LimitKind::ContactFatigue;
+            Limit { kind, place: None, value, allowed: 1.0, hours, transient: false }
+        });
         let catalogue = limits.catalogue_life.and_then(|life| {
             let hours = catalogue_life_at_duty(self.machine, life / HOUR)?;
             Some(Limit {
@@ -217,6 +228,7 @@ impl Judged<'_> {
             }),
             at_once(LimitKind::OutputSpeed, limits.output_speed.map(|limit| limit / RPM), speed),
             catalogue,
+            fatigue,
         ]
         .into_iter()
         .flatten()
@@ -296,6 +308,9 @@ impl Limit {
                 format!("The duty turns the output at {value} {unit}, {allowed} {unit} allowed")
             }
             LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours:.0} h"),
+            LimitKind::ContactFatigue => {
+                format!("Flanks and pins are tired after {hours:.0} h (damage {value} by the end)")
+            }
             LimitKind::Findings => {
                 format!("The design has error findings: {}", self.place.as_deref().unwrap_or(""))
             }
