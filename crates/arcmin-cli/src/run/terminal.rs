@@ -22,7 +22,7 @@ static CANCELLED: AtomicBool = AtomicBool::new(false);
 static CHECKPOINTED: AtomicBool = AtomicBool::new(false);
 /// How long a run that was asked to stop may take to end by itself and keep its last state. Nothing is lost by
 /// ending it then: results appear whole at the end, checkpoints whole on the way.
-const GRACE: Duration = Duration::from_millis(200);
+const GRACE: Duration = Duration::from_millis(120);
 /// Work shorter than this needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// A run that is killed loses this much at most.
@@ -41,7 +41,9 @@ fn stop() {
     let _nothing_is_written_any_more = withdraw();
     let failure = match CHECKPOINTED.load(Ordering::SeqCst) {
         true => Failure::Ended,
-        false => Failure::Analysis { error: AnalysisError::Stopped, options: None, has_error_findings: false },
+        false => {
+            Failure::Analysis { error: AnalysisError::Stopped, options: None, has_error_findings: false }
+        }
     };
     // The bar, where there is one, stands on the line of the cursor.
     if std::io::stderr().is_terminal() {

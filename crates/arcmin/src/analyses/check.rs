@@ -93,7 +93,9 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
         .iter()
         .filter_map(|flank| {
             let file = InputFile(flank.file.clone());
-            let read = host.read(&file, Origin::Design).and_then(|bytes| inputs::measured_flank(&file, &bytes, lobes));
+            let read = host
+                .read(&file, Origin::Design)
+                .and_then(|bytes| inputs::measured_flank(&file, &bytes, lobes));
             read.err().map(|error| error.to_string())
         })
         .collect();
@@ -164,29 +166,46 @@ impl Outcome for Check {
             Severity::Warning => Tone::Caution,
             Severity::Info => Tone::Good,
         };
-        let row = |f: &Finding| {
-            vec![
-                f.severity.word().to_owned(),
-                f.code.to_owned(),
-                f.message.clone(),
-                f.why.into(),
-                f.change.into(),
-            ]
-        };
-        let table = crate::report::Table {
-            title: "Findings".to_owned(),
-            columns: ["Severity", "Check", "Finding", "Why it matters", "What to change"]
-                .map(Head::text)
-                .into(),
-            rows: self.findings.iter().map(row).collect(),
-            note: "Worst first. The same list is in `findings.csv`.".to_owned(),
-        };
+        let (wrong, passed): (Vec<&Finding>, Vec<&Finding>) =
+            self.findings.iter().partition(|finding| finding.severity > Severity::Info);
+        let mut blocks = Vec::new();
+        if !wrong.is_empty() {
+            let row = |f: &&Finding| {
+                vec![
+                    f.severity.word().to_uppercase(),
+                    f.code.to_owned(),
+                    f.message.clone(),
+                    f.why.into(),
+                    f.change.into(),
+                ]
+            };
+            blocks.push(Block::Table(crate::report::Table {
+                title: "What is wrong".to_owned(),
+                columns: ["Severity", "Check", "Finding", "Why it matters", "What to change"]
+                    .map(Head::text)
+                    .into(),
+                rows: wrong.iter().map(row).collect(),
+                note: "Worst first. All checks are in `findings.csv`.".to_owned(),
+            }));
+        }
+        let row = |f: &&Finding| vec![f.code.to_owned(), f.message.clone()];
+        blocks.push(Block::Table(crate::report::Table {
+            title: "What is sound".to_owned(),
+            columns: ["Check", "Finding"].map(Head::text).into(),
+            rows: passed.iter().map(row).collect(),
+            note: "`arcmin check --explain` says of every check why it matters.".to_owned(),
+        }));
+        let mut verdict = Verdict::new(tone, format!("{}.", self.sentence()));
+        if let Some(first) = wrong.first() {
+            verdict.answers.push((format!("First of all: {}", first.code), first.message.clone()));
+            verdict.answers.push(("What to change".to_owned(), first.change.to_owned()));
+        }
         Page {
             title: self.name.clone(),
             subtitle: "Is the design sound?".to_owned(),
             provenance: Provenance::default(),
-            verdict: Verdict::new(tone, format!("{}.", self.sentence())),
-            sections: vec![Section::new("findings", "Findings", vec![Block::Table(table)])],
+            verdict,
+            sections: vec![Section::new("findings", "Findings", blocks)],
         }
     }
 

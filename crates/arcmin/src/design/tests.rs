@@ -166,8 +166,13 @@ mod properties {
         })
     }
 
+    /// A thousand of each kind; HOSTILE_CASES asks for more.
+    fn cases() -> u32 {
+        std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1000)
+    }
+
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(600))]
+        #![proptest_config(ProptestConfig::with_cases(cases()))]
 
         /// An error with a place inside of the file, or a machine whose geometry and checks are free of NaN.
         #[test]

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::transmission::watched_error_curves;
 use super::{
     BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RigError, RunningTorques,
     StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop, hysteresis_loop,
     name_orders, running_torques, stiffness_split,
 };
-use super::transmission::watched_error_curves;
 use crate::dynamics::{JointSettings, SpectrumLine, order_spectrum};
 use crate::machine::Machine;
 use crate::progress::Progress;

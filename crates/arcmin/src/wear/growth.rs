@@ -63,9 +63,9 @@ impl Growth {
                 return Err(WearError::Stopped);
             }
             let needed = growth.needed(&met, readings, latest);
-            let increase = wear
-                .advance_until(f64::MAX, |_| true)
-                .and_then(|()| if wear.state().exposure == f64::MAX { Ok(None) } else { lost(&mut wear).map(Some) });
+            let increase = wear.advance_until(f64::MAX, |_| true).and_then(|()| {
+                if wear.state().exposure == f64::MAX { Ok(None) } else { lost(&mut wear).map(Some) }
+            });
             let covered = needed.is_some_and(|(exposure, _)| growth.last() >= exposure);
             let increase = match increase {
                 Ok(Some(increase)) => increase - new,
@@ -179,8 +179,12 @@ impl Growth {
     #[cfg(test)]
     pub(super) fn of(points: &[(f64, f64, f64)], readings: &[Reading]) -> Growth {
         let column = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-        let mut growth =
-            Growth { exposures: column(|p| p.0), depths: column(|p| p.1), increases: column(|p| p.2), alone: Vec::new() };
+        let mut growth = Growth {
+            exposures: column(|p| p.0),
+            depths: column(|p| p.1),
+            increases: column(|p| p.2),
+            alone: Vec::new(),
+        };
         growth.alone = readings
             .iter()
             .map(|reading| {

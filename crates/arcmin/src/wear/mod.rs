@@ -20,7 +20,9 @@ pub use deposit::FlankArc;
 pub use exposure::Exposure;
 pub use growth::{Beyond, Growth};
 pub use parts::PartLoads;
-pub use readings::{CONFIDENCE, Estimate, Fit, Measured, Parameter, Reading, RunningInFit, fit_readings, follow_and_fit};
+pub use readings::{
+    CONFIDENCE, Estimate, Fit, Measured, Parameter, Reading, RunningInFit, fit_readings, follow_and_fit,
+};
 
 #[cfg(test)]
 mod error_tests;

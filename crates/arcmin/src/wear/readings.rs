@@ -176,8 +176,7 @@ impl<'a> Search<'a> {
             _ => ((0.02 * first).ln(), (10.0 * last).ln()),
         };
         let factor = (FACTORS.0.ln(), FACTORS.1.ln());
-        let mut search =
-            Search { growth, readings, running_in, bounds: [(0.0, 0.0), factor, duration] };
+        let mut search = Search { growth, readings, running_in, bounds: [(0.0, 0.0), factor, duration] };
         // The coefficient lies between those that meet each reading alone; a running-in asks for less of it.
         let plain = [0.0, 0.0, duration.0];
         let (low, high) = search.coefficients(&plain);
@@ -220,7 +219,9 @@ impl<'a> Search<'a> {
 
     fn residuals(&self, place: &Place) -> impl Iterator<Item = f64> {
         let law = self.law(place);
-        self.readings.iter().map(move |reading| (self.growth.value(reading, &law) - reading.value) / reading.scale)
+        self.readings
+            .iter()
+            .map(move |reading| (self.growth.value(reading, &law) - reading.value) / reading.scale)
     }
 
     fn misfit(&self, place: &Place) -> f64 {
@@ -421,7 +422,8 @@ mod tests {
 
     /// A growth that is the exposure itself: p = k t, S is a parabola in k.
     fn straight(readings: &[Reading]) -> Growth {
-        let points: Vec<(f64, f64, f64)> = (0..=40_000).map(|i| f64::from(i) * 1e-3).map(|x| (x, x, x)).collect();
+        let points: Vec<(f64, f64, f64)> =
+            (0..=40_000).map(|i| f64::from(i) * 1e-3).map(|x| (x, x, x)).collect();
         Growth::of(&points, readings)
     }
 
@@ -454,7 +456,11 @@ mod tests {
     fn one_reading_says_how_much_and_not_how_sure() {
         let readings = [reading(2.0, 5.0)];
         let fit = fit_readings(&straight(&readings), &readings, RunningInFit::Kept(None), None);
-        assert!((fit.law.coefficient - 2.5).abs() < 1e-6 && !fit.has_band && fit.band(|law| law.coefficient).is_none());
+        assert!(
+            (fit.law.coefficient - 2.5).abs() < 1e-6
+                && !fit.has_band
+                && fit.band(|law| law.coefficient).is_none()
+        );
         assert_eq!(fit.untold().len(), 1);
     }
 
@@ -469,11 +475,17 @@ mod tests {
         for (found, truth) in found.iter().zip([1.0, 6.0, 2.0]) {
             assert!((found / truth - 1.0).abs() < 2e-3, "{found} {truth}");
         }
-        assert!(fit.estimates.iter().all(|e| e.low.unwrap() < e.value && e.value < e.high.unwrap()), "{fit:?}");
+        assert!(
+            fit.estimates.iter().all(|e| e.low.unwrap() < e.value && e.value < e.high.unwrap()),
+            "{fit:?}"
+        );
         let short = made(&[0.02, 0.05, 0.1, 0.15, 0.2]);
         let fit = fit_readings(&straight(&short), &short, RunningInFit::Both, Some(0.02));
         let untold = fit.untold().join("; ");
-        assert!(untold.contains("bound to the duration of the running-in") || untold.contains("not told apart"), "{untold}");
+        assert!(
+            untold.contains("bound to the duration of the running-in") || untold.contains("not told apart"),
+            "{untold}"
+        );
     }
 
     /// Readings since a first one, and increases since new of the same growth, say the same.

@@ -65,22 +65,47 @@ pub(super) const LIVES: TableOf<MachineLife> = TableOf {
     what: "How long the limit of lost motion is kept, the design's own prediction first, one machine a row",
     columns: || {
         vec![
-            quantity("machine", PLAIN, "The machine as the file calls it; empty for the design's prediction.")
-                .of(|m: &MachineLife| m.name.clone().unwrap_or_default().into()),
-            quantity("new_lost_motion_arcmin", decimals(3), "Lost motion when new: read and taken back to new, or predicted.")
-                .of(|m| (m.new / ARCMIN).into()),
+            quantity(
+                "machine",
+                PLAIN,
+                "The machine as the file calls it; empty for the design's prediction.",
+            )
+            .of(|m: &MachineLife| m.name.clone().unwrap_or_default().into()),
+            quantity(
+                "new_lost_motion_arcmin",
+                decimals(3),
+                "Lost motion when new: read and taken back to new, or predicted.",
+            )
+            .of(|m| (m.new / ARCMIN).into()),
             quantity("last_reading_h", decimals(0), "Hours of its last reading.").of(|m| m.last_h.into()),
-            quantity("hours_to_lost_motion_limit", decimals(0), "Hours since new to the limit; empty where it is not reached.")
-                .of(|m| m.hours.into()),
-            quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of the 95 % band.").of(|m| m.low.into()),
-            quantity("hours_to_lost_motion_limit_high", decimals(0), "Upper end of the 95 % band; empty where there is none.")
-                .of(|m| m.high.into()),
-            quantity("remaining_h", decimals(0), "Hours from the last reading to the limit; 0 where it is over.")
-                .of(|m| m.hours.map(|hours| m.left(hours)).into()),
+            quantity(
+                "hours_to_lost_motion_limit",
+                decimals(0),
+                "Hours since new to the limit; empty where it is not reached.",
+            )
+            .of(|m| m.hours.into()),
+            quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of the 95 % band.")
+                .of(|m| m.low.into()),
+            quantity(
+                "hours_to_lost_motion_limit_high",
+                decimals(0),
+                "Upper end of the 95 % band; empty where there is none.",
+            )
+            .of(|m| m.high.into()),
+            quantity(
+                "remaining_h",
+                decimals(0),
+                "Hours from the last reading to the limit; 0 where it is over.",
+            )
+            .of(|m| m.hours.map(|hours| m.left(hours)).into()),
             quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.")
                 .of(|m| m.low.map(|hours| m.left(hours)).into()),
-            quantity("remaining_high_h", decimals(0), "Upper end of the 95 % band; empty where there is none.")
-                .of(|m| m.high.map(|hours| m.left(hours)).into()),
+            quantity(
+                "remaining_high_h",
+                decimals(0),
+                "Upper end of the 95 % band; empty where there is none.",
+            )
+            .of(|m| m.high.map(|hours| m.left(hours)).into()),
         ]
     },
 };
@@ -180,9 +205,5 @@ pub fn tables() -> Vec<DeclaredTable> {
 }
 
 pub(super) fn fill(calibrated: &Calibrated) -> Vec<Table> {
-    vec![
-        CALIBRATION.fill(&calibrated.rows),
-        CURVE.fill(&calibrated.curve),
-        LIVES.fill(&calibrated.lives),
-    ]
+    vec![CALIBRATION.fill(&calibrated.rows), CURVE.fill(&calibrated.curve), LIVES.fill(&calibrated.lives)]
 }

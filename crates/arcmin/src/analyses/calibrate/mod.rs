@@ -15,7 +15,7 @@ use crate::life::{WornState, lost_motion_causes};
 use crate::machine::Machine;
 use crate::report::Page;
 use crate::results::{Summary, Table};
-use crate::units::HOUR;
+use crate::units::{ARCMIN, HOUR};
 use crate::wear::{Beyond, Exposure, Fit, Growth, Measured, Reading, RunningInFit, follow_and_fit};
 
 pub const ABOUT: &str = "Fit the wear coefficient to measured depths or lost motion";
@@ -115,6 +115,8 @@ pub struct Calibrated {
 const FAILED: f64 = 0.5;
 /// One that leaves more than this is doubtful.
 const POOR: f64 = 0.1;
+/// A machine whose lost motion when new differs by more than this share from that of the design is another one.
+const APART: f64 = 0.5;
 /// How far beyond the service life the limit is looked for.
 const SEARCH_FACTOR: f64 = 4.0;
 /// Points of the curve.
@@ -200,7 +202,8 @@ fn lives(
     let limit = machine.limits.lost_motion;
     let life = |name: Option<String>, last: f64, new_of: &dyn Fn(&Exposure) -> f64| {
         let hours = |law: &Exposure| {
-            growth.exposure_at(limit - new_of(law)).map_or(f64::INFINITY, |exposure| law.time_at(exposure)) / HOUR
+            growth.exposure_at(limit - new_of(law)).map_or(f64::INFINITY, |exposure| law.time_at(exposure))
+                / HOUR
         };
         let known = |hours: f64| hours.is_finite().then_some(hours);
         let band = fit.band(hours);
@@ -287,12 +290,28 @@ impl Calibrated {
             } else {
                 "a growth that slows down may be a running-in (--fit-running-in, --running-in-h)"
             };
-            cautions.push(format!("the fit leaves {:.0} % of the readings: {hint}", 100.0 * self.fit.relative_rms));
+            cautions.push(format!(
+                "the fit leaves {:.0} % of the readings: {hint}",
+                100.0 * self.fit.relative_rms
+            ));
         }
         cautions.extend(self.fit.untold());
+        // A prediction is the first of the lives.
+        let predicted = self.lives.first().map_or(0.0, |life| life.new);
+        for life in
+            self.lives.iter().skip(1).filter(|life| (life.new - predicted).abs() > APART * predicted.abs())
+        {
+            cautions.push(format!(
+                "{} had {} arcmin of lost motion when new, the design predicts {}: its clearances are not those of the design",
+                life.name.as_deref().unwrap_or_default(),
+                crate::report::significant(life.new / ARCMIN, 3),
+                crate::report::significant(predicted / ARCMIN, 3)
+            ));
+        }
         if self.machine.wear.parts.any() {
             cautions.push(
-                "wear of bearings and gears is not followed here: `life` adds it to the lost motion".to_owned(),
+                "wear of bearings and gears is not followed here: `life` adds it to the lost motion"
+                    .to_owned(),
             );
         }
         cautions

@@ -36,7 +36,8 @@ pub(super) struct Observations {
 }
 
 const DEPTH: Column = Column::number("depth_um").optional().with_gaps().within(0.0, 1e4);
-const INCREASE: Column = Column::number("lost_motion_increase_arcmin").optional().with_gaps().within(0.0, 600.0);
+const INCREASE: Column =
+    Column::number("lost_motion_increase_arcmin").optional().with_gaps().within(0.0, 600.0);
 const ABSOLUTE: Column = Column::number("lost_motion_arcmin").optional().with_gaps().within(-600.0, 600.0);
 /// Readings smaller than these, in the unit of their column, are no measurement.
 const LEAST: f64 = 1e-6;
@@ -118,7 +119,9 @@ fn since_new(
         }
         if hours[row] == 0.0 {
             let wrong = format!("{column} counts from new, but is {value} at 0 hours");
-            return Err(table.wrong(row, wrong, "write lost_motion_arcmin for the lost motion as it was read").into());
+            return Err(table
+                .wrong(row, wrong, "write lost_motion_arcmin for the lost motion as it was read")
+                .into());
         }
         if value < LEAST {
             let wrong = format!("{column} is {value} after {} h, which no coefficient makes", hours[row]);
@@ -133,7 +136,11 @@ fn since_new(
 }
 
 /// Lost motion as it was read: counted from the first reading of its machine.
-fn absolute(table: &Table, name: &dyn Fn(usize) -> String, all: &mut Observations) -> Result<(), AnalysisError> {
+fn absolute(
+    table: &Table,
+    name: &dyn Fn(usize) -> String,
+    all: &mut Observations,
+) -> Result<(), AnalysisError> {
     let (hours, values) = (table.numbers("hours")?, table.gaps(ABSOLUTE.name())?);
     for machine in &mut all.machines {
         let own: Vec<(usize, f64, f64)> = values
@@ -144,7 +151,8 @@ fn absolute(table: &Table, name: &dyn Fn(usize) -> String, all: &mut Observation
             .collect();
         let start = own.iter().map(|(_, time, _)| *time).fold(f64::INFINITY, f64::min);
         // Readings at the same first time are one: their mean.
-        let at_start: Vec<f64> = own.iter().filter(|(_, time, _)| *time == start).map(|(_, _, value)| *value).collect();
+        let at_start: Vec<f64> =
+            own.iter().filter(|(_, time, _)| *time == start).map(|(_, _, value)| *value).collect();
         if own.len() <= at_start.len() {
             if !own.is_empty() {
                 let name = machine.shown_name();
@@ -157,12 +165,14 @@ fn absolute(table: &Table, name: &dyn Fn(usize) -> String, all: &mut Observation
         let scale = later().map(|(_, _, value)| (value - first).abs()).fold(0.0, f64::max);
         if later().all(|(_, _, value)| value - first <= LEAST * ARCMIN) {
             let row = own.iter().map(|(row, _, _)| *row).max().unwrap_or(0);
-            let wrong = format!("the lost motion of {} has not grown since its first reading", machine.shown_name());
+            let wrong =
+                format!("the lost motion of {} has not grown since its first reading", machine.shown_name());
             return Err(table.wrong(row, wrong, "there is no wear to fit; give later readings").into());
         }
         machine.first = Some((start, first));
         for (_, time, value) in later() {
-            let reading = Reading { time: *time, measured: Measured::Since(start), value: value - first, scale };
+            let reading =
+                Reading { time: *time, measured: Measured::Since(start), value: value - first, scale };
             all.readings.push(Observed { machine: machine.name.clone(), reading });
         }
     }

@@ -4,8 +4,8 @@ use super::declared::{CALIBRATION, LIVES};
 use super::{Calibrated, CurvePoint, MachineLife, Row};
 use crate::analyses::Said;
 use crate::report::{
-    Annotation, Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Table, Tone,
-    Verdict, compact, significant,
+    Annotation, Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style,
+    Table, Tone, Verdict, compact, significant,
 };
 use crate::units::{ARCMIN, HOUR, UM};
 use crate::wear::{CONFIDENCE, Estimate, Measured, Parameter};
@@ -29,7 +29,9 @@ pub(super) fn said(calibrated: &Calibrated) -> Vec<Said> {
     }
     said.push(Said::line(calibrated.keys()));
     said.extend(calibrated.fit.estimates.iter().filter_map(band).map(Said::Line));
-    said.extend(calibrated.lives.iter().take(MACHINES + 1).map(|life| Said::line(sentence(life, calibrated))));
+    said.extend(
+        calibrated.lives.iter().take(MACHINES + 1).map(|life| Said::line(sentence(life, calibrated))),
+    );
     said.extend(calibrated.test().map(Said::Line));
     said.extend(calibrated.cautions().into_iter().map(|text| Said::line(format!("careful: {text}"))));
     said
@@ -104,7 +106,11 @@ pub(super) fn page(calibrated: &Calibrated) -> Page {
         life.push(Block::Text(format!(
             "{}. Bands are those of the profile likelihood, from the {}.",
             estimates.join("; "),
-            if calibrated.rows.len() > calibrated.fit.estimates.len() { "readings" } else { "reading error given" }
+            if calibrated.rows.len() > calibrated.fit.estimates.len() {
+                "readings"
+            } else {
+                "reading error given"
+            }
         )));
     }
     life.push(Block::Code { title: "For the design file".to_owned(), text: calibrated.keys() });
@@ -113,14 +119,18 @@ pub(super) fn page(calibrated: &Calibrated) -> Page {
         subtitle: "Calibration of the wear".to_owned(),
         provenance: Provenance::default(),
         verdict,
-        sections: vec![Section::new("fit", "Readings and fit", blocks), Section::new("life", "What follows", life)],
+        sections: vec![
+            Section::new("fit", "Readings and fit", blocks),
+            Section::new("life", "What follows", life),
+        ],
     }
 }
 
 /// With a capital and a full stop.
 fn sentence_of(text: &str) -> String {
     let mut letters = text.chars();
-    let capital: String = letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect());
+    let capital: String =
+        letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect());
     format!("{}.", capital.trim_end_matches('.'))
 }
 
@@ -131,7 +141,10 @@ fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {
         label: "Wear coefficient".to_owned(),
         value: significant(k * 1e6, 4),
         unit: "mm²/N".to_owned(),
-        note: format!("{k:.4e} 1/Pa, of Archard's law{}", range.map_or(String::new(), |text| format!("; {text}"))),
+        note: format!(
+            "{k:.4e} 1/Pa, of Archard's law{}",
+            range.map_or(String::new(), |text| format!("; {text}"))
+        ),
         tone: Tone::Neutral,
     }];
     for life in calibrated.lives.iter().rev().take(2).rev() {
@@ -232,7 +245,11 @@ fn lost_motion_plot(calibrated: &Calibrated) -> Plot {
     let rows: Vec<&Row> =
         calibrated.rows.iter().filter(|row| row.observed.reading.measured != Measured::Depth).collect();
     let mut note = "The coupled prediction with the coefficient fitted".to_owned();
-    note.push_str(if rows.is_empty() { ": what the depths make of the lost motion." } else { ", beside the readings." });
+    note.push_str(if rows.is_empty() {
+        ": what the depths make of the lost motion."
+    } else {
+        ", beside the readings."
+    });
     if rows.iter().any(|row| matches!(row.observed.reading.measured, Measured::Since(_))) {
         note.push_str(
             " Readings of the lost motion itself stand as growth since new: what had grown before the first of a \

@@ -290,11 +290,7 @@ impl Question<'_> {
         let at = points.partition_point(|point| point.hours() < hours).min(points.len() - 1);
         let (here, before) = (&points[at], &points[at.saturating_sub(1)]);
         let width = here.hours() - before.hours();
-        let slope = if width > 0.0 {
-            (value(here) - value(before)) / width
-        } else {
-            0.0
-        };
+        let slope = if width > 0.0 { (value(here) - value(before)) / width } else { 0.0 };
         Some((here, slope * (hours - here.hours())))
     }
 }

@@ -76,7 +76,10 @@ mod tests {
         let pressure = 1500.0 * MPA;
         let history = [(0.0, pressure), (500.0, pressure), (2000.0, pressure)];
         let (damage, hours) = fatigue(&machine, &history, pressure, 1e4);
-        assert!((hours.unwrap() / 1125.0 - 1.0).abs() < 1e-3 && (damage - 2000.0 / 1125.0).abs() < 2e-3, "{hours:?}");
+        assert!(
+            (hours.unwrap() / 1125.0 - 1.0).abs() < 1e-3 && (damage - 2000.0 / 1125.0).abs() < 2e-3,
+            "{hours:?}"
+        );
         let short = fatigue(&machine, &history[..2], pressure, 1e4).1;
         assert!((short.unwrap() / 1125.0 - 1.0).abs() < 1e-3, "{short:?}");
         machine.duty[0].torque *= 0.5;

@@ -127,18 +127,16 @@ fn advice_is_about_the_limit_that_is_reached() {
         ("limits.transmission_error_arcmin", 1e-4, "transmission error"),
         ("limits.backlash_arcmin", 1e-3, "backlash"),
     ] {
-        let design = design.with_all([(key, value), ("disc.modification.equidistant_offset_um", 5.0)]).unwrap();
+        let design =
+            design.with_all([(key, value), ("disc.modification.equidistant_offset_um", 5.0)]).unwrap();
         let options = Options::parse("points = 4\nquasi_static = true", "test").unwrap();
         let life = run(&design, &options, &NoHost).unwrap();
         let limit = life.verdict.limited_by().unwrap();
         assert!(limit.kind.name() == words && !life.advice.is_empty(), "{:?}", life.advice);
         for advice in &life.advice {
             assert!(advice.text.contains(words) && advice.after < advice.before, "{advice:?}");
-            let own = if words == "backlash" {
-                life.last().accuracy.free_travel.arcmin()
-            } else {
-                limit.value
-            };
+            let own =
+                if words == "backlash" { life.last().accuracy.free_travel.arcmin() } else { limit.value };
             assert!((advice.before / own - 1.0).abs() < 1e-9, "{advice:?} {own}");
         }
     }
