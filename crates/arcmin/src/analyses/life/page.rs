@@ -37,8 +37,15 @@ pub(super) fn said(life: &Life) -> Vec<Said> {
         Said::line(format!("{}: {}", life.machine.name, life.fidelity.sentence())),
         Said::line(format!("{mark} {}", verdict.headline())),
         Said::Table(limits_text(verdict)),
-        Said::line(""),
     ];
+    if !life.bearings.bearings.is_empty() {
+        said.push(Said::line(format!(
+            "all {} bearings together: {:.0} h (L10 of the system, Weibull slope 9/8)",
+            life.bearings.bearings.len(),
+            life.bearings.system_h
+        )));
+    }
+    said.push(Said::line(""));
     let table = declared::life_table(life);
     said.push(Said::columns(&table, &shown_columns(life), shown_rows(life)));
     said.push(Said::line(""));
