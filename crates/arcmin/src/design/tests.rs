@@ -43,7 +43,10 @@ fn all_mistakes_are_told_at_once() {
         .replace("pin_radius_mm = 3 ", "pin_radius_mm = -3 ")
         .replace("pin_count = 40 ", "pin_count = \"40\" ");
     let told = mistakes(&wrong);
-    assert!(told.len() == 2 && told[0].contains("pin_count") && told[1].contains("pin_radius_mm"), "{told:?}");
+    assert!(
+        told.len() == 2 && told[0].contains("pin_count") && told[1].contains("pin_radius_mm"),
+        "{told:?}"
+    );
     let told = mistakes(&wrong.replace("width_mm = 8.75 ", "widht_mm = 8.75 "));
     assert!(told.len() == 3 && told[0].contains("widht_mm") && told[1].contains("pin_count"), "{told:?}");
 }

@@ -59,6 +59,9 @@ const ACCURACY: &[Lever] = &[
     lever("wear.coupled.coefficient_mm2_per_n", "wear coefficient (lubricant, surface)", "mm²/N", 0.5, 1.0),
 ];
 
+/// The wave under load follows the load.
+const LESS_TORQUE: &[Lever] = &[lever("load.rated_torque_n_m", "rated torque", "N·m", 0.9, 0.0)];
+
 /// Bearing life: larger ratings, lower loads.
 const LIFE: &[Lever] = &[
     lever("bearings.turning_arm.roller_length_mm", "length of the turning-arm rollers", "mm", 1.15, 0.0),
@@ -115,10 +118,11 @@ pub(super) fn advise(
 ) -> Result<Vec<Advice>, AnalysisError> {
     let kind = verdict.limited_by().map_or(LimitKind::LostMotion, |limit| limit.kind);
     let question = Question { kind, fidelity, prediction };
-    let levers = match kind {
-        LimitKind::LostMotion | LimitKind::Backlash | LimitKind::TransmissionError => ACCURACY,
-        LimitKind::BearingLife => LIFE,
-        LimitKind::ContactPressure | LimitKind::ContactFatigue => PRESSURE,
+    let levers: Vec<&Lever> = match kind {
+        LimitKind::LostMotion | LimitKind::Backlash => ACCURACY.iter().collect(),
+        LimitKind::TransmissionError => ACCURACY.iter().chain(LESS_TORQUE).collect(),
+        LimitKind::BearingLife => LIFE.iter().collect(),
+        LimitKind::ContactPressure | LimitKind::ContactFatigue => PRESSURE.iter().collect(),
         // What the duty asks for, and findings, say themselves what to change.
         _ => return Ok(Vec::new()),
     };
@@ -129,7 +133,7 @@ pub(super) fn advise(
         return Ok(Vec::new());
     };
     let mut slopes: Vec<(&Lever, f64, f64)> = levers
-        .par_iter()
+        .into_par_iter()
         .filter_map(|lever| {
             let from = present(design, &machine, lever.key)?;
             if from == 0.0 || host.is_cancelled() {
@@ -249,10 +253,15 @@ impl Question<'_> {
                 Some(cycle.max_pressure(&machine.line_contact()) / MPA)
             }
             LimitKind::TransmissionError => {
-                let point = self.worst(|point| point.accuracy.loaded_peak_to_peak.radians())?;
+                let value = |point: &LifePoint| point.accuracy.loaded_peak_to_peak.arcmin();
+                // Where wear makes it, less wear is a change; where the new machine has it, none.
+                let worst = self.worst(value)?;
+                let end = self.prediction.points.last()?;
+                let (point, rest) =
+                    if std::ptr::eq(worst, end) { self.worn(rate, value)? } else { (worst, 0.0) };
                 let alike = self.fidelity.meshing(machine).ok()?.discs_alike();
                 let positions = if alike { POSITIONS } else { RING_POSITIONS * POSITIONS };
-                Some(self.cycle(machine, point, positions)?.peak_to_peak_error().arcmin())
+                Some(self.cycle(machine, point, positions)?.peak_to_peak_error().arcmin() + rest)
             }
             LimitKind::Backlash => {
                 let (point, rest) = self.worn(rate, |point| point.accuracy.free_travel.arcmin())?;
