@@ -36,6 +36,8 @@ pub enum Failure {
     Json { cause: String },
     #[error("the study cannot go on: {cause}")]
     Study { cause: String },
+    #[error("stopped before the end; the last checkpoint is kept")]
+    Ended,
     #[error("{reason}; what was computed until then is kept")]
     Unfinished { reason: String },
     #[error("{message}")]
@@ -183,7 +185,7 @@ impl Diagnostic for Failure {
                 return error.hint.as_ref().map(|hint| Box::new(hint) as Box<dyn std::fmt::Display>);
             }
             Failure::Analysis { error: AnalysisError::Stopped, .. } => "nothing was written".to_owned(),
-            Failure::Analysis { error: AnalysisError::Interrupted { .. }, .. } => {
+            Failure::Ended | Failure::Analysis { error: AnalysisError::Interrupted { .. }, .. } => {
                 "the same command with --resume goes on from there".to_owned()
             }
             Failure::Analysis { error: AnalysisError::Compute { .. }, finding: Some(finding), .. } => {

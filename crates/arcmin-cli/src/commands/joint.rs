@@ -65,7 +65,7 @@ pub(super) fn fidelity(matches: &ArgMatches, joints: &str) -> Result<FidelityOpt
 }
 
 pub(super) fn failed(error: AnalysisError) -> Failure {
-    Failure::Analysis { error, options: None, has_error_findings: false }
+    Failure::Analysis { error, options: None, finding: None }
 }
 
 /// Ages with commas between.

@@ -146,7 +146,7 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     let found = like(*template, sheet, &host).map_err(|error| Failure::Analysis {
         error,
         options: None,
-        has_error_findings: false,
+        finding: None,
     })?;
     host.clear();
     write_file(&path, found.text.as_bytes())?;

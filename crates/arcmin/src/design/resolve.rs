@@ -77,6 +77,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
             emergency_torque: *design.limits.emergency_torque_n_m,
             output_speed: design.limits.output_speed_rpm.map(|limit| limit * RPM),
             catalogue_life: design.limits.catalogue_life_h.map(|limit| limit * HOUR),
+            contact_endurance: design.limits.contact_endurance_mpa.map(|limit| limit * MPA),
         },
     })
 }

@@ -236,6 +236,9 @@ section! {
         /// The maker's life in hours at rated torque and 15 rpm of the output; converted to the duty by ISO 281
         /// (exponent 10/3). Left out: no limit.
         catalogue_life_h: Option<f64> => optional(1.0, 1e7),
+        /// Hertz pressure that flanks and pins bear for 5·10⁷ passes without pitting; by the life factors of
+        /// ISO 6336-2 they bear more for fewer passes. Left out: fatigue is not looked at.
+        contact_endurance_mpa: Option<f64> => optional(10.0, 10000.0),
     }
 }
 

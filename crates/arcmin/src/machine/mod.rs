@@ -83,6 +83,8 @@ pub struct Limits {
     pub output_speed: Option<f64>,
     /// The maker's life in s at rated torque and 15 rpm of the output.
     pub catalogue_life: Option<f64>,
+    /// Hertz pressure in Pa that flanks and pins bear for 5·10⁷ passes.
+    pub contact_endurance: Option<f64>,
 }
 
 impl Machine {

@@ -43,7 +43,7 @@ pub struct WearCurve {
 
 /// Crank positions of one lost motion: of ideal joints it repeats every pin pitch, and the mean of six places
 /// there is a choice between speed and the ripple left, not a number of the theory.
-const LOST_MOTION_POSITIONS: usize = 6;
+pub(super) const LOST_MOTION_POSITIONS: usize = 6;
 
 impl WearCurve {
     /// Follows the coupled prediction, on the clock where the law depends on time, until `enough` says of (exposure, depth, lost-motion increase) that it

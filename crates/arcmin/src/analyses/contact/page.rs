@@ -152,7 +152,10 @@ fn blocks(contact: &Contact) -> Vec<Block> {
     ))
     .noted("With the curvature of the flank at that place; the limit is that of the design.")
     .half();
-    pressure.limit_at(contact.machine.limits.contact_pressure / MPA, "limit");
+    pressure.limit_at(
+        contact.machine.limits.contact_pressure / MPA,
+        format!("{} MPa allowed", significant(contact.machine.limits.contact_pressure / MPA, 4)),
+    );
     let over_the_turn = |value: &dyn Fn(&crate::load::LoadSharing) -> f64| {
         answer.turn.iter().map(|s| (s.crank_angle.degrees(), value(s))).collect::<Vec<_>>()
     };

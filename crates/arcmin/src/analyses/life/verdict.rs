@@ -1,6 +1,7 @@
 //! One verdict over all limits of a machine, each with the hours for which it is kept.
 
 use super::bearings::{BearingLives, catalogue_life_at_duty};
+use super::fatigue::fatigue;
 use crate::checks::{Finding, Severity};
 use crate::life::{LifePoint, Prediction};
 use crate::machine::Machine;
@@ -22,6 +23,7 @@ pub enum LimitKind {
     OutputSpeed,
     CatalogueLife,
     Wear,
+    ContactFatigue,
     Findings,
 }
 
@@ -39,6 +41,7 @@ impl LimitKind {
             LimitKind::OutputSpeed => "output_speed",
             LimitKind::CatalogueLife => "catalogue_life",
             LimitKind::Wear => "wear",
+            LimitKind::ContactFatigue => "contact_fatigue",
             LimitKind::Findings => "findings",
         }
     }
@@ -56,6 +59,7 @@ impl LimitKind {
             LimitKind::OutputSpeed => "output speed",
             LimitKind::CatalogueLife => "catalogue life",
             LimitKind::Wear => "wear",
+            LimitKind::ContactFatigue => "fatigue of flanks and pins",
             LimitKind::Findings => "error findings",
         }
     }
@@ -69,7 +73,7 @@ impl LimitKind {
             LimitKind::StartStopTorque => "N·m",
             LimitKind::Wear => "µm",
             LimitKind::OutputSpeed => "rpm",
-            LimitKind::Findings => "",
+            LimitKind::ContactFatigue | LimitKind::Findings => "",
         }
     }
 }
@@ -195,6 +199,13 @@ impl Judged<'_> {
         let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
         let speed =
             duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
+        let fatigue = limits.contact_endurance.map(|endurance| {
+            let history = self.history(|point| point.accuracy.max_pressure);
+            let (value, hours) =
+                fatigue(self.machine, &history, endurance, self.prediction.searched_hours.max(service_h));
+            let kind = LimitKind::ContactFatigue;
+            Limit { kind, place: None, value, allowed: 1.0, hours, transient: false }
+        });
         let catalogue = limits.catalogue_life.and_then(|life| {
             let hours = catalogue_life_at_duty(self.machine, life / HOUR)?;
             Some(Limit {
@@ -223,6 +234,7 @@ impl Judged<'_> {
             }),
             at_once(LimitKind::OutputSpeed, limits.output_speed.map(|limit| limit / RPM), speed),
             catalogue,
+            fatigue,
         ]
         .into_iter()
         .flatten()
@@ -316,6 +328,8 @@ impl Limit {
             LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours:.0} h"),
             LimitKind::Wear => {
                 format!("Wear runs away: flank or pin are gone, {value} µm deep, after {hours:.1} h")
+            LimitKind::ContactFatigue => {
+                format!("Flanks and pins are tired after {hours:.0} h (damage {value} by the end)")
             }
             LimitKind::Findings => {
                 format!("The design has error findings: {}", self.place.as_deref().unwrap_or(""))
