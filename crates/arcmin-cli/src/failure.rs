@@ -1,6 +1,5 @@
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use arcmin::analyses::AnalysisError;
 use arcmin::design::{DesignError, DesignErrorKind, Presence, SectionSchema};
@@ -81,12 +80,12 @@ impl Failure {
     }
 
     /// 1 where the design has error findings, which were said before; else 2.
-    pub fn exit_code(&self) -> ExitCode {
+    pub fn exit_status(&self) -> u8 {
         match self {
             Failure::Analysis { has_error_findings: true, error: AnalysisError::Compute { .. }, .. } => {
-                ExitCode::from(1)
+                1
             }
-            _ => ExitCode::from(2),
+            _ => 2,
         }
     }
 

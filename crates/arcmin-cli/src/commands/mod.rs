@@ -6,8 +6,6 @@ pub mod keys;
 pub mod new;
 pub mod shell;
 
-use std::process::ExitCode;
-
 use clap::ArgMatches;
 
 use crate::failure::Failure;
@@ -21,10 +19,10 @@ pub enum Ending {
 }
 
 impl Ending {
-    pub fn exit_code(self) -> ExitCode {
+    pub fn exit_status(self) -> u8 {
         match self {
-            Ending::Fine => ExitCode::SUCCESS,
-            Ending::ErrorFindings => ExitCode::from(1),
+            Ending::Fine => 0,
+            Ending::ErrorFindings => 1,
         }
     }
 }
