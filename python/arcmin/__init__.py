@@ -25,6 +25,7 @@ from arcmin._errors import (
     UnknownKeyError,
 )
 from arcmin._results import Result, Verdict
+from arcmin._study import StudyResult, study
 
 __all__ = [
     "ArcminError",
@@ -38,10 +39,12 @@ __all__ = [
     "Result",
     "Simulation",
     "State",
+    "StudyResult",
     "Table",
     "UnknownKeyError",
     "Verdict",
     "__version__",
     "sample",
+    "study",
 ]
 __all__ += _analyses.__all__

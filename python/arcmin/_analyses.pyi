@@ -8,8 +8,8 @@ from arcmin._arcmin import Design
 from arcmin._progress import Progress
 from arcmin._results import Result
 
-#: A path, or the columns of the table themselves.
-File = str | os.PathLike[str] | Mapping[str, Any]
+# A path, or the columns of the table themselves.
+_File = str | os.PathLike[str] | Mapping[str, Any]
 
 registry: list[dict[str, Any]]
 
@@ -206,7 +206,7 @@ class CalibrateResult(Result):
 
 def calibrate(
     design: Design | str | os.PathLike[str],
-    data: File,
+    data: _File,
     *,
     joints: Literal["ideal", "bearings"] = "bearings",
     discs: Literal["rigid", "elastic"] = "rigid",
@@ -268,12 +268,12 @@ def simulate(
     load: Literal["none", "constant", "sine", "table", "stepped", "duty-cycle"] = "none",
     torque_nm: float | None = None,
     period_s: float = 0.3,
-    load_file: File | None = None,
+    load_file: _File | None = None,
     drag_nm: float = 0.0,
     drive: Literal["speed", "angle", "speed-table", "torque-table", "governed"] = "speed",
     speed_rpm: float | None = None,
     rise_s: float = 0.1,
-    drive_file: File | None = None,
+    drive_file: _File | None = None,
     gain: float = 0.5,
     end_s: float = 0.8,
     window_start_s: float | None = None,
@@ -338,7 +338,7 @@ def rig(
     damping_ratio: float = 0.02,
     vtu: bool = False,
     hours: float = 0.0,
-    measured: Sequence[File] | None = None,
+    measured: Sequence[_File] | None = None,
     positions: int = 4,
     te_positions: int = 1024,
     frictionless: bool = False,

@@ -34,9 +34,7 @@ def main() -> None:
     if len(sys.argv) > 1:
         ran = subprocess.run([sys.argv[1], str(calls)], capture_output=True, text=True, check=True)
         theirs = float(ran.stdout)
-        print(
-            f"in Rust {theirs:.3f} ms a call: Python at {100 * theirs / ours:.1f} % of its speed"
-        )
+        print(f"in Rust {theirs:.3f} ms a call: Python at {100 * theirs / ours:.1f} % of its speed")
     cheap = best_of(5, 2000, lambda: arcmin.check(design)) * 1e3
     print(f"check {cheap:.1f} µs a call, computation included")
 

@@ -43,7 +43,8 @@ def test_tables_go_to_polars_and_pandas(result: arcmin.Result) -> None:
     np.testing.assert_array_equal(plain["force_n"].to_numpy(), table["force_n"])
     pyarrow = pytest.importorskip("pyarrow")
     arrow = pyarrow.table(table)
-    assert arrow.schema.field("force_n").metadata[b"unit"] == b"N"
+    assert arrow.schema.field("pressure_mpa").metadata[b"unit"] == b"MPa"
+    assert table.units["pressure_mpa"] == "MPa" and table.descriptions["force_n"]
     column = arrow.column("force_n").chunk(0)
     assert column.buffers()[1].address == table["force_n"].__array_interface__["data"][0]
     if hasattr(pandas.DataFrame, "from_arrow"):
@@ -66,7 +67,7 @@ def test_what_is_not_there_is_null() -> None:
 
 def test_figures_are_attributes(result: arcmin.Result) -> None:
     assert result.max_force_n == result.summary["max_force_n"]
-    assert "max_force_n" in dir(result) and "Unit: N" in (type(result).max_force_n.__doc__ or "")
+    assert "max_force_n" in dir(result) and "Unit: MPa" in (type(result).max_pressure_mpa.__doc__ or "")
     with pytest.raises(AttributeError, match="max_force_n"):
         result.max_force  # noqa: B018
     run = arcmin.simulate(arcmin.Design.template("rv-40e-81"), wear_um=10, end_s=0.02, load="sine", starts=0)
@@ -113,6 +114,8 @@ def test_columns_can_be_given_as_data() -> None:
     design = arcmin.Design.template("rv-40e-81")
     columns = {"hours": np.array([600.0, 1550.0]), "depth_um": [4.1, 7.9]}
     result = arcmin.calibrate(design, columns, joints="ideal")
-    assert result.fitted == 2 and result.tables["calibration"]["observed"].tolist() == [4.1, 7.9]
+    assert result.fitted == 2 and result.tables["calibration"]["observed"].tolist() == pytest.approx(
+        [4.1, 7.9]
+    )
     with pytest.raises(arcmin.OptionError, match="equal lengths"):
         arcmin.calibrate(design, {"hours": [1, 2], "depth_um": [1]}, joints="ideal")

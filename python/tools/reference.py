@@ -29,7 +29,7 @@ def plain(text: str | None) -> str:
 def of_class(name: str) -> str:
     kind = getattr(arcmin, name)
     parts = [f"### `{name}`", plain(kind.__doc__)]
-    for member, value in vars(kind).items():
+    for member, value in sorted(vars(kind).items()):
         if member.startswith("_"):
             continue
         call = ""
