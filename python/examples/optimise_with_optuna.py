@@ -19,8 +19,10 @@ storage = f"sqlite:///{folder / 'trials.db'}"
 # %%
 WORK = """
 import sys
-import arcmin, optuna
+import arcmin
+import optuna
 
+optuna.logging.set_verbosity(optuna.logging.WARNING)
 design = arcmin.Design.template("rv-40e-81")
 
 def goals(trial):
@@ -29,7 +31,8 @@ def goals(trial):
         "disc.modification.radial_offset_um": trial.suggest_float("radial_um", 0, 15),
     })
     result = arcmin.contact(machine, positions=8)
-    return result.max_pressure_mpa, result.play_arcmin
+    # Interference is negative play, and no better than as much play.
+    return result.max_pressure_mpa, abs(result.play_arcmin)
 
 sampler = optuna.samplers.NSGAIISampler(population_size=8, seed=int(sys.argv[2]))
 study = optuna.create_study(storage=sys.argv[1], study_name="offsets", sampler=sampler,

@@ -82,9 +82,7 @@ impl Failure {
     /// 1 where the design has error findings, which were said before; else 2.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Failure::Analysis { has_error_findings: true, error: AnalysisError::Compute { .. }, .. } => {
-                1
-            }
+            Failure::Analysis { has_error_findings: true, error: AnalysisError::Compute { .. }, .. } => 1,
             _ => 2,
         }
     }

@@ -18,6 +18,9 @@ pub enum Given<'py> {
     Table(Bound<'py, PyMapping>),
 }
 
+/// No list of a design comes near it; a lazy sequence can be longer than memory.
+const MOST_ENTRIES: usize = 1_000_000;
+
 /// Takes any number, NumPy's too, any text or path, any sequence, any mapping.
 ///
 /// # Errors
@@ -55,7 +58,12 @@ pub fn given<'py>(value: &Bound<'py, PyAny>) -> PyResult<Given<'py>> {
     }
     let is_bytes = value.hasattr("decode")?;
     if let (Ok(list), false) = (value.cast::<PySequence>(), is_bytes) {
-        return (0..list.len()?).map(|index| list.get_item(index)).collect::<PyResult<_>>().map(Given::List);
+        let length = list.len()?;
+        if length > MOST_ENTRIES {
+            let message = format!("a list of {length} entries is longer than any value here");
+            return Err(PyTypeError::new_err(message));
+        }
+        return (0..length).map(|index| list.get_item(index)).collect::<PyResult<_>>().map(Given::List);
     }
     if !is_bytes && (value.hasattr("__float__")? || value.hasattr("__index__")?) {
         return value.extract().map(Given::Number);
