@@ -1,6 +1,5 @@
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use arcmin::analyses::AnalysisError;
 use arcmin::checks::Finding;
@@ -106,12 +105,10 @@ impl Failure {
     }
 
     /// 1 where the design has error findings, which were said before; else 2.
-    pub fn exit_code(&self) -> ExitCode {
+    pub fn exit_status(&self) -> u8 {
         match self {
-            Failure::Analysis { finding: Some(_), error: AnalysisError::Compute { .. }, .. } => {
-                ExitCode::from(1)
-            }
-            _ => ExitCode::from(2),
+            Failure::Analysis { finding: Some(_), error: AnalysisError::Compute { .. }, .. } => 1,
+            _ => 2,
         }
     }
 

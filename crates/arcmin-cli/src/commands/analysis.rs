@@ -76,7 +76,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         version: env!("CARGO_PKG_VERSION").to_owned(),
         design_hash: design.short_hash(),
         command: std::iter::once("arcmin".to_owned())
-            .chain(std::env::args().skip(1))
+            .chain(crate::typed().iter().cloned())
             .collect::<Vec<_>>()
             .join(" "),
         seeds: outcome.seeds(),
@@ -86,7 +86,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
     summary.insert("command".to_owned(), json!(analysis.name));
     summary.insert("identity".to_owned(), json!(identity));
-    summary.insert("command_line".to_owned(), json!(std::env::args().skip(1).collect::<Vec<_>>()));
+    summary.insert("command_line".to_owned(), json!(crate::typed()));
     summary.insert(
         "design".to_owned(),
         json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),

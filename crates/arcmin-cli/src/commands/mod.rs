@@ -9,8 +9,6 @@ pub mod new;
 pub mod shell;
 pub mod study;
 
-use std::process::ExitCode;
-
 use clap::ArgMatches;
 
 use crate::failure::Failure;
@@ -24,10 +22,10 @@ pub enum Ending {
 }
 
 impl Ending {
-    pub fn exit_code(self) -> ExitCode {
+    pub fn exit_status(self) -> u8 {
         match self {
-            Ending::Fine => ExitCode::SUCCESS,
-            Ending::ErrorFindings => ExitCode::from(1),
+            Ending::Fine => 0,
+            Ending::ErrorFindings => 1,
         }
     }
 }

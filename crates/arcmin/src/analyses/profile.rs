@@ -138,16 +138,7 @@ pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<Flank
         let tau = TAU * index as f64 / (lobes * per_lobe) as f64;
         // From the whole number of steps within the lobe: exact at root and tip, equal on every lobe.
         let meshing_angle = wrap_angle(-TAU * (index % per_lobe) as f64 / per_lobe as f64);
-        let outward = profile.outward_normal(tau);
-        let at = |relief: &Relief| profile.flank_point(tau) - relief.at(meshing_angle).depth * outward;
-        FlankPoint {
-            tau,
-            meshing_angle,
-            worn: at(&worn),
-            unworn: at(&relief),
-            normal: -outward,
-            curvature_radius: worn_curvature_radius(&profile, &worn, meshing_angle),
-        }
+        FlankPoint::meshing_at(&profile, &relief, &worn, tau, meshing_angle)
     };
     Ok(FlankProfile {
         points: (0..lobes * per_lobe).map(point).collect(),
@@ -157,6 +148,32 @@ pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<Flank
         wear,
         points_per_lobe: per_lobe,
     })
+}
+
+impl FlankPoint {
+    /// The point at `tau` (rad) of a flank with the relief it was made with, and of the worn one.
+    pub fn at(profile: &Profile, relief: &Relief, worn: &Relief, tau: f64) -> FlankPoint {
+        FlankPoint::meshing_at(profile, relief, worn, tau, profile.meshing_angle(tau))
+    }
+
+    fn meshing_at(
+        profile: &Profile,
+        relief: &Relief,
+        worn: &Relief,
+        tau: f64,
+        meshing_angle: f64,
+    ) -> FlankPoint {
+        let outward = profile.outward_normal(tau);
+        let less = |relief: &Relief| profile.flank_point(tau) - relief.at(meshing_angle).depth * outward;
+        FlankPoint {
+            tau,
+            meshing_angle,
+            worn: less(worn),
+            unworn: less(relief),
+            normal: -outward,
+            curvature_radius: worn_curvature_radius(profile, worn, meshing_angle),
+        }
+    }
 }
 
 /// Curvature radius in m of the flank less the depth w: 1/ρ of the parallel curve, less w″ along the flank.

@@ -1,0 +1,43 @@
+//! The `arcmin` command. Questions and answers live in the `arcmin` crate; this crate reads designs, writes
+//! files and talks to the terminal. It is a library so that the Python package carries the same command.
+
+mod arguments;
+mod commands;
+mod failure;
+mod run;
+
+use std::ffi::OsString;
+use std::sync::OnceLock;
+
+pub use run::terminal_text;
+
+/// What was typed after the name of the program, for summaries and reports. Under Python it is not what the
+/// operating system says.
+static TYPED: OnceLock<Vec<String>> = OnceLock::new();
+
+/// Runs the command with these arguments, the name of the program first; its exit status.
+pub fn run_command(arguments: Vec<OsString>) -> u8 {
+    let words = arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+    // A process runs one command; a second one in the same process keeps the words of the first out.
+    let _ = TYPED.set(words.collect());
+    let matches = match arguments::command().try_get_matches_from(arguments) {
+        Ok(matches) => matches,
+        Err(error) => {
+            // Nobody is left to be told if the stream is closed.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
+    match commands::run(&matches) {
+        Ok(ending) => ending.exit_status(),
+        Err(failure) => {
+            failure.print();
+            failure.exit_status()
+        }
+    }
+}
+
+/// What was typed after the name of the program.
+pub(crate) fn typed() -> &'static [String] {
+    TYPED.get().map_or(&[], Vec::as_slice)
+}

@@ -1,0 +1,442 @@
+//! Designs by their keys.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError, RwLock};
+
+use arcmin::design::{Design as Read, KeyEntry, Kind, Value};
+use arcmin::templates::TEMPLATES;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyIterator, PyList, PyMapping};
+
+use crate::errors;
+use crate::flank::Flank;
+use crate::inputs::{Given, given, key_object, key_value};
+
+/// A design file: keys with units in their names, read and judged as one.
+///
+/// ``design["crankshafts.eccentricity_mm"]`` is a value in the unit of its key;
+/// ``design["crankshafts.eccentricity_mm"] = 1.4`` sets it, with the same checks, message and hint as a
+/// file would get. Rows of lists are numbered from 0: ``design["duty[0].share"]``. ``None`` takes a key
+/// out, so that its default holds. Comments and layout of the file are kept (:meth:`to_toml`).
+#[pyclass(module = "arcmin", frozen, mapping, weakref)]
+pub struct Design {
+    read: RwLock<Arc<Read>>,
+    /// Directory of the file, where files it names are.
+    directory: PathBuf,
+}
+
+/// A key of a design with what its declaration says about it.
+#[pyclass(module = "arcmin", frozen, get_all)]
+pub struct Key {
+    /// Dotted path, such as ``duty[0].share``.
+    path: String,
+    /// Unit as a reader writes it; empty for what has none.
+    unit: &'static str,
+    /// Least and largest number accepted, or None.
+    range: Option<(f64, f64)>,
+    /// What stands for the key where it is left out.
+    default: Py<PyAny>,
+    /// Whether its section must have it.
+    required: bool,
+    /// The words of a choice with their meanings, or None.
+    choices: Option<Vec<(&'static str, &'static str)>>,
+    /// What it means.
+    documentation: String,
+    /// What holds in this design.
+    value: Py<PyAny>,
+    /// Whether the file gives it.
+    written: bool,
+}
+
+#[pymethods]
+impl Key {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        Ok(format!("<Key {} = {}{unit}: {}>", self.path, self.value.bind(py).repr()?, self.documentation))
+    }
+}
+
+impl Design {
+    fn of(read: Read, directory: PathBuf) -> Design {
+        Design { read: RwLock::new(Arc::new(read)), directory }
+    }
+
+    /// The design as it is now; later changes leave it alone.
+    pub fn now(&self) -> Arc<Read> {
+        self.read.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// A design of its own with the same keys.
+    pub fn copied(&self) -> Design {
+        Design { read: RwLock::new(self.now()), directory: self.directory.clone() }
+    }
+
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    fn set(&self, read: Read) {
+        *self.read.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(read);
+    }
+
+    fn with(&self, py: Python<'_>, changes: Vec<(String, Value)>) -> PyResult<Read> {
+        let now = self.now();
+        py.detach(|| now.with_all(changes)).map_err(|error| errors::design(py, &error))
+    }
+}
+
+/// A mapping stands for the keys in it, a list of mappings for its rows.
+fn flatten(
+    path: &str,
+    value: &Bound<'_, PyAny>,
+    out: &mut Vec<(String, Value)>,
+    depth: usize,
+) -> PyResult<()> {
+    let wrong = |_| {
+        let class =
+            value.get_type().fully_qualified_name().map_or_else(|_| String::new(), |name| name.to_string());
+        let message = format!("`{path}` takes a number, text, list or mapping, not a {class}");
+        errors::value(value.py(), path, &message, false)
+    };
+    if depth > 8 {
+        return Err(errors::value(value.py(), path, "mappings inside mappings without end", false));
+    }
+    match given(value).map_err(wrong)? {
+        Given::Table(table) => {
+            for (name, inner) in items(&table)? {
+                flatten(&format!("{path}.{name}"), &inner, out, depth + 1)?;
+            }
+            Ok(())
+        }
+        Given::List(rows) if !rows.is_empty() && rows.iter().all(|row| row.cast::<PyMapping>().is_ok()) => {
+            out.push((path.to_owned(), Value::LeftOut));
+            for (index, row) in rows.iter().enumerate() {
+                flatten(&format!("{path}[{index}]"), row, out, depth + 1)?;
+            }
+            Ok(())
+        }
+        plain => {
+            out.push((path.to_owned(), key_value(path, plain)?));
+            Ok(())
+        }
+    }
+}
+
+fn items<'py>(table: &Bound<'py, PyMapping>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+    let mut items = Vec::new();
+    for pair in table.items()?.iter() {
+        let (name, value) = pair.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>)>()?;
+        let name = name.extract::<String>().map_err(|_| {
+            let class = name.get_type().name().map_or_else(|_| String::new(), |name| name.to_string());
+            PyTypeError::new_err(format!("a key is a text like \"ring.pin_radius_mm\", not a {class}"))
+        })?;
+        items.push((name, value));
+    }
+    Ok(items)
+}
+
+fn changes(given: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Value)>> {
+    let Ok(table) = given.cast::<PyMapping>() else {
+        let class = given.get_type().name()?.to_string();
+        return Err(PyTypeError::new_err(format!("changes are a mapping of keys to values, not a {class}")));
+    };
+    let mut out = Vec::new();
+    for (path, value) in items(table)? {
+        flatten(&path, &value, &mut out, 0)?;
+    }
+    Ok(out)
+}
+
+#[pymethods]
+impl Design {
+    /// Reads a design file.
+    ///
+    /// Raises DesignError (key, line, column, hint) for a file that cannot be used, OSError for one that
+    /// cannot be read.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Design> {
+        let bytes = std::fs::read(&path).map_err(|cause| {
+            PyErr::from(std::io::Error::new(cause.kind(), format!("cannot read {}: {cause}", path.display())))
+        })?;
+        let text = String::from_utf8(bytes).map_err(|_| {
+            pyo3::exceptions::PyUnicodeError::new_err(format!("{} is no text in UTF-8", path.display()))
+        })?;
+        let directory = path.parent().unwrap_or(Path::new("")).to_owned();
+        let directory = std::path::absolute(&directory).unwrap_or(directory);
+        Design::from_text(py, &text, &path.display().to_string(), directory)
+    }
+
+    /// Reads a design from its text; `name` only serves messages.
+    #[staticmethod]
+    #[pyo3(signature = (text, name = "the design"))]
+    fn parse(py: Python<'_>, text: &str, name: &str) -> PyResult<Design> {
+        let directory = std::env::current_dir().unwrap_or_default();
+        Design::from_text(py, text, name, directory)
+    }
+
+    /// A shipped design, as `arcmin new` writes it; :meth:`templates` names them.
+    #[staticmethod]
+    #[pyo3(signature = (name = "rv-40e-81"))]
+    fn template(py: Python<'_>, name: &str) -> PyResult<Design> {
+        let Some(template) = TEMPLATES.iter().find(|template| template.name == name) else {
+            let names = TEMPLATES.map(|template| template.name).join(", ");
+            let message = format!("no template is called \"{name}\"; templates are {names}");
+            return Err(errors::value(py, name, &message, false));
+        };
+        Design::parse(py, template.text, &format!("{name}.toml"))
+    }
+
+    /// Names of the shipped designs with a line about each.
+    #[staticmethod]
+    fn templates(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let all = PyDict::new(py);
+        for template in TEMPLATES {
+            all.set_item(template.name, template.summary)?;
+        }
+        Ok(all)
+    }
+
+    #[staticmethod]
+    fn _restored(py: Python<'_>, text: &str, name: &str, directory: PathBuf) -> PyResult<Design> {
+        Design::from_text(py, text, name, directory)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, String, PathBuf))> {
+        let make = py.get_type::<Design>().getattr("_restored")?;
+        let now = self.now();
+        Ok((make, (now.to_toml(), now.file_name().to_owned(), self.directory.clone())))
+    }
+
+    /// Name of the design, for reports.
+    #[getter]
+    fn name(&self) -> String {
+        self.now().name.value.clone()
+    }
+
+    /// Name of the file it was read from.
+    #[getter]
+    fn file_name(&self) -> String {
+        self.now().file_name().to_owned()
+    }
+
+    /// SHA-256 over every value that matters, defaults included, as 64 hexadecimal digits.
+    #[getter]
+    fn hash(&self) -> String {
+        self.now().hash()
+    }
+
+    /// The first twelve digits of the hash.
+    #[getter]
+    fn short_hash(&self) -> String {
+        self.now().short_hash()
+    }
+
+    /// The text of the design file with every change since made in it.
+    fn to_toml(&self) -> String {
+        self.now().to_toml()
+    }
+
+    /// Keys left to their defaults.
+    fn defaulted(&self) -> Vec<String> {
+        self.now().defaulted()
+    }
+
+    /// Paths of all keys, in the order of the reference.
+    fn keys(&self, py: Python<'_>) -> Vec<String> {
+        let now = self.now();
+        py.detach(|| now.keys().into_iter().map(|entry| entry.path).collect())
+    }
+
+    /// Values of all keys, in the order of :meth:`keys`.
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let now = self.now();
+        now.keys().iter().map(|entry| object(py, &now, &entry.path, &entry.value)).collect()
+    }
+
+    /// Paths and values of all keys.
+    fn items<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+        let now = self.now();
+        let one = |entry: KeyEntry| Ok((entry.path.clone(), object(py, &now, &entry.path, &entry.value)?));
+        now.keys().into_iter().map(one).collect()
+    }
+
+    /// What a key means: unit, range, default, documentation.
+    fn describe(&self, py: Python<'_>, path: &str) -> PyResult<Key> {
+        let now = self.now();
+        let known = now.keys().into_iter().find(|entry| entry.path == path);
+        let Some(entry) = known else {
+            now.get(path).map_err(|error| errors::design(py, &error))?;
+            let message = format!("`{path}` is part of a value: ask for the whole");
+            return Err(errors::value(py, path, &message, false));
+        };
+        let choices = match entry.kind {
+            Kind::Choice(words) => Some(words.to_vec()),
+            _ => None,
+        };
+        Ok(Key {
+            default: key_object(py, &entry.default)?.unbind(),
+            value: object(py, &now, &entry.path, &entry.value)?.unbind(),
+            unit: entry.unit,
+            range: entry.range.map(|[low, high]| (low, high)),
+            required: entry.required,
+            documentation: entry.documentation,
+            written: entry.written,
+            path: entry.path,
+            choices,
+        })
+    }
+
+    /// The value of a key, or of a default if there is no such key.
+    #[pyo3(signature = (path, default = None))]
+    fn get<'py>(
+        &self,
+        py: Python<'py>,
+        path: &str,
+        default: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        match self.__getitem__(py, path) {
+            Err(error) if error.is_instance_of::<pyo3::exceptions::PyKeyError>(py) => {
+                Ok(default.unwrap_or_else(|| py.None().into_bound(py)))
+            }
+            other => other,
+        }
+    }
+
+    /// The design with these keys set at once; this one stays as it is.
+    ///
+    /// For keys that only go together, such as ``ring.pin_count`` and ``disc.lobe_count``, and for sweeps:
+    /// ``design.replace({"disc.width_mm": 9.5})``.
+    fn replace(&self, py: Python<'_>, changes: &Bound<'_, PyAny>) -> PyResult<Design> {
+        Ok(Design::of(self.with(py, self::changes(changes)?)?, self.directory.clone()))
+    }
+
+    /// Sets these keys at once, in place.
+    fn update(&self, py: Python<'_>, changes: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.set(self.with(py, self::changes(changes)?)?);
+        Ok(())
+    }
+
+    /// A design of its own with the same keys.
+    fn copy(&self) -> Design {
+        self.copied()
+    }
+
+    fn __copy__(&self) -> Design {
+        self.copied()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Design {
+        self.copied()
+    }
+
+    /// Geometry of the flank of its disc, less `wear_um` everywhere.
+    #[pyo3(signature = (*, wear_um = 0.0))]
+    fn flank(&self, py: Python<'_>, wear_um: f64) -> PyResult<Flank> {
+        Flank::of(py, &self.now(), wear_um)
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
+        let now = self.now();
+        match now.get(path) {
+            Ok(value) => object(py, &now, path, &value),
+            Err(error) => match section(py, &now, path)? {
+                Some(section) => Ok(section),
+                None => Err(errors::design(py, &error)),
+            },
+        }
+    }
+
+    fn __setitem__(&self, py: Python<'_>, path: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let mut changes = Vec::new();
+        flatten(path, value, &mut changes, 0)?;
+        self.set(self.with(py, changes)?);
+        Ok(())
+    }
+
+    fn __delitem__(&self, py: Python<'_>, path: &str) -> PyResult<()> {
+        self.set(self.with(py, vec![(path.to_owned(), Value::LeftOut)])?);
+        Ok(())
+    }
+
+    fn __contains__(&self, path: &Bound<'_, PyAny>) -> bool {
+        path.extract::<&str>().is_ok_and(|path| self.now().get(path).is_ok())
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        PyList::new(py, self.keys(py))?.try_iter()
+    }
+
+    fn __len__(&self) -> usize {
+        self.now().keys().len()
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Design>().is_ok_and(|other| *self.now() == *other.get().now())
+    }
+
+    fn __repr__(&self) -> String {
+        let now = self.now();
+        format!("<Design {:?} {}>", now.name.value, now.short_hash())
+    }
+}
+
+impl Design {
+    fn from_text(py: Python<'_>, text: &str, name: &str, directory: PathBuf) -> PyResult<Design> {
+        let read = py.detach(|| Read::parse(text, name)).map_err(|error| errors::design(py, &error))?;
+        Ok(Design::of(read, directory))
+    }
+}
+
+/// A value; of a material with its own properties, those.
+fn object<'py>(py: Python<'py>, design: &Read, path: &str, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    let Value::Material(_) = value else { return key_object(py, value) };
+    let parts = PyDict::new(py);
+    for part in ["name", "youngs_modulus_gpa", "poisson_ratio", "density_g_cm3"] {
+        let value = design.get(&format!("{path}.{part}")).map_err(|error| errors::design(py, &error))?;
+        parts.set_item(part, key_object(py, &value)?)?;
+    }
+    Ok(parts.into_any())
+}
+
+/// A section as a dictionary of what it has, a list of sections as a list of them; `None` for what is
+/// neither.
+fn section<'py>(py: Python<'py>, design: &Read, path: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let inside = PyDict::new(py);
+    let mut rows: Vec<Bound<'py, PyDict>> = Vec::new();
+    for entry in design.keys() {
+        let Some(rest) = entry.path.strip_prefix(path) else { continue };
+        if entry.value == Value::LeftOut {
+            continue;
+        }
+        let value = object(py, design, &entry.path, &entry.value)?;
+        if let Some(name) = rest.strip_prefix('.') {
+            put(&inside, name, &value)?;
+        } else if let Some((index, name)) = rest.strip_prefix('[').and_then(|rest| rest.split_once("].")) {
+            let Ok(index) = index.parse::<usize>() else { continue };
+            while rows.len() <= index {
+                rows.push(PyDict::new(py));
+            }
+            put(&rows[index], name, &value)?;
+        }
+    }
+    Ok(match (rows.is_empty(), inside.is_empty()) {
+        (false, _) => Some(PyList::new(py, rows)?.into_any()),
+        (true, false) => Some(inside.into_any()),
+        (true, true) => None,
+    })
+}
+
+/// Puts a value where its dotted name says.
+fn put<'py>(into: &Bound<'py, PyDict>, name: &str, value: &Bound<'py, PyAny>) -> PyResult<()> {
+    let Some((first, rest)) = name.split_once('.') else { return into.set_item(name, value) };
+    let inner = match into.get_item(first)? {
+        Some(inner) => inner.cast_into::<PyDict>()?,
+        None => {
+            let inner = PyDict::new(into.py());
+            into.set_item(first, &inner)?;
+            inner
+        }
+    };
+    put(&inner, rest, value)
+}

@@ -1,0 +1,43 @@
+//! Python's view of `arcmin`: the analyses, designs and results of the library under Python's types. What
+//! an analysis is called, takes and answers is read from the library's registry; nothing is decided here.
+//!
+//! What reads better in Python (documentation, notebooks, progress bars) is in `python/arcmin`.
+
+mod design;
+mod errors;
+mod flank;
+mod host;
+mod inputs;
+mod outcome;
+mod registry;
+mod sample;
+mod simulation;
+mod table;
+mod work;
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+
+/// Runs the `arcmin` command with these words, the name of the program first; its exit status.
+#[pyfunction]
+fn run_command(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| arcmin_cli::run_command(words))
+}
+
+#[pymodule(gil_used = false)]
+fn _arcmin(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(run_command, module)?)?;
+    module.add_function(wrap_pyfunction!(registry::analyses, module)?)?;
+    module.add_function(wrap_pyfunction!(outcome::run, module)?)?;
+    module.add_function(wrap_pyfunction!(sample::sample, module)?)?;
+    module.add_class::<design::Design>()?;
+    module.add_class::<design::Key>()?;
+    module.add_class::<flank::Flank>()?;
+    module.add_class::<outcome::Outcome>()?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<simulation::State>()?;
+    module.add_class::<table::Table>()?;
+    Ok(())
+}

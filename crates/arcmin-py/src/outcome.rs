@@ -1,0 +1,186 @@
+//! Running an analysis, and its answer.
+
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+use arcmin::analyses::{AnalysisError, Outcome as Answer, by_name};
+use arcmin::checks::{Severity, check_design};
+use arcmin::report::{Block, Page, Provenance};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyList};
+use serde_json::{Value as Json, json};
+
+use crate::design::Design;
+use crate::host::{ORIGIN, PyHost, Question};
+use crate::table::Table;
+use crate::{errors, inputs, work};
+
+/// Answer of an analysis: what ``arcmin.Result`` reads.
+#[pyclass(module = "arcmin", frozen)]
+pub struct Outcome {
+    question: Arc<Question>,
+    host: Arc<PyHost>,
+    answer: Arc<dyn Answer>,
+    tables: OnceLock<Py<PyList>>,
+}
+
+/// Runs the analysis of this name.
+///
+/// `options` are those of the command, `files` the content of files by the name that the options give them;
+/// `threads` are for its parallel parts; `progress` is called with stage and share (0…1) from the calling
+/// thread. The interpreter lock is released meanwhile.
+#[pyfunction]
+#[pyo3(signature = (name, design, options, files, threads = None, progress = None))]
+pub fn run(
+    py: Python<'_>,
+    name: &str,
+    design: &Bound<'_, Design>,
+    options: &Bound<'_, PyDict>,
+    files: HashMap<String, Vec<u8>>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Outcome> {
+    let Some(analysis) = by_name(name) else {
+        return Err(PyValueError::new_err(format!("there is no analysis \"{name}\"")));
+    };
+    let options = inputs::options_text((analysis.options)(), options)?;
+    let question = Arc::new(Question { analysis, design: design.get().now(), options });
+    let host = Arc::new(PyHost::new(design.get().directory(), files).about(question.clone()));
+    let (asked, hears) = (question.clone(), host.clone());
+    let answer = work::wait_for(py, &host, threads, progress, move || {
+        asked.analysis.run(&asked.design, &asked.options, ORIGIN, &*hears)
+    })?
+    .map_err(|error| errors::analysis(py, &error, Some(&question.design)))?;
+    Ok(Outcome { question, host, answer: answer.into(), tables: OnceLock::new() })
+}
+
+impl Outcome {
+    /// Work on the answer that may take a while: drawing its page, writing a mesh.
+    fn ask<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        what: impl FnOnce(&dyn Answer) -> Result<T, AnalysisError> + Send + 'static,
+    ) -> PyResult<T> {
+        let answer = self.answer.clone();
+        let host = Arc::new(PyHost::default());
+        work::wait_for(py, &host, None, None, move || what(&*answer))?
+            .map_err(|error| errors::analysis(py, &error, Some(&self.question.design)))
+    }
+}
+
+/// The plot that a notebook shows: the first of the page.
+fn main_plot(page: &Page) -> Json {
+    let blocks = page.sections.iter().flat_map(|section| &section.blocks);
+    let plot = blocks.into_iter().find_map(|block| match block {
+        Block::Plot(plot) => Some(plot),
+        _ => None,
+    });
+    plot.map_or(Json::Null, |plot| serde_json::to_value(plot).unwrap_or(Json::Null))
+}
+
+#[pymethods]
+impl Outcome {
+    /// Word of the command.
+    #[getter]
+    fn analysis(&self) -> &'static str {
+        self.question.analysis.name
+    }
+
+    /// Its figures, nested as in `summary.json`.
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let question = &self.question;
+        let mut summary = self.ask(py, |answer| Ok(answer.summary().to_json()))?;
+        let identity = self.host.identity().map_err(|error| errors::analysis(py, &error, None))?;
+        let findings = check_design(&question.design);
+        let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
+        let design = &question.design;
+        summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
+        summary.insert("command".to_owned(), json!(question.analysis.name));
+        summary.insert("identity".to_owned(), json!(identity));
+        summary.insert(
+            "design".to_owned(),
+            json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),
+        );
+        summary.insert("error_findings".to_owned(), json!(errors));
+        inputs::json_object(py, &Json::Object(summary))
+    }
+
+    /// Its tables.
+    fn tables(&self, py: Python<'_>) -> PyResult<Py<PyList>> {
+        if let Some(tables) = self.tables.get() {
+            return Ok(tables.clone_ref(py));
+        }
+        let filled = self.ask(py, |answer| Ok(answer.tables()))?;
+        let made = PyList::new(
+            py,
+            filled
+                .into_iter()
+                .map(Table::of)
+                .map(|table| Py::new(py, table))
+                .collect::<PyResult<Vec<_>>>()?,
+        )?;
+        Ok(self.tables.get_or_init(|| made.unbind()).clone_ref(py))
+    }
+
+    /// Why it did not come to its end, if so.
+    #[getter]
+    fn failure(&self) -> Option<String> {
+        self.answer.failure()
+    }
+
+    /// What the command prints.
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        self.ask(py, |answer| Ok(arcmin_cli::terminal_text(&answer.said())))
+    }
+
+    /// The report as one HTML page; `call` is how it was asked for.
+    fn html(&self, py: Python<'_>, call: String) -> PyResult<String> {
+        let design_hash = self.question.design.short_hash();
+        self.ask(py, move |answer| {
+            let mut page = answer.page();
+            page.provenance = Provenance {
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                design_hash,
+                command: call,
+                seeds: answer.seeds(),
+            };
+            Ok(page.render())
+        })
+    }
+
+    /// Headline, key figures and main plot, for notebooks.
+    fn glance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let glance = self.ask(py, |answer| {
+            let page = answer.page();
+            let figures: Vec<Json> = page
+                .verdict
+                .figures
+                .iter()
+                .map(|figure| {
+                    json!({ "label": figure.label, "value": figure.value, "unit": figure.unit,
+                            "note": figure.note, "tone": figure.tone })
+                })
+                .collect();
+            Ok(json!({
+                "title": page.title,
+                "subtitle": page.subtitle,
+                "headline": page.verdict.headline,
+                "tone": page.verdict.tone,
+                "figures": figures,
+                "answers": page.verdict.answers,
+                "plot": main_plot(&page),
+            }))
+        })?;
+        inputs::json_object(py, &glance)
+    }
+
+    /// Further files by their names: a mesh for ParaView.
+    fn attachments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for attachment in self.ask(py, |answer| answer.attachments())? {
+            all.set_item(attachment.name, PyBytes::new(py, &attachment.bytes))?;
+        }
+        Ok(all)
+    }
+}

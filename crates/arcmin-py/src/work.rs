@@ -1,0 +1,156 @@
+//! Long work on threads of its own: the caller waits without the interpreter lock, hears Ctrl-C, and shows
+//! progress.
+
+use std::mem;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::errors;
+use crate::host::PyHost;
+
+/// How often the caller looks for Ctrl-C and shows progress.
+const LOOK: Duration = Duration::from_millis(50);
+/// How long work that was told to stop is waited for. What takes longer ends by itself, unheard.
+const GRACE: Duration = Duration::from_millis(150);
+/// As much as the main thread of a process usually has.
+const STACK_BYTES: usize = 8 << 20;
+/// Threads kept waiting for the next call.
+const KEPT: usize = 8;
+
+/// Work that gives back how to tell that it is done.
+type Job = Box<dyn FnOnce() -> Tell + Send>;
+type Tell = Box<dyn FnOnce() + Send>;
+
+/// What belongs to one process: threads do not survive a fork.
+struct Threads {
+    process: u32,
+    idle: Vec<Sender<Job>>,
+    pools: Vec<(usize, Arc<ThreadPool>)>,
+}
+
+fn threads() -> MutexGuard<'static, Threads> {
+    static THREADS: OnceLock<Mutex<Threads>> = OnceLock::new();
+    let fresh = || Threads { process: std::process::id(), idle: Vec::new(), pools: Vec::new() };
+    let mut threads =
+        THREADS.get_or_init(|| Mutex::new(fresh())).lock().unwrap_or_else(PoisonError::into_inner);
+    if threads.process != std::process::id() {
+        // The other ends are in the parent: not to be told anything, nor waited for.
+        mem::forget(mem::replace(&mut *threads, fresh()));
+    }
+    threads
+}
+
+/// The process that first computed: there rayon's common pool has its threads.
+fn is_first_process() -> bool {
+    static FIRST: OnceLock<u32> = OnceLock::new();
+    *FIRST.get_or_init(std::process::id) == std::process::id()
+}
+
+/// Where parallel parts run; `None` is rayon's common pool.
+fn pool(count: Option<usize>) -> Result<Option<Arc<ThreadPool>>, String> {
+    if count.is_none() && is_first_process() {
+        return Ok(None);
+    }
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let count = count.unwrap_or_else(cores);
+    let mut threads = threads();
+    if let Some((_, pool)) = threads.pools.iter().find(|(size, _)| *size == count) {
+        return Ok(Some(pool.clone()));
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(count).build();
+    let pool = Arc::new(pool.map_err(|cause| format!("cannot start {count} threads: {cause}"))?);
+    threads.pools.push((count, pool.clone()));
+    Ok(Some(pool))
+}
+
+fn serve(mut job: Job) -> std::io::Result<()> {
+    // A thread that has ended since (it cannot) hands the job back.
+    while let Some(idle) = { threads().idle.pop() } {
+        match idle.send(job) {
+            Ok(()) => return Ok(()),
+            Err(refused) => job = refused.0,
+        }
+    }
+    let (sender, receiver) = channel::<Job>();
+    let work = move || {
+        let mut next = Some(job);
+        while let Some(job) = next.take() {
+            let tell = job();
+            let keep = {
+                let mut threads = threads();
+                let keep = threads.idle.len() < KEPT;
+                if keep {
+                    threads.idle.push(sender.clone());
+                }
+                keep
+            };
+            // Told after the thread is free again, so that the next call finds it.
+            tell();
+            next = keep.then(|| receiver.recv().ok()).flatten();
+        }
+    };
+    std::thread::Builder::new().name("arcmin".to_owned()).stack_size(STACK_BYTES).spawn(work)?;
+    Ok(())
+}
+
+type Answer<T> = Arc<(Mutex<Option<std::thread::Result<T>>>, Condvar)>;
+
+fn wait<T>(answer: &Answer<T>, time: Duration) -> Option<std::thread::Result<T>> {
+    let end = Instant::now() + time;
+    let mut slot = answer.0.lock().unwrap_or_else(PoisonError::into_inner);
+    while slot.is_none() {
+        let left = end.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return None;
+        }
+        slot = answer.1.wait_timeout(slot, left).unwrap_or_else(PoisonError::into_inner).0;
+    }
+    slot.take()
+}
+
+/// Runs `job` on a thread of its own and waits for it without the interpreter lock. `progress` is called
+/// with stage and share about twenty times a second, from the calling thread.
+///
+/// # Errors
+/// What a signal handler or `progress` raised (the job is then told to stop), or a panic of the job.
+pub fn wait_for<T: Send + 'static>(
+    py: Python<'_>,
+    host: &Arc<PyHost>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    job: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    let pool = pool(threads).map_err(pyo3::exceptions::PyRuntimeError::new_err)?;
+    let answer: Answer<T> = Arc::new((Mutex::new(None), Condvar::new()));
+    let told = answer.clone();
+    let job: Job = Box::new(move || {
+        let result = catch_unwind(AssertUnwindSafe(|| match pool {
+            Some(pool) => pool.install(job),
+            None => job(),
+        }));
+        Box::new(move || {
+            *told.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            told.1.notify_all();
+        })
+    });
+    serve(job)?;
+    loop {
+        if let Some(result) = py.detach(|| wait(&answer, LOOK)) {
+            return result.map_err(|cause| errors::panic(cause.as_ref()));
+        }
+        let told = py.check_signals().and_then(|()| match (progress, host.progress()) {
+            (Some(progress), Some(at)) => progress.call1(at).map(|_| ()),
+            _ => Ok(()),
+        });
+        if let Err(error) = told {
+            host.cancel();
+            py.detach(|| wait(&answer, GRACE));
+            return Err(error);
+        }
+    }
+}

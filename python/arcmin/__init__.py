@@ -1,0 +1,50 @@
+"""arcmin: how long does an RV (cycloidal) reducer stay accurate, and what limits it?
+
+>>> import arcmin
+>>> design = arcmin.Design.template("rv-40e-81")
+>>> design["crankshafts.eccentricity_mm"]
+1.3
+>>> result = arcmin.contact(design, torque_nm=412)
+>>> result.tables["contact"]["force_n"].max() == result.max_force_n
+True
+
+A design is read from its file (:class:`Design`); every analysis of the ``arcmin`` command is a function here,
+with the same options, the same numbers to the bit and the same messages. Units stand at the end of every
+name.
+"""
+
+from arcmin import _analyses
+from arcmin._analyses import *
+from arcmin._arcmin import Design, Flank, Key, Simulation, State, Table, __version__, sample
+from arcmin._errors import (
+    ArcminError,
+    ComputeError,
+    DesignError,
+    InputError,
+    OptionError,
+    UnknownKeyError,
+)
+from arcmin._results import Result, Verdict
+from arcmin._study import StudyResult, study
+
+__all__ = [
+    "ArcminError",
+    "ComputeError",
+    "Design",
+    "DesignError",
+    "Flank",
+    "InputError",
+    "Key",
+    "OptionError",
+    "Result",
+    "Simulation",
+    "State",
+    "StudyResult",
+    "Table",
+    "UnknownKeyError",
+    "Verdict",
+    "__version__",
+    "sample",
+    "study",
+]
+__all__ += _analyses.__all__

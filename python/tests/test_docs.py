@@ -1,0 +1,47 @@
+"""The chapters of the book that speak of the package are true."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "python" / "tools"))
+
+
+def test_the_reference_is_current() -> None:
+    import reference
+
+    assert reference.TARGET.read_text() == reference.text(), "`python python/tools/reference.py` writes it"
+
+
+def test_the_tutorial_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The code of the chapter in one session, top to bottom; comments that are values hold."""
+    chapter = (ROOT / "docs" / "src" / "python.md").read_text()
+    monkeypatch.chdir(tmp_path)
+    session: dict[str, object] = {}
+    for block in re.findall(r"```python\n(.*?)```", chapter, re.DOTALL):
+        exec(compile(block, "docs/src/python.md", "exec"), session)  # noqa: S102
+    assert os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "python" / "examples").glob("*.py")))
+def test_notebooks_are_the_examples(name: str) -> None:
+    import notebooks
+
+    book = json.loads((notebooks.NOTEBOOKS / f"{name}.ipynb").read_text())
+    code = [cell for cell in book["cells"] if cell["cell_type"] == "code"]
+
+    def source(cell: dict[str, object]) -> str:
+        lines = cell["source"]
+        return lines if isinstance(lines, str) else "".join(lines)  # type: ignore[arg-type]
+
+    script = (notebooks.EXAMPLES / f"{name}.py").read_text()
+    assert [source(cell) for cell in book["cells"]] == [cell["source"] for cell in notebooks.cells(script)]
+    assert any(cell["outputs"] for cell in code), "`python python/tools/notebooks.py` executes them"
+    assert (notebooks.NOTEBOOKS / f"{name}.ipynb").stat().st_size < notebooks.MOST_BYTES
