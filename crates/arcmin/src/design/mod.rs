@@ -5,6 +5,7 @@
 //! and hash follow from that declaration. A file that cannot be used is answered with a [`DesignError`] that
 //! names line, text and remedy.
 
+mod bodies;
 mod consistency;
 mod deviations;
 mod edit;

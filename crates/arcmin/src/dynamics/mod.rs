@@ -2,6 +2,7 @@
 
 mod bearing_joints;
 mod drive;
+mod elastic_carrier;
 mod elastic_disc;
 mod equilibrium;
 mod error;
@@ -24,6 +25,7 @@ pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing,
 };
 pub use drive::{Drive, InputMotion};
+pub use elastic_carrier::ElasticCarrier;
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use error::DynamicsError;

@@ -10,6 +10,7 @@ mod errors;
 mod kinematics;
 mod part_wear;
 mod parts;
+mod solids;
 mod tolerances;
 
 pub use access::InvalidAssumption;
@@ -22,6 +23,7 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
+pub use solids::{CarrierSolid, Hold, HousingSolid, Solids, SolidsBasis};
 pub use tolerances::Tolerances;
 
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
@@ -50,6 +52,8 @@ pub struct Machine {
     pub gear_stage: GearStage,
     pub carrier: Carrier,
     pub housing: Housing,
+    /// Carrier and housing as finite elements see them.
+    pub solids: Solids,
     pub fixed_member: FixedMember,
     pub bearings: BearingSet,
     pub friction: Friction,

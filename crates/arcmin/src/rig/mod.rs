@@ -6,6 +6,7 @@
 //! zero torque; torsional stiffness as the slope of the branches.
 
 mod bearing_life;
+mod bodies;
 mod efficiency;
 mod hysteresis;
 #[cfg(test)]
@@ -19,6 +20,7 @@ mod transmission;
 
 pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
+pub use bodies::{BodyCompliance, body_compliance};
 pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
 pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,

@@ -1,13 +1,13 @@
 //! The machine put together: bodies, joints, pins.
 
-use super::joints::{Bending, Gears, Joint, Journal, Losses, Place, Support, Torsion};
+use super::joints::{Bending, Frame, Gears, Joint, Journal, Losses, Place, Support, Torsion};
 use super::layout::{Degrees, Layout};
 use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
 use super::shaft::Shaft;
 use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::{DynamicsError, ElasticDiscs, OutputLoad};
-use crate::geometry::{quarter_turn, unit};
+use crate::geometry::{Vec2, quarter_turn, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
 /// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
@@ -30,6 +30,8 @@ pub(super) struct Bearings {
     pub turning_arms: Vec<Vec<usize>>,
     /// Per crankshaft and end.
     pub supports: Vec<Vec<usize>>,
+    /// The support that stands for the main bearings.
+    pub main: usize,
 }
 
 impl BearingJoints {
@@ -50,6 +52,7 @@ impl BearingJoints {
             flange: (machine.carrier.torsional_stiffness * scale).is_finite(),
             input_shaft: (stage.input_torsional_stiffness * scale).is_finite(),
             free_input,
+            seats: settings.carrier.is_some(),
         };
         if free_input && degrees.input_shaft {
             DynamicsError::require(
@@ -139,7 +142,7 @@ impl Parts<'_> {
         }
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
         let seat = self.errors().carrier;
-        add(Box::new(Support {
+        bearings.main = add(Box::new(Support {
             part: Part::Housing,
             cause: Some(Cause::MainBearingClearance),
             index: [cx, cy, carrier, hx, hy],
@@ -157,6 +160,14 @@ impl Parts<'_> {
             seat: Arm { radius: 0.0, phase: 0.0 },
             loss_time,
         }));
+        if let Some(carrier) = &self.settings.carrier {
+            add(Box::new(Frame {
+                part: Part::Carrier,
+                index: layout.seats.iter().flatten().flatten().copied().collect(),
+                stiffness: carrier.stiffness().iter().map(|k| k * scale).collect(),
+                loss_time,
+            }));
+        }
         if let Some(flange) = layout.flange() {
             add(Box::new(Torsion {
                 part: Part::Carrier,
@@ -188,7 +199,10 @@ impl Parts<'_> {
             index: [at, at + 1, layout.crank_angle(k), cx, cy, carrier],
             arm: Arm { radius: amplitude, phase },
             bore: layout.carrier_bores[k],
-            modes: Vec::new(),
+            modes: layout.seats.get(k).map_or_else(Vec::new, |ends| {
+                let [x, y] = ends[end];
+                vec![(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0))]
+            }),
             worn: 0.0,
             alike: 2 * layout.cranks,
             losses: self.losses,
@@ -303,6 +317,15 @@ fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<()
             discs.count() as f64,
             "",
             "must be that of the machine's discs",
+        )?;
+    }
+    if let Some(carrier) = &settings.carrier {
+        check(
+            carrier.crank_count() == machine.crankshafts.count,
+            "number of crankshafts of the elastic carrier",
+            carrier.crank_count() as f64,
+            "",
+            "must be that of the machine",
         )?;
     }
     check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;

@@ -27,6 +27,8 @@ pub(super) struct Layout {
     input: usize,
     /// Bores of the carrier.
     pub carrier_bores: Vec<Arm>,
+    /// Per crankshaft and end: (x, y) of the way an elastic carrier's seat gives, in the carrier's frame.
+    pub seats: Vec<[[usize; 2]; 2]>,
 }
 
 /// What turns apart from its neighbour.
@@ -38,6 +40,8 @@ pub(super) struct Degrees {
     pub input_shaft: bool,
     /// Whether the input is driven by a torque rather than prescribed.
     pub free_input: bool,
+    /// The crank seats from the carrier.
+    pub seats: bool,
 }
 
 impl Layout {
@@ -80,6 +84,16 @@ impl Layout {
                 axes.push(axis(machine.disc.inertia, ARCMIN, true));
                 axes.extend(vec![axis(1.0, mode_scale, true); *count]);
                 registry.add(Body { axes, has_place: true, follows: Follows::Disc(j) })
+            })
+            .collect();
+        // What vibrates with a seat: a quarter of the carrier's mass spread over them, an assumption.
+        let seat_mass = 0.25 * machine.carrier.mass / (2 * cranks.count) as f64;
+        let seat_bodies: Vec<[BodyId; 2]> = (0..if degrees.seats { cranks.count } else { 0 })
+            .map(|_| {
+                [0, 1].map(|_| {
+                    let axes = place(seat_mass, true).to_vec();
+                    registry.add(Body { axes, has_place: false, follows: Follows::Centre })
+                })
             })
             .collect();
         let sun = registry.add(Body {
@@ -139,6 +153,7 @@ impl Layout {
             sun_angle: one(sun_angle),
             input: one(input),
             carrier_bores,
+            seats: seat_bodies.iter().map(|ends| ends.map(two)).collect(),
             coordinates,
         }
     }

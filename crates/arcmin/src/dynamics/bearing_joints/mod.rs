@@ -6,6 +6,7 @@ mod causes;
 mod elastic;
 #[cfg(test)]
 mod error_tests;
+mod interface;
 mod joints;
 mod layout;
 mod planar_mesh;
@@ -29,7 +30,7 @@ use build::Bearings;
 use joints::{Joint, State};
 use layout::Layout;
 
-use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad};
+use super::{Drive, DynamicsError, ElasticCarrier, ElasticDiscs, OutputLoad};
 use crate::contact::PinContacts;
 use crate::geometry::{Relief, Vec2, unit};
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, PartWear};
@@ -46,6 +47,8 @@ pub struct JointSettings {
     pub errors: ManufacturingErrors,
     /// Discs that deform, from [`ElasticDiscs::free`]; rigid ones without.
     pub discs: Option<ElasticDiscs>,
+    /// A carrier whose crank seats give way against its output face; a rigid one without.
+    pub carrier: Option<ElasticCarrier>,
     /// Multiplies the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the
     /// machine as it is.
     pub stiffness_scale: f64,
@@ -61,6 +64,7 @@ impl Default for JointSettings {
             part_wear: PartWear::default(),
             errors: ManufacturingErrors::default(),
             discs: None,
+            carrier: None,
             stiffness_scale: 1.0,
             damped: true,
         }

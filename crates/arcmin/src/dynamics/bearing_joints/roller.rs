@@ -142,6 +142,13 @@ impl RadialBearing {
             if approach > 0.0 { self.stiffness * approach.powf(self.exponent) } else { 0.0 }
         })
     }
+
+    /// Radial force (N) of every element on the outer ring with the angle (rad) where it stands.
+    pub fn radial_element_forces(&self, u: [f64; 2], cage: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let angle = move |i: usize| cage + TAU * i as f64 / self.count as f64;
+        let forces = self.element_forces(u, cage).enumerate();
+        forces.map(move |(i, force)| (angle(i), self.contact_cosine * force))
+    }
 }
 
 #[cfg(test)]

@@ -93,6 +93,12 @@ impl Journal {
         self.displacement(q, self.arms(q, &self.modes_at(q)))
     }
 
+    /// Radial force (N) of every rolling element on the bore with the angle (rad) where it stands.
+    pub fn radial_element_forces(&self, q: &[f64]) -> Vec<(f64, f64)> {
+        let (u, cage) = self.displacement_at(q);
+        self.law.radial_element_forces(u, cage).collect()
+    }
+
     /// Force (N) on the inner ring and forces of the rolling elements.
     pub fn load(&self, q: &[f64]) -> (BearingState, Vec<f64>) {
         let (u, cage) = self.displacement_at(q);
