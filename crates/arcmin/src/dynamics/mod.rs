@@ -4,6 +4,7 @@ mod bearing_joints;
 mod drive;
 mod elastic_carrier;
 mod elastic_disc;
+mod elastic_housing;
 mod equilibrium;
 mod error;
 mod gear_mesh;
@@ -25,8 +26,9 @@ pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing,
 };
 pub use drive::{Drive, InputMotion};
-pub use elastic_carrier::ElasticCarrier;
+pub use elastic_carrier::{ElasticCarrier, ElasticRims};
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
+pub use elastic_housing::ElasticHousing;
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use error::DynamicsError;
 pub use gear_mesh::{GearMesh, MeshForce};

@@ -1,8 +1,8 @@
-//! Carrier and housing of a machine reduced to what the mechanism touches, and as bytes to be kept.
+//! Carrier, housing and the rims of the discs of a machine reduced to what the mechanism touches, and as bytes to be kept.
 
 use sha2::{Digest, Sha256};
 
-use super::{CacheError, CarrierShape, Compliance, FemError, HousingShape};
+use super::{CacheError, CarrierShape, Compliance, FemError, HousingShape, RimShape};
 use crate::machine::{Hold, Machine};
 use crate::materials::Material;
 
@@ -13,6 +13,8 @@ pub struct ElasticBodies {
     pub carrier: Compliance,
     /// Of [`HousingShape::loads`], against what holds the flange.
     pub housing: Compliance,
+    /// Of [`RimShape::compliance`].
+    pub rims: Compliance,
 }
 
 /// The solids of a machine that decide about [`ElasticBodies`].
@@ -20,23 +22,32 @@ pub struct ElasticBodies {
 pub struct BodyShapes {
     pub carrier: CarrierShape,
     pub housing: HousingShape,
+    pub rims: RimShape,
 }
 
 const MAGIC: &[u8; 8] = b"arcminEB";
 /// To be raised whenever meshes, loads or this layout change the results.
-const FORMAT: u64 = 1;
+const FORMAT: u64 = 2;
 
 impl BodyShapes {
     pub fn of(machine: &Machine) -> BodyShapes {
-        BodyShapes { carrier: CarrierShape::of(machine), housing: HousingShape::of(machine) }
+        BodyShapes {
+            carrier: CarrierShape::of(machine),
+            housing: HousingShape::of(machine),
+            rims: RimShape::of(machine),
+        }
     }
 
-    /// Meshes, factorises and condenses both bodies.
+    /// Meshes, factorises and condenses all bodies.
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
     pub fn reduce(&self) -> Result<ElasticBodies, FemError> {
-        Ok(ElasticBodies { carrier: self.carrier.compliance()?, housing: self.housing.compliance()? })
+        let ((carrier, housing), rims) = rayon::join(
+            || rayon::join(|| self.carrier.compliance(), || self.housing.compliance()),
+            || self.rims.compliance(),
+        );
+        Ok(ElasticBodies { carrier: carrier?, housing: housing?, rims: rims? })
     }
 
     /// SHA-256 of everything the reduction depends on: equal keys, equal results.
@@ -61,6 +72,15 @@ impl BodyShapes {
         put(&[s.bolt_count as f64, s.first_bolt_angle, s.bolt_face_radius, hold(s.hold)]);
         put(&[h.pin_count as f64, h.pin_circle_radius, h.groove_radius, h.disc_count as f64]);
         put(&[h.seat_length, h.pin_length, h.sizes[0], h.sizes[1]]);
+        put(&h.layers.map(|layers| layers as f64));
+        let r = &self.rims;
+        put(&[r.bores.len() as f64, r.holes.len() as f64, r.windows.len() as f64]);
+        r.bores.iter().chain(&r.holes).for_each(|h| put(&[h.centre.x, h.centre.y, h.radius]));
+        for w in &r.windows {
+            put(&[w.inner_radius, w.outer_radius, w.centre_angle, w.half_angle, w.corner_radius]);
+        }
+        put(&[r.outer_radius, r.width, r.size]);
+        put(&material(&r.material));
         hash.finalize().into()
     }
 
@@ -69,11 +89,11 @@ impl BodyShapes {
         self.key().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
-    /// Layout: magic, key, the two counts, the two matrices (little-endian), SHA-256 of all before.
+    /// Layout: magic, key, per body its count and its matrix (little-endian), SHA-256 of all before.
     pub fn to_bytes(&self, bodies: &ElasticBodies) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend_from_slice(&self.key());
-        for body in [&bodies.carrier, &bodies.housing] {
+        for body in [&bodies.carrier, &bodies.housing, &bodies.rims] {
             bytes.extend_from_slice(&(body.count as u64).to_le_bytes());
             body.values.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
         }
@@ -109,9 +129,8 @@ impl BodyShapes {
             let values: Vec<f64> = words.by_ref().take(count * count).map(f64::from_le_bytes).collect();
             (values.len() == count * count).then_some(Compliance { count, values })
         };
-        let (carrier, housing) = (matrix(), matrix());
-        match (carrier, housing) {
-            (Some(carrier), Some(housing)) => Ok(ElasticBodies { carrier, housing }),
+        match (matrix(), matrix(), matrix()) {
+            (Some(carrier), Some(housing), Some(rims)) => Ok(ElasticBodies { carrier, housing, rims }),
             _ => Err(CacheError::Damaged),
         }
     }
@@ -120,7 +139,11 @@ impl BodyShapes {
 impl ElasticBodies {
     /// The same bodies of materials `factor` times stiffer.
     pub fn stiffened(&self, factor: f64) -> ElasticBodies {
-        ElasticBodies { carrier: self.carrier.stiffened(factor), housing: self.housing.stiffened(factor) }
+        ElasticBodies {
+            carrier: self.carrier.stiffened(factor),
+            housing: self.housing.stiffened(factor),
+            rims: self.rims.stiffened(factor),
+        }
     }
 }
 
@@ -136,7 +159,7 @@ mod tests {
     #[test]
     fn bytes_belong_to_their_solids() {
         let shapes = BodyShapes::of(&crate::templates::rv_40e_81());
-        let bodies = ElasticBodies { carrier: some(5), housing: some(7) };
+        let bodies = ElasticBodies { carrier: some(5), housing: some(7), rims: some(3) };
         let bytes = shapes.to_bytes(&bodies);
         assert_eq!(shapes.from_bytes(&bytes), Ok(bodies));
         let mut other = shapes.clone();

@@ -325,3 +325,46 @@ fn val_housing_is_that_of_calculix() {
         assert_near(&quantity, found, reference(&quantity), 0.005);
     }
 }
+
+/// How compliances of the shipped solids go with the mesh.
+#[test]
+#[ignore = "a minute: prints how compliances go with the mesh"]
+fn compliances_against_the_mesh() {
+    let machine = rv_40e_81();
+    let timed = |body: &Body, loads: &[NodalLoad], started: std::time::Instant| {
+        let c = body.compliance(loads);
+        let own: Vec<String> = (0..loads.len()).map(|k| format!("{:.5e}", c.at(k, k))).collect();
+        println!(
+            "{} unknowns, {:.1} s: {}",
+            body.quality().unknowns,
+            started.elapsed().as_secs_f64(),
+            own.join(" ")
+        );
+    };
+    for (size, layers) in [(1.0, [2, 3]), (0.7, [2, 3]), (1.0, [4, 3]), (0.7, [4, 3])] {
+        let shape = CarrierShape::of(&machine);
+        let shape = CarrierShape { size: size * shape.size, layers, ..shape };
+        let started = std::time::Instant::now();
+        let body = shape.body().unwrap();
+        let loads = shape.loads(&body);
+        let chosen: Vec<NodalLoad> = [0, 1, 9, 10].map(|k| loads[k].clone()).to_vec();
+        print!("carrier {size} {layers:?} ");
+        timed(&body, &chosen, started);
+    }
+    for (fine, coarse, layers) in
+        [(1.0, 1.0, [1, 1]), (0.6, 1.0, [1, 1]), (1.0, 1.0, [1, 2]), (0.6, 1.0, [1, 2]), (1.0, 0.7, [1, 1])]
+    {
+        let shape = HousingShape::of(&machine);
+        let sizes = [fine * shape.sizes[0], coarse * shape.sizes[1]];
+        let shape = HousingShape { sizes, layers, ..shape };
+        let started = std::time::Instant::now();
+        let body = shape.body().unwrap();
+        let loads = shape.loads(&body);
+        let pin = |i: usize, c: usize| -> NodalLoad {
+            let halves = (0..2).flat_map(|disc| loads[shape.pin(disc, i) + c].clone());
+            halves.map(|(node, component, force)| (node, component, 0.5 * force)).collect()
+        };
+        print!("housing {fine} {coarse} {layers:?} ");
+        timed(&body, &[pin(0, 0), pin(0, 1), pin(3, 1), loads[shape.main_seat(0)].clone()], started);
+    }
+}

@@ -24,6 +24,8 @@ pub struct HousingShape {
     pub pin_length: f64,
     /// Edge lengths in m: at the grooves, elsewhere.
     pub sizes: [f64; 2],
+    /// Layers of elements through a main bearing's seat and through one disc's share of the pins.
+    pub layers: [usize; 2],
 }
 
 /// Curves of the section, in this order; faces of bolts follow.
@@ -46,6 +48,7 @@ impl HousingShape {
             seat_length: machine.solids.carrier.plate_thickness,
             pin_length: machine.solids.carrier.gap,
             sizes: [0.035 * r, 0.1 * r],
+            layers: [1, 1],
         }
     }
 
@@ -136,9 +139,11 @@ impl HousingShape {
     /// Heights between layers of elements: seat, pins (a layer per disc, cut by the flange's faces), seat.
     fn cuts(&self) -> Vec<f64> {
         let (seat, pins) = (self.seat_length, self.pin_length);
-        let mut cuts: Vec<f64> =
-            (0..=self.disc_count).map(|j| seat + pins * j as f64 / self.disc_count as f64).collect();
-        cuts.extend([0.0, 2.0 * seat + pins]);
+        let [through_seat, through_share] = self.layers.map(|layers| layers.max(1));
+        let shares = self.disc_count * through_share;
+        let mut cuts: Vec<f64> = (0..=shares).map(|j| seat + pins * j as f64 / shares as f64).collect();
+        let depths = (0..through_seat).map(|k| seat * k as f64 / through_seat as f64);
+        cuts.extend(depths.flat_map(|z| [z, 2.0 * seat + pins - z]));
         cuts.extend(self.flange());
         cuts.sort_by(f64::total_cmp);
         cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * pins);

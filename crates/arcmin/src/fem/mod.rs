@@ -25,6 +25,7 @@ pub mod plane;
 pub mod quadrature;
 mod reduced;
 pub mod reduction;
+pub mod rims;
 pub mod shape;
 pub mod solve;
 mod stress;
@@ -49,6 +50,7 @@ pub use modes::{FlankModes, FreeModes};
 pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
+pub use rims::RimShape;
 pub use shape::{BoreInterface, DiscElement, DiscShape, FlexibleSettings, RoundHole};
 pub use vtu::DeformedPicture;
 

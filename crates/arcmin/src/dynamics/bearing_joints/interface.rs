@@ -43,14 +43,14 @@ impl BearingJoints {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut loads = Vec::new();
         for disc in 0..self.layout.discs {
-            let pins = self.rings[disc].pins();
-            let mut forces = vec![0.0; 2 * pins.len()];
-            self.visit_loaded(disc, &q, &v, |contact, force, _| {
-                let angle = std::f64::consts::TAU * contact.pin as f64 / pins.len() as f64;
-                let pushed = crate::geometry::turned(force * contact.normal, unit(-angle));
-                forces[2 * contact.pin] += pushed.x;
-                forces[2 * contact.pin + 1] += pushed.y;
-            });
+            let pins = self.rings[disc].pins().len();
+            let mut forces = vec![0.0; 2 * pins];
+            for (pin, force) in self.pin_forces(disc, &q, &v) {
+                let angle = std::f64::consts::TAU * pin as f64 / pins as f64;
+                let pushed = crate::geometry::turned(force, unit(-angle));
+                forces[2 * pin] += pushed.x;
+                forces[2 * pin + 1] += pushed.y;
+            }
             loads.extend(forces);
         }
         let main = crate::geometry::turned(0.5 * self.main_force(&q), unit(-q[self.layout.housing()[2]]));
