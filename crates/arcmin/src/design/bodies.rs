@@ -3,9 +3,11 @@
 
 use super::consistency::contradiction;
 use super::error::Source;
+use super::service::Arrangement;
 use super::{DesignError, DesignSections};
 use crate::geometry::Sector;
-use crate::machine::{BearingSet, CycloidDisc, GearStage, PinRing, Solids, SolidsBasis};
+use crate::machine::{BearingSet, CycloidDisc, GearStage, MainRows, PinRing, Solids, SolidsBasis, Thermal};
+use crate::tribology::Oil;
 use crate::units::{DEG, MM, UM};
 
 /// Windows of a disc as the design gives them.
@@ -94,5 +96,50 @@ pub(super) fn solids(
     if let Some(material) = &given.material.value {
         housing.material = material.clone();
     }
+    solids.main_rows = main_rows(design, &solids);
     solids
+}
+
+fn main_rows(design: &DesignSections, solids: &Solids) -> MainRows {
+    let mut rows = MainRows::assumed(&solids.carrier, &solids.housing);
+    let given = &design.bearings.main.rows;
+    let set = |to: &mut f64, given: Option<f64>, unit: f64| *to = given.map_or(*to, |value| value * unit);
+    let row = &mut rows.row;
+    row.kind = given.kind.unwrap_or(row.kind);
+    row.roller_count = given.roller_count.unwrap_or(row.roller_count);
+    set(&mut row.roller_diameter, *given.roller_diameter_mm, MM);
+    row.roller_length = row.roller_diameter;
+    set(&mut row.roller_length, *given.roller_length_mm, MM);
+    set(&mut row.pitch_diameter, *given.pitch_diameter_mm, MM);
+    set(&mut row.contact_angle, *given.contact_angle_deg, DEG);
+    row.dynamic_load_rating = given.dynamic_load_rating_kn.map(|rating| rating * 1e3);
+    set(&mut rows.spacing, *given.spacing_mm, MM);
+    set(&mut rows.preload, *given.preload_um, UM);
+    rows.back_to_back = given.arrangement.unwrap_or(Arrangement::BackToBack) == Arrangement::BackToBack;
+    rows
+}
+
+/// Temperature, oil and cooling; the surface is that of the housing where none is given.
+pub(super) fn thermal(design: &DesignSections, solids: &Solids) -> Thermal {
+    let given = &design.thermal;
+    let mut oil = Oil::grade(*given.iso_vg);
+    if let Some(viscosity) = *given.viscosity_100c_mm2_s {
+        oil.at_100c = viscosity * MM * MM;
+    }
+    let (carrier, housing) = (&solids.carrier, &solids.housing);
+    let length = carrier.gap + 2.0 * carrier.plate_thickness;
+    let rounds = 2.0 * std::f64::consts::PI * housing.body_radius.max(housing.flange_radius) * length;
+    let ends = 2.0 * std::f64::consts::PI * housing.flange_radius.powi(2);
+    Thermal {
+        temperature: *given.temperature_c,
+        internal_excess: *given.internal_excess_k,
+        steel_expansion: *given.steel_expansion_um_per_m_k * UM,
+        housing_expansion: *given.housing_expansion_um_per_m_k * UM,
+        oil,
+        pressure_viscosity: *given.pressure_viscosity_per_gpa * 1e-9,
+        roughness: *given.roughness_um * UM,
+        ambient: *given.ambient_c,
+        transfer: *given.heat_transfer_w_m2_k,
+        surface: given.surface_m2.unwrap_or(rounds + ends),
+    }
 }

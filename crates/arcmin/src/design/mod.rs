@@ -93,6 +93,8 @@ section! {
         bearings: Section<BearingsSection> => word(),
         /// Friction.
         friction: Section<FrictionSection> => OPTIONAL_SECTION,
+        /// Temperature, oil and cooling.
+        thermal: Section<ThermalSection> => OPTIONAL_SECTION,
         /// Law of the tooth contacts.
         contact: Section<ContactSection> => OPTIONAL_SECTION,
         /// Rated load and speed.

@@ -57,6 +57,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
                 .map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
         },
         housing: housing(design),
+        thermal: super::bodies::thermal(design, &solids),
         solids,
         fixed_member: *design.fixed_member,
         bearings,

@@ -14,6 +14,7 @@ mod integrator;
 mod load;
 mod model;
 mod reducer;
+mod ring_bearing;
 mod run;
 mod simulation;
 mod spectrum;
@@ -38,6 +39,7 @@ pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepContr
 pub use load::OutputLoad;
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};
+pub use ring_bearing::{ElementLoad, Five, MainBalance, MainBearings, RingBearing, RingState};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use spectrum::{SpectrumLine, order_spectrum};

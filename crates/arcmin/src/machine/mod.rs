@@ -11,6 +11,7 @@ mod kinematics;
 mod part_wear;
 mod parts;
 mod solids;
+mod thermal;
 mod tolerances;
 
 pub use access::InvalidAssumption;
@@ -23,7 +24,8 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
-pub use solids::{CarrierSolid, Hold, HousingSolid, Solids, SolidsBasis};
+pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis};
+pub use thermal::{REFERENCE_C, Thermal, WarmFriction};
 pub use tolerances::Tolerances;
 
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
@@ -57,6 +59,7 @@ pub struct Machine {
     pub fixed_member: FixedMember,
     pub bearings: BearingSet,
     pub friction: Friction,
+    pub thermal: Thermal,
     pub contact_law: ContactLaw,
     pub contact_damping: Damping,
     /// Rated operating point: output torque in N·m, input speed in rad/s.

@@ -4,7 +4,7 @@
 //! Where a design does not give them they are scaled from the pin circle by the rules written at each field.
 //! These rules are assumptions about reducers of this kind, not dimensions of any maker's.
 
-use super::{BearingSet, CycloidDisc, Kinematics, PinRing};
+use super::{BearingSet, CycloidDisc, Kinematics, PinRing, RollerBearing, RollerKind};
 use crate::geometry::Sector;
 use crate::materials::Material;
 
@@ -67,11 +67,50 @@ pub struct HousingSolid {
     pub hold: Hold,
 }
 
+/// The pair of main bearings as two equal rows, for tilt, moments and axial forces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MainRows {
+    /// Assumed: balls of 0.6 of the room between plate and seat, contact angle 40°, 90 % of the circle
+    /// filled.
+    pub row: RollerBearing,
+    /// Distance of the rows in m. Assumed: from the middle of one plate to that of the other.
+    pub spacing: f64,
+    /// Axial approach by which each row is pressed together in m; negative is play. Assumed: 5 µm.
+    pub preload: f64,
+    /// Whether contact lines spread towards the axis of tilt (O) or meet between the rows (X). Assumed: O.
+    pub back_to_back: bool,
+}
+
+impl MainRows {
+    /// By the rules at the fields.
+    pub(crate) fn assumed(carrier: &CarrierSolid, housing: &HousingSolid) -> MainRows {
+        let pitch_diameter = carrier.plate_radius + housing.seat_radius;
+        let roller_diameter = 0.6 * (housing.seat_radius - carrier.plate_radius);
+        let count = (0.9 * std::f64::consts::PI * pitch_diameter / roller_diameter).floor().max(3.0);
+        MainRows {
+            row: RollerBearing {
+                kind: RollerKind::Ball,
+                roller_count: count as usize,
+                roller_diameter,
+                roller_length: roller_diameter,
+                pitch_diameter,
+                contact_angle: 40.0 * crate::units::DEG,
+                clearance: 0.0,
+                dynamic_load_rating: None,
+            },
+            spacing: carrier.gap + carrier.plate_thickness,
+            preload: 5.0 * crate::units::UM,
+            back_to_back: true,
+        }
+    }
+}
+
 /// Carrier and housing as solids, and the disc's windows that go with the carrier's pillars.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solids {
     pub carrier: CarrierSolid,
     pub housing: HousingSolid,
+    pub main_rows: MainRows,
     /// Windows through which the pillars would pass. A disc has those of its design, which may be none.
     pub windows: Vec<Sector>,
 }
@@ -131,31 +170,29 @@ impl Solids {
         };
         let plate_radius = r;
         let (body_radius, flange_radius) = (1.25 * r, 1.48 * r);
-        Solids {
-            carrier: CarrierSolid {
-                plate_radius,
-                centre_bore_radius,
-                crank_seat_radius,
-                plate_thickness,
-                gap,
-                pillars: windows.iter().map(pillar).collect(),
-                hold: Hold::Face,
-            },
-            housing: HousingSolid {
-                material: Material::by_name("QT450").unwrap_or_else(|| basis.ring.material.clone()),
-                groove_clearance: 2e-3 * basis.ring.pin_radius,
-                body_radius,
-                seat_radius: (plate_radius + 0.12 * r).max(r + basis.ring.pin_radius + 0.03 * r),
-                flange_radius,
-                flange_thickness: gap,
-                bolt_circle_radius: 0.5 * (body_radius + flange_radius),
-                bolt_count: 16,
-                first_bolt_angle: 0.0,
-                bolt_face_radius: 0.09 * r,
-                hold: Hold::Bolts,
-            },
-            windows,
-        }
+        let carrier = CarrierSolid {
+            plate_radius,
+            centre_bore_radius,
+            crank_seat_radius,
+            plate_thickness,
+            gap,
+            pillars: windows.iter().map(pillar).collect(),
+            hold: Hold::Face,
+        };
+        let housing = HousingSolid {
+            material: Material::by_name("QT450").unwrap_or_else(|| basis.ring.material.clone()),
+            groove_clearance: 2e-3 * basis.ring.pin_radius,
+            body_radius,
+            seat_radius: (plate_radius + 0.12 * r).max(r + basis.ring.pin_radius + 0.03 * r),
+            flange_radius,
+            flange_thickness: gap,
+            bolt_circle_radius: 0.5 * (body_radius + flange_radius),
+            bolt_count: 16,
+            first_bolt_angle: 0.0,
+            bolt_face_radius: 0.09 * r,
+            hold: Hold::Bolts,
+        };
+        Solids { main_rows: MainRows::assumed(&carrier, &housing), carrier, housing, windows }
     }
 
     /// Smallest way in m that a disc, its windows in the middle position, may be moved before a window meets

@@ -9,6 +9,7 @@ mod bearing_life;
 mod bodies;
 mod efficiency;
 mod hysteresis;
+mod main_bearings;
 #[cfg(test)]
 mod order_tests;
 mod orders;
@@ -21,11 +22,14 @@ mod transmission;
 pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use bodies::{BodyCompliance, body_compliance};
-pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
+pub use efficiency::{
+    EfficiencyMap, HeatBalance, RunningTorques, efficiency_map, heat_balance, running_torques,
+};
 pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
     stiffness_split,
 };
+pub use main_bearings::{MainBearingLoad, OutputForces, main_bearing_load};
 pub use orders::{NamedOrder, name_orders};
 pub use state::{MeasuredOnBench, RigPlan, RigState};
 pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};

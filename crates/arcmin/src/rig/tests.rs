@@ -1,5 +1,5 @@
 use super::*;
-use crate::dynamics::JointSettings;
+use crate::dynamics::{JointSettings, Part};
 use crate::machine::Machine;
 use crate::units::ARCMIN;
 
