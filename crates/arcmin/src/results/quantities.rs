@@ -149,6 +149,9 @@ pub const JOINTS: Quantity = quantity("joints", PLAIN, "Joints between the bodie
 
 pub const DISCS: Quantity = quantity("discs", PLAIN, "Cycloid discs: rigid or elastic.");
 
+pub const BODIES: Quantity =
+    quantity("bodies", PLAIN, "Carrier, housing, crank seats and the rims of the discs: rigid or elastic.");
+
 pub const ERRORS_SOURCE: Quantity = quantity(
     "errors.source",
     PLAIN,

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::transmission::watched_error_curves;
 use super::{
-    BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RigError, RunningTorques,
-    StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop, hysteresis_loop,
-    name_orders, running_torques, stiffness_split,
+    BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, NamedOrder, RigError,
+    RunningTorques, StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop,
+    heat_balance, hysteresis_loop, name_orders, running_torques, stiffness_split,
 };
 use crate::dynamics::{JointSettings, SpectrumLine, order_spectrum};
 use crate::machine::Machine;
@@ -27,6 +27,8 @@ pub struct RigState {
     pub orders: Vec<NamedOrder>,
     pub efficiency: EfficiencyMap,
     pub torques: RunningTorques,
+    /// Where the design gives a temperature.
+    pub heat: Option<HeatBalance>,
     pub bearings: Vec<BearingLoad>,
 }
 
@@ -123,6 +125,7 @@ impl RigState {
         Ok(Some(RigState {
             efficiency: efficiency_map(machine, settings)?,
             torques: running_torques(machine, settings)?,
+            heat: heat_balance(machine, settings)?,
             bearings: bearing_loads(machine, settings, BEARING_POSITIONS)?,
             orders: name_orders(&spectrum, machine, test.positions, 8),
             hours,

@@ -1,6 +1,7 @@
 //! The joints between the bodies: a file for each kind. Which ones a machine has is listed in `build`.
 
 mod bending;
+mod frame;
 mod gears;
 mod journal;
 mod support;
@@ -9,6 +10,7 @@ mod torsion;
 use std::fmt::Debug;
 
 pub(super) use bending::Bending;
+pub(super) use frame::Frame;
 pub(super) use gears::Gears;
 pub(super) use journal::{Journal, Place};
 pub(super) use support::Support;
