@@ -208,7 +208,7 @@ mod tests {
         let wave: Vec<f64> = (0..size)
             .map(|i| {
                 let two = 2.0 * TAU * (i / 2 % pins) as f64 / pins as f64;
-                if i % 2 == 0 { two.cos() } else { -0.5 * two.sin() }
+                if i.is_multiple_of(2) { two.cos() } else { -0.5 * two.sin() }
             })
             .collect();
         let values = (0..size * size)
@@ -221,12 +221,12 @@ mod tests {
         let housing = ElasticHousing::new(&machine, &compliance).unwrap();
         assert_eq!(housing.count(), 1);
         assert!((housing.own / own - 1.0).abs() < 1e-9, "{:e}", housing.own);
-        let forces: Vec<f64> = (0..size).map(|i| if i % 2 == 0 { 100.0 * wave[i] } else { 0.0 }).collect();
+        let forces: Vec<f64> = (0..size).map(|i| if i.is_multiple_of(2) { 100.0 * wave[i] } else { 0.0 }).collect();
         let whole = compliance.displacements(&forces);
         let place = |i: usize| (i / 2 / pins, i / 2 % pins);
         let along = |i: usize| {
             let out = unit(TAU * place(i).1 as f64 / pins as f64);
-            if i % 2 == 0 { out } else { quarter_turn(out) }
+            if i.is_multiple_of(2) { out } else { quarter_turn(out) }
         };
         let push: f64 =
             (0..size).map(|i| forces[i] * housing.shape(0, place(i).0, place(i).1).dot(&along(i))).sum();

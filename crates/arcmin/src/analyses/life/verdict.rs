@@ -328,6 +328,7 @@ impl Limit {
             LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours:.0} h"),
             LimitKind::Wear => {
                 format!("Wear runs away: flank or pin are gone, {value} µm deep, after {hours:.1} h")
+            }
             LimitKind::ContactFatigue => {
                 format!("Flanks and pins are tired after {hours:.0} h (damage {value} by the end)")
             }

@@ -54,7 +54,7 @@ const UNITS: &[Unit] = &[
 ];
 
 fn units(tag: &str) -> String {
-    let mut text = format!("  <UnitDefinitions>\n");
+    let mut text = "  <UnitDefinitions>\n".to_owned();
     for (name, base, displays) in UNITS {
         let _ = write!(text, "    <{tag} name=\"{name}\">\n      <BaseUnit {base}/>\n");
         for (display, factor) in *displays {
