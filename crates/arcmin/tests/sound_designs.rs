@@ -3,9 +3,14 @@
 mod support;
 
 use arcmin::design::Design;
-use arcmin::dynamics::{BearingMeshing, JointSettings};
+use arcmin::dynamics::{BearingMeshing, JointSettings, System};
+use arcmin::fidelity::Fidelity;
 use arcmin::geometry::Relief;
+use arcmin::life::{LifeOptions, predict};
 use arcmin::load::ShareLoad;
+use arcmin::machine::{CrankAngle, Machine};
+use arcmin::progress::Silent;
+use arcmin::rig;
 use arcmin::wear::calibrate::coupled_exposure;
 use arcmin::wear::paper::PaperWear;
 use arcmin::wear::{CoupledOptions, CoupledWear};
@@ -14,6 +19,12 @@ use support::run::{Analysis, Outcome, run};
 fn design(name: &str) -> Design {
     let path = format!("{}/tests/designs/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     Design::parse(&std::fs::read_to_string(path).unwrap(), name).unwrap()
+}
+
+/// The RV-40E with another equidistant offset in µm.
+fn rv_40e_with_offset(offset_um: f64) -> Machine {
+    let design = arcmin::templates::design("rv-40e-81").unwrap();
+    design.with("disc.modification.equidistant_offset_um", offset_um).unwrap().machine()
 }
 
 /// Load sharing with ideal joints and with bearings. `examples/survey.rs` runs any number of designs through
@@ -45,7 +56,7 @@ fn a_duty_without_speed_wears_nothing() {
     let meshing = machine.meshing(&Relief::uniform(0.0));
     let exposure = coupled_exposure(&machine, meshing.clone(), CoupledOptions::default()).unwrap();
     let mut wear = CoupledWear::with(&machine, meshing, CoupledOptions::default());
-    wear.advance_to(exposure.at(machine.limits.service_life)).unwrap();
+    wear.advance_to(exposure.at(machine.limits().service_life)).unwrap();
     assert!(wear.state().flank().is_zero());
     let paper = PaperWear::deep_enough(&machine, 7500.0).unwrap();
     assert_eq!(paper.depth_at(7500.0), 0.0);
@@ -66,8 +77,7 @@ fn wear_that_runs_away_says_so() {
 /// clearance of real bearings takes a part of it up.
 #[test]
 fn val_bearings_and_ideal_joints_agree_on_interference() {
-    let mut machine = arcmin::templates::rv_40e_81();
-    machine.disc.modification.equidistant_offset = -8e-6;
+    let machine = rv_40e_with_offset(-8.0);
     let ideal = machine.meshing(&Relief::uniform(0.0)).cycle(412.0, 6).unwrap().mean_play().arcmin();
     let mut bearings = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
     let real = bearings.whole_cycle(412.0, 6).unwrap();
@@ -85,10 +95,64 @@ fn hard_designs_run_on_the_test_bench() {
         "ten_pins_four_discs",
     ] {
         let machine = design(name).machine();
-        let points = arcmin::rig::hysteresis_loop(&machine, &JointSettings::default(), 0.0)
+        let points = rig::hysteresis_loop(&machine, &JointSettings::default(), 0.0)
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        let figures = arcmin::rig::evaluate_loop(&points, machine.rated.torque.abs()).unwrap();
+        let figures = rig::evaluate_loop(&points, machine.rated().torque.abs()).unwrap();
         assert!(figures.stiffness > 0.0 && figures.lost_motion > 0.0, "{name}: {figures:?}");
         assert!(figures.work > -1e-9, "{name}: {figures:?}");
+    }
+}
+
+/// Load sharing with friction is the balance in which the bench reads the efficiency: input torques of the one
+/// give the efficiency of the other.
+#[test]
+fn val_friction_in_load_sharing_is_that_of_the_bench() {
+    let machine = arcmin::templates::rv_40e_81().with_friction(rig::ASSUMED_FRICTION).unwrap();
+    let settings = JointSettings::default();
+    let mut running = BearingMeshing::running(&machine, &settings).unwrap();
+    let (ratio, speed) = (machine.kinematics().ratio(), machine.rated().input_speed);
+    let mut sum = 0.0;
+    for i in 0..8 {
+        let crank = -std::f64::consts::TAU * f64::from(i) / 8.0;
+        let (q, _) = running.balance(CrankAngle::from_radians(crank), machine.rated().torque, None).unwrap();
+        let model = running.model();
+        let velocity = model.nominal_velocity_at(ratio * -crank / machine.kinematics().lobe_count, speed);
+        let (mut force, mut linearisation) = (vec![0.0; q.len()], model.linearisation());
+        sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, &mut linearisation).1;
+    }
+    let efficiency = machine.rated().torque / (ratio * sum / 8.0);
+    let bench = rig::efficiency_map(&machine, &settings).unwrap().rated;
+    assert!((efficiency - bench).abs() < 1e-6 && efficiency < 0.97, "{efficiency} {bench}");
+    // Play is read without friction, and without friction both are one.
+    let mut smooth = BearingMeshing::new(&machine, &settings).unwrap();
+    let crank = CrankAngle::from_radians(0.4);
+    assert_eq!(running.travel(crank).unwrap(), smooth.travel(crank).unwrap());
+    let rough = running.share(crank, 412.0, None).unwrap().0;
+    let smooth = smooth.share(crank, 412.0, None).unwrap().0;
+    assert!((rough.max_force() / smooth.max_force() - 1.0).abs() > 1e-3);
+}
+
+/// A light preload wears off: play rises from negative through zero without a jump, forces of the preload fall to
+/// nothing, and the causes of lost motion add up on the way.
+#[test]
+fn preload_wears_off_without_a_jump() {
+    let machine = rv_40e_with_offset(-2.0);
+    let options =
+        LifeOptions { intervals: 10, crank_positions: 6, search_factor: 1.0, ..LifeOptions::default() };
+    let life = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
+    assert!(life.points[0].accuracy.play.arcmin() < 0.0 && life.points[0].accuracy.preload > 100.0);
+    assert!(life.points[10].accuracy.play.arcmin() > 0.0 && life.points[10].accuracy.preload == 0.0);
+    for pair in life.points.windows(2) {
+        let (before, after) = (&pair[0].accuracy, &pair[1].accuracy);
+        let rise = after.play.arcmin() - before.play.arcmin();
+        // A micrometre of relief is some 0.065 arcmin of play.
+        let worn = (after.max_depth - before.max_depth) * 1e6;
+        assert!(rise > 0.0 && rise < 0.1 * worn + 1e-3, "{rise} {worn}");
+        assert!(after.preload <= before.preload);
+        assert!(pair[1].lost_motion() > pair[0].lost_motion());
+    }
+    for point in &life.points {
+        let split = point.parts.lost_motion;
+        assert!(split.residual().abs() < 0.03 * split.whole, "{} of {}", split.residual(), split.whole);
     }
 }

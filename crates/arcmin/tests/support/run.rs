@@ -97,7 +97,7 @@ fn text(error: impl std::fmt::Display) -> Failure {
 
 fn contact(design: &Design) -> Result<(), Failure> {
     let machine = design.machine();
-    let cycle = machine.meshing(&Relief::uniform(0.0)).cycle(machine.rated.torque, 36).map_err(text)?;
+    let cycle = machine.meshing(&Relief::uniform(0.0)).cycle(machine.rated().torque, 36).map_err(text)?;
     all_finite(&[
         cycle.max_force(),
         cycle.mean_play().arcmin(),
@@ -105,7 +105,7 @@ fn contact(design: &Design) -> Result<(), Failure> {
         cycle.max_preload(),
     ])?;
     let mut bearings = BearingMeshing::new(&machine, &JointSettings::default()).map_err(text)?;
-    let cycle = bearings.whole_cycle(machine.rated.torque, 12).map_err(text)?;
+    let cycle = bearings.whole_cycle(machine.rated().torque, 12).map_err(text)?;
     all_finite(&[cycle.max_force(), cycle.mean_play().arcmin(), cycle.mean_error().arcmin()])?;
     Ok(())
 }
@@ -116,9 +116,9 @@ fn wear(design: &Design) -> Result<(), Failure> {
     let meshing = machine.meshing(&Relief::uniform(0.0));
     let exposure = coupled_exposure(&machine, meshing.clone(), options)?;
     let mut wear = CoupledWear::with(&machine, meshing, options);
-    wear.advance_to(exposure.at(machine.limits.service_life))?;
+    wear.advance_to(exposure.at(machine.limits().service_life))?;
     let depth = wear.state().flank().deepest().0;
-    let cycle = wear.meshing_mut().whole_cycle(machine.rated.torque, 36).map_err(text)?;
+    let cycle = wear.meshing_mut().whole_cycle(machine.rated().torque, 36).map_err(text)?;
     all_finite(&[depth, cycle.max_force(), cycle.mean_play().arcmin()])?;
     Ok(())
 }
@@ -164,7 +164,7 @@ fn bench(design: &Design, errors: ManufacturingErrors) -> Result<(), Failure> {
     let machine = design.machine();
     let settings = JointSettings { errors, ..JointSettings::default() };
     let points = rig::hysteresis_loop(&machine, &settings, 0.0).map_err(text)?;
-    let figures = rig::evaluate_loop(&points, machine.rated.torque.abs()).map_err(text)?;
+    let figures = rig::evaluate_loop(&points, machine.rated().torque.abs()).map_err(text)?;
     all_finite(&[figures.lost_motion, figures.backlash, figures.stiffness, figures.work])?;
     let split = rig::stiffness_split(&machine, &settings, 0.0).map_err(text)?;
     all_finite(&[split.whole])?;
