@@ -69,9 +69,7 @@ fn an_uneven_ring_brings_its_own_orders() {
     let open = at(Some(opening.clone()), torque);
     let half = at(Some(opening.clone()), 0.5 * torque);
     let stiff = at(Some(opening.stiffened(1e3).unwrap()), torque);
-    println!(
-        "2 z_c, 4 z_c: rigid {rigid:.2e?}, even {even:.2e?}, one axis {one_axis:.2e?}, open {open:.2e?} {half:.2e?}"
-    );
+    println!("2 z_c, 4 z_c: rigid {rigid:?}, even {even:?}, one axis {one_axis:?}, open {open:?} {half:?}");
     let (twice, fourfold) = (open[0] - rigid[0], one_axis[1] - rigid[1]);
     assert!(twice > 20.0 * rigid[0] && fourfold > 5.0 * rigid[1], "{open:?} {one_axis:?} {rigid:?}");
     assert!(
