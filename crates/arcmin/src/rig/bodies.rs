@@ -111,4 +111,6 @@ fn twice_energy(compliance: &Compliance, forces: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
+mod symmetry_tests;
+#[cfg(test)]
 mod tests;
