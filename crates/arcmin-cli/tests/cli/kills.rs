@@ -105,7 +105,7 @@ fn kill_at_random(kills: usize) {
         (&["profile", "d.toml", "--points", "900"], &["--wear-um", "5"]),
         (&["contact", "d.toml", "--positions", "90"], &["--torque-nm", "300"]),
         (&["contact", "d.toml", "--joints", "bearings", "--positions", "12"], &["--torque-nm", "300"]),
-        (&["wear", "d.toml", "--hours", "30", "--points", "3"], &["--joints", "ideal"]),
+        (&["wear", "d.toml", "--hours", "30", "--points", "3"], &["--seed", "2", "--errors", "drawn"]),
         (&["calibrate", "d.toml", "short.csv", "--joints", "ideal"], &["--reading-error-percent", "5"]),
         (&["simulate", "d.toml", "--end-s", "0.3"], &["--wear-um", "5"]),
         (&["rig", "d.toml", "--positions", "1", "--te-positions", "64"], &["--frictionless"]),

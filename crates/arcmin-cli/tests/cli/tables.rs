@@ -16,15 +16,16 @@ fn measurements_beyond_belief_are_refused() {
     says(
         d,
         &["calibrate", "d.toml", "huge.csv", "--joints", "ideal"],
-        "  × huge.csv, line 2: 1e300 in column hours is outside of 1e-6 to 1e7, which is believable\n  \
+        "  × huge.csv, line 2: 1e300 in column hours is outside of 0 to 1e7, which is believable\n  \
          help: check the unit in the column's name\n",
     );
-    write(d, "tiny.csv", "hours,lost_motion_arcsec\n600,1e-12\n");
+    write(d, "tiny.csv", "hours,lost_motion_increase_arcsec\n600,1e-12\n");
     says(
         d,
         &["calibrate", "d.toml", "tiny.csv", "--joints", "ideal"],
-        "  × tiny.csv, line 2: 1.6666666666666667e-14 in column lost_motion_increase_arcmin is outside of \
-         1e-9 to 600, which is believable\n  help: check the unit in the column's name\n",
+        "  × tiny.csv, line 2: lost_motion_increase_arcmin is 1.67e-14 after 600 h, which no coefficient \
+         makes\n  help: check the unit in the column's name; readings that may also fall go into \
+         lost_motion_arcmin\n",
     );
     write(d, "te.csv", "output_angle_deg,te_arcmin\n0,0\n7.03125e+199,0.0306604\n");
     says(

@@ -139,9 +139,9 @@ pub fn fit_readings(
         .iter()
         .map(|index| {
             let mut end = |sign: f64| {
-                let place = search.end(best, *index, sign, least + allowance?)?;
+                let (place, is_bound) = search.end(best, *index, sign, least + allowance?)?;
                 ends.push(search.law(&place));
-                Some(place[*index].exp())
+                (!is_bound).then(|| place[*index].exp())
             };
             let (low, high) = (end(-1.0), end(1.0));
             Estimate { parameter: Parameter::ALL[*index], value: best[*index].exp(), low, high }
@@ -272,8 +272,9 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Where the profile of one parameter leaves `allowed` on one side; `None` if it does not within its bounds.
-    fn end(&self, best: Place, index: usize, sign: f64, allowed: f64) -> Option<Place> {
+    /// Where the profile of one parameter leaves `allowed` on one side, and whether that is only the bound of what
+    /// is believable; `None` for a coefficient that the readings do not bound at all.
+    fn end(&self, best: Place, index: usize, sign: f64, allowed: f64) -> Option<(Place, bool)> {
         let others: Vec<usize> = self.open().into_iter().filter(|open| *open != index).collect();
         let profile = |x: f64| {
             let mut place = best;
@@ -295,8 +296,9 @@ impl<'a> Search<'a> {
         let mut outside = loop {
             let next = inside + sign * step;
             if sign * (next - bound) >= 0.0 {
-                if profile(bound).1 <= allowed {
-                    return None;
+                let at_bound = profile(bound);
+                if at_bound.1 <= allowed {
+                    return (index != 0).then_some((at_bound.0, true));
                 }
                 break bound;
             }
@@ -309,7 +311,7 @@ impl<'a> Search<'a> {
             let middle = 0.5 * (inside + outside);
             if profile(middle).1 > allowed { outside = middle } else { inside = middle }
         }
-        Some(profile(inside).0)
+        Some((profile(inside).0, false))
     }
 
     /// From the inverse of JᵀJ; parameters that change nothing are tied to all others.
@@ -376,11 +378,13 @@ impl Fit {
         untold
     }
 
-    /// Least and largest of a value over the bands; `None` where there are none.
+    /// Least and largest of a value over the bands; `None` where there are none, or the coefficient is not bounded.
     pub fn band(&self, of: impl Fn(&Exposure) -> f64) -> Option<(f64, f64)> {
+        let coefficient = self.estimates.first()?;
+        coefficient.low.and(coefficient.high)?;
         let values = self.ends.iter().chain([&self.law]).map(of);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        (!self.ends.is_empty()).then_some((low, high))
+        Some((low, high))
     }
 }
 

@@ -124,7 +124,8 @@ fn since_new(
                 .into());
         }
         if value < LEAST {
-            let wrong = format!("{column} is {value} after {} h, which no coefficient makes", hours[row]);
+            let small = crate::report::compact(value, 3);
+            let wrong = format!("{column} is {small} after {} h, which no coefficient makes", hours[row]);
             return Err(table
                 .wrong(row, wrong, "check the unit in the column's name; readings that may also fall go into lost_motion_arcmin")
                 .into());
