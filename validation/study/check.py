@@ -20,11 +20,9 @@ KILLS = 10  # for each number of shards: thirty for each engine
 STUDY = """design = "d.toml"
 analysis = "contact"
 results = ["max_force_n", "max_pressure_mpa", "te_loaded_arcmin", "play_arcmin"]
-tolerances = true
 
 [options]
-joints = "bearings"
-positions = 8
+positions = 2000
 
 [vary]
 "disc.modification.equidistant_offset_um" = { low = 0, high = 20 }

@@ -101,6 +101,12 @@ fn shards_give_the_same_rows() {
     for (planned, computed) in planned.lines().zip(whole.lines()).skip(1) {
         assert!(computed.starts_with(planned), "{planned} {computed}");
     }
+    // What is planned in a directory need not be named again.
+    good(d, &["study", "plan", "s.toml", "--out", "planned", "--quiet"]);
+    good(d, &["study", "run", "--shard", "1/1", "--out", "planned", "--quiet"]);
+    good(d, &["study", "collect", "--out", "planned", "--quiet"]);
+    assert!(read(d, "planned/samples.csv") == whole);
+    assert!(refused(d, &["study", "run", "--out", "nowhere"]).contains("no study is planned"));
     // A spoilt part is computed again, and said.
     std::fs::write(d.join("of2/parts").join(&names(&d.join("of2/parts"))[3]), "spoilt").unwrap();
     let output = arcmin(d, &["study", "collect", "s.toml", "--out", "of2"]);

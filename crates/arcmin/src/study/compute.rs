@@ -14,6 +14,19 @@ impl Study {
     /// # Errors
     /// Values that do not go together.
     pub fn design_of(&self, row: &Row) -> Result<Design, Box<DesignError>> {
+        self.design.with_all(self.changes_of(row)?)
+    }
+
+    /// The design file of a row: as [`Study::design_of`], and with what is unknown, as long as the values of
+    /// the row lie within it.
+    ///
+    /// # Errors
+    /// Values that do not go together.
+    pub fn file_of(&self, row: &Row) -> Result<Design, Box<DesignError>> {
+        self.written.with_all(self.changes_of(row)?).or_else(|_| self.design_of(row))
+    }
+
+    fn changes_of(&self, row: &Row) -> Result<Vec<(String, Value)>, Box<DesignError>> {
         let mut changes: Vec<(String, Value)> = Vec::new();
         for (factor, setting) in self.plan.factors().iter().zip(&row.settings) {
             let value = match setting {
@@ -37,7 +50,7 @@ impl Study {
                 }
             }
         }
-        self.design.with_all(changes)
+        Ok(changes)
     }
 
     /// The batch of a row, from 0; none where machines are drawn on their own.

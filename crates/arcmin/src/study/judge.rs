@@ -108,7 +108,8 @@ pub fn judge(
     let play = rows.numbers(plan, PLAY).filter(|_| !drawn.is_empty());
     let tight = play.map(|play| {
         let plays: Vec<f64> = drawn.iter().filter_map(|index| play[*index]).collect();
-        let tight = plays.iter().filter(|play| **play < 0.0).count();
+        // A flank without modification has no play, but for rounding, and is not tight.
+        let tight = plays.iter().filter(|play| **play < -NO_PLAY_ARCMIN).count();
         clopper_pearson(tight as u64, plays.len() as u64, confidence)
     });
     let batch_of = |index: usize| batch.map(|batch| batch(rows.records[index].number));
@@ -203,6 +204,8 @@ pub(super) fn is_life(key: &str) -> bool {
 
 /// Result that tells whether a machine is free.
 const PLAY: &str = "play_arcmin";
+/// Less than what anybody measures.
+const NO_PLAY_ARCMIN: f64 = 1e-3;
 
 fn again(confidence: f64) -> Bootstrap {
     Bootstrap { resamples: 400, confidence, seed: 0 }

@@ -38,6 +38,10 @@ const EXAMPLES: &str = "Examples:
 
 pub fn command() -> Command {
     let with = |command: Command| common(command.arg(file(true)));
+    // What was planned in a directory need not be named again.
+    let planned = |command: Command| {
+        common(command.arg(file(false).help("Study file [default: the one planned in --out]")))
+    };
     Command::new("study")
         .about("Compute many machines: sweeps, tolerances, unknowns, sensitivity, optimisation")
         .long_about(format!("Compute many machines instead of one.\n\n{GUIDE}"))
@@ -52,7 +56,7 @@ pub fn command() -> Command {
         .arg(quiet())
         .subcommand(new::command())
         .subcommand(with(Command::new("plan").about("Lay out the samples and write plan.csv and plan.json")))
-        .subcommand(with(
+        .subcommand(planned(
             Command::new("run").about("Compute one shard of the samples and keep its parts").arg(
                 Arg::new("shard")
                     .long("shard")
@@ -64,8 +68,8 @@ pub fn command() -> Command {
                     .help("Which of how many shards"),
             ),
         ))
-        .subcommand(with(engines::command()))
-        .subcommand(with(
+        .subcommand(planned(engines::command()))
+        .subcommand(planned(
             Command::new("collect")
                 .about("Write samples.csv, summary.json and report.html from the parts there are"),
         ))
@@ -123,6 +127,8 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     }
 }
 
+const PLAN: &str = "plan.json";
+
 /// A study with its places.
 struct Job {
     path: PathBuf,
@@ -135,7 +141,17 @@ struct Job {
 
 impl Job {
     fn of(matches: &ArgMatches) -> Result<Job, Failure> {
-        let Some(path) = matches.get_one::<PathBuf>("STUDY") else { unreachable!("clap asks for a study") };
+        let given = matches.get_one::<PathBuf>("STUDY");
+        let path = match (given, matches.get_one::<PathBuf>("out")) {
+            (Some(path), _) => path.clone(),
+            (None, Some(out)) => planned_in(out)?,
+            (None, None) => {
+                let message = "there is no study".to_owned();
+                let help = "name its file, or with --out the directory that it is planned in".to_owned();
+                return Err(Failure::Usage { message, help });
+            }
+        };
+        let path = &path;
         if let Some(threads) = matches.get_one::<u16>("threads") {
             let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
             pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
@@ -211,16 +227,18 @@ impl Job {
         std::fs::create_dir_all(&self.out)
             .map_err(|cause| Failure::Write { path: self.out.clone(), cause })?;
         write_file(&self.out.join("plan.csv"), plan.to_csv().as_bytes())?;
+        let study = std::fs::canonicalize(&self.path)
+            .map_err(|cause| Failure::Read { path: self.path.clone(), cause })?;
         let manifest = json!({
             "arcmin_version": env!("CARGO_PKG_VERSION"),
-            "study": self.path, "identity": plan.identity(),
+            "study": study, "identity": plan.identity(),
             "rows": plan.rows(), "parts": plan.parts(), "rows_per_part": plan.rows_of(0).count(),
             "method": self.study.method.word(),
             "analysis": self.study.analysis.name,
         });
         let text = serde_json::to_string_pretty(&manifest)
             .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
-        write_file(&self.out.join("plan.json"), format!("{text}\n").as_bytes())?;
+        write_file(&self.out.join(PLAN), format!("{text}\n").as_bytes())?;
         if !self.quiet {
             say(&format!(
                 "{} samples in {} parts; plan.csv, plan.json in {}\nnext: {}",
@@ -302,6 +320,20 @@ impl Job {
         }
         Ok(())
     }
+}
+
+/// The study file that `plan` has noted in a directory.
+fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
+    let path = out.join(PLAN);
+    let bytes = std::fs::read(&path).map_err(|cause| Failure::Usage {
+        message: format!("no study is planned in {}: {cause}", out.display()),
+        help: "name the study file, or run `arcmin study plan STUDY.toml` with the same --out".to_owned(),
+    })?;
+    let plan: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
+    plan["study"].as_str().map(PathBuf::from).ok_or_else(|| Failure::Usage {
+        message: format!("{} does not name a study", path.display()),
+        help: "run `arcmin study plan STUDY.toml` again".to_owned(),
+    })
 }
 
 /// The command line as typed.

@@ -75,6 +75,7 @@ impl StudyFile {
             self.wrong(error.to_string(), method.span.clone(), "change [method], or what varies")
         };
         // A key that varies may leave the range in which it is said to be unknown.
+        let written = design.clone();
         let design = design.with("unknowns", DesignValue::LeftOut)?;
         let search = match *method.kind {
             MethodName::Optimise => Some(self.search(&design, identity, &factors, &kept)?),
@@ -122,6 +123,7 @@ impl StudyFile {
             plan,
             search,
             batches,
+            written,
             design,
             analysis,
             limits: self.limits(),
@@ -386,6 +388,9 @@ pub struct Study {
     /// What is searched, if anything is.
     pub search: Option<Search>,
     pub batches: Option<Batches>,
+    /// The design as written.
+    pub(in crate::study) written: Design,
+    /// The design without its `[unknowns]`.
     pub design: Design,
     pub analysis: &'static Analysis,
     /// What results are allowed to be, by their keys.

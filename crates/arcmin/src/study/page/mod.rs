@@ -15,7 +15,7 @@ use super::{Distribution, Kind, Plan, Rows, Setting, StudyError};
 use crate::design::{Choice, unit_suffix};
 use crate::report::{
     Axis, Block, Column, DesignTemplate, KeyFigure, Page, Provenance, SampleColumn, Samples, Section, Table,
-    Tone, Verdict, significant,
+    Tone, Verdict, compact, significant,
 };
 
 /// Histograms, empirical distributions and rankings are drawn for so many results.
@@ -40,7 +40,9 @@ pub struct StudyReport<'a> {
 /// Name and unit of a key.
 fn named(key: &str) -> (String, &'static str) {
     let (group, name) = key.rsplit_once('.').map_or(("", key), |(group, name)| (group, name));
-    let (stem, unit) = unit_suffix(name).unwrap_or((name, ""));
+    // Newton is no suffix of keys of a design, whose letter would be too short to tell.
+    let (stem, unit) =
+        unit_suffix(name).or_else(|| Some((name.strip_suffix("_n")?, "N"))).unwrap_or((name, ""));
     let stem = stem.replace('_', " ");
     (if group.is_empty() { stem } else { format!("{} {stem}", group.replace('_', " ")) }, unit)
 }
@@ -61,7 +63,7 @@ fn shown(value: f64, digits: usize) -> String {
 }
 
 fn percent(share: f64) -> String {
-    format!("{} %", significant(100.0 * share, 3))
+    format!("{} %", compact(100.0 * share, 3))
 }
 
 fn interval_in_percent(interval: &Interval) -> String {

@@ -101,7 +101,7 @@ impl SearchReport<'_> {
         best.map(|compared| {
             let name = compared.name.replace(' ', "-");
             let design = match self.search.row_of(self.standing, &compared.place) {
-                Some(number) => self.study.design_of(&self.plan.row(number))?,
+                Some(number) => self.study.file_of(&self.plan.row(number))?,
                 None => self.study.design.clone(),
             };
             Ok((name, design))
@@ -161,7 +161,9 @@ impl SearchReport<'_> {
         let mut rows = Vec::new();
         for (index, goal) in self.search.goals.iter().enumerate() {
             let (label, unit) = named(&goal.key);
-            let mut row = vec![format!("goal: {label} {unit}, {}", goal.words()).replace(" ,", ",")];
+            let words = goal.words(self.search.machines);
+            let mut row = vec![[format!("goal: {label} {unit}"), words].join(", ")];
+            row[0] = row[0].trim_end_matches([',', ' ']).replace(" ,", ",");
             row.extend(self.compared.iter().map(|c| significant(self.goal(c, index), 4)));
             rows.push(row);
         }
@@ -278,7 +280,7 @@ impl SearchReport<'_> {
             for (index, goal) in self.search.goals.iter().enumerate() {
                 let (label, unit) = named(&goal.key);
                 verdict.figures.push(KeyFigure {
-                    label: format!("{label}, {}", goal.words()),
+                    label: [label, goal.words(self.search.machines)].join(", ").trim_end_matches(", ").into(),
                     value: significant(self.goal(best, index), 4),
                     unit: unit.into(),
                     note: self.compared.first().map_or(String::new(), |start| {

@@ -43,11 +43,12 @@ impl Goal {
         if self.largest { -small } else { small }
     }
 
-    /// In words, such as "95 % of machines have at least".
-    pub fn words(&self) -> String {
+    /// In words, such as "95 % of machines have at least"; empty where machines do not differ.
+    pub fn words(&self, machines: u64) -> String {
         match self.share {
+            _ if machines == 1 => String::new(),
             Some(share) => {
-                let percent = crate::report::significant(100.0 * share, 3);
+                let percent = crate::report::compact(100.0 * share, 3);
                 let end = if self.largest { "at least" } else { "at most" };
                 format!("{percent} % of machines have {end}")
             }
