@@ -34,6 +34,7 @@ pub fn command() -> Command {
         command = command.subcommand(of_analysis(analysis));
     }
     command
+        .subcommand(commands::study::command())
         .subcommand(commands::exchange::export())
         .subcommand(commands::exchange::import())
         .subcommand(commands::shell::completions())
@@ -64,6 +65,18 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
     if analysis.name == "check" {
         let help = "Write the findings as JSON to standard output and nothing to files";
         command = command.arg(flag("json", help));
+    }
+    if analysis.name == "life" {
+        let help = "Say how sure the answer is: the lives of the machines that the design's [unknowns] allow";
+        command = command.arg(flag("band", help)).arg(
+            Arg::new("band-machines")
+                .long("band-machines")
+                .value_name("N")
+                .value_parser(value_parser!(u64).range(2..=1_000_000))
+                .default_value("93")
+                .requires("band")
+                .help("Machines of the band; 93 enclose 95 % with 95 % confidence"),
+        );
     }
     let common = "Common options";
     command

@@ -27,6 +27,8 @@ pub enum Failure {
     Threads { cause: String },
     #[error("cannot write JSON: {cause}")]
     Json { cause: String },
+    #[error("the study cannot go on: {cause}")]
+    Study { cause: String },
     #[error("{reason}; what was computed until then is kept")]
     Unfinished { reason: String },
     #[error("{message}")]

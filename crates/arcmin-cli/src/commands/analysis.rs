@@ -6,10 +6,12 @@ use arcmin::analyses::{Analysis, AnalysisError, identity};
 use arcmin::checks::{Finding, Severity, check_design};
 use arcmin::design::SectionSchema;
 use arcmin::report::Provenance;
+use arcmin::study::band::MACHINES;
 use clap::ArgMatches;
 use serde_json::json;
 
 use super::Ending;
+use super::study::Lives;
 use crate::arguments::options_text;
 use crate::failure::Failure;
 use crate::run::{Results, Terminal, read_design, say, say_findings, terminal_text};
@@ -50,6 +52,12 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     host.set_identity(&identity);
     let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
     host.clear();
+    let lives = if analysis.name == "life" && matches.get_flag("band") {
+        let machines = matches.get_one::<u64>("band-machines").copied().unwrap_or(MACHINES);
+        Some(Lives::compute(&design, &options, machines, &host, &out, quiet)?)
+    } else {
+        None
+    };
 
     for table in outcome.tables() {
         results.file(&table.file_name(), table.to_csv().as_bytes())?;
@@ -58,6 +66,12 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         results.file(&attachment.name, &attachment.bytes)?;
     }
     let mut page = outcome.page();
+    if let Some(lives) = &lives {
+        let band = lives.band();
+        page.verdict.headline = format!("{} {}", page.verdict.headline, band.sentence());
+        page.sections.extend(band.sections());
+        results.file("band.csv", lives.csv().as_bytes())?;
+    }
     page.provenance = Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         design_hash: design.short_hash(),
@@ -77,6 +91,9 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         "design".to_owned(),
         json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),
     );
+    if let Some(lives) = &lives {
+        summary.insert("band".to_owned(), lives.band().to_json());
+    }
     summary.insert("error_findings".to_owned(), json!(errors.len()));
     let names = results.publish(summary)?;
     host.discard_checkpoint();
@@ -86,6 +103,9 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
             say_findings(&text)?
         } else {
             say(&text)?
+        }
+        if let Some(lives) = &lives {
+            say(&terminal_text(&lives.band().said()))?;
         }
         say(&format!("{} in {}", names.join(", "), out.display()))?;
     }

@@ -5,6 +5,7 @@ pub mod exchange;
 pub mod keys;
 pub mod new;
 pub mod shell;
+pub mod study;
 
 use clap::ArgMatches;
 
@@ -32,6 +33,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("new", matches)) => new::run(matches),
         Some(("keys", matches)) => keys::run(matches),
+        Some(("study", matches)) => study::run(matches),
         Some(("export", matches)) => exchange::run_export(matches),
         Some(("import", matches)) => exchange::run_import(matches),
         Some(("completions", matches)) => shell::run_completions(matches),

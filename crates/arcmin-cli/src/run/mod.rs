@@ -1,6 +1,7 @@
 //! Files and terminal: reading designs, writing results, progress, Ctrl-C.
 
 mod output;
+mod parts;
 mod terminal;
 mod text;
 
@@ -10,7 +11,8 @@ use arcmin::design::Design;
 
 use crate::failure::Failure;
 pub use output::{Results, write_file};
-pub use terminal::Terminal;
+pub use parts::{Parts, SampleBar};
+pub use terminal::{Terminal, is_stopped};
 pub use text::{say, say_bytes, say_findings, terminal_text, visible};
 
 /// Reads and parses a design file.

@@ -24,6 +24,11 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(10);
 const FIRST_CHECKPOINT: Duration = Duration::from_millis(500);
 const CHECKPOINT: &str = "checkpoint.json";
 
+/// Whether Ctrl-C or SIGTERM was heard.
+pub fn is_stopped() -> bool {
+    CANCELLED.load(Ordering::Relaxed)
+}
+
 /// Progress on the terminal, and what an analysis asks of files.
 pub struct Terminal {
     started: Instant,
@@ -100,7 +105,7 @@ impl Progress for Terminal {
     }
 
     fn is_cancelled(&self) -> bool {
-        CANCELLED.load(Ordering::Relaxed)
+        is_stopped()
     }
 }
 

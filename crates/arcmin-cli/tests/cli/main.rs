@@ -5,6 +5,7 @@ mod common;
 mod errors;
 mod messages;
 mod runs;
+mod studies;
 mod surface;
 mod tables;
 mod words;

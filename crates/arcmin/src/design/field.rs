@@ -154,7 +154,7 @@ impl<'a> Table<'a> {
     }
 
     /// Reads the next key of a section.
-    pub(super) fn read<T: FieldValue>(&self, keys: &mut std::slice::Iter<'_, Key>) -> Result<At<T>> {
+    pub(crate) fn read<T: FieldValue>(&self, keys: &mut std::slice::Iter<'_, Key>) -> Result<At<T>> {
         // `keys` and the fields of the struct come from the same declaration, so they run out together.
         let Some(key) = keys.next() else { unreachable!("a section has as many keys as fields") };
         match self.branch.get(key.name) {

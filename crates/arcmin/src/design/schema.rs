@@ -65,7 +65,6 @@ pub const fn default_word(word: &'static str) -> Rule {
 }
 
 /// A switch that is `flag` where it is left out.
-#[cfg(test)]
 pub const fn default_flag(flag: bool) -> Rule {
     Rule { presence: Presence::Flag(flag), low: 0.0, high: 0.0 }
 }

@@ -19,7 +19,7 @@ use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::{Choice, Design, InputFile};
 use crate::dynamics::{BearingMeshing, ElasticDiscs, JointSettings};
 use crate::geometry::Relief;
-use crate::machine::{Machine, ManufacturingErrors};
+use crate::machine::{Batch, Machine, ManufacturingErrors};
 use crate::results::{Column, Value, quantities as q};
 
 /// How finely a machine is modelled.
@@ -126,7 +126,13 @@ impl Fidelity {
                 })?;
                 let seed = options.seed.unwrap_or(1) as u64;
                 self.seed = Some(seed);
-                self.errors = ManufacturingErrors::draw(machine, &tolerances, seed);
+                self.errors = match options.batch_seed {
+                    Some(batch) => {
+                        let batch = Batch { seed: batch as u64, share: options.batch_share };
+                        ManufacturingErrors::draw_from_batch(machine, &tolerances, seed, batch)
+                    }
+                    None => ManufacturingErrors::draw(machine, &tolerances, seed),
+                };
             }
         }
         Ok(())

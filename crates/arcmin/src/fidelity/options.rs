@@ -12,6 +12,11 @@ options! {
         errors: Option<ErrorSource> => optional(0.0, 0.0),
         /// Seed of the machine that errors = drawn draws. Left out: 1.
         seed: Option<usize> => optional(0.0, 9e15),
+        /// Seed of the batch that the drawn machine comes from; machines of one batch have part of their errors
+        /// in common.
+        batch_seed: Option<usize> => optional(0.0, 9e15),
+        /// Share of the variance of every tolerance that machines of one batch have in common.
+        batch_share: f64 => default(0.5, 0.0, 1.0),
         /// Finite elements of elastic discs.
         element: Element => default_word("plane-stress"),
         /// What the bores of elastic discs are tied to; in bearings each bore goes its own way.

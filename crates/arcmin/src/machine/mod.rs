@@ -22,7 +22,7 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
-pub use tolerances::Tolerances;
+pub use tolerances::{Batch, Tolerances};
 
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
 use crate::geometry::{Profile, Relief, unit};

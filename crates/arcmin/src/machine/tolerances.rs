@@ -34,8 +34,8 @@ pub struct Tolerances {
     pub sun_run_out: f64,
 }
 
-/// Orders of the disc's pitch that are drawn; order 1 is its run-out. Up to 7 is an assumption: slow errors of
-/// the grinder's table are what pitch measurements show, faster ones are noise from tooth to tooth.
+/// Orders of the disc's pitch that are drawn; order 1 is its run-out. Up to 7 is an assumption: slow errors
+/// of the grinder's table are what pitch measurements show, faster ones are noise from tooth to tooth.
 const PITCH_ORDERS: std::ops::Range<usize> = 2..8;
 
 impl ManufacturingErrors {
@@ -43,56 +43,138 @@ impl ManufacturingErrors {
     /// deviations, those outside drawn again; directions of run-outs even over the circle. The generator is
     /// PCG-64-MCG, so a seed gives the same machine everywhere.
     pub fn draw(machine: &Machine, tolerances: &Tolerances, seed: u64) -> ManufacturingErrors {
-        let mut rng = Pcg64Mcg::seed_from_u64(seed);
-        let mut deviate = |tolerance: f64| -> f64 {
-            // A standard deviation of 1/3 is a valid one.
-            let Ok(normal) = Normal::new(0.0, 1.0 / 3.0) else { return 0.0 };
-            loop {
-                let x: f64 = normal.sample(&mut rng);
-                if x.abs() <= 1.0 {
-                    return tolerance * x;
-                }
+        Draw { own: Deviates::new(seed), batch: None }.machine(machine, tolerances)
+    }
+
+    /// One machine of a batch. Its errors are √s times those of the batch, which all its machines have in
+    /// common since they come from one set-up, and √(1 − s) times its own, s being [`Batch::share`]: so
+    /// much of the variance lies between batches. Run-outs add up as vectors. Machines outside of their
+    /// tolerances are drawn again.
+    pub fn draw_from_batch(
+        machine: &Machine,
+        tolerances: &Tolerances,
+        seed: u64,
+        batch: Batch,
+    ) -> ManufacturingErrors {
+        let common = (Deviates::new(batch.seed ^ BATCHES), batch.share.clamp(0.0, 1.0));
+        Draw { own: Deviates::new(seed), batch: Some(common) }.machine(machine, tolerances)
+    }
+}
+
+/// What machines of one batch have in common.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Batch {
+    pub seed: u64,
+    /// Share of the variance of every tolerance that lies between batches.
+    pub share: f64,
+}
+
+/// A batch and a machine of the same seed have nothing in common.
+const BATCHES: u64 = 0xba7c_4e5a_11ce_5eed;
+
+/// Deviates of one machine or one batch.
+struct Deviates {
+    sizes: Pcg64Mcg,
+    directions: Pcg64Mcg,
+}
+
+impl Deviates {
+    fn new(seed: u64) -> Deviates {
+        Deviates {
+            sizes: Pcg64Mcg::seed_from_u64(seed),
+            directions: Pcg64Mcg::seed_from_u64(seed ^ 0x5eed_0fd1_4ec7_1075),
+        }
+    }
+
+    /// Normal with a standard deviation of 1/3, within ±1.
+    fn size(&mut self) -> f64 {
+        // A standard deviation of 1/3 is a valid one.
+        let Ok(normal) = Normal::new(0.0, 1.0 / 3.0) else { return 0.0 };
+        loop {
+            let x: f64 = normal.sample(&mut self.sizes);
+            if x.abs() <= 1.0 {
+                return x;
             }
+        }
+    }
+
+    fn direction(&mut self) -> f64 {
+        Uniform::new(0.0, std::f64::consts::TAU).map_or(0.0, |circle| circle.sample(&mut self.directions))
+    }
+}
+
+struct Draw {
+    own: Deviates,
+    /// The batch with its share of the variance.
+    batch: Option<(Deviates, f64)>,
+}
+
+impl Draw {
+    fn deviate(&mut self, tolerance: f64) -> f64 {
+        let Some((batch, share)) = &mut self.batch else { return tolerance * self.own.size() };
+        let common = share.sqrt() * batch.size();
+        loop {
+            let x = common + (1.0 - *share).sqrt() * self.own.size();
+            if x.abs() <= 1.0 {
+                return tolerance * x;
+            }
+        }
+    }
+
+    fn run_out(&mut self, tolerance: f64) -> RunOut {
+        let Some((batch, share)) = &mut self.batch else {
+            let amplitude = (tolerance * self.own.size()).abs();
+            return RunOut { amplitude, phase: self.own.direction() };
         };
+        let vector = |size: f64, direction: f64| (size * direction.cos(), size * direction.sin());
+        let common = vector(share.sqrt() * batch.size().abs(), batch.direction());
+        loop {
+            let own = vector((1.0 - *share).sqrt() * self.own.size().abs(), self.own.direction());
+            let (x, y) = (common.0 + own.0, common.1 + own.1);
+            if x.hypot(y) <= 1.0 {
+                let phase = y.atan2(x).rem_euclid(std::f64::consts::TAU);
+                return RunOut { amplitude: tolerance * x.hypot(y), phase };
+            }
+        }
+    }
+
+    fn bore(&mut self, t: &Tolerances) -> BoreError {
+        BoreError {
+            radial: self.deviate(t.bore_position),
+            tangential: self.deviate(t.bore_position),
+            diameter: self.deviate(t.bore_diameter),
+        }
+    }
+
+    fn machine(mut self, machine: &Machine, tolerances: &Tolerances) -> ManufacturingErrors {
         let t = tolerances;
         let (cranks, discs, lobes) =
             (machine.crankshafts.count, machine.disc_count, machine.ring.pin_count - 1);
         let mut errors = ManufacturingErrors {
-            pin_circle_radius: deviate(t.pin_circle_radius),
+            pin_circle_radius: self.deviate(t.pin_circle_radius),
             ..ManufacturingErrors::default()
         };
         for _ in 0..machine.ring.pin_count {
             let (radial, tangential, radius) =
-                (deviate(t.pin_position), deviate(t.pin_position), deviate(t.pin_radius));
+                (self.deviate(t.pin_position), self.deviate(t.pin_position), self.deviate(t.pin_radius));
             errors.pins.push(PinError { radial, tangential, radius });
         }
         for _ in 0..cranks {
             let one = (0..discs)
                 .map(|_| EccentricError {
-                    eccentricity: deviate(t.eccentricity),
-                    phase: deviate(t.eccentric_phase),
+                    eccentricity: self.deviate(t.eccentricity),
+                    phase: self.deviate(t.eccentric_phase),
                 })
                 .collect();
             errors.eccentrics.push(one);
         }
-        let bore = |deviate: &mut dyn FnMut(f64) -> f64| BoreError {
-            radial: deviate(t.bore_position),
-            tangential: deviate(t.bore_position),
-            diameter: deviate(t.bore_diameter),
-        };
         for _ in 0..discs {
-            let bores = (0..cranks).map(|_| bore(&mut deviate)).collect();
+            let bores = (0..cranks).map(|_| self.bore(t)).collect();
             errors.discs.push(DiscError { flank: FlankError::default(), bores });
         }
-        errors.carrier_bores = (0..cranks).map(|_| bore(&mut deviate)).collect();
-        let mut direction = Pcg64Mcg::seed_from_u64(seed ^ 0x5eed_0fd1_4ec7_1075);
-        let mut run_out = |amplitude: f64| {
-            let phase =
-                Uniform::new(0.0, std::f64::consts::TAU).map_or(0.0, |circle| circle.sample(&mut direction));
-            RunOut { amplitude: amplitude.abs(), phase }
-        };
+        errors.carrier_bores = (0..cranks).map(|_| self.bore(t)).collect();
         for disc in &mut errors.discs {
-            let RunOut { amplitude, phase } = run_out(deviate(t.flank_run_out));
+            let RunOut { amplitude, phase } = self.run_out(t.flank_run_out);
             disc.flank.harmonics.push(FlankHarmonic {
                 order: 1,
                 amplitude,
@@ -100,9 +182,9 @@ impl ManufacturingErrors {
                 direction: FlankDirection::Inwards,
             });
         }
-        errors.journals = (0..cranks).map(|_| run_out(deviate(t.journal_run_out))).collect();
-        errors.planets = (0..cranks).map(|_| run_out(deviate(t.planet_run_out))).collect();
-        errors.sun = run_out(deviate(t.sun_run_out));
+        errors.journals = (0..cranks).map(|_| self.run_out(t.journal_run_out)).collect();
+        errors.planets = (0..cranks).map(|_| self.run_out(t.planet_run_out)).collect();
+        errors.sun = self.run_out(t.sun_run_out);
         // Later additions draw last, so that a seed goes on giving the same for all before them.
         for disc in &mut errors.discs {
             // Squares of independent amplitudes add up.
@@ -111,13 +193,13 @@ impl ManufacturingErrors {
             for (order, tolerance, direction) in
                 pitch.into_iter().chain([(lobes, t.flank_profile, FlankDirection::Normal)])
             {
-                let RunOut { amplitude, phase } = run_out(deviate(tolerance));
+                let RunOut { amplitude, phase } = self.run_out(tolerance);
                 disc.flank.harmonics.push(FlankHarmonic { order, amplitude, phase, direction });
             }
             disc.flank.harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
         }
-        errors.carrier = run_out(deviate(t.carrier_run_out));
-        errors.pin_circle_offset = run_out(deviate(t.pin_circle_offset));
+        errors.carrier = self.run_out(t.carrier_run_out);
+        errors.pin_circle_offset = self.run_out(t.pin_circle_offset);
         errors
     }
 }
@@ -152,5 +234,49 @@ mod tests {
         );
         assert_eq!(one.discs.len(), 2);
         assert!(one.pins.iter().all(|pin| pin.radius == 0.0));
+    }
+
+    /// Of 30 batches of 40 machines: the variance of an error is what it is without batches, the part of it
+    /// between batches is the share asked for (one of 30 batch means: its standard error is a quarter of it),
+    /// and the vectors of run-outs do alike.
+    #[test]
+    fn batches_have_their_share_of_the_variance() {
+        let machine = crate::templates::rv_40e_81();
+        let tolerances =
+            Tolerances { eccentricity: 3e-6, pin_radius: 3e-6, sun_run_out: 3e-6, ..Tolerances::default() };
+        let draw = |batch: u64, seed: u64, share: f64| {
+            let batch = Batch { seed: batch, share };
+            ManufacturingErrors::draw_from_batch(&machine, &tolerances, seed, batch)
+        };
+        for share in [0.2, 0.7] {
+            let (mut total, mut between, mut vectors) = (0.0, 0.0, 0.0);
+            let mut count = 0.0;
+            for batch in 0..30 {
+                let machines: Vec<ManufacturingErrors> =
+                    (0..40).map(|k| draw(batch, 1000 * batch + k, share)).collect();
+                for pin in 0..machine.ring.pin_count {
+                    let mean = machines.iter().map(|m| m.pins[pin].radius).sum::<f64>() / 40.0;
+                    between += mean * mean;
+                    total += machines.iter().map(|m| m.pins[pin].radius.powi(2)).sum::<f64>() / 40.0;
+                    count += 1.0;
+                }
+                let sum = machines.iter().fold((0.0, 0.0), |(x, y), m| {
+                    (x + m.sun.amplitude * m.sun.phase.cos(), y + m.sun.amplitude * m.sun.phase.sin())
+                });
+                vectors += (sum.0 / 40.0).powi(2) + (sum.1 / 40.0).powi(2);
+            }
+            // 1200 means: four standard errors are a sixth.
+            let found = between / total;
+            let expected = share + (1.0 - share) / 40.0;
+            assert!((found / expected - 1.0).abs() < 0.17, "{share}: {found}");
+            // The tails that are cut take some of the variance: (1 µm)² without them.
+            assert!((total / count / 1e-12 - 0.97).abs() < 0.12, "{}", total / count);
+            assert!((vectors / 30.0 / (share * 1e-12) - 1.0).abs() < 0.6, "{share}: {vectors}");
+            assert!((0..40).all(|k| draw(k, k, share).sun.amplitude <= 3e-6));
+        }
+        assert_eq!(draw(1, 2, 0.5), draw(1, 2, 0.5));
+        assert_ne!(draw(1, 2, 0.5), draw(2, 2, 0.5));
+        // All of it between batches: machines of one batch are alike.
+        assert_eq!(draw(1, 2, 1.0).pins, draw(1, 3, 1.0).pins);
     }
 }

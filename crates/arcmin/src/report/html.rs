@@ -18,6 +18,7 @@ const SCRIPT: &[&str] = &[
     include_str!("assets/heatmap.js"),
     include_str!("assets/mechanism.js"),
     include_str!("assets/mesh.js"),
+    include_str!("assets/samples.js"),
     include_str!("assets/page.js"),
 ];
 /// Nothing may be loaded from anywhere: the page must be whole by itself.
@@ -181,6 +182,9 @@ impl Writer<'_> {
             }
             Block::Mesh(mesh) => {
                 self.figure("mesh", &mesh.title, &mesh.note, Width::Full, mesh);
+            }
+            Block::Samples(samples) => {
+                self.figure("samples", &samples.title, &samples.note, Width::Full, samples);
             }
             Block::Code { title, text } => self.code(title, text),
             Block::References(references) => self.references(references),

@@ -46,6 +46,7 @@ mod literature;
 mod mechanism;
 mod plot;
 pub mod rig;
+mod samples;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -58,6 +59,7 @@ pub use drawing::{
 pub use literature::references_to;
 pub use mechanism::{findings_table, mechanism};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
+pub use samples::{DesignTemplate, SampleColumn, Samples};
 pub use text::{compact, significant};
 pub use traces::{envelope, thinned};
 
@@ -149,6 +151,7 @@ pub enum Block {
     HeatMap(HeatMap),
     Mechanism(Mechanism),
     Mesh(MeshPicture),
+    Samples(Samples),
     /// Text shown as written (the design file), folded when long.
     Code {
         title: String,

@@ -2,7 +2,7 @@ use std::fmt::Write;
 
 use super::part::{Cell, Record, decode};
 use super::plan::Plan;
-use super::run::Store;
+use super::run::{Store, setting_cell};
 
 /// The rows of a study that are there.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,25 +74,50 @@ impl Rows {
             let _ = write!(out, "{}", record.number);
             for cell in &record.cells {
                 out.push(',');
-                match cell {
-                    Cell::Absent => {}
-                    Cell::Number(number) => push_number(&mut out, *number),
-                    Cell::Word(word) => push_text(&mut out, word),
-                    Cell::Curve(curve) => {
-                        for (k, number) in curve.iter().enumerate() {
-                            if k > 0 {
-                                out.push(' ');
-                            }
-                            push_number(&mut out, *number);
-                        }
-                    }
-                }
+                push_cell(&mut out, cell);
             }
             out.push(',');
             push_text(&mut out, record.failed.as_deref().unwrap_or_default());
             out.push('\n');
         }
         out
+    }
+}
+
+impl Plan {
+    /// What is to be computed, as CSV: `sample` and what varies.
+    pub fn to_csv(&self) -> String {
+        let mut out = String::from("sample");
+        for factor in self.factors() {
+            out.push(',');
+            push_text(&mut out, &factor.path);
+        }
+        out.push('\n');
+        for number in 0..self.rows() {
+            let _ = write!(out, "{number}");
+            for setting in self.row(number).settings {
+                out.push(',');
+                push_cell(&mut out, &setting_cell(&setting));
+            }
+            out.push('\n');
+        }
+        out
+    }
+}
+
+fn push_cell(out: &mut String, cell: &Cell) {
+    match cell {
+        Cell::Absent => {}
+        Cell::Number(number) => push_number(out, *number),
+        Cell::Word(word) => push_text(out, word),
+        Cell::Curve(curve) => {
+            for (k, number) in curve.iter().enumerate() {
+                if k > 0 {
+                    out.push(' ');
+                }
+                push_number(out, *number);
+            }
+        }
     }
 }
 

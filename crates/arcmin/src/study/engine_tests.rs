@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 
 use super::collect::collect;
 use super::plan::{Factor, Kept, Kind, Plan, Row, Setting};
-use super::run::{Done, RowError, Shard, Store, run};
+use super::run::{Done, RowError, Shard, Store, Watch, run};
 use super::sampling::Layout;
 use super::{Distribution, Purpose, Stream};
 
@@ -60,7 +60,7 @@ fn compute(row: &Row) -> Result<Json, RowError> {
 }
 
 fn go(plan: &Plan, shard: Shard, store: &Memory) -> Done {
-    run(plan, shard, store, &compute, &|_| {}).unwrap()
+    run(plan, shard, store, &compute, &Watch::NONE).unwrap()
 }
 
 fn csv(plan: &Plan, store: &Memory) -> String {
@@ -106,7 +106,7 @@ fn killed_shards_lose_nothing_but_what_ran() {
             }
         };
         let shard = Shard::new(1 + stream.below(7) as u64, 7).unwrap();
-        run(&plan, shard, &store, &stopping, &|_| {}).unwrap();
+        run(&plan, shard, &store, &stopping, &Watch::NONE).unwrap();
         // A part is cut off, or its bytes are spoilt, by whatever the system did.
         let mut parts = store.0.lock().unwrap();
         let name = parts.keys().nth(stream.below(parts.len().max(1))).cloned();

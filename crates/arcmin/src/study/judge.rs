@@ -8,8 +8,9 @@ use super::sensitivity::regression::{Linear, linear};
 use super::sensitivity::sobol::{Indices, sobol};
 use super::sensitivity::tighten::{Gains, tighten};
 use super::statistics::{
-    Bootstrap, Capability, Interval, Life, Limits, Normality, Quantile, Sides, ToleranceLimits, Weibull,
-    Yield, clopper_pearson, fit_weibull, normality, quantile, sorted_finite_or_infinite, tolerance_limits,
+    Batched, BetweenBatches, Bootstrap, Capability, Interval, Life, Limits, Normality, Quantile, Sides,
+    ToleranceLimits, Weibull, Yield, clopper_pearson, fit_weibull, normality, quantile,
+    sorted_finite_or_infinite, tolerance_limits,
 };
 use super::{Distribution, StudyError};
 
@@ -25,6 +26,11 @@ pub struct Judged {
     pub of: u64,
     /// Share of draws that cannot be assembled, jam or cannot be computed.
     pub failed: Yield,
+    /// Why, and how many of each; the most frequent reason first.
+    pub reasons: Vec<(String, usize)>,
+    /// Share of draws without play on the whole, which run under preload or bind; known where the play is
+    /// kept.
+    pub tight: Option<Yield>,
     pub confidence: f64,
     pub results: Vec<JudgedResult>,
 }
@@ -46,6 +52,8 @@ pub struct JudgedResult {
     /// Lives, where the result is one.
     pub weibull: Option<Weibull>,
     pub sensitivity: Sensitivity,
+    /// Where machines come from batches.
+    pub batches: Option<BetweenBatches>,
 }
 
 /// How a result is spread.
@@ -70,7 +78,8 @@ pub enum Sensitivity {
     None(String),
 }
 
-/// Judges all results that are numbers. `limits` are by the key of their result.
+/// Judges all results that are numbers. `limits` are by the key of their result; `batch` tells the batch of a
+/// row, where machines come from batches.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] if there are no rows, or for a confidence outside (0, 1).
@@ -79,6 +88,7 @@ pub fn judge(
     rows: &Rows,
     limits: &[(String, Limits)],
     confidence: f64,
+    batch: Option<&dyn Fn(u64) -> u64>,
 ) -> Result<Judged, StudyError> {
     let drawn: Vec<usize> = (0..rows.records.len())
         .filter(|index| plan.sampling().is_sample(rows.records[*index].number))
@@ -87,27 +97,61 @@ pub fn judge(
     let tried: Vec<usize> = if drawn.is_empty() { (0..rows.records.len()).collect() } else { drawn.clone() };
     let failures = tried.iter().filter(|index| rows.records[**index].failed.is_some()).count();
     let failed = clopper_pearson(failures as u64, tried.len() as u64, confidence)?;
-    let searched = rows.numbers(plan, "searched_hours");
+    let mut reasons: Vec<(String, usize)> = Vec::new();
+    for reason in tried.iter().filter_map(|index| rows.records[*index].failed.as_ref()) {
+        match reasons.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, count)) => *count += 1,
+            None => reasons.push((reason.clone(), 1)),
+        }
+    }
+    reasons.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+    let play = rows.numbers(plan, PLAY).filter(|_| !drawn.is_empty());
+    let tight = play.map(|play| {
+        let plays: Vec<f64> = drawn.iter().filter_map(|index| play[*index]).collect();
+        // A flank without modification has no play, but for rounding, and is not tight.
+        let tight = plays.iter().filter(|play| **play < -NO_PLAY_ARCMIN).count();
+        clopper_pearson(tight as u64, plays.len() as u64, confidence)
+    });
+    let batch_of = |index: usize| batch.map(|batch| batch(rows.records[index].number));
+    let searched = rows.numbers(plan, super::file::SEARCHED);
     let mut results = Vec::new();
     for kept in plan.kept().iter().filter(|kept| kept.kind != Kind::Curve) {
-        let Some(values) = rows.numbers(plan, &kept.key) else { continue };
-        let all: Vec<f64> = values.iter().flatten().copied().collect();
+        let Some(mut values) = rows.numbers(plan, &kept.key) else { continue };
+        let seen = values.clone();
+        if let Some(searched) = searched.as_ref().filter(|_| is_life(&kept.key)) {
+            // A life that did not end is longer than any that did.
+            for ((value, searched), record) in values.iter_mut().zip(searched).zip(&rows.records) {
+                if value.is_none() && searched.is_some() && record.failed.is_none() {
+                    *value = Some(f64::INFINITY);
+                }
+            }
+        }
+        let all: Vec<f64> = seen.iter().flatten().copied().collect();
         let sampled: Vec<f64> = drawn.iter().filter_map(|index| values[*index]).collect();
         if all.is_empty() {
             continue;
         }
         let limits = limits.iter().find(|(key, _)| *key == kept.key);
         let limits = limits.map_or(Limits { low: None, high: None }, |(_, limits)| *limits);
+        // A machine that failed has no value, and keeps no limit.
+        let batched = batch.map(|_| {
+            let value = |index: &usize| Some((batch_of(*index)?, values[*index].unwrap_or(f64::NAN)));
+            Batched::of(drawn.iter().filter_map(value))
+        });
+        let complete = batched.as_ref().map(|batched| {
+            let some = |batch: &Vec<f64>| batch.iter().copied().filter(|x| !x.is_nan()).collect();
+            Batched(batched.0.iter().map(some).filter(|batch: &Vec<f64>| !batch.is_empty()).collect())
+        });
         let limited = limits.low.is_some() || limits.high.is_some();
         let keeps = |value: &&f64| {
             limits.low.is_none_or(|low| **value >= low) && limits.high.is_none_or(|high| **value <= high)
         };
         let yield_of = |kept: usize| clopper_pearson(kept as u64, drawn.len() as u64, confidence);
-        let lives = searched.as_ref().filter(|_| kept.key.contains("hours_to")).map(|searched| {
+        let lives = searched.as_ref().filter(|_| is_life(&kept.key)).map(|searched| {
             drawn
                 .iter()
                 .filter(|index| rows.records[**index].failed.is_none())
-                .filter_map(|index| match (values[*index], searched[*index]) {
+                .filter_map(|index| match (seen[*index], searched[*index]) {
                     (Some(hours), _) => Some(Life { hours, ended: true }),
                     (None, Some(hours)) => Some(Life { hours, ended: false }),
                     (None, None) => None,
@@ -121,35 +165,73 @@ pub fn judge(
             range: all
                 .iter()
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]),
-            spread: if sampled.len() < 2 { None } else { Some(spread(&sampled, confidence)?) },
-            limits,
-            kept: if limited && !drawn.is_empty() {
-                Some(yield_of(sampled.iter().filter(keeps).count())?)
-            } else {
+            spread: if sampled.len() < 2 {
                 None
+            } else {
+                Some(spread(&sampled, complete.as_ref(), confidence)?)
             },
-            capability: limited.then(|| Capability::of(&sampled, limits, confidence).ok()).flatten(),
+            limits,
+            kept: match &batched {
+                _ if !limited || drawn.is_empty() => None,
+                Some(batched) => Some(batched.kept(limits, confidence)?),
+                None => Some(yield_of(sampled.iter().filter(keeps).count())?),
+            },
+            // The intervals of capability are those of independent machines.
+            capability: (limited && batch.is_none())
+                .then(|| Capability::of(&sampled, limits, confidence).ok())
+                .flatten(),
             weibull: lives.and_then(|lives| fit_weibull(&lives).ok()),
             sensitivity: sensitivity(plan, rows, &kept.key, confidence)
                 .unwrap_or_else(|error| Sensitivity::None(error.to_string())),
+            batches: complete.and_then(|complete| complete.between(again(confidence)).ok()),
         });
     }
-    Ok(Judged { rows: rows.records.len(), of: rows.of, failed, confidence, results })
+    Ok(Judged {
+        rows: rows.records.len(),
+        of: rows.of,
+        failed,
+        reasons,
+        tight: tight.and_then(Result::ok),
+        confidence,
+        results,
+    })
 }
 
-fn spread(values: &[f64], confidence: f64) -> Result<Spread, StudyError> {
+/// Whether a result is a life, which may not have ended when the search for its end did.
+pub(super) fn is_life(key: &str) -> bool {
+    key.starts_with("hours_to")
+}
+
+/// Result that tells whether a machine is free.
+const PLAY: &str = "play_arcmin";
+/// Less than what anybody measures.
+const NO_PLAY_ARCMIN: f64 = 1e-3;
+
+fn again(confidence: f64) -> Bootstrap {
+    Bootstrap { resamples: 400, confidence, seed: 0 }
+}
+
+fn spread(values: &[f64], batches: Option<&Batched>, confidence: f64) -> Result<Spread, StudyError> {
     let sorted = sorted_finite_or_infinite(values)?;
     let n = sorted.len() as f64;
     let mean = sorted.iter().sum::<f64>() / n;
     let deviation = (sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let quantiles =
+    let mut quantiles: Vec<Quantile> =
         SHARES.iter().map(|share| quantile(&sorted, *share, confidence)).collect::<Result<_, _>>()?;
-    let band = tolerance_limits(&sorted, 0.95, confidence, Sides::Two)?;
+    if let Some(batches) = batches {
+        let intervals = batches.quantiles(&SHARES, again(confidence))?;
+        quantiles.iter_mut().zip(intervals).for_each(|(quantile, interval)| quantile.interval = interval);
+    }
+    // Order statistics promise something for independent machines.
+    let band = match batches {
+        Some(_) => None,
+        None => tolerance_limits(&sorted, 0.95, confidence, Sides::Two)?,
+    };
     Ok(Spread { mean, deviation, quantiles, band, normality: normality(&sorted).ok() })
 }
 
 fn sensitivity(plan: &Plan, rows: &Rows, key: &str, confidence: f64) -> Result<Sensitivity, StudyError> {
-    let bootstrap = Bootstrap { resamples: 400, confidence, seed: 0 };
+    let bootstrap = again(confidence);
     let none = || StudyError::Statistic { reason: "there is no such result" };
     let in_place = || rows.in_place(plan, key).ok_or_else(none);
     let dimensions = plan.factors().len();
@@ -235,15 +317,28 @@ impl Judged {
                     "b10": life(0.1), "b50": life(0.5),
                 });
             }
+            if let Some(batches) = &r.batches {
+                entry["batches"] = json!({
+                    "batches": batches.batches, "share_between": batches.share,
+                    "interval": ends(&batches.interval), "effective_machines": batches.effective,
+                });
+            }
             entry["sensitivity"] = r.sensitivity.to_json(&names);
             (r.key.clone(), entry)
         };
+        let reason = |(why, count): &(String, usize)| json!({ "reason": why, "count": count });
+        let reasons: Vec<Json> = self.reasons.iter().map(reason).collect();
         json!({
             "rows": self.rows, "of": self.of, "confidence": self.confidence,
             "failed": {
                 "count": self.failed.kept, "of": self.failed.of, "share": self.failed.share,
                 "interval": [self.failed.low, self.failed.high],
+                "reasons": reasons,
             },
+            "tight": self.tight.map(|tight| json!({
+                "count": tight.kept, "of": tight.of, "share": tight.share,
+                "interval": [tight.low, tight.high],
+            })),
             "results": self.results.iter().map(result).collect::<serde_json::Map<_, _>>(),
         })
     }

@@ -11,24 +11,32 @@
 //! physics, go through logarithms and sines of the system's library, whose last bit may differ from one
 //! system to another.
 
+pub mod band;
 mod collect;
+mod compute;
 pub mod distribution;
 #[cfg(test)]
 mod engine_tests;
 mod error;
+pub mod file;
 pub mod judge;
+mod list_place;
 pub mod optimise;
+pub mod page;
 pub mod part;
 mod plan;
 mod run;
 pub mod sampling;
+pub mod search;
 pub mod sensitivity;
 pub mod statistics;
 mod stream;
+pub mod templates;
 
 pub use collect::{Rows, collect};
 pub use distribution::{Distribution, Value};
 pub use error::StudyError;
+pub use file::{Batches, Study, StudyFile};
 pub use plan::{Factor, Kept, Kind, Plan, Row, Setting};
-pub use run::{Done, RowError, Shard, Store, run};
+pub use run::{Compute, Done, RowError, Shard, Store, Watch, run};
 pub use stream::{Purpose, Stream};

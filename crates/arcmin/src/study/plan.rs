@@ -104,10 +104,14 @@ pub struct Plan {
     kept: Vec<Kept>,
     identity: String,
     rows_per_part: u64,
+    /// In front of the names of parts.
+    name: String,
 }
 
-/// Samples in a part, unless the plan says otherwise: what a killed shard loses at most.
-const SAMPLES_PER_PART: u64 = 32;
+/// Samples in a part, unless the plan says otherwise: what shards are made of.
+const SAMPLES_PER_PART: u64 = 8;
+/// Parts that a directory should hold at most.
+const MANY_PARTS: u64 = 2048;
 
 impl Plan {
     /// `what` is the identity of the computation: of design, analysis, options, content of input files and
@@ -157,14 +161,20 @@ impl Plan {
         let identity = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         let distributions = factors.iter().map(|factor| factor.distribution).collect();
         let sampling = Sampling::new(layout, distributions, samples, seed)?;
-        let rows_per_part =
-            SAMPLES_PER_PART.div_ceil(sampling.rows_per_sample()).max(1) * sampling.rows_per_sample();
-        Ok(Plan { factors, sampling, kept, identity, rows_per_part })
+        let least = SAMPLES_PER_PART.max((sampling.rows() / MANY_PARTS).next_power_of_two());
+        let rows_per_part = least.div_ceil(sampling.rows_per_sample()).max(1) * sampling.rows_per_sample();
+        Ok(Plan { factors, sampling, kept, identity, rows_per_part, name: "rows".to_owned() })
     }
 
     /// Another number of samples in a part.
     pub fn with_samples_per_part(mut self, samples: u64) -> Plan {
         self.rows_per_part = samples.max(1) * self.sampling.rows_per_sample();
+        self
+    }
+
+    /// Another name in front of those of its parts, where several plans share a directory.
+    pub fn named(mut self, name: String) -> Plan {
+        self.name = name;
         self
     }
 
@@ -204,7 +214,7 @@ impl Plan {
     /// Name of the file of a part; it depends on the size of parts, so that parts of two sizes are not mixed
     /// up.
     pub fn part_name(&self, part: u64) -> String {
-        format!("rows-{:09}-{}.parquet", part * self.rows_per_part, self.rows_per_part)
+        format!("{}-{:09}-{}.parquet", self.name, part * self.rows_per_part, self.rows_per_part)
     }
 
     pub fn row(&self, number: u64) -> Row {

@@ -1,4 +1,7 @@
-use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
 use serde_json::Value as Json;
 
 use super::part::{Cell, Record, decode, encode};
@@ -18,6 +21,12 @@ pub trait Store: Sync {
     /// # Errors
     /// In a sentence, where they cannot be kept.
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), String>;
+
+    /// Whether it is time to keep the rows of a part that is not complete, which is what a killed process
+    /// would lose.
+    fn wants_part(&self) -> bool {
+        false
+    }
 }
 
 /// Which of how many shards, from 1.
@@ -71,70 +80,178 @@ pub struct Done {
     pub cancelled: bool,
 }
 
-/// Computes the rows of a shard that are not there yet, on all threads of the pool it is called in, and keeps
-/// every part as soon as it is complete; a cancelled one with the rows it has. `finished` is told every row
-/// that ends.
+/// Computes the rows of a shard that are not there yet, as many at once as the pool has threads that it is
+/// called in, and keeps every part as soon as it is complete; at the end of a cancelled run with the rows it
+/// has.
+///
+/// Rows are taken in their order, each on a thread of its own: that keeps all threads busy to the end, and
+/// few parts unfinished at any time.
 ///
 /// # Errors
-/// In a sentence, where a part cannot be read or kept.
+/// In a sentence, where a part cannot be read or kept, or threads cannot be had.
 pub fn run(
     plan: &Plan,
     shard: Shard,
     store: &dyn Store,
-    compute: &(dyn Fn(&Row) -> Result<Json, RowError> + Sync),
-    finished: &(dyn Fn(&Record) + Sync),
+    compute: Compute,
+    watch: &Watch,
 ) -> Result<Done, String> {
     let mut done = Done::default();
+    let mut missing: Vec<(u64, u64)> = Vec::new();
+    let mut open = BTreeMap::new();
     for part in shard.parts(plan) {
-        let name = plan.part_name(part);
-        let known = match store.read(&name)?.map(|bytes| decode(plan, part, bytes)) {
-            Some(Ok(records)) => records,
-            Some(Err(_)) => {
-                done.replaced += 1;
-                Vec::new()
-            }
-            None => Vec::new(),
-        };
+        let (known, replaced) = kept(plan, part, store)?;
+        done.replaced += u64::from(replaced);
         done.found += known.len() as u64;
-        let missing: Vec<u64> = plan
+        let lacking: Vec<(u64, u64)> = plan
             .rows_of(part)
             .filter(|number| known.binary_search_by_key(number, |record| record.number).is_err())
+            .map(|number| (part, number))
             .collect();
-        if missing.is_empty() {
-            continue;
-        }
-        let asked = missing.len();
-        let computed: Vec<Record> = missing
-            .into_par_iter()
-            .filter_map(|number| {
-                let record = record(plan, &plan.row(number), compute)?;
-                finished(&record);
-                Some(record)
-            })
-            .collect();
-        done.cancelled = computed.len() < asked;
-        done.computed += computed.len() as u64;
-        done.failed += computed.iter().filter(|record| record.failed.is_some()).count() as u64;
-        if !computed.is_empty() {
-            let mut records = known;
-            records.extend(computed);
-            records.sort_by_key(|record| record.number);
-            let bytes = encode(plan, &records).map_err(|error| error.to_string())?;
-            store.write(&name, &bytes)?;
-        }
-        if done.cancelled {
-            break;
+        if !lacking.is_empty() {
+            open.insert(part, Open { lacking: lacking.len(), new: Vec::new() });
+            missing.extend(lacking);
         }
     }
+    let work = Work {
+        plan,
+        store,
+        missing,
+        next: AtomicUsize::new(0),
+        open: Mutex::new(open),
+        computed: AtomicUsize::new(0),
+        failed: AtomicUsize::new(0),
+        cancelled: AtomicBool::new(false),
+    };
+    (watch.begun)(done.found);
+    work.go(compute, watch.finished)?;
+    let Work { open, computed, failed, cancelled, .. } = work;
+    for (part, open) in open.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        keep(plan, part, open.new, store)?;
+    }
+    done.computed = computed.into_inner() as u64;
+    done.failed = failed.into_inner() as u64;
+    done.cancelled = cancelled.into_inner();
     Ok(done)
 }
 
+/// The rows of a part that are kept already, and whether something is there that cannot be used.
+fn kept(plan: &Plan, part: u64, store: &dyn Store) -> Result<(Vec<Record>, bool), String> {
+    Ok(match store.read(&plan.part_name(part))?.map(|bytes| decode(plan, part, bytes)) {
+        Some(Ok(records)) => (records, false),
+        Some(Err(_)) => (Vec::new(), true),
+        None => (Vec::new(), false),
+    })
+}
+
+/// Adds rows to those that are kept. What somebody else has kept meanwhile stays: the same rows, bit for bit.
+fn keep(plan: &Plan, part: u64, new: Vec<Record>, store: &dyn Store) -> Result<(), String> {
+    if new.is_empty() {
+        return Ok(());
+    }
+    let mut records = kept(plan, part, store)?.0;
+    records.extend(new);
+    records.sort_by_key(|record| record.number);
+    records.dedup_by_key(|record| record.number);
+    let bytes = encode(plan, &records).map_err(|error| error.to_string())?;
+    store.write(&plan.part_name(part), &bytes)
+}
+
+/// A part that is not complete.
+struct Open {
+    lacking: usize,
+    /// Computed and not kept yet.
+    new: Vec<Record>,
+}
+
+/// Who is told how far a run is.
+pub struct Watch<'a> {
+    /// How many rows were there already.
+    pub begun: &'a dyn Fn(u64),
+    /// Every row that ends.
+    pub finished: &'a (dyn Fn(&Record) + Sync),
+}
+
+impl Watch<'_> {
+    pub const NONE: Watch<'static> = Watch { begun: &|_| (), finished: &|_| () };
+}
+
+/// Computes one row: its summary, or why there is none.
+pub type Compute<'a> = &'a (dyn Fn(&Row) -> Result<Json, RowError> + Sync);
+
+struct Work<'a> {
+    plan: &'a Plan,
+    store: &'a dyn Store,
+    /// (part, row)
+    missing: Vec<(u64, u64)>,
+    next: AtomicUsize,
+    open: Mutex<BTreeMap<u64, Open>>,
+    computed: AtomicUsize,
+    failed: AtomicUsize,
+    cancelled: AtomicBool,
+}
+
+impl Work<'_> {
+    fn go(&self, compute: Compute, finished: &(dyn Fn(&Record) + Sync)) -> Result<(), String> {
+        let threads = rayon::current_num_threads().max(1);
+        let workers = threads.min(self.missing.len()).max(1);
+        let pool = || rayon::ThreadPoolBuilder::new().num_threads((threads / workers).max(1)).build();
+        let pools: Vec<_> =
+            (0..workers).map(|_| pool().map_err(|error| error.to_string())).collect::<Result<_, _>>()?;
+        std::thread::scope(|scope| {
+            let started: Vec<_> =
+                pools.iter().map(|pool| scope.spawn(move || self.rows(compute, finished, pool))).collect();
+            started.into_iter().try_for_each(|worker| {
+                worker.join().unwrap_or_else(|_| Err("the computation of a row broke down".to_owned()))
+            })
+        })
+    }
+
+    /// Rows until there are none left, each on a pool of its own: an analysis that waits for its own threads
+    /// never begins another row in the meantime.
+    fn rows(
+        &self,
+        compute: Compute,
+        finished: &(dyn Fn(&Record) + Sync),
+        pool: &rayon::ThreadPool,
+    ) -> Result<(), String> {
+        while !self.cancelled.load(Ordering::Relaxed) {
+            let Some((part, number)) = self.missing.get(self.next.fetch_add(1, Ordering::Relaxed)) else {
+                break;
+            };
+            let Some(record) = pool.install(|| record(self.plan, &self.plan.row(*number), compute)) else {
+                self.cancelled.store(true, Ordering::Relaxed);
+                break;
+            };
+            finished(&record);
+            self.computed.fetch_add(1, Ordering::Relaxed);
+            self.failed.fetch_add(usize::from(record.failed.is_some()), Ordering::Relaxed);
+            self.take(*part, record).inspect_err(|_| self.cancelled.store(true, Ordering::Relaxed))?;
+        }
+        Ok(())
+    }
+
+    fn take(&self, part: u64, record: Record) -> Result<(), String> {
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(place) = open.get_mut(&part) else { return Ok(()) };
+        place.lacking -= 1;
+        place.new.push(record);
+        if place.lacking == 0 {
+            let new = open.remove(&part).map_or(Vec::new(), |place| place.new);
+            drop(open);
+            return keep(self.plan, part, new, self.store);
+        }
+        if self.store.wants_part() {
+            for (part, place) in open.iter_mut() {
+                keep(self.plan, *part, std::mem::take(&mut place.new), self.store)?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// `None` if the computation was stopped.
-fn record(
-    plan: &Plan,
-    row: &Row,
-    compute: &(dyn Fn(&Row) -> Result<Json, RowError> + Sync),
-) -> Option<Record> {
+fn record(plan: &Plan, row: &Row, compute: Compute) -> Option<Record> {
     let mut cells: Vec<Cell> = row.settings.iter().map(setting_cell).collect();
     let failed = match compute(row) {
         Ok(summary) => {
@@ -150,7 +267,7 @@ fn record(
     Some(Record { number: row.number, cells, failed })
 }
 
-fn setting_cell(setting: &Setting) -> Cell {
+pub(super) fn setting_cell(setting: &Setting) -> Cell {
     match setting {
         Setting::Number(number) => Cell::Number(*number),
         Setting::Seed(seed) => Cell::Number(*seed as f64),

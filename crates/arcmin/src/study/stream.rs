@@ -12,6 +12,7 @@ pub enum Purpose {
     Resamples = 5,
     Generations = 6,
     Machines = 7,
+    Batches = 8,
 }
 
 /// Random numbers that depend on nothing but (seed, purpose, index): the `index`-th stream of a purpose can

@@ -20,6 +20,10 @@ const STRATA: u64 = 100_000_000;
 pub enum Layout {
     /// Every combination of `levels[d]` levels of each dimension, the last one running fastest.
     Grid { levels: Vec<usize> },
+    /// Entry k of every list together: no combinations.
+    Cases { count: usize },
+    /// Places in the unit cube that somebody else has chosen, a search for instance.
+    Points(std::sync::Arc<Vec<Vec<f64>>>),
     /// Independent of each other.
     Random,
     /// One in each of n equal strata of every dimension (McKay, Beckman & Conover 1979).
@@ -72,7 +76,8 @@ impl Sampling {
         if dimensions == 0 {
             return no("nothing varies".into());
         }
-        if samples == 0 && !matches!(layout, Layout::Grid { .. }) {
+        let counts_itself = matches!(layout, Layout::Grid { .. } | Layout::Cases { .. } | Layout::Points(_));
+        if samples == 0 && !counts_itself {
             return no("the number of samples is 0".into());
         }
         let sobol_dimensions = match &layout {
@@ -90,6 +95,16 @@ impl Sampling {
                 if levels.iter().try_fold(1_u64, |all, n| all.checked_mul(*n as u64)).is_none() =>
             {
                 return no("the grid has more points than can be counted".into());
+            }
+            Layout::Cases { count }
+                if factors
+                    .iter()
+                    .any(|factor| !matches!(factor, Distribution::List { count: n } if n == count)) =>
+            {
+                return no("cases need lists of the same length".into());
+            }
+            Layout::Points(points) if points.iter().any(|point| point.len() != dimensions) => {
+                return no(format!("a point does not have {dimensions} coordinates"));
             }
             Layout::Morris { levels } if *levels < 2 || levels % 2 == 1 => {
                 return no(format!("trajectories need an even number of levels, 2 or more, not {levels}"));
@@ -132,6 +147,10 @@ impl Sampling {
         &self.layout
     }
 
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
     pub fn factors(&self) -> &[Distribution] {
         &self.factors
     }
@@ -152,6 +171,8 @@ impl Sampling {
     pub fn rows(&self) -> u64 {
         match &self.layout {
             Layout::Grid { levels } => levels.iter().map(|n| *n as u64).product(),
+            Layout::Cases { count } => *count as u64,
+            Layout::Points(points) => points.len() as u64,
             _ => self.samples * self.rows_per_sample(),
         }
     }
@@ -161,7 +182,7 @@ impl Sampling {
     pub fn is_sample(&self, row: u64) -> bool {
         let (within, last) = (row % self.rows_per_sample(), self.rows_per_sample() - 1);
         match self.layout {
-            Layout::Grid { .. } | Layout::Morris { .. } => false,
+            Layout::Grid { .. } | Layout::Cases { .. } | Layout::Points(_) | Layout::Morris { .. } => false,
             Layout::Random | Layout::LatinHypercube | Layout::Sobol => true,
             Layout::Saltelli { .. } => within == 0 || within == last,
             Layout::Tighten { .. } => within == 0,
@@ -176,6 +197,11 @@ impl Sampling {
         let plain = |unit: Vec<f64>| Point { unit, tightened: None };
         match &self.layout {
             Layout::Grid { levels } => plain(self.grid_point(levels, row)),
+            Layout::Cases { count } => plain(vec![(row as f64 + 0.5) / *count as f64; dimensions]),
+            // A row beyond the last is none of the plan's.
+            Layout::Points(points) => {
+                plain(usize::try_from(row).ok().and_then(|row| points.get(row)).cloned().unwrap_or_default())
+            }
             Layout::Random => plain(self.random_point(sample)),
             Layout::LatinHypercube => {
                 let mut stream = Stream::new(self.seed, Purpose::Points, sample);

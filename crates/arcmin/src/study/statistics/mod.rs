@@ -3,6 +3,7 @@
 //! No distribution is assumed for quantiles, tolerance limits and yields; lives may be Weibull, capability
 //! indices are those of a normal distribution and say so.
 
+mod batches;
 mod bootstrap;
 mod capability;
 mod paper;
@@ -11,12 +12,16 @@ mod tolerance;
 mod weibull;
 mod yields;
 
+pub use batches::{Batched, BetweenBatches};
 pub use bootstrap::Bootstrap;
 pub use capability::{Capability, Limits};
 pub use paper::{Normality, PaperPoint, PaperScale, normality, probability_paper};
 pub use quantile::{Quantile, ecdf, quantile, sorted_finite_or_infinite};
-pub use tolerance::{Sides, ToleranceLimits, attained_coverage, samples_for_limits, tolerance_limits};
+pub use tolerance::{
+    Sides, ToleranceLimits, attained_confidence, attained_coverage, samples_for_limits, tolerance_limits,
+};
 pub use weibull::{Life, Weibull, fit_weibull};
+use yields::clopper_pearson_of;
 pub use yields::{Yield, clopper_pearson};
 
 use super::StudyError;

@@ -66,6 +66,12 @@ fn attained(n: u64, coverage: f64, outside: u64) -> f64 {
     Binomial::new(coverage, n).map_or(0.0, |binomial| binomial.cdf(n - outside))
 }
 
+/// Confidence that the smallest and the largest of so many enclose a share `coverage` of all; 0 for fewer
+/// than two.
+pub fn attained_confidence(samples: usize, coverage: f64) -> f64 {
+    attained(samples as u64, coverage, 2)
+}
+
 /// Limits for a share `coverage` of all machines with `confidence`, leaving out as many extreme values as so
 /// many samples allow; one-sided ones are upper limits (negate the values for a lower one). `None` if there
 /// are too few.

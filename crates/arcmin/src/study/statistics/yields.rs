@@ -19,13 +19,25 @@ pub struct Yield {
 /// # Errors
 /// [`StudyError::Statistic`] if there are none, more kept than there are, or a confidence outside (0, 1).
 pub fn clopper_pearson(kept: u64, of: u64, confidence: f64) -> Result<Yield, StudyError> {
+    clopper_pearson_of(kept, of, of as f64, confidence)
+}
+
+/// The same interval where `of` machines tell only as much as `effective` independent ones.
+pub(super) fn clopper_pearson_of(
+    kept: u64,
+    of: u64,
+    effective: f64,
+    confidence: f64,
+) -> Result<Yield, StudyError> {
     require(of > 0, "there are no values")?;
     require(kept <= of, "more are kept than there are")?;
     require_share(confidence)?;
-    let (k, n, tail) = (kept as f64, of as f64, 0.5 * (1.0 - confidence));
+    let share = kept as f64 / of as f64;
+    let (n, tail) = (effective, 0.5 * (1.0 - confidence));
+    let k = if effective == of as f64 { kept as f64 } else { share * n };
     let low = if kept == 0 { 0.0 } else { beta_quantile(k, n - k + 1.0, tail)? };
     let high = if kept == of { 1.0 } else { beta_quantile(k + 1.0, n - k, 1.0 - tail)? };
-    Ok(Yield { kept, of, share: k / n, low, high })
+    Ok(Yield { kept, of, share, low, high })
 }
 
 pub(super) fn beta_quantile(a: f64, b: f64, share: f64) -> Result<f64, StudyError> {

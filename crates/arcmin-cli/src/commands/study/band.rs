@@ -1,0 +1,57 @@
+//! `life --band`: the lives of all machines that the design could be.
+
+use std::path::Path;
+
+use arcmin::design::Design;
+use arcmin::study::band::{Band, study};
+use arcmin::study::judge::Judged;
+use arcmin::study::{Rows, Shard, Study, Watch, collect, run};
+
+use super::{Quietly, broken};
+use crate::failure::Failure;
+use crate::run::{Parts, SampleBar, Terminal};
+
+/// The study of the unknowns with its rows.
+pub struct Lives {
+    study: Study,
+    rows: Rows,
+    judged: Judged,
+}
+
+impl Lives {
+    /// Computes what is missing of them; they are kept in `out`/band.
+    pub fn compute(
+        design: &Design,
+        options: &str,
+        machines: u64,
+        host: &Terminal,
+        out: &Path,
+        quiet: bool,
+    ) -> Result<Lives, Failure> {
+        let told = |error| Failure::Analysis { error, options: None, has_error_findings: false };
+        let study = study(design, options, machines, 1, host).map_err(told)?;
+        let parts = Parts::new(&out.join("band"));
+        parts.remove_leftovers();
+        let bar = SampleBar::new("lives", study.plan.rows(), quiet);
+        let compute = |row: &arcmin::study::Row| study.compute(row, &Quietly(host));
+        let begun = |found: u64| bar.found(found);
+        let watch = Watch { begun: &begun, finished: &|_| bar.one_more() };
+        let done = run(&study.plan, Shard::WHOLE, &parts, &compute, &watch).map_err(broken)?;
+        if done.cancelled {
+            let reason = "the lives of the band were stopped; the same command goes on from there".to_owned();
+            return Err(Failure::Unfinished { reason });
+        }
+        let rows = collect(&study.plan, &parts).map_err(broken)?;
+        let judged = study.judge(&rows).map_err(broken)?;
+        Ok(Lives { study, rows, judged })
+    }
+
+    pub fn band(&self) -> Band<'_> {
+        Band::new(&self.study, &self.rows, &self.judged)
+    }
+
+    /// band.csv
+    pub fn csv(&self) -> String {
+        self.rows.to_csv(&self.study.plan)
+    }
+}

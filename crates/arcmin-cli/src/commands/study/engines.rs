@@ -1,0 +1,288 @@
+//! `arcmin study submit`: shards as processes here, or handed to the engine that is there.
+//!
+//! An engine starts `arcmin study run --shard i/N` and nothing else. Whatever it loses (a worker, its
+//! scheduler, the machine), the parts that are in the directory stay, and the next submission computes the
+//! rest.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command as Process, Stdio};
+use std::time::Duration;
+
+use arcmin::study::collect;
+use clap::builder::PossibleValuesParser;
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+
+use super::{Ending, Job, broken};
+use crate::failure::Failure;
+use crate::run::{is_stopped, say, write_file};
+
+/// Shards where nobody says how many: enough for any cluster, each of them a minute or more of most studies.
+const SHARDS: u64 = 64;
+/// A shard that ends with an error is started again so many times.
+const TRIES: u32 = 3;
+
+pub fn command() -> Command {
+    Command::new("submit")
+        .about("Compute all shards on an engine: local processes, HyperQueue, Slurm or Dask")
+        .long_about(
+            "Computes all shards on an engine, then collects.\n\nlocal starts processes here. hq, slurm and \
+             dask write a script into DIR/submit (readable, to be changed at will) and run it where the \
+             engine's command is there: hq, sbatch, or python3 with dask.distributed. All start `arcmin study \
+             run --shard I/N` and nothing else; the directory must be one that all machines see.\n\nAn \
+             optimisation is submitted generation by generation.",
+        )
+        .after_help(
+            "Examples:\n  arcmin study submit my-study.toml --engine local --workers 8\n  \
+             arcmin study submit my-study.toml --engine slurm --shards 200 --out /shared/study --print",
+        )
+        .arg(
+            Arg::new("engine")
+                .long("engine")
+                .default_value("local")
+                .value_parser(PossibleValuesParser::new(["local", "hq", "slurm", "dask"]))
+                .help("What runs the shards"),
+        )
+        .arg(
+            Arg::new("shards")
+                .long("shards")
+                .value_name("N")
+                .value_parser(value_parser!(u64).range(1..=1_000_000))
+                .help("Shards [default: 64, fewer for a study of fewer parts]"),
+        )
+        .arg(
+            Arg::new("workers")
+                .long("workers")
+                .value_name("N")
+                .value_parser(value_parser!(u16).range(1..=4096))
+                .help("Processes at once (local, dask on this machine) [default: all cores]"),
+        )
+        .arg(
+            Arg::new("address")
+                .long("address")
+                .value_name("HOST:PORT")
+                .help("Address of a Dask scheduler that is there already"),
+        )
+        .arg(Arg::new("print").long("print").action(ArgAction::SetTrue).help("Write the script, run nothing"))
+}
+
+pub fn run(job: &Job, matches: &ArgMatches) -> Result<Ending, Failure> {
+    let most = job.study.plan.parts().max(1);
+    // Parts of a generation, where a study searches.
+    let shards = matches.get_one::<u64>("shards").copied().unwrap_or(most.min(SHARDS)).max(1);
+    let workers = matches.get_one::<u16>("workers").map(|workers| usize::from(*workers));
+    let workers = workers.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let engine = matches.get_one::<String>("engine").map_or("local", String::as_str);
+    if engine == "local" {
+        local(job, shards, workers)?;
+        return job.collect();
+    }
+    let stages = job.study.search.as_ref().map_or(1, |search| search.generations + 2);
+    let words = Words::of(job, shards, workers, stages, matches.get_one::<String>("address").cloned())?;
+    let (name, text, program) = match engine {
+        "hq" => ("hq.sh", words.hq(), "hq"),
+        "slurm" => ("slurm.sh", words.slurm(), "sbatch"),
+        _ => ("dask.py", words.dask(), "python3"),
+    };
+    let directory = job.out.join("submit");
+    std::fs::create_dir_all(&directory).map_err(|cause| Failure::Write { path: directory.clone(), cause })?;
+    let script = directory.join(name);
+    write_file(&script, text.as_bytes())?;
+    let runner = if engine == "dask" { "python3" } else { "bash" };
+    let typed = format!("{runner} {}", script.display());
+    if matches.get_flag("print") {
+        say(&format!("{} written; next: {typed}", script.display()))?;
+        return Ok(Ending::Fine);
+    }
+    if !is_there(program) {
+        return Err(Failure::Usage {
+            message: format!("there is no `{program}` on this machine"),
+            help: format!("run `{typed}` where there is, or --engine local here"),
+        });
+    }
+    let ended = Process::new(runner).arg(&script).status();
+    match ended {
+        Ok(status) if status.success() => Ok(Ending::Fine),
+        Ok(status) => Err(Failure::Study { cause: format!("`{typed}` ended with {status}") }),
+        Err(cause) => Err(Failure::Study { cause: format!("`{typed}` cannot be started: {cause}") }),
+    }
+}
+
+fn is_there(program: &str) -> bool {
+    let paths = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&paths).any(|path| path.join(program).is_file())
+}
+
+/// Whether anything is left to compute.
+fn is_complete(job: &Job) -> Result<bool, Failure> {
+    Ok(match &job.study.search {
+        Some(search) => job.standing(search)?.next.is_none(),
+        None => collect(&job.study.plan, &job.parts()).map_err(broken)?.is_complete(),
+    })
+}
+
+/// Shards as processes, as many at once as there are workers.
+fn local(job: &Job, shards: u64, workers: usize) -> Result<(), Failure> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = (cores / workers).max(1);
+    while !is_complete(job)? {
+        let mut waiting: VecDeque<(u64, u32)> = (1..=shards).map(|shard| (shard, 0)).collect();
+        let mut running: Vec<(u64, u32, Child)> = Vec::new();
+        while !(waiting.is_empty() && running.is_empty()) {
+            while running.len() < workers.min(shards as usize)
+                && let Some((shard, tries)) = waiting.pop_front()
+            {
+                running.push((shard, tries, start(job, shard, shards, threads)?));
+            }
+            std::thread::sleep(Duration::from_millis(20));
+            let mut still = Vec::new();
+            for (shard, tries, mut child) in running {
+                match child.try_wait() {
+                    Ok(None) => still.push((shard, tries, child)),
+                    Ok(Some(status)) if status.success() => {}
+                    Ok(Some(_)) if tries + 1 < TRIES && !is_stopped() => {
+                        waiting.push_back((shard, tries + 1))
+                    }
+                    Ok(Some(status)) => {
+                        let message = format!("shard {shard} of {shards} ended with {status}");
+                        return Err(Failure::Unfinished { reason: message });
+                    }
+                    Err(cause) => return Err(broken(cause)),
+                }
+            }
+            running = still;
+        }
+    }
+    Ok(())
+}
+
+fn start(job: &Job, shard: u64, shards: u64, threads: usize) -> Result<Child, Failure> {
+    let program = std::env::current_exe().map_err(broken)?;
+    let mut process = Process::new(program);
+    process.args(["study", "run"]).arg(&job.path).args(["--shard", &format!("{shard}/{shards}")]);
+    process.arg("--out").arg(&job.out).args(["--threads", &threads.to_string(), "--quiet"]);
+    process.stdin(Stdio::null()).spawn().map_err(broken)
+}
+
+/// What stands in scripts.
+struct Words {
+    program: String,
+    study: String,
+    out: String,
+    shards: u64,
+    workers: usize,
+    /// Times that all shards are submitted: once, or once a generation.
+    stages: u64,
+    address: Option<String>,
+}
+
+impl Words {
+    fn of(
+        job: &Job,
+        shards: u64,
+        workers: usize,
+        stages: u64,
+        address: Option<String>,
+    ) -> Result<Words, Failure> {
+        std::fs::create_dir_all(&job.out).map_err(|cause| Failure::Write { path: job.out.clone(), cause })?;
+        // Scripts run elsewhere, so that names must not depend on where one stands.
+        let whole = |path: &Path| -> Result<String, Failure> {
+            let full = std::fs::canonicalize(path)
+                .map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
+            Ok(full.display().to_string())
+        };
+        let program: PathBuf = std::env::current_exe().map_err(broken)?;
+        Ok(Words {
+            program: whole(&program)?,
+            study: whole(&job.path)?,
+            out: whole(&job.out)?,
+            shards,
+            workers,
+            stages,
+            address,
+        })
+    }
+
+    fn shell(word: &str) -> String {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+
+    fn hq(&self) -> String {
+        self.filled(HQ, Words::shell)
+    }
+
+    fn slurm(&self) -> String {
+        self.filled(SLURM, Words::shell)
+    }
+
+    fn dask(&self) -> String {
+        self.filled(DASK, Words::python)
+    }
+
+    fn python(word: &str) -> String {
+        serde_json::Value::String(word.to_owned()).to_string()
+    }
+
+    fn filled(&self, script: &str, quoted: fn(&str) -> String) -> String {
+        let address = self.address.as_deref().map_or("None".to_owned(), quoted);
+        script
+            .replace("{arcmin}", &quoted(&self.program))
+            .replace("{study}", &quoted(&self.study))
+            .replace("{out}", &quoted(&self.out))
+            .replace("{shards}", &self.shards.to_string())
+            .replace("{workers}", &self.workers.to_string())
+            .replace("{stages}", &self.stages.to_string())
+            .replace("{address}", &address)
+    }
+}
+
+const HQ: &str = include_str!("hq.sh");
+const SLURM: &str = include_str!("slurm.sh");
+const DASK: &str = include_str!("dask.py");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words() -> Words {
+        Words {
+            program: "/opt/it's/arcmin".into(),
+            study: "/home/a b/study.toml".into(),
+            out: "/shared/out".into(),
+            shards: 50,
+            workers: 4,
+            stages: 3,
+            address: None,
+        }
+    }
+
+    /// Every script names the shard as its engine counts it, quotes what a shell would split, and leaves no
+    /// place unfilled.
+    #[test]
+    fn scripts_say_what_engines_expect() {
+        let hq = words().hq();
+        assert!(hq.contains("hq submit --array \"1-$shards\"") && hq.contains("$HQ_TASK_ID/$2"), "{hq}");
+        assert!(hq.contains("arcmin='/opt/it'\\''s/arcmin'\nstudy='/home/a b/study.toml'"), "{hq}");
+        assert!(hq.contains("for stage in $(seq 3)") && hq.contains("%{TASK_ID}"), "{hq}");
+        let slurm = words().slurm();
+        assert!(slurm.contains("--array=\"1-$shards\"") && slurm.contains("$SLURM_ARRAY_TASK_ID/$shards"));
+        assert!(slurm.contains("--dependency=\"afterany:${job%%;*}\"") && slurm.contains("study collect"));
+        let dask = words().dask();
+        assert!(
+            dask.contains("STUDY = \"/home/a b/study.toml\"") && dask.contains("ADDRESS = None"),
+            "{dask}"
+        );
+        assert!(["{arcmin}", "{study}", "{out}", "{shards}"].iter().all(|place| !dask.contains(place)));
+    }
+
+    /// A shell reads them.
+    #[cfg(unix)]
+    #[test]
+    fn scripts_are_shell() {
+        for text in [words().hq(), words().slurm()] {
+            let mut shell = Process::new("bash").args(["-n"]).stdin(Stdio::piped()).spawn().unwrap();
+            std::io::Write::write_all(&mut shell.stdin.take().unwrap(), text.as_bytes()).unwrap();
+            assert!(shell.wait().unwrap().success(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,383 @@
+//! `arcmin study`: many machines, here or on the engine that is there.
+
+mod band;
+mod engines;
+mod new;
+mod search;
+
+pub use band::Lives;
+
+use std::path::{Path, PathBuf};
+
+use arcmin::analyses::{Host, by_name, identity};
+use arcmin::design::{Choice, Design};
+use arcmin::progress::Progress;
+use arcmin::report::{Page, Provenance};
+use arcmin::study::{Plan, Row, Rows, Shard, Study, StudyFile, Watch, collect, run as run_shard};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use serde_json::{Map, Value, json};
+
+use super::Ending;
+use crate::failure::Failure;
+use crate::run::{Parts, Results, SampleBar, Terminal, read_design, say, terminal_text, write_file};
+
+const GUIDE: &str = "\
+A study computes many machines instead of one: it reads a study file (TOML), which names a design, an analysis
+with its options, what varies, how machines are chosen and which results to keep.
+
+Results: samples.csv (a machine a row), summary.json (statistics, each with its interval) and report.html.
+Machines are kept in parts/ as they are computed: whoever stops the study, or kills it, starts it again and it
+goes on. Sample k depends on the seed and k alone, so that any sharing of the work gives the same rows.";
+
+const EXAMPLES: &str = "Examples:
+  arcmin study new yield my-study.toml       write a commented study file to start from
+  arcmin study my-study.toml                 run it here
+  arcmin study run my-study.toml --shard 3/50 --out shared/study
+  arcmin study collect my-study.toml --out shared/study
+  arcmin study submit my-study.toml --engine slurm --shards 50 --out shared/study";
+
+pub fn command() -> Command {
+    let with = |command: Command| common(command.arg(file(true)));
+    Command::new("study")
+        .about("Compute many machines: sweeps, tolerances, unknowns, sensitivity, optimisation")
+        .long_about(format!("Compute many machines instead of one.\n\n{GUIDE}"))
+        .after_help(EXAMPLES)
+        .args_conflicts_with_subcommands(true)
+        .subcommand_negates_reqs(true)
+        .subcommand_help_heading("Steps")
+        .arg(file(true))
+        .arg(out())
+        .arg(threads())
+        .arg(force())
+        .arg(quiet())
+        .subcommand(new::command())
+        .subcommand(with(Command::new("plan").about("Lay out the samples and write plan.csv and plan.json")))
+        .subcommand(with(
+            Command::new("run").about("Compute one shard of the samples and keep its parts").arg(
+                Arg::new("shard")
+                    .long("shard")
+                    .value_name("I/N")
+                    .default_value("1/1")
+                    .value_parser(|text: &str| {
+                        Shard::parse(text).ok_or("write I/N with I from 1 to N, such as 3/50")
+                    })
+                    .help("Which of how many shards"),
+            ),
+        ))
+        .subcommand(with(engines::command()))
+        .subcommand(with(
+            Command::new("collect")
+                .about("Write samples.csv, summary.json and report.html from the parts there are"),
+        ))
+}
+
+fn common(command: Command) -> Command {
+    command.arg(out()).arg(threads()).arg(force()).arg(quiet())
+}
+
+fn file(required: bool) -> Arg {
+    Arg::new("STUDY")
+        .required(required)
+        .value_parser(value_parser!(PathBuf))
+        .help("Study file (TOML); `arcmin study new` writes one")
+}
+
+fn out() -> Arg {
+    Arg::new("out")
+        .long("out")
+        .value_name("DIR")
+        .value_parser(value_parser!(PathBuf))
+        .help("Directory for the results [default: out/<study>]")
+}
+
+fn threads() -> Arg {
+    Arg::new("threads")
+        .long("threads")
+        .value_name("N")
+        .value_parser(value_parser!(u16).range(1..=1024))
+        .help("Samples computed at once; results do not depend on it [default: all cores]")
+}
+
+fn force() -> Arg {
+    Arg::new("force")
+        .long("force")
+        .action(ArgAction::SetTrue)
+        .help("Write over the results of another design")
+}
+
+fn quiet() -> Arg {
+    Arg::new("quiet").long("quiet").short('q').action(ArgAction::SetTrue).help("Print nothing but errors")
+}
+
+pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
+    match matches.subcommand() {
+        Some(("new", matches)) => new::run(matches),
+        Some(("submit", matches)) => engines::run(&Job::of(matches)?, matches),
+        Some(("plan", matches)) => Job::of(matches)?.plan(),
+        Some(("run", matches)) => {
+            let shard = matches.get_one::<Shard>("shard").copied().unwrap_or(Shard::WHOLE);
+            Job::of(matches)?.shard(shard)
+        }
+        Some(("collect", matches)) => Job::of(matches)?.collect(),
+        _ => Job::of(matches)?.whole(),
+    }
+}
+
+/// A study with its places.
+struct Job {
+    path: PathBuf,
+    design_path: PathBuf,
+    study: Study,
+    out: PathBuf,
+    force: bool,
+    quiet: bool,
+}
+
+impl Job {
+    fn of(matches: &ArgMatches) -> Result<Job, Failure> {
+        let Some(path) = matches.get_one::<PathBuf>("STUDY") else { unreachable!("clap asks for a study") };
+        if let Some(threads) = matches.get_one::<u16>("threads") {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
+            pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
+        }
+        let out = matches
+            .get_one::<PathBuf>("out")
+            .cloned()
+            .unwrap_or_else(|| Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())));
+        let (design_path, study) = read(path, &out)?;
+        let (force, quiet) = (matches.get_flag("force"), matches.get_flag("quiet"));
+        Ok(Job { path: path.clone(), design_path, study, out, force, quiet })
+    }
+
+    fn parts(&self) -> Parts {
+        Parts::new(&self.out.join("parts"))
+    }
+
+    /// Everything here: compute what is missing, then report.
+    fn whole(&self) -> Result<Ending, Failure> {
+        let results = Results::prepare(&self.out, &self.study.design, self.force)?;
+        let cancelled = match &self.study.search {
+            Some(search) => self.search(search)?,
+            None => self.compute(&self.study.plan, "samples", Shard::WHOLE)?,
+        };
+        self.report(results)?;
+        if cancelled { Err(self.stopped()) } else { Ok(Ending::Fine) }
+    }
+
+    fn shard(&self, shard: Shard) -> Result<Ending, Failure> {
+        let cancelled = match &self.study.search {
+            Some(search) => self.search_stage(search, shard)?,
+            None => self.compute(&self.study.plan, "samples", shard)?,
+        };
+        if cancelled { Err(self.stopped()) } else { Ok(Ending::Fine) }
+    }
+
+    fn collect(&self) -> Result<Ending, Failure> {
+        let results = Results::prepare(&self.out, &self.study.design, self.force)?;
+        self.report(results)?;
+        Ok(Ending::Fine)
+    }
+
+    fn stopped(&self) -> Failure {
+        Failure::Unfinished { reason: format!("the study was stopped; `{}` goes on from there", typed()) }
+    }
+
+    /// Computes what is missing of a shard; whether it was cancelled.
+    fn compute(&self, plan: &Plan, what: &str, shard: Shard) -> Result<bool, Failure> {
+        let host = Terminal::new(&self.design_path, &self.out, &self.out.join("cache"), true);
+        let parts = self.parts();
+        parts.remove_leftovers();
+        let all: u64 = shard.parts(plan).map(|part| plan.rows_of(part).count() as u64).sum();
+        let bar = SampleBar::new(what, all, self.quiet);
+        let compute = |row: &Row| self.study.compute(row, &Quietly(&host));
+        let begun = |found: u64| bar.found(found);
+        let done =
+            run_shard(plan, shard, &parts, &compute, &Watch { begun: &begun, finished: &|_| bar.one_more() })
+                .map_err(broken)?;
+        drop(bar);
+        if !self.quiet && self.study.search.is_none() {
+            let failed = match done.failed {
+                0 => String::new(),
+                failed => format!(", {failed} of them without result"),
+            };
+            let found = if done.found > 0 { format!(", {} were there", done.found) } else { String::new() };
+            say(&format!("{} samples computed{failed}{found}", done.computed))?;
+        }
+        Ok(done.cancelled)
+    }
+
+    fn plan(&self) -> Result<Ending, Failure> {
+        let plan = &self.study.plan;
+        std::fs::create_dir_all(&self.out)
+            .map_err(|cause| Failure::Write { path: self.out.clone(), cause })?;
+        write_file(&self.out.join("plan.csv"), plan.to_csv().as_bytes())?;
+        let manifest = json!({
+            "arcmin_version": env!("CARGO_PKG_VERSION"),
+            "study": self.path, "identity": plan.identity(),
+            "rows": plan.rows(), "parts": plan.parts(), "rows_per_part": plan.rows_of(0).count(),
+            "method": self.study.method.word(),
+            "analysis": self.study.analysis.name,
+        });
+        let text = serde_json::to_string_pretty(&manifest)
+            .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
+        write_file(&self.out.join("plan.json"), format!("{text}\n").as_bytes())?;
+        if !self.quiet {
+            say(&format!(
+                "{} samples in {} parts; plan.csv, plan.json in {}\nnext: {}",
+                plan.rows(),
+                plan.parts(),
+                self.out.display(),
+                format_args!(
+                    "arcmin study run {} --shard 1/{} --out {}",
+                    self.path.display(),
+                    plan.parts().min(50),
+                    self.out.display()
+                ),
+            ))?;
+        }
+        Ok(Ending::Fine)
+    }
+
+    fn nothing(&self) -> Failure {
+        Failure::Usage {
+            message: format!("there are no samples in {}", self.out.join("parts").display()),
+            help: format!("`arcmin study run {}` computes them", self.path.display()),
+        }
+    }
+
+    /// Writes what the rows that are there say.
+    fn report(&self, mut results: Results) -> Result<(), Failure> {
+        if let Some(search) = &self.study.search {
+            return self.report_search(search, results);
+        }
+        let (study, parts) = (&self.study, self.parts());
+        let rows: Rows = collect(&study.plan, &parts).map_err(broken)?;
+        for (name, reason) in &rows.unusable {
+            crate::failure::warn(&format!("parts/{name} is left out: {reason}"));
+        }
+        if rows.records.is_empty() {
+            return Err(self.nothing());
+        }
+        let judged = study.judge(&rows).map_err(broken)?;
+        let report = study.report(&rows, &judged);
+        results.file("samples.csv", rows.to_csv(&study.plan).as_bytes())?;
+        self.page(&mut results, report.page())?;
+        let summary = match judged.to_json(&study.plan) {
+            Value::Object(summary) => summary,
+            other => Map::from_iter([("judged".to_owned(), other)]),
+        };
+        self.publish(results, summary, &terminal_text(&report.said()))
+    }
+
+    fn page(&self, results: &mut Results, mut page: Page) -> Result<(), Failure> {
+        page.provenance = Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            design_hash: self.study.design.short_hash(),
+            command: typed(),
+            seeds: vec![self.study.plan.sampling().seed()],
+        };
+        results.file("report.html", page.render().as_bytes())
+    }
+
+    fn publish(&self, results: Results, mut summary: Map<String, Value>, said: &str) -> Result<(), Failure> {
+        let study = &self.study;
+        let mut put = |key: &str, value: Value| summary.insert(key.to_owned(), value);
+        put("analysis", json!(study.analysis.name));
+        put("method", json!(study.method.word()));
+        put("seed", json!(study.plan.sampling().seed()));
+        put("varied", json!(study.plan.factors().iter().map(|factor| &factor.path).collect::<Vec<_>>()));
+        put("arcmin_version", json!(env!("CARGO_PKG_VERSION")));
+        put("command", json!("study"));
+        put("identity", json!(study.plan.identity()));
+        put("command_line", json!(std::env::args().skip(1).collect::<Vec<_>>()));
+        let design = &study.design;
+        put(
+            "design",
+            json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),
+        );
+        let names = results.publish(summary)?;
+        if !self.quiet {
+            say(said)?;
+            say(&format!("{} in {}", names.join(", "), self.out.display()))?;
+        }
+        Ok(())
+    }
+}
+
+/// The command line as typed.
+fn typed() -> String {
+    std::iter::once("arcmin".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
+}
+
+/// What is no fault of the study file.
+fn broken(cause: impl ToString) -> Failure {
+    Failure::Study { cause: cause.to_string() }
+}
+
+/// Reads a study and its design.
+fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
+    let bytes = std::fs::read(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
+    let text = String::from_utf8(bytes).map_err(|error| Failure::Read {
+        path: path.to_owned(),
+        cause: std::io::Error::new(std::io::ErrorKind::InvalidData, error),
+    })?;
+    let file = StudyFile::parse(&text, &path.display().to_string())
+        .map_err(|error| Failure::design(error, &text))?;
+    let design_path = path.parent().unwrap_or(Path::new("")).join(&file.design.0);
+    let design = read_design(&design_path)?;
+    let host = Terminal::new(&design_path, out, out, true);
+    // What an error of the study or the design marks is in the text it was read from.
+    let told = |error: arcmin::analyses::AnalysisError| match error {
+        arcmin::analyses::AnalysisError::Design(error) => {
+            let of_design = error.file_name == design.file_name();
+            Failure::design(error, if of_design { design.text() } else { &text })
+        }
+        error => Failure::Analysis { error, options: None, has_error_findings: false },
+    };
+    let identity = identity_of(&file, &design, &host).map_err(told)?;
+    let study = file.study(&design, &identity).map_err(told)?;
+    Ok((design_path, study))
+}
+
+/// Empty for an analysis that there is none of, which the study says itself.
+fn identity_of(
+    file: &StudyFile,
+    design: &Design,
+    host: &Terminal,
+) -> Result<String, arcmin::analyses::AnalysisError> {
+    let Some(analysis) = by_name(&file.analysis) else { return Ok(String::new()) };
+    identity(analysis, design, file.options(), file.file_name(), host)
+}
+
+/// The host of one sample of many: files and Ctrl-C, but no progress of its own.
+struct Quietly<'a>(&'a Terminal);
+
+impl Progress for Quietly<'_> {
+    fn report(&self, _: &str, _: f64) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+}
+
+impl Host for Quietly<'_> {
+    fn read(
+        &self,
+        file: &arcmin::design::InputFile,
+        origin: arcmin::analyses::Origin,
+    ) -> Result<Vec<u8>, arcmin::analyses::AnalysisError> {
+        self.0.read(file, origin)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.0.seconds()
+    }
+
+    fn cached(&self, name: &str) -> Option<Vec<u8>> {
+        self.0.cached(name)
+    }
+
+    fn cache(&self, name: &str, bytes: &[u8]) {
+        self.0.cache(name, bytes);
+    }
+}

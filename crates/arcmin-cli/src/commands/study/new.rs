@@ -1,0 +1,77 @@
+use std::path::PathBuf;
+
+use arcmin::study::templates::TEMPLATES;
+use clap::{Arg, ArgAction, ArgMatches, Command};
+
+use super::Ending;
+use crate::failure::Failure;
+use crate::run::{say, write_file};
+
+pub fn command() -> Command {
+    let list: String =
+        TEMPLATES.iter().map(|template| format!("\n  {:12} {}", template.name, template.summary)).collect();
+    Command::new("new")
+        .about("Write a commented study file to start from")
+        .long_about(format!("Writes a study file that can be run as it is.\n\nTemplates:{list}"))
+        .after_help(
+            "Examples:\n  arcmin study new yield my-study.toml\n  \
+             arcmin study new optimise my-search.toml --design my-reducer.toml\n  arcmin study new --list",
+        )
+        .arg(
+            Arg::new("WHAT")
+                .num_args(0..=2)
+                .value_names(["TEMPLATE", "FILE"])
+                .help("File to write, and before it the template to start from [default: yield]"),
+        )
+        .arg(
+            Arg::new("design").long("design").value_name("FILE").help(
+                "Design that the study is about, as seen from the study file [default: rv-40e-81.toml]",
+            ),
+        )
+        .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the templates"))
+        .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite an existing file"))
+}
+
+pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
+    if matches.get_flag("list") {
+        for template in TEMPLATES {
+            say(&format!("{:12} {}", template.name, template.summary))?;
+        }
+        return Ok(Ending::Fine);
+    }
+    let usage = |message: String, help: &str| Failure::Usage { message, help: help.to_owned() };
+    let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
+    let known = |name: &str| TEMPLATES.iter().find(|template| template.name == name);
+    let (template, file) = match words.as_slice() {
+        [name, file] => match known(name) {
+            Some(template) => (template, *file),
+            None => {
+                let names = TEMPLATES.map(|template| template.name).join(", ");
+                return Err(usage(
+                    format!("no study template is called \"{name}\""),
+                    &format!("there are {names}"),
+                ));
+            }
+        },
+        [one] if known(one).is_some() => {
+            let help = format!("`arcmin study new {one} {one}.toml` writes {one}.toml");
+            return Err(usage(format!("{one} is a template, and there is no file to write it to"), &help));
+        }
+        [file] => (&TEMPLATES[0], *file),
+        _ => {
+            let help = "`arcmin study new yield my-study.toml`, or `arcmin study new --list`";
+            return Err(usage("there is no file to write".to_owned(), help));
+        }
+    };
+    let path = PathBuf::from(file);
+    if path.exists() && !matches.get_flag("force") {
+        return Err(Failure::Exists { path });
+    }
+    let text = match matches.get_one::<String>("design") {
+        Some(design) => template.about(design),
+        None => template.text.to_owned(),
+    };
+    write_file(&path, text.as_bytes())?;
+    say(&format!("{file}: {}\nnext: arcmin study {file}", template.summary))?;
+    Ok(Ending::Fine)
+}

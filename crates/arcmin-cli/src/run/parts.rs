@@ -1,0 +1,116 @@
+//! Parts of a study as files of a directory, and progress by samples.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant, SystemTime};
+
+use arcmin::study::Store;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::write_file;
+
+/// A killed process loses this much of what it has computed at most.
+const KEEP_EVERY: Duration = Duration::from_secs(10);
+/// Temporary files older than this belong to nobody: writing a part takes a moment. Other machines may write
+/// to the same directory, so their processes cannot be asked for.
+const FORGOTTEN: Duration = Duration::from_secs(600);
+
+/// A directory of parts. Several processes, also on several machines, may write to it at once.
+pub struct Parts {
+    directory: PathBuf,
+    started: Instant,
+    /// Milliseconds after the start.
+    next_keep: AtomicU64,
+}
+
+impl Parts {
+    pub fn new(directory: &Path) -> Parts {
+        let next_keep = AtomicU64::new(KEEP_EVERY.as_millis() as u64);
+        Parts { directory: directory.to_owned(), started: Instant::now(), next_keep }
+    }
+
+    /// Removes temporary files of processes that were killed.
+    pub fn remove_leftovers(&self) {
+        let Ok(entries) = std::fs::read_dir(&self.directory) else { return };
+        for entry in entries.flatten() {
+            let is_temporary = entry.file_name().to_str().is_some_and(|name| name.starts_with(".arcmin-"));
+            let changed = entry.metadata().and_then(|metadata| metadata.modified());
+            let age = changed.ok().and_then(|changed| SystemTime::now().duration_since(changed).ok());
+            if is_temporary && age.is_some_and(|age| age > FORGOTTEN) {
+                // Somebody else may have removed it; that is as good.
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+impl Store for Parts {
+    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
+        let path = self.directory.join(name);
+        match std::fs::read(&path) {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(cause) => Err(format!("cannot read {}: {cause}", path.display())),
+        }
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), String> {
+        let path = self.directory.join(name);
+        std::fs::create_dir_all(&self.directory)
+            .map_err(|cause| format!("cannot write {}: {cause}", self.directory.display()))?;
+        write_file(&path, bytes).map_err(|failure| failure.to_string())
+    }
+
+    fn wants_part(&self) -> bool {
+        let now = self.started.elapsed().as_millis() as u64;
+        let next = self.next_keep.load(Ordering::Relaxed);
+        let later = now + KEEP_EVERY.as_millis() as u64;
+        now >= next
+            && self.next_keep.compare_exchange(next, later, Ordering::Relaxed, Ordering::Relaxed).is_ok()
+    }
+}
+
+/// A bar of samples with their rate and the time left; nothing where nobody watches.
+pub struct SampleBar(Option<ProgressBar>);
+
+impl SampleBar {
+    pub fn new(what: &str, all: u64, quiet: bool) -> SampleBar {
+        if quiet || !std::io::stderr().is_terminal() {
+            return SampleBar(None);
+        }
+        let bar = ProgressBar::new(all).with_message(what.to_owned());
+        let template = "{msg} {wide_bar} {human_pos}/{human_len} {rate} {elapsed} left {eta}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            let rate = |state: &indicatif::ProgressState, out: &mut dyn std::fmt::Write| {
+                let _ = write!(out, "{:.2}/s", state.per_sec());
+            };
+            bar.set_style(style.with_key("rate", rate));
+        }
+        // A single slow sample is no reason to think that nothing happens.
+        bar.enable_steady_tick(std::time::Duration::from_millis(500));
+        SampleBar(Some(bar))
+    }
+
+    /// So many are there already; they are no speed.
+    pub fn found(&self, count: u64) {
+        if let Some(bar) = &self.0 {
+            bar.set_position(count);
+            bar.reset_eta();
+        }
+    }
+
+    pub fn one_more(&self) {
+        if let Some(bar) = &self.0 {
+            bar.inc(1);
+        }
+    }
+}
+
+impl Drop for SampleBar {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}

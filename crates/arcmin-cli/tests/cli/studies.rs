@@ -1,0 +1,265 @@
+//! Studies as a user runs them: files, shards, kills, engines as text, searches.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::common::*;
+
+const STUDY: &str = r#"design = "d.toml"
+analysis = "contact"
+results = ["max_force_n", "te_loaded_arcmin"]
+tolerances = false
+unknowns = false
+
+[options]
+joints = "ideal"
+positions = 8
+
+[vary]
+"disc.modification.equidistant_offset_um" = { low = 0, high = 20 }
+"disc.width_mm" = { mean = 8.75, deviation = 0.05 }
+"crankshafts.count" = [2]
+
+[method]
+kind = "latin-hypercube"
+samples = 60
+seed = 7
+samples_per_part = 1
+
+[[limits]]
+result = "max_force_n"
+high = 2000
+"#;
+
+fn with_study() -> tempfile::TempDir {
+    let directory = with_design();
+    write(directory.path(), "s.toml", STUDY);
+    directory
+}
+
+#[test]
+fn a_study_leaves_table_summary_report_and_parts() {
+    let directory = with_study();
+    let d = directory.path();
+    let said = good(d, &["study", "s.toml", "--out", "o"]);
+    assert!(said.contains("60 samples computed") && said.contains("max force"), "{said}");
+    let columns = "sample, disc.modification.equidistant_offset_um, disc.width_mm, crankshafts.count, \
+                   max_force_n, te_loaded_arcmin, failed";
+    has_columns(d, "o/samples.csv", columns);
+    assert_eq!(read(d, "o/samples.csv").lines().count(), 61);
+    let told = summary(d, "o");
+    assert_eq!(
+        (&told["rows"], &told["of"], &told["method"]),
+        (&60.into(), &60.into(), &"latin-hypercube".into())
+    );
+    let force = &told["results"]["max_force_n"];
+    assert!(force["yield"]["of"] == 60 && force["quantiles"][4]["share"] == 0.95, "{force}");
+    assert_eq!(force["sensitivity"]["kind"], "linear");
+    assert!(
+        names(&d.join("o/parts")).len() == 60 && read(d, "o/report.html").contains("data-kind=\"samples\"")
+    );
+    // One row again, by the analysis itself.
+    let offset = column(d, "o/samples.csv", "disc.modification.equidistant_offset_um")[17].clone();
+    let width = column(d, "o/samples.csv", "disc.width_mm")[17].clone();
+    edit(d, "equidistant_offset_um = 0", &format!("equidistant_offset_um = {offset}"));
+    edit(d, "width_mm = 8.75 ", &format!("width_mm = {width} "));
+    good(d, &["contact", "d.toml", "--positions", "8", "--out", "one"]);
+    let force = column(d, "o/samples.csv", "max_force_n")[17].parse::<f64>().unwrap();
+    assert_eq!(figure(&summary(d, "one"), "max_force_n"), force);
+}
+
+/// Two, seven and fifty shards, backwards and forwards, give the bytes of the whole; `collect` tells what is
+/// there before all is.
+#[test]
+fn shards_give_the_same_rows() {
+    let directory = with_study();
+    let d = directory.path();
+    good(d, &["study", "s.toml", "--out", "whole", "--quiet"]);
+    let whole = read(d, "whole/samples.csv");
+    for shards in [2, 7, 50] {
+        let out = format!("of{shards}");
+        let order: Vec<u32> = if shards == 7 { (1..=shards).collect() } else { (1..=shards).rev().collect() };
+        for (done, shard) in order.into_iter().enumerate() {
+            let shard = format!("{shard}/{shards}");
+            good(
+                d,
+                &["study", "run", "s.toml", "--shard", &shard, "--out", &out, "--threads", "1", "--quiet"],
+            );
+            if done == 0 {
+                good(d, &["study", "collect", "s.toml", "--out", &out, "--quiet"]);
+                let told = summary(d, &out);
+                assert!(told["rows"].as_u64().unwrap() < 60 && told["of"] == 60, "{told}");
+            }
+        }
+        good(d, &["study", "collect", "s.toml", "--out", &out, "--quiet"]);
+        assert!(read(d, &format!("{out}/samples.csv")) == whole, "{shards} shards");
+    }
+    let said = good(d, &["study", "plan", "s.toml", "--out", "of2"]);
+    assert!(said.contains("60 samples in 60 parts") && d.join("of2/plan.json").exists(), "{said}");
+    let planned = read(d, "of2/plan.csv");
+    for (planned, computed) in planned.lines().zip(whole.lines()).skip(1) {
+        assert!(computed.starts_with(planned), "{planned} {computed}");
+    }
+    // A spoilt part is computed again, and said.
+    std::fs::write(d.join("of2/parts").join(&names(&d.join("of2/parts"))[3]), "spoilt").unwrap();
+    let output = arcmin(d, &["study", "collect", "s.toml", "--out", "of2"]);
+    assert!(texts(&output).1.contains("is left out"), "{:?}", texts(&output));
+    good(d, &["study", "s.toml", "--out", "of2", "--quiet"]);
+    assert!(read(d, "of2/samples.csv") == whole);
+}
+
+/// Thirty kills of shards at any moment, then whatever is missing: the same bytes.
+#[test]
+fn killed_shards_are_computed_again() {
+    let directory = with_study();
+    let d = directory.path();
+    good(d, &["study", "s.toml", "--out", "whole", "--quiet"]);
+    let mut killed = 0;
+    for attempt in 0..30_u64 {
+        let shard = format!("{}/7", 1 + attempt % 7);
+        let mut child = Command::new(binary())
+            .args(["study", "run", "s.toml", "--shard", &shard, "--out", "k", "--threads", "1", "--quiet"])
+            .current_dir(d)
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(5 + (attempt * 7) % 60));
+        child.kill().unwrap();
+        killed += i32::from(!child.wait().unwrap().success());
+    }
+    assert!(killed > 0, "no shard was killed: nothing was tested");
+    good(d, &["study", "submit", "s.toml", "--engine", "local", "--shards", "7", "--out", "k", "--quiet"]);
+    assert!(read(d, "whole/samples.csv") == read(d, "k/samples.csv"));
+}
+
+/// Ctrl-C keeps what is finished, reports it, and says how to go on.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_study_keeps_its_samples() {
+    let directory = with_study();
+    let d = directory.path();
+    write(d, "s.toml", &STUDY.replace("samples = 60", "samples = 4000").replace("samples_per_part = 1", ""));
+    let child = Command::new(binary())
+        .args(["study", "s.toml", "--out", "o"])
+        .current_dir(d)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    for _ in 0..600 {
+        std::thread::sleep(Duration::from_millis(20));
+        if d.join("o/parts").exists() && !names(&d.join("o/parts")).is_empty() {
+            break;
+        }
+    }
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    let (_, complaint) = texts(&output);
+    assert_eq!(output.status.code(), Some(2), "{complaint}");
+    assert!(complaint.contains("goes on from there"), "{complaint}");
+    let there = summary(d, "o")["rows"].as_u64().unwrap();
+    assert!(there > 0 && there < 4000, "{there}");
+    assert_eq!(read(d, "o/samples.csv").lines().count() as u64, there + 1);
+}
+
+#[test]
+fn study_files_are_refused_with_their_lines() {
+    let directory = with_study();
+    let d = directory.path();
+    for (from, to, said) in [
+        ("disc.width_mm", "disc.widht_mm", "did you mean `disc.width_mm`?"),
+        ("\"contact\"", "\"kontakt\"", "no analysis is called"),
+        ("\"ideal\"", "\"magic\"", "magic"),
+        ("tolerances = false", "tolerances = true", "ideal joints have no place"),
+        ("d.toml", "nowhere.toml", "cannot read nowhere.toml"),
+        ("latin-hypercube", "optimise", "needs one goal or two"),
+    ] {
+        write(d, "wrong.toml", &STUDY.replacen(from, to, 1));
+        let complaint = refused(d, &["study", "wrong.toml", "--out", "w"]).replace("\n  │ ", " ");
+        assert!(complaint.contains(said), "{to}: {complaint}");
+    }
+    let complaint = refused(d, &["study", "collect", "s.toml", "--out", "empty"]);
+    assert!(complaint.contains("there are no samples"), "{complaint}");
+    refused(d, &["study", "run", "s.toml", "--shard", "8/7"]);
+    refused(d, &["study"]);
+}
+
+#[test]
+fn every_template_is_written_and_read() {
+    let directory = with_design();
+    let d = directory.path();
+    let list = good(d, &["study", "new", "--list"]);
+    for name in list.lines().filter_map(|line| line.split_whitespace().next()) {
+        let file = format!("{name}.toml");
+        assert!(good(d, &["study", "new", name, &file, "--design", "d.toml"]).contains("next: arcmin study"));
+        good(d, &["study", "plan", &file, "--out", name, "--quiet"]);
+        assert!(read(d, &format!("{name}/plan.csv")).lines().count() > 1, "{name}");
+    }
+    assert!(refused(d, &["study", "new", "grid", "grid.toml"]).contains("exists already"));
+    assert!(refused(d, &["study", "new", "nothing", "x.toml"]).contains("no study template"));
+}
+
+/// Scripts of engines that are not here: written, with what they would start.
+#[test]
+fn scripts_of_engines_are_written() {
+    let directory = with_study();
+    let d = directory.path();
+    for (engine, file) in [("hq", "hq.sh"), ("slurm", "slurm.sh"), ("dask", "dask.py")] {
+        let arguments =
+            ["study", "submit", "s.toml", "--engine", engine, "--shards", "9", "--out", "o", "--print"];
+        assert!(good(d, &arguments).contains(file));
+        let script = read(d, &format!("o/submit/{file}"));
+        assert!(script.contains("s.toml") && script.contains("study") && script.contains('9'), "{script}");
+    }
+}
+
+/// Least wind-up under load while the largest force stays below a limit, over the offset: on the way more
+/// offset makes more of both, so the best is no offset; two shards a generation give the same.
+#[test]
+fn a_search_writes_the_best_design() {
+    let directory = with_design();
+    let d = directory.path();
+    edit(d, "equidistant_offset_um = 0", "equidistant_offset_um = 10");
+    let study = r#"design = "d.toml"
+analysis = "contact"
+results = ["max_force_n", "te_loaded_arcmin", "max_pressure_mpa"]
+
+[options]
+positions = 8
+
+[vary]
+"disc.modification.equidistant_offset_um" = { low = 0, high = 20 }
+"disc.width_mm" = { low = 8, high = 9.5 }
+
+[[goals]]
+result = "max_pressure_mpa"
+
+[[limits]]
+result = "te_loaded_arcmin"
+low = -3
+
+[method]
+kind = "optimise"
+generations = 24
+seed = 2
+"#;
+    write(d, "s.toml", study);
+    let said = good(d, &["study", "s.toml", "--out", "o"]);
+    assert!(said.contains("all limits kept") && said.contains("best"), "{said}");
+    let told = summary(d, "o");
+    let (start, best) =
+        (figure(&told, "start.goals.max_pressure_mpa"), figure(&told, "best.goals.max_pressure_mpa"));
+    assert!(best < 0.97 * start, "{start} {best}");
+    let values = &told["best"]["values"];
+    assert!(values["disc.width_mm"].as_f64().unwrap() > 9.4, "{values}");
+    assert!(values["disc.modification.equidistant_offset_um"].as_f64().unwrap() < 1.0, "{values}");
+    // The design file is the one that was judged.
+    good(d, &["contact", "o/best.toml", "--positions", "8", "--out", "one"]);
+    assert_eq!(figure(&summary(d, "one"), "max_pressure_mpa"), best);
+    for file in ["samples.csv", "generations.csv", "report.html"] {
+        assert!(Path::new(&d.join("o").join(file)).exists(), "{file}");
+    }
+    good(d, &["study", "submit", "s.toml", "--engine", "local", "--shards", "2", "--out", "p", "--quiet"]);
+    assert!(read(d, "o/samples.csv") == read(d, "p/samples.csv"));
+}

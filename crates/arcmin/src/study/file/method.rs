@@ -1,0 +1,53 @@
+use crate::design::Choice;
+
+/// Ways of choosing machines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MethodName {
+    Grid,
+    Random,
+    LatinHypercube,
+    Sobol,
+    Morris,
+    Saltelli,
+    Tighten,
+    Cases,
+    Optimise,
+}
+
+impl Choice for MethodName {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("grid", "every combination of levels"),
+        ("random", "independent of each other"),
+        ("latin-hypercube", "one in each equal part of every range"),
+        ("sobol", "a scrambled Sobol sequence: evenest, best with a power of two"),
+        ("morris", "trajectories of elementary effects: which of many keys matter"),
+        ("saltelli", "first and total shares of the variance (Sobol indices)"),
+        ("tighten", "each machine again with one spread less: what to tighten first"),
+        ("cases", "entry by entry of all lists together"),
+        ("optimise", "search for the best design, by one goal (CMA-ES) or two (NSGA-II)"),
+    ];
+    const VALUES: &'static [MethodName] = &[
+        MethodName::Grid,
+        MethodName::Random,
+        MethodName::LatinHypercube,
+        MethodName::Sobol,
+        MethodName::Morris,
+        MethodName::Saltelli,
+        MethodName::Tighten,
+        MethodName::Cases,
+        MethodName::Optimise,
+    ];
+}
+
+/// Whether a goal is to be small or large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aim {
+    Smallest,
+    Largest,
+}
+
+impl Choice for Aim {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("smallest", "the smaller the better"), ("largest", "the larger the better")];
+    const VALUES: &'static [Aim] = &[Aim::Smallest, Aim::Largest];
+}

@@ -1,0 +1,380 @@
+//! The page of a study.
+
+mod causes;
+mod figures;
+mod said;
+mod search;
+
+pub use search::SearchReport;
+
+use super::file::Study;
+use super::judge::{Judged, JudgedResult, SHARES};
+use super::part::Cell;
+use super::statistics::{Interval, Yield};
+use super::{Distribution, Kind, Plan, Rows, Setting, StudyError};
+use crate::design::{Choice, unit_suffix};
+use crate::report::{
+    Axis, Block, Column, DesignTemplate, KeyFigure, Page, Provenance, SampleColumn, Samples, Section, Table,
+    Tone, Verdict, compact, significant,
+};
+
+/// Histograms, empirical distributions and rankings are drawn for so many results.
+const RESULTS_DRAWN: usize = 8;
+/// Keys of a ranking.
+const RANKED: usize = 12;
+
+/// What a page is made of.
+#[derive(Debug)]
+pub struct StudyReport<'a> {
+    pub title: String,
+    pub subtitle: String,
+    pub plan: &'a Plan,
+    pub rows: &'a Rows,
+    pub judged: &'a Judged,
+    /// What copying a sample writes; its columns count those of [`Plan::columns`].
+    pub template: DesignTemplate,
+    /// Results to be made small or large (true: small), for the front of those that no other betters.
+    pub goals: Vec<(String, bool)>,
+}
+
+/// Name and unit of a key.
+fn named(key: &str) -> (String, &'static str) {
+    let (group, name) = key.rsplit_once('.').map_or(("", key), |(group, name)| (group, name));
+    // Newton is no suffix of keys of a design, whose letter would be too short to tell.
+    let (stem, unit) =
+        unit_suffix(name).or_else(|| Some((name.strip_suffix("_n")?, "N"))).unwrap_or((name, ""));
+    let stem = stem.replace('_', " ");
+    (if group.is_empty() { stem } else { format!("{} {stem}", group.replace('_', " ")) }, unit)
+}
+
+fn axis(key: &str) -> Axis {
+    let (label, unit) = named(key);
+    Axis::new(label, unit)
+}
+
+fn ends(interval: &Interval, digits: usize) -> String {
+    let end = |end: Option<f64>| end.map_or("–".to_owned(), |x| shown(x, digits));
+    format!("{} … {}", end(interval.low), end(interval.high))
+}
+
+/// Lives that did not end are infinite.
+fn shown(value: f64, digits: usize) -> String {
+    if value == f64::INFINITY { "∞".to_owned() } else { significant(value, digits) }
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", compact(100.0 * share, 3))
+}
+
+fn interval_in_percent(interval: &Interval) -> String {
+    ends(&Interval { low: interval.low.map(|x| 100.0 * x), high: interval.high.map(|x| 100.0 * x) }, 2)
+}
+
+impl Study {
+    /// What the rows say.
+    ///
+    /// # Errors
+    /// [`StudyError::Statistic`] if there are no rows.
+    pub fn judge(&self, rows: &Rows) -> Result<Judged, StudyError> {
+        let batch = |number: u64| self.batch_of(number).unwrap_or(0);
+        let batch: Option<&dyn Fn(u64) -> u64> = if self.batches.is_some() { Some(&batch) } else { None };
+        super::judge::judge(&self.plan, rows, &self.limits, self.confidence, batch)
+    }
+
+    /// The report of rows that were judged.
+    pub fn report<'a>(&'a self, rows: &'a Rows, judged: &'a Judged) -> StudyReport<'a> {
+        let design = &self.design.name;
+        StudyReport {
+            title: format!("{}: study of {}", **design, self.analysis.name),
+            subtitle: format!("{} of {} rows, {}", rows.records.len(), rows.of, self.method.word()),
+            plan: &self.plan,
+            rows,
+            judged,
+            template: self.template(),
+            goals: Vec::new(),
+        }
+    }
+}
+
+impl StudyReport<'_> {
+    /// The page, without provenance.
+    pub fn page(&self) -> Page {
+        let mut sections =
+            vec![Section::new("results", "Results", vec![Block::Table(self.results()), self.caveat()])];
+        let drawn: Vec<&JudgedResult> = self.judged.results.iter().take(RESULTS_DRAWN).collect();
+        let spread: Vec<Block> = drawn.iter().flat_map(|result| self.distribution(result)).collect();
+        if !spread.is_empty() {
+            sections.push(Section::new("spread", "How results are spread", spread));
+        }
+        let bands = self.bands();
+        if !bands.is_empty() {
+            sections.push(Section::new("bands", "Over the hours", bands));
+        }
+        let ranks: Vec<Block> = drawn.iter().flat_map(|result| self.ranking(result)).collect();
+        if !ranks.is_empty() {
+            sections.push(Section::new("causes", "What the answer hangs on", ranks));
+        }
+        let papers: Vec<Block> = drawn.iter().filter_map(|result| self.paper(result)).collect();
+        if !papers.is_empty() {
+            sections.push(Section::new("paper", "Probability paper", papers));
+        }
+        if let Some(front) = self.front() {
+            sections.push(Section::new("front", "Best compromises", vec![Block::Plot(front)]));
+        }
+        sections.push(Section::new("samples", "Every sample", vec![Block::Samples(self.samples())]));
+        Page {
+            title: self.title.clone(),
+            subtitle: self.subtitle.clone(),
+            provenance: Provenance::default(),
+            verdict: self.verdict(),
+            sections,
+        }
+    }
+
+    fn verdict(&self) -> Verdict {
+        let judged = self.judged;
+        let worst = judged
+            .results
+            .iter()
+            .filter_map(|result| Some((result, result.kept?)))
+            .min_by(|a, b| a.1.share.total_cmp(&b.1.share));
+        let some = if (judged.rows as u64) < judged.of {
+            format!("{} of {} samples", judged.rows, judged.of)
+        } else {
+            format!("{} samples", judged.rows)
+        };
+        let confidence = percent(judged.confidence);
+        let (tone, headline) = match worst {
+            None => (Tone::Neutral, format!("{some}; no limits are set.")),
+            Some((result, kept)) => {
+                let tone = if kept.low >= 0.95 {
+                    Tone::Good
+                } else if kept.high >= 0.95 {
+                    Tone::Caution
+                } else {
+                    Tone::Bad
+                };
+                let headline = format!(
+                    "{} of all machines keep the limit of {} ({} to {} with {confidence} confidence, from \
+                     {some}).",
+                    percent(kept.share),
+                    named(&result.key).0,
+                    percent(kept.low),
+                    percent(kept.high),
+                );
+                (tone, headline)
+            }
+        };
+        let mut verdict = Verdict::new(tone, headline);
+        for result in judged.results.iter().take(4) {
+            let (label, unit) = named(&result.key);
+            let Some(spread) = &result.spread else { continue };
+            let Some(high) = spread.quantiles.iter().find(|q| q.share == 0.95) else { continue };
+            verdict.figures.push(KeyFigure {
+                label: format!("{label}, 95 % of machines below"),
+                value: shown(high.estimate, 3),
+                unit: unit.into(),
+                note: format!("{} with {confidence} confidence", ends(&high.interval, 3)),
+                tone: Tone::Neutral,
+            });
+        }
+        let told = |share: &Yield| {
+            let (low, high) = (percent(share.low), percent(share.high));
+            format!("{} of {}: {} ({low} to {high})", share.kept, share.of, percent(share.share))
+        };
+        if judged.failed.kept > 0 {
+            let most = judged
+                .reasons
+                .first()
+                .map_or(String::new(), |(why, count)| format!("; {count} times: {why}"));
+            let question = "Cannot be assembled or computed".to_owned();
+            verdict.answers.push((question, format!("{}{most}", told(&judged.failed))));
+        }
+        if let Some(tight) = judged.tight.filter(|tight| tight.kept > 0) {
+            verdict
+                .answers
+                .push(("Have no play when turned by hand (preloaded or jammed)".into(), told(&tight)));
+        }
+        for result in judged.results.iter().take(4) {
+            if let Some(batches) = &result.batches {
+                let question = format!("{}: part of the variance between batches", named(&result.key).0);
+                let answer = format!(
+                    "{} ({}), {} batches; the machines tell as much as {} independent ones",
+                    percent(batches.share),
+                    interval_in_percent(&batches.interval),
+                    batches.batches,
+                    significant(batches.effective, 3)
+                );
+                verdict.answers.push((question, answer));
+            }
+        }
+        verdict
+    }
+
+    fn results(&self) -> Table {
+        let mut columns = vec![
+            Column::text("Result"),
+            Column::text("Unit"),
+            Column::number("Values", ""),
+            Column::number("Mean", ""),
+            Column::number("Standard deviation", ""),
+        ];
+        for share in SHARES {
+            columns.push(Column::number(format!("P{:.0}", 100.0 * share), ""));
+        }
+        columns.extend(
+            ["95 % of machines within", "Limits kept by", "Cpk", "B10 life"]
+                .map(|name| Column::number(name, "")),
+        );
+        let row = |result: &JudgedResult| {
+            let (label, unit) = named(&result.key);
+            let mut row = vec![label, unit.to_owned(), result.count.to_string()];
+            match &result.spread {
+                Some(spread) => {
+                    row.push(significant(spread.mean, 4));
+                    row.push(significant(spread.deviation, 3));
+                    row.extend(
+                        spread
+                            .quantiles
+                            .iter()
+                            .map(|q| format!("{} ({})", shown(q.estimate, 4), ends(&q.interval, 4))),
+                    );
+                    row.push(spread.band.as_ref().map_or("too few".into(), |band| {
+                        ends(&Interval { low: band.low, high: band.high }, 4)
+                    }));
+                }
+                None => row.extend(vec!["–".to_owned(); 3 + SHARES.len()]),
+            }
+            row.push(result.kept.map_or("–".into(), |kept| {
+                format!("{} ({} … {})", percent(kept.share), percent(kept.low), percent(kept.high))
+            }));
+            row.push(result.capability.map_or("–".into(), |c| {
+                format!("{} ({})", significant(c.cpk, 3), ends(&c.cpk_interval, 3))
+            }));
+            row.push(result.weibull.as_ref().map_or("–".into(), |fit| {
+                let interval = fit.life_interval(0.1, self.judged.confidence);
+                let interval =
+                    interval.map_or(String::new(), |interval| format!(" ({})", ends(&interval, 3)));
+                format!("{}{interval}", significant(fit.life(0.1), 3))
+            }));
+            row
+        };
+        Table {
+            title: "Results with their intervals".into(),
+            columns,
+            rows: self.judged.results.iter().map(row).collect(),
+            note: format!(
+                "In parentheses: intervals of {} confidence that this number of samples allows; of quantiles \
+                 from order statistics whatever the distribution, of shares by Clopper and Pearson, of Cpk by \
+                 Bissell (it means something for normal values only), of lives by the likelihood ratio.",
+                percent(self.judged.confidence)
+            ),
+        }
+    }
+
+    fn caveat(&self) -> Block {
+        if self.judged.results.iter().any(|result| result.spread.is_some()) {
+            Block::Text(
+                "Failed samples have no values; where limits are judged they count as not kept.".into(),
+            )
+        } else {
+            let text = "The samples of this study are no draws of machines as they will be, so quantiles and \
+                        yields are not given.";
+            Block::Note(Tone::Neutral, text.into())
+        }
+    }
+
+    /// Values of samples in order.
+    fn sorted(&self, key: &str) -> Vec<f64> {
+        let values = self.rows.numbers(self.plan, key).unwrap_or_default();
+        let sampled = self.rows.records.iter().zip(values).filter_map(|(record, value)| {
+            self.plan.sampling().is_sample(record.number).then_some(value).flatten()
+        });
+        let mut sorted: Vec<f64> = sampled.filter(|value| value.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted
+    }
+
+    fn samples(&self) -> Samples {
+        let columns = self.plan.columns();
+        let records = &self.rows.records;
+        let factors = self.plan.factors().len();
+        // Curves are too long to look at one by one; their columns stay in place, empty, so that numbers of
+        // columns agree.
+        let column = |(index, (name, kind)): (usize, &(&str, Kind))| {
+            let mut words: Vec<String> = Vec::new();
+            let values = match kind {
+                Kind::Number => records.iter().map(|record| record.cells[index].number()).collect(),
+                Kind::Curve => vec![None; records.len()],
+                Kind::Word => {
+                    let mut place = |cell: &Cell| match cell {
+                        Cell::Word(word) => Some(match words.iter().position(|known| known == word) {
+                            Some(place) => place as f64,
+                            None => {
+                                words.push(word.clone());
+                                (words.len() - 1) as f64
+                            }
+                        }),
+                        _ => None,
+                    };
+                    records.iter().map(|record| place(&record.cells[index])).collect()
+                }
+            };
+            let judged = self.judged.results.iter().find(|result| result.key == *name);
+            let factor = self.plan.factors().get(index);
+            SampleColumn {
+                name: (*name).to_owned(),
+                unit: factor.map_or_else(|| named(name).1.to_owned(), |factor| factor.unit.clone()),
+                result: index >= factors,
+                words,
+                low: judged.and_then(|result| result.limits.low),
+                high: judged.and_then(|result| result.limits.high),
+                logarithmic: factor
+                    .is_some_and(|f| matches!(f.distribution, Distribution::LogUniform { .. })),
+                values,
+            }
+        };
+        let failed = records.iter().enumerate().filter_map(|(at, record)| Some((at, record.failed.clone()?)));
+        Samples {
+            title: "Every sample and its design".into(),
+            note: "Drag along an axis to keep the samples within a range; pick one by its number, in the \
+                   matrix, or with the arrow keys on the lines, and copy its design. `arcmin study` computes \
+                   any sample again to the last bit; copied \
+                   values have seven digits."
+                .into(),
+            columns: columns.iter().enumerate().map(column).collect(),
+            numbers: records.iter().map(|record| record.number).collect(),
+            failed: failed.collect(),
+            design: self.template.clone(),
+        }
+    }
+}
+
+impl Study {
+    /// The design file with places for the values of rows.
+    pub fn template(&self) -> DesignTemplate {
+        self.template_of(&self.plan)
+    }
+
+    /// The same for rows of a plan with the same factors.
+    fn template_of(&self, plan: &Plan) -> DesignTemplate {
+        let factors = plan.factors();
+        let (row, last) = (plan.row(0), plan.rows().min(1000));
+        let Ok(base) = self.design_of(&row) else { return DesignTemplate::default() };
+        let other = |column: usize| {
+            // Another value of this column from another row, all others as in the first.
+            (1..last).find_map(|number| {
+                let mut changed = row.clone();
+                let setting = plan.row(number).settings.get(column)?.clone();
+                if changed.settings[column] == setting || matches!(setting, Setting::Seed(_)) {
+                    return None;
+                }
+                changed.settings[column] = setting;
+                self.design_of(&changed).ok().map(|design| design.to_toml())
+            })
+        };
+        let mut template = DesignTemplate::find(base.text(), factors.len(), other);
+        template.seed = factors.iter().position(|factor| matches!(factor.distribution, Distribution::Drawn));
+        template
+    }
+}

@@ -1,0 +1,82 @@
+/// A result that is to be small or large.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Goal {
+    pub key: String,
+    /// Whether it is to be large.
+    pub largest: bool,
+    /// Share of machines whose value is at least as good as what counts: 0.95 of lives is the life that 95 %
+    /// of machines reach. `None`: the mean.
+    pub share: Option<f64>,
+}
+
+/// What a share of machines must keep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bound {
+    pub key: String,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+    pub share: f64,
+}
+
+/// The value that at least `share` of the values do not exceed: the ⌈share n⌉-th smallest; infinite for none.
+pub fn reached(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    // A share of 0.95 of 20 is 19, whatever the last bit of the product says.
+    let index = ((share * sorted.len() as f64 - 1e-9).ceil() as usize).max(1) - 1;
+    sorted.get(index).copied().unwrap_or(f64::INFINITY)
+}
+
+impl Goal {
+    /// What is to be made small, from the values of all machines of a design.
+    pub(super) fn of(&self, values: &[f64]) -> f64 {
+        let sign = if self.largest { -1.0 } else { 1.0 };
+        let signed: Vec<f64> = values.iter().map(|value| sign * value).collect();
+        match self.share {
+            Some(share) => reached(&signed, share),
+            None => signed.iter().sum::<f64>() / signed.len() as f64,
+        }
+    }
+
+    /// The value itself from what is to be made small.
+    pub fn value(&self, small: f64) -> f64 {
+        if self.largest { -small } else { small }
+    }
+
+    /// In words, such as "95 % of machines have at least"; empty where machines do not differ.
+    pub fn words(&self, machines: u64) -> String {
+        match self.share {
+            _ if machines == 1 => String::new(),
+            Some(share) => {
+                let percent = crate::report::compact(100.0 * share, 3);
+                let end = if self.largest { "at least" } else { "at most" };
+                format!("{percent} % of machines have {end}")
+            }
+            None => "mean".to_owned(),
+        }
+    }
+}
+
+impl Bound {
+    /// By how much each end is exceeded, as a share of its size; `values` are those for the low and the high
+    /// end.
+    pub(super) fn exceeded(&self, [for_low, for_high]: [&[f64]; 2]) -> Vec<f64> {
+        let scale = |limit: f64| if limit == 0.0 { 1.0 } else { limit.abs() };
+        let mut all = Vec::new();
+        if let Some(low) = self.low {
+            let negative: Vec<f64> = for_low.iter().map(|value| -value).collect();
+            all.push((low + reached(&negative, self.share)) / scale(low));
+        }
+        if let Some(high) = self.high {
+            all.push((reached(for_high, self.share) - high) / scale(high));
+        }
+        all
+    }
+
+    /// The value that decides at each end that is bounded.
+    pub fn deciding(&self, values: &[f64]) -> Vec<f64> {
+        let negative: Vec<f64> = values.iter().map(|value| -value).collect();
+        let low = self.low.map(|_| -reached(&negative, self.share));
+        low.into_iter().chain(self.high.map(|_| reached(values, self.share))).collect()
+    }
+}
