@@ -9,7 +9,8 @@ files="$root/target/exchange-files"
 if [ ! -x "$venv/bin/python" ]; then
     python3 -m venv "$venv"
 fi
-"$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r "$root/validation/exchange/requirements.txt"
+"$venv/bin/python" -c "import OCP, ezdxf, numpy" 2>/dev/null || "$venv/bin/python" -m pip install --quiet \
+    --disable-pip-version-check -r "$root/validation/exchange/requirements.txt"
 rm -rf "$files" "$files-again"
 cd "$root"
 cargo run --release --quiet -p arcmin --example exchange_files -- "$files"

@@ -2,6 +2,7 @@ use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use arcmin::analyses::AnalysisError;
+use arcmin::checks::Finding;
 use arcmin::design::{DesignError, DesignErrorKind, Presence, SectionSchema};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
@@ -13,8 +14,13 @@ use crate::run::visible;
 pub enum Failure {
     #[error("{}", .error.kind)]
     Design { error: Box<DesignError>, source_code: NamedSource<String> },
-    #[error("{}", analysis_message(.error, *.options))]
-    Analysis { error: AnalysisError, options: Option<&'static SectionSchema>, has_error_findings: bool },
+    #[error("{}", analysis_message(.error, *.options, .finding.as_deref()))]
+    Analysis {
+        error: AnalysisError,
+        options: Option<&'static SectionSchema>,
+        /// The first error finding of the design: what was to be expected.
+        finding: Option<Box<Finding>>,
+    },
     #[error("cannot read {}: {cause}", .path.display())]
     Read { path: PathBuf, cause: std::io::Error },
     #[error("cannot write {}: {cause}", .path.display())]
@@ -29,15 +35,32 @@ pub enum Failure {
     Json { cause: String },
     #[error("the study cannot go on: {cause}")]
     Study { cause: String },
+    #[error("stopped before the end; the last checkpoint is kept")]
+    Ended,
     #[error("{reason}; what was computed until then is kept")]
     Unfinished { reason: String },
     #[error("{message}")]
     Usage { message: String, help: String },
 }
 
+/// Error findings of a geometry on which no pin can roll: the words of the finding say more than those of the
+/// solver.
+const NO_FLANK: [&str; 2] = ["undercut", "root-conformity"];
+
 /// The command's own words: what TOML calls a text is just what was typed.
-fn analysis_message(error: &AnalysisError, options: Option<&SectionSchema>) -> String {
+fn analysis_message(
+    error: &AnalysisError,
+    options: Option<&SectionSchema>,
+    finding: Option<&Finding>,
+) -> String {
     match error {
+        AnalysisError::Compute { task, cause } => match finding {
+            // Such a flank leaves no contact that could be computed.
+            Some(finding) if NO_FLANK.contains(&finding.code) => {
+                format!("could not {task}: {} ({})", finding.message, finding.code)
+            }
+            _ => format!("could not {task}: {cause}"),
+        },
         AnalysisError::Design(error) => {
             let text = error.kind.to_string();
             let text = match &error.kind {
@@ -84,7 +107,7 @@ impl Failure {
     /// 1 where the design has error findings, which were said before; else 2.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Failure::Analysis { has_error_findings: true, error: AnalysisError::Compute { .. }, .. } => 1,
+            Failure::Analysis { finding: Some(_), error: AnalysisError::Compute { .. }, .. } => 1,
             _ => 2,
         }
     }
@@ -159,8 +182,11 @@ impl Diagnostic for Failure {
                 return error.hint.as_ref().map(|hint| Box::new(hint) as Box<dyn std::fmt::Display>);
             }
             Failure::Analysis { error: AnalysisError::Stopped, .. } => "nothing was written".to_owned(),
-            Failure::Analysis { error: AnalysisError::Interrupted { .. }, .. } => {
+            Failure::Ended | Failure::Analysis { error: AnalysisError::Interrupted { .. }, .. } => {
                 "the same command with --resume goes on from there".to_owned()
+            }
+            Failure::Analysis { error: AnalysisError::Compute { .. }, finding: Some(finding), .. } => {
+                finding.change.to_owned()
             }
             Failure::Analysis { error, options, .. } => {
                 return error.help().map(|help| Box::new(as_typed(&help, *options)) as _);

@@ -1,10 +1,14 @@
 //! Reference designs shipped with the program.
 
+mod like;
+
+pub use like::{DataSheet, ScaleError, Scaled};
+
 use crate::design::Design;
 use crate::machine::Machine;
 
 /// A shipped design file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Template {
     /// Name on the command line.
     pub name: &'static str,
@@ -12,6 +16,8 @@ pub struct Template {
     pub summary: &'static str,
     /// The commented TOML.
     pub text: &'static str,
+    /// Usual outer diameter of the size in mm: what other sizes are scaled against.
+    pub outer_diameter_mm: f64,
 }
 
 /// All shipped designs, the default first.
@@ -20,11 +26,13 @@ pub const TEMPLATES: [Template; 2] = [
         name: "rv-40e-81",
         summary: "RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m",
         text: include_str!("../designs/rv-40e-81.toml"),
+        outer_diameter_mm: 190.0,
     },
     Template {
         name: "rv-80e",
         summary: "RV-80E with the teeth of Yang 2021: 40 pins, 39 lobes, ratio 153, 784 N·m",
         text: include_str!("../designs/rv-80e.toml"),
+        outer_diameter_mm: 222.0,
     },
 ];
 

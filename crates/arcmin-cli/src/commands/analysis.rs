@@ -122,6 +122,8 @@ fn answered<T>(
     options: &'static SectionSchema,
     findings: &[Finding],
 ) -> Result<T, Failure> {
-    let has_error_findings = !findings.is_empty();
-    result.map_err(|error| Failure::Analysis { error, options: Some(options), has_error_findings })
+    result.map_err(|error| {
+        let finding = findings.first().cloned().map(Box::new);
+        Failure::Analysis { error, options: Some(options), finding }
+    })
 }

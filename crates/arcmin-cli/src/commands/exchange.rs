@@ -42,9 +42,14 @@ pub fn export() -> Command {
         .arg(out());
     Command::new("export")
         .about("Hand the design to other tools")
-        .after_help("Examples:\n  arcmin export profile my-reducer.toml --format dxf")
+        .after_help(
+            "Examples:\n  arcmin export profile my-reducer.toml --format dxf\n  arcmin export joint my-reducer.toml \
+             --hours 0,2000,6000\n  arcmin export fmu my-reducer.toml --fmi 3 --hours 6000",
+        )
         .subcommand_required(true)
         .subcommand(profile)
+        .subcommand(super::joint::command())
+        .subcommand(super::fmu::command())
 }
 
 pub fn import() -> Command {
@@ -91,11 +96,11 @@ pub fn import() -> Command {
         .subcommand(duty)
 }
 
-fn path(name: &'static str, help: &'static str) -> Arg {
+pub(super) fn path(name: &'static str, help: &'static str) -> Arg {
     Arg::new(name).required(true).value_parser(value_parser!(PathBuf)).help(help)
 }
 
-fn number(name: &'static str, default: &'static str, help: &'static str) -> Arg {
+pub(super) fn number(name: &'static str, default: &'static str, help: &'static str) -> Arg {
     Arg::new(name)
         .long(name)
         .value_name("X")
@@ -105,14 +110,14 @@ fn number(name: &'static str, default: &'static str, help: &'static str) -> Arg 
         .help(help)
 }
 
-fn choice(name: &'static str, default: &'static str, words: Vec<&'static str>) -> Arg {
+pub(super) fn choice(name: &'static str, default: &'static str, words: Vec<&'static str>) -> Arg {
     Arg::new(name)
         .long(name)
         .default_value(default)
         .value_parser(clap::builder::PossibleValuesParser::new(words))
 }
 
-fn out() -> Arg {
+pub(super) fn out() -> Arg {
     Arg::new("out")
         .long("out")
         .value_name("DIR")
@@ -125,36 +130,36 @@ fn failed(error: ExchangeError) -> Failure {
 }
 
 /// The directory asked for, or the usual one; it is made.
-fn directory(matches: &ArgMatches, design: &Path, what: &str) -> Result<PathBuf, Failure> {
+pub(super) fn directory(matches: &ArgMatches, design: &Path, what: &str) -> Result<PathBuf, Failure> {
     let usual = || Path::new("out").join(design.file_stem().unwrap_or(design.as_os_str())).join(what);
     let path = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(usual);
     std::fs::create_dir_all(&path).map_err(|cause| Failure::Write { path: path.clone(), cause })?;
     Ok(path)
 }
 
-struct Given<'a>(&'a ArgMatches);
+pub(super) struct Given<'a>(pub &'a ArgMatches);
 
 impl Given<'_> {
-    fn number(&self, name: &str) -> f64 {
+    pub fn number(&self, name: &str) -> f64 {
         self.0.get_one(name).copied().unwrap_or_default()
     }
 
-    fn word(&self, name: &str) -> &str {
+    pub fn word(&self, name: &str) -> &str {
         self.0.get_one::<String>(name).map_or("", String::as_str)
     }
 
-    fn design(&self) -> Result<(PathBuf, Design), Failure> {
+    pub fn design(&self) -> Result<(PathBuf, Design), Failure> {
         let path = self.file("DESIGN");
         let design = read_design(&path)?;
         Ok((path, design))
     }
 
-    fn file(&self, name: &str) -> PathBuf {
+    pub fn file(&self, name: &str) -> PathBuf {
         self.0.get_one(name).cloned().unwrap_or_default()
     }
 
     /// A finite number in a range, which the error names.
-    fn within(&self, name: &str, low: f64, high: f64) -> Result<f64, Failure> {
+    pub fn within(&self, name: &str, low: f64, high: f64) -> Result<f64, Failure> {
         let value = self.number(name);
         if (low..=high).contains(&value) {
             return Ok(value);
@@ -165,9 +170,15 @@ impl Given<'_> {
 }
 
 pub fn run_export(matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(("profile", matches)) = matches.subcommand() else {
-        unreachable!("clap knows what is exported")
-    };
+    match matches.subcommand() {
+        Some(("profile", matches)) => run_profile(matches),
+        Some(("joint", matches)) => super::joint::run(matches),
+        Some(("fmu", matches)) => super::fmu::run(matches),
+        _ => unreachable!("clap knows what is exported"),
+    }
+}
+
+fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
     let (path, design) = given.design()?;
     let machine = design.machine();
@@ -217,7 +228,7 @@ fn worn(design: &Design, path: &Path, out: &Path, hours: f64) -> Result<Relief, 
         .map_err(arcmin::analyses::AnalysisError::from)
         .and_then(|options| Fidelity::resolve(design, &options, &host))
         .and_then(|fidelity| worn_after(&design.machine(), &fidelity, hours, &host))
-        .map_err(|error| Failure::Analysis { error, options: None, has_error_findings: false })?;
+        .map_err(|error| Failure::Analysis { error, options: None, finding: None })?;
     Ok(state.surfaces.flanks[0].clone())
 }
 

@@ -2,6 +2,8 @@
 
 mod analysis;
 pub mod exchange;
+mod fmu;
+mod joint;
 pub mod keys;
 pub mod new;
 pub mod shell;

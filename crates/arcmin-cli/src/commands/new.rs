@@ -1,11 +1,21 @@
 use std::path::PathBuf;
 
-use arcmin::templates::TEMPLATES;
+use arcmin::analyses::like::like;
+use arcmin::templates::{DataSheet, TEMPLATES, Template};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{say, write_file};
+use crate::run::{Terminal, say, write_file};
+
+/// Figures of a data sheet.
+const SHEET: [(&str, &str); 5] = [
+    ("ratio", "Data sheet: ratio"),
+    ("torque-nm", "Data sheet: rated torque in N·m"),
+    ("outer-diameter-mm", "Data sheet: outer diameter in mm"),
+    ("stiffness-nm-per-arcmin", "Data sheet: torsional stiffness in N·m/arcmin"),
+    ("lost-motion-arcmin", "Data sheet: lost motion in arcmin"),
+];
 
 pub fn command() -> Command {
     let list: String =
@@ -14,10 +24,18 @@ pub fn command() -> Command {
         .about("Write a commented design file to start from")
         .long_about(format!(
             "Writes a design file that can be run as it is. Its comments say which values its source gives and \
-             which are assumed, and why.\n\nTemplates:{list}"
+             which are assumed, and why.\n\nTemplates:{list}\n\nWith --like the file is a first model of a \
+             machine known from its data sheet: the template scaled. Dimensions across the axis go with the outer \
+             diameter (s; without it the cube root of the torques' ratio); what lies along the axis is stretched \
+             besides by w = (T/T0)/s³, between 0.7 and 1.6; masses go with s³ w, inertias with s⁵ w, mesh stiffness \
+             with s w, supports and damping with s; teeth are chosen to give the ratio. The carrier's torsion and the \
+             turning-arm bearings' clearance are then set so that `arcmin rig` finds stiffness and lost motion. Every \
+             value is marked with where it is from; what is not known stands under [unknowns]."
         ))
         .after_help(
-            "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-80e bigger.toml --force\n  arcmin new --list",
+            "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-80e bigger.toml --force\n  arcmin new --list\n  \
+             arcmin new --like rv-40e-81 --ratio 105 --torque-nm 167 --outer-diameter-mm 145 \
+             --stiffness-nm-per-arcmin 49 --lost-motion-arcmin 0.8 rv-20e.toml",
         )
         .arg(
             Arg::new("WHAT")
@@ -25,6 +43,21 @@ pub fn command() -> Command {
                 .value_names(["TEMPLATE", "FILE"])
                 .help("File to write, and before it the template to start from [default: rv-40e-81]"),
         )
+        .arg(
+            Arg::new("like")
+                .long("like")
+                .value_name("TEMPLATE")
+                .help("Scale this template to the figures of a data sheet"),
+        )
+        .args(SHEET.map(|(name, help)| {
+            Arg::new(name)
+                .long(name)
+                .value_name("X")
+                .allow_negative_numbers(true)
+                .value_parser(value_parser!(f64))
+                .requires("like")
+                .help(help)
+        }))
         .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the templates"))
         .arg(
             Arg::new("force")
@@ -41,6 +74,9 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
             say(&format!("{:10} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
+    }
+    if let Some(name) = matches.get_one::<String>("like") {
+        return run_like(name, matches);
     }
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
     let known = |name: &str| TEMPLATES.iter().find(|template| template.name == name);
@@ -70,5 +106,50 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     write_file(&path, template.text.as_bytes())?;
     say(&format!("{file}: {}\nnext: arcmin check {file}", template.summary))?;
+    Ok(Ending::Fine)
+}
+
+fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
+    let template: &Template = TEMPLATES
+        .iter()
+        .find(|template| template.name == name)
+        .ok_or_else(|| Failure::UnknownTemplate { name: name.to_owned() })?;
+    let usage =
+        |message: &str, help: &str| Failure::Usage { message: message.to_owned(), help: help.to_owned() };
+    let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
+    let [file] = words.as_slice() else {
+        return Err(usage(
+            "--like needs one file to write",
+            "`arcmin new --like rv-40e-81 … my-reducer.toml`",
+        ));
+    };
+    let of = |name: &str| matches.get_one::<f64>(name).copied();
+    let (Some(ratio), Some(torque)) = (of("ratio"), of("torque-nm")) else {
+        return Err(usage(
+            "--like needs ratio and torque",
+            "add --ratio and --torque-nm from the data sheet",
+        ));
+    };
+    let sheet = DataSheet {
+        ratio,
+        torque,
+        outer_diameter_mm: of("outer-diameter-mm"),
+        stiffness_n_m_per_arcmin: of("stiffness-nm-per-arcmin"),
+        lost_motion_arcmin: of("lost-motion-arcmin"),
+    };
+    let path = PathBuf::from(file);
+    if path.exists() && !matches.get_flag("force") {
+        return Err(Failure::Exists { path });
+    }
+    let here = std::path::Path::new(".");
+    let host = Terminal::new(&path, here, here, false);
+    let found = like(*template, sheet, &host).map_err(|error| Failure::Analysis {
+        error,
+        options: None,
+        finding: None,
+    })?;
+    host.clear();
+    write_file(&path, found.text.as_bytes())?;
+    say(&format!("{file}: scaled from {name}\n{}\nnext: arcmin check {file}", found.notes.join("\n")))?;
     Ok(Ending::Fine)
 }

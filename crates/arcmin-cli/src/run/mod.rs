@@ -2,6 +2,7 @@
 
 mod output;
 mod parts;
+mod pace;
 mod terminal;
 mod text;
 

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use arcmin::design::Design;
 use serde_json::{Map, Value, json};
@@ -10,6 +11,23 @@ use tempfile::NamedTempFile;
 use crate::failure::Failure;
 
 const SUMMARY: &str = "summary.json";
+
+/// Directories in which this process has temporary files. Whoever writes, renames or removes holds the lock:
+/// a run that is ended from outside is never ended between two of its renames.
+static WRITING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn writing() -> MutexGuard<'static, Vec<PathBuf>> {
+    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of this process, and keeps it from making others while the guard lives.
+pub fn withdraw() -> MutexGuard<'static, Vec<PathBuf>> {
+    let directories = writing();
+    for directory in directories.iter() {
+        remove_temporary(directory, |owner| owner == std::process::id());
+    }
+    directories
+}
 
 /// The results of one run.
 ///
@@ -29,7 +47,7 @@ impl Results {
     pub fn prepare(out: &Path, design: &Design, force: bool) -> Result<Results, Failure> {
         let try_it = || {
             std::fs::create_dir_all(out)?;
-            remove_leftovers(out);
+            remove_temporary(out, |owner| owner != std::process::id() && !is_running(owner));
             tempfile::Builder::new().prefix(&prefix()).tempfile_in(out)?.as_file_mut().write_all(&[0; 4096])
         };
         try_it().map_err(|cause| Failure::Write { path: out.to_owned(), cause })?;
@@ -67,6 +85,7 @@ impl Results {
             .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
         text.push('\n');
         self.file(SUMMARY, text.as_bytes())?;
+        let _whole = writing();
         // From here to the new summary there is none: the old one must not stand beside new tables.
         remove(&self.out.join(SUMMARY))?;
         for name in self.earlier.iter().filter(|name| !names.contains(name) && is_plain(name)) {
@@ -89,14 +108,14 @@ fn prefix() -> String {
     format!(".arcmin-{}-", std::process::id())
 }
 
-/// Removes temporary files of runs that were killed.
-fn remove_leftovers(directory: &Path) {
+/// Removes temporary files of processes: of those that were killed, or of this one when it is ended.
+fn remove_temporary(directory: &Path, unwanted: impl Fn(u32) -> bool) {
     let Ok(entries) = std::fs::read_dir(directory) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
         let Some(rest) = name.to_str().and_then(|name| name.strip_prefix(".arcmin-")) else { continue };
         let owner = rest.split_once('-').and_then(|(owner, _)| owner.parse::<u32>().ok());
-        if owner.is_some_and(|owner| owner != std::process::id() && !is_running(owner)) {
+        if owner.is_some_and(&unwanted) {
             // Somebody else may have removed it; that is as good.
             let _ = std::fs::remove_file(entry.path());
         }
@@ -120,6 +139,10 @@ impl Staged {
     fn write(directory: &Path, name: &str, bytes: &[u8]) -> Result<Staged, Failure> {
         let path = directory.join(name);
         let write = || {
+            let mut directories = writing();
+            if !directories.iter().any(|known| known == directory) {
+                directories.push(directory.to_owned());
+            }
             let mut file = tempfile::Builder::new()
                 .prefix(&prefix())
                 .permissions(permissions())
@@ -154,7 +177,9 @@ fn permissions() -> std::fs::Permissions {
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Staged::write(directory, &name, bytes)?.publish()
+    let staged = Staged::write(directory, &name, bytes)?;
+    let _whole = writing();
+    staged.publish()
 }
 
 /// Removes a file, if there is one.

@@ -11,11 +11,18 @@ use arcmin::design::InputFile;
 use arcmin::progress::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::output::withdraw;
+use super::pace::Pace;
 use super::write_file;
-use crate::failure::warn;
+use crate::failure::{Failure, warn};
 
-/// Set by Ctrl-C or SIGTERM; a second one ends the process at once.
+/// Set by Ctrl-C or SIGTERM.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
+/// Whether this run has kept a checkpoint, or goes on from one.
+static CHECKPOINTED: AtomicBool = AtomicBool::new(false);
+/// How long a run that was asked to stop may take to end by itself and keep its last state. Nothing is lost by
+/// ending it then: results appear whole at the end, checkpoints whole on the way.
+const GRACE: Duration = Duration::from_millis(120);
 /// Work shorter than this needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// A run that is killed loses this much at most.
@@ -29,11 +36,42 @@ pub fn is_stopped() -> bool {
     CANCELLED.load(Ordering::Relaxed)
 }
 
+/// What a signal asks for: first the computation ends by itself; if it takes longer than [`GRACE`], the process
+/// is ended for it.
+fn stop() {
+    if CANCELLED.swap(true, Ordering::SeqCst) {
+        std::process::exit(130);
+    }
+    std::thread::sleep(GRACE);
+    let _nothing_is_written_any_more = withdraw();
+    let failure = match CHECKPOINTED.load(Ordering::SeqCst) {
+        true => Failure::Ended,
+        false => {
+            Failure::Analysis { error: AnalysisError::Stopped, options: None, finding: None }
+        }
+    };
+    // The bar, where there is one, stands on the line of the cursor.
+    if std::io::stderr().is_terminal() {
+        eprint!("\r\u{1b}[2K");
+    }
+    failure.print();
+    std::process::exit(2);
+}
+
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(1000);
+    // The bar gives way on a narrow terminal, the words do not.
+    if let Ok(style) = ProgressStyle::with_template("{msg:20!} {wide_bar} {prefix}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// Progress on the terminal, and what an analysis asks of files.
 pub struct Terminal {
     started: Instant,
     /// `None` where nobody watches: quiet, or standard error is not a terminal.
-    bar: Option<Mutex<Option<ProgressBar>>>,
+    bar: Option<Mutex<Option<(ProgressBar, Pace)>>>,
     /// Directory of the design file.
     beside_design: PathBuf,
     out: PathBuf,
@@ -45,12 +83,7 @@ pub struct Terminal {
 impl Terminal {
     pub fn new(design: &Path, out: &Path, cache: &Path, quiet: bool) -> Terminal {
         // Only a second handler in the same process could fail here; Ctrl-C then keeps its usual effect.
-        let _ = ctrlc::set_handler(|| {
-            if CANCELLED.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-            eprintln!("stopping; Ctrl-C again ends at once");
-        });
+        let _ = ctrlc::set_handler(stop);
         let watched = !quiet && std::io::stderr().is_terminal();
         Terminal {
             started: Instant::now(),
@@ -71,7 +104,7 @@ impl Terminal {
     /// Takes the bar off the screen.
     pub fn clear(&self) {
         if let Some(shown) = &self.bar
-            && let Some(bar) = shown.lock().unwrap_or_else(PoisonError::into_inner).take()
+            && let Some((bar, _)) = shown.lock().unwrap_or_else(PoisonError::into_inner).take()
         {
             bar.finish_and_clear();
         }
@@ -91,15 +124,13 @@ impl Progress for Terminal {
         }
         // Whoever finds the lock taken has nothing to add: progress is shown often enough.
         let Ok(mut shown) = shown.try_lock() else { return };
-        let bar = shown.get_or_insert_with(|| {
-            let bar = ProgressBar::new(1000);
-            // The bar gives way on a narrow terminal, the words do not.
-            if let Ok(style) = ProgressStyle::with_template("{msg:20!} {wide_bar} {percent:>3} % {elapsed}") {
-                bar.set_style(style);
-            }
-            bar
-        });
+        let now = self.started.elapsed();
+        let (bar, pace) = shown.get_or_insert_with(|| (progress_bar(), Pace::new(stage, now, share)));
+        if pace.stage != stage {
+            *pace = Pace::new(stage, now, share);
+        }
         bar.set_message(stage.to_owned());
+        bar.set_prefix(pace.words(now, share));
         // A stage that is not over is never shown as done.
         bar.set_position((share.clamp(0.0, 1.0) * 1000.0).min(999.0) as u64);
     }
@@ -138,7 +169,7 @@ impl Host for Terminal {
 
     fn cache(&self, name: &str, bytes: &[u8]) {
         let written = std::fs::create_dir_all(&self.cache)
-            .map_err(|cause| crate::failure::Failure::Write { path: self.cache.clone(), cause })
+            .map_err(|cause| Failure::Write { path: self.cache.clone(), cause })
             .and_then(|()| write_file(&self.cache.join(name), bytes));
         if let Err(failure) = written {
             warn(&format!("{failure}; the next run computes it again"));
@@ -157,6 +188,7 @@ impl Host for Terminal {
         write_file(&self.out.join(CHECKPOINT), &kept).map_err(|failure| {
             AnalysisError::usage(failure.to_string(), "choose another place with --out")
         })?;
+        CHECKPOINTED.store(true, Ordering::SeqCst);
         let mut next = self.next_checkpoint.lock().unwrap_or_else(PoisonError::into_inner);
         *next = self.started.elapsed() + CHECKPOINT_INTERVAL;
         Ok(())
@@ -172,7 +204,10 @@ impl Host for Terminal {
         })?;
         let identity = self.identity.get().map(String::as_bytes).unwrap_or_default();
         match bytes.iter().position(|byte| *byte == b'\n') {
-            Some(end) if &bytes[..end] == identity => Ok(bytes[end + 1..].to_vec()),
+            Some(end) if &bytes[..end] == identity => {
+                CHECKPOINTED.store(true, Ordering::SeqCst);
+                Ok(bytes[end + 1..].to_vec())
+            }
             _ => Err(AnalysisError::usage(
                 format!(
                     "{} belongs to a run of another design, with other options or input files, or of another \

@@ -3,6 +3,7 @@
 mod atomic;
 mod common;
 mod errors;
+mod kills;
 mod messages;
 mod runs;
 mod studies;

@@ -134,11 +134,11 @@ fn rig_measures_as_makers_do() {
 fn calibrate_finds_the_coefficient_and_reads_what_a_spreadsheet_writes() {
     let directory = with_design();
     let d = directory.path();
-    let plain = "hours,lost_motion_arcsec\n600,10.64\n1550,12.92\n";
+    let plain = "hours,lost_motion_increase_arcsec\n600,10.64\n1550,12.92\n";
     write(d, "plain.csv", plain);
     // A byte order mark, carriage returns, no end of the last line.
     write(d, "office.csv", &format!("\u{feff}{}", plain.trim_end().replace('\n', "\r\n")));
-    write(d, "comma.csv", "hours;lost_motion_arcsec\n600;10,64\n1550;12,92\n");
+    write(d, "comma.csv", "hours;lost_motion_increase_arcsec\n600;10,64\n1550;12,92\n");
     let k = |file: &str| {
         good(d, &["calibrate", "d.toml", file, "--joints", "ideal", "--out", file.trim_end_matches(".csv")]);
         figure(&summary(d, file.trim_end_matches(".csv")), "wear_coefficient_per_pa")
@@ -146,6 +146,73 @@ fn calibrate_finds_the_coefficient_and_reads_what_a_spreadsheet_writes() {
     let value = k("plain.csv");
     assert!((1e-18..1e-17).contains(&value), "{value}");
     assert_eq!((k("office.csv"), k("comma.csv")), (value, value));
+    let told = summary(d, "plain");
+    assert!(figure(&told, "wear_coefficient_low_per_pa") < value);
+    assert!(told["cautions"].as_array().is_some_and(|cautions| !cautions.is_empty()), "{told}");
+}
+
+/// Readings of two machines made from a prediction: as read, since their own first readings. The coefficient comes
+/// back, and each machine has its own remaining life.
+#[test]
+fn calibrate_takes_readings_of_several_machines() {
+    let directory = with_design();
+    let d = directory.path();
+    write(d, "depth.csv", "hours,depth_um\n7500,10\n");
+    good(d, &["calibrate", "d.toml", "depth.csv", "--joints", "ideal", "--out", "a"]);
+    let k = figure(&summary(d, "a"), "wear_coefficient_per_pa");
+    let (hours, grown) = (
+        column(d, "a/calibration_curve.csv", "hours"),
+        column(d, "a/calibration_curve.csv", "lost_motion_increase_arcmin"),
+    );
+    let mut table = "machine;hours;lost_motion_arcmin\n".to_owned();
+    for (name, new, rows) in [("A", 0.5, [10, 40, 80]), ("B", 0.7, [0, 60, 100])] {
+        for row in rows {
+            let reading = new + grown[row].parse::<f64>().unwrap();
+            table += &format!("{name};{};{reading}\n", hours[row]).replace('.', ",");
+        }
+    }
+    write(d, "both.csv", &table);
+    let said = good(
+        d,
+        &[
+            "calibrate",
+            "d.toml",
+            "both.csv",
+            "--joints",
+            "ideal",
+            "--reading-error-percent",
+            "5",
+            "--out",
+            "b",
+        ],
+    );
+    let told = summary(d, "b");
+    assert!((figure(&told, "wear_coefficient_per_pa") / k - 1.0).abs() < 1e-3, "{k} {told}");
+    let (low, high) =
+        (figure(&told, "wear_coefficient_low_per_pa"), figure(&told, "wear_coefficient_high_per_pa"));
+    assert!(low < k && k < high && high < 1.3 * k, "{low} {k} {high}");
+    let machines = told["machines"].as_array().unwrap();
+    assert_eq!(machines.len(), 3);
+    for (machine, (name, new)) in machines[1..].iter().zip([("A", 0.5), ("B", 0.7)]) {
+        assert_eq!(machine["machine"], name);
+        assert!((figure(machine, "new_lost_motion_arcmin") - new).abs() < 1e-3, "{machine}");
+    }
+    // The one that began with less lasts longer.
+    let hours =
+        |machine: &serde_json::Value| machine["hours_to_lost_motion_limit"].as_f64().unwrap_or(f64::INFINITY);
+    assert!(hours(&machines[1]) > hours(&machines[2]), "{told}");
+    assert!(said.contains("A (lost motion when new 0.500 arcmin)"), "{said}");
+    let page = read(d, "b/report.html");
+    assert!(page.contains("Growth of the lost motion") && page.contains("95 % band"));
+    // One reading of a machine, or readings that do not grow, say so.
+    write(d, "one.csv", "hours,lost_motion_arcmin\n600,0.7\n");
+    assert!(refused(d, &["calibrate", "d.toml", "one.csv"]).contains("read at one time only"));
+    write(d, "flat.csv", "hours,lost_motion_arcmin\n600,0.7\n900,0.6\n");
+    assert!(refused(d, &["calibrate", "d.toml", "flat.csv"]).contains("has not grown"));
+    write(d, "new.csv", "hours,lost_motion_increase_arcmin\n0,0.7\n900,0.9\n");
+    assert!(
+        refused(d, &["calibrate", "d.toml", "new.csv"]).replace("\n  │ ", " ").contains("counts from new")
+    );
 }
 
 #[test]

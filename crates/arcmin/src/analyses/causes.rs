@@ -173,10 +173,11 @@ pub(crate) fn shares(at: &CausesAt) -> Block {
         shown(&[split], 1e-4).into_iter().map(|(cause, values)| (cause, values[0], String::new())).collect();
     let state = if at.hours > 0.0 { format!("After {:.0} h", at.hours) } else { "New".to_owned() };
     let note = format!(
-        "{state}, {MEANING}. Of {:.4} arcmin in all {:+.4} arcmin are left unexplained (terms of second order in \
+        "{state}, {MEANING}. Of {:.4} arcmin in all {:.4} arcmin are left unexplained (terms of second order in \
          the displacements).",
         split.whole / ARCMIN,
-        split.residual() / ARCMIN
+        // No minus before a rounded zero.
+        (split.residual() / ARCMIN * 1e4).round() / 1e4 + 0.0
     );
     Block::Shares(Shares { title: "Which cause gives how much".into(), unit: "arcmin".into(), rows, note })
 }

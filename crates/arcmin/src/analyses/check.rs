@@ -1,8 +1,8 @@
 //! Is the design sound? Findings with value, limit, reason and remedy.
 
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Host, Origin, Outcome, Said, inputs};
 use crate::checks::{Finding, Severity, check_design, worst};
-use crate::design::{Design, optional, options};
+use crate::design::{Design, InputFile, optional, options};
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,
@@ -78,10 +78,41 @@ pub fn tables() -> Vec<DeclaredTable> {
 ///
 /// # Errors
 /// None today; the type is that of every analysis.
-pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<Check, AnalysisError> {
+pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check, AnalysisError> {
     let mut findings = check_design(design);
+    findings.extend(measured_flanks(design, host));
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     Ok(Check { findings, name: design.name.value.clone(), explain: options.explain })
+}
+
+/// Whether the files that the design names are there and can be used; nothing if it names none.
+fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
+    let flanks = design.measured_flanks();
+    let lobes = design.machine().ring.pin_count - 1;
+    let wrong: Vec<String> = flanks
+        .iter()
+        .filter_map(|flank| {
+            let file = InputFile(flank.file.clone());
+            let read = host
+                .read(&file, Origin::Design)
+                .and_then(|bytes| inputs::measured_flank(&file, &bytes, lobes));
+            read.err().map(|error| error.to_string())
+        })
+        .collect();
+    let severity = if wrong.is_empty() { Severity::Info } else { Severity::Error };
+    (!flanks.is_empty()).then(|| Finding {
+        code: "measured-flanks",
+        severity,
+        message: match wrong.is_empty() {
+            true => format!("measured flanks are there and can be used: {}", flanks.len()),
+            false => wrong.join("; "),
+        },
+        value: wrong.len() as f64,
+        limit: 0.0,
+        unit: "",
+        why: "whatever takes the errors of the design into account needs the flanks that it names",
+        change: "put the file beside the design file with rows angle_deg,depth_um around the whole disc, or take it out of [errors]",
+    })
 }
 
 impl Check {
@@ -135,29 +166,46 @@ impl Outcome for Check {
             Severity::Warning => Tone::Caution,
             Severity::Info => Tone::Good,
         };
-        let row = |f: &Finding| {
-            vec![
-                f.severity.word().to_owned(),
-                f.code.to_owned(),
-                f.message.clone(),
-                f.why.into(),
-                f.change.into(),
-            ]
-        };
-        let table = crate::report::Table {
-            title: "Findings".to_owned(),
-            columns: ["Severity", "Check", "Finding", "Why it matters", "What to change"]
-                .map(Head::text)
-                .into(),
-            rows: self.findings.iter().map(row).collect(),
-            note: "Worst first. The same list is in `findings.csv`.".to_owned(),
-        };
+        let (wrong, passed): (Vec<&Finding>, Vec<&Finding>) =
+            self.findings.iter().partition(|finding| finding.severity > Severity::Info);
+        let mut blocks = Vec::new();
+        if !wrong.is_empty() {
+            let row = |f: &&Finding| {
+                vec![
+                    f.severity.word().to_uppercase(),
+                    f.code.to_owned(),
+                    f.message.clone(),
+                    f.why.into(),
+                    f.change.into(),
+                ]
+            };
+            blocks.push(Block::Table(crate::report::Table {
+                title: "What is wrong".to_owned(),
+                columns: ["Severity", "Check", "Finding", "Why it matters", "What to change"]
+                    .map(Head::text)
+                    .into(),
+                rows: wrong.iter().map(row).collect(),
+                note: "Worst first. All checks are in `findings.csv`.".to_owned(),
+            }));
+        }
+        let row = |f: &&Finding| vec![f.code.to_owned(), f.message.clone()];
+        blocks.push(Block::Table(crate::report::Table {
+            title: "What is sound".to_owned(),
+            columns: ["Check", "Finding"].map(Head::text).into(),
+            rows: passed.iter().map(row).collect(),
+            note: "`arcmin check --explain` says of every check why it matters.".to_owned(),
+        }));
+        let mut verdict = Verdict::new(tone, format!("{}.", self.sentence()));
+        if let Some(first) = wrong.first() {
+            verdict.answers.push((format!("First of all: {}", first.code), first.message.clone()));
+            verdict.answers.push(("What to change".to_owned(), first.change.to_owned()));
+        }
         Page {
             title: self.name.clone(),
             subtitle: "Is the design sound?".to_owned(),
             provenance: Provenance::default(),
-            verdict: Verdict::new(tone, format!("{}.", self.sentence())),
-            sections: vec![Section::new("findings", "Findings", vec![Block::Table(table)])],
+            verdict,
+            sections: vec![Section::new("findings", "Findings", blocks)],
         }
     }
 

@@ -1,6 +1,8 @@
 use std::error::Error;
 
 use crate::design::DesignError;
+use crate::load::closed_form::ClosedFormError;
+use crate::wear::WearError;
 
 /// Why an analysis gave no answer.
 #[derive(Debug, thiserror::Error)]
@@ -53,7 +55,16 @@ impl AnalysisError {
             AnalysisError::Interrupted { .. } => {
                 Some("the same call with resume goes on from there".to_owned())
             }
-            AnalysisError::Compute { .. } | AnalysisError::Stopped => None,
+            AnalysisError::Compute { cause, .. } => {
+                let in_closed_form = cause.is::<ClosedFormError>()
+                    || matches!(cause.downcast_ref(), Some(WearError::ClosedForm(_)));
+                in_closed_form.then(|| {
+                    "the closed form of the handbook cannot answer for this machine; the balance of forces can: \
+                     leave out the method of `contact`, the mode of `wear`"
+                        .to_owned()
+                })
+            }
+            AnalysisError::Stopped => None,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::{AnalysisError, Host, Outcome, Said};
 use crate::design::{Design, default, options};
 use crate::geometry::{Profile, Relief, Vec2};
-use crate::report::{Axis, Block, Page, Plot, Provenance, Section, Series, Tone, Verdict};
+use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q,
     quantity,
@@ -193,7 +193,7 @@ impl FlankProfile {
 
     fn sentence(&self) -> String {
         format!(
-            "K1 {:.4}   inflection {}   sharpest convex flank radius {:.3} mm at {:.2}°",
+            "K1 {:.4}, inflection {}, sharpest convex flank radius {:.3} mm at {:.2}°",
             self.profile.short_width_coefficient(),
             self.profile.inflection().map_or("none".to_owned(), |angle| format!("{:.3}°", angle / DEG)),
             self.sharpest() / MM,
@@ -221,7 +221,8 @@ impl Outcome for FlankProfile {
         let around = self.points.iter().chain(self.points.first());
         let mut outline = Plot::new("Flank of the disc", Axis::new("x", "mm"), Axis::new("y", "mm"))
             .with(Series::line("flank", around.map(|p| (p.worn.x / MM, p.worn.y / MM))))
-            .noted("The flank as cut, less the wear, around the whole disc.");
+            .noted("The flank as cut, less the wear, around the whole disc. Drag a box to see one lobe.")
+            .half();
         outline.equal_scales = true;
         let lobe = || {
             let mut lobe: Vec<&FlankPoint> = self.points.iter().take(self.points_per_lobe).collect();
@@ -237,6 +238,10 @@ impl Outcome for FlankProfile {
             "1/ρ",
             lobe().into_iter().map(|p| (p.meshing_angle / DEG, MM / p.curvature_radius)),
         ))
+        .noted(
+            "Positive where the flank is hollow, at the root (0°); it turns convex at the inflection and is sharpest \
+             where the curve is lowest.",
+        )
         .half();
         let depth = Plot::new(
             "Metal removed beyond the cut",
@@ -252,16 +257,57 @@ impl Outcome for FlankProfile {
         ))
         .noted("Rotation, free form and wear; the two offsets belong to the cut itself.")
         .half();
+        let mut blocks = vec![Block::Plot(outline), Block::Plot(curvature)];
+        if depth.series.iter().any(|series| series.points.y.iter().flatten().any(|depth| *depth > 1e-6)) {
+            blocks.push(Block::Plot(depth));
+        }
+        let mut verdict = Verdict::new(
+            tone,
+            match undercut {
+                true => "The flank is undercut: a pin cannot roll on all of it.".to_owned(),
+                false => format!("{}.", self.sentence()),
+            },
+        );
+        let figure = |label: &str, value: String, unit: &str, note: String, tone: Tone| KeyFigure {
+            label: label.to_owned(),
+            value,
+            unit: unit.to_owned(),
+            note,
+            tone,
+        };
+        let inflection = self.profile.inflection();
+        verdict.figures = vec![
+            figure(
+                "Short-width coefficient K1",
+                format!("{:.4}", self.profile.short_width_coefficient()),
+                "",
+                "eccentricity times pins over the radius of the pin circle".to_owned(),
+                Tone::Neutral,
+            ),
+            figure(
+                "Inflection",
+                inflection.map_or("none".to_owned(), |angle| format!("{:.3}", angle / DEG)),
+                if inflection.is_some() { "°" } else { "" },
+                "meshing angle at which the flank turns from hollow to convex".to_owned(),
+                Tone::Neutral,
+            ),
+            figure(
+                "Sharpest convex radius",
+                format!("{:.3}", self.sharpest() / MM),
+                "mm",
+                format!(
+                    "at {:.2}°; below 0 the flank is undercut",
+                    self.profile.sharpest_convex_trace().1 / DEG
+                ),
+                tone,
+            ),
+        ];
         Page {
             title: self.name.clone(),
             subtitle: "Flank of the cycloid disc".to_owned(),
             provenance: Provenance::default(),
-            verdict: Verdict::new(tone, self.sentence()),
-            sections: vec![Section::new(
-                "flank",
-                "Flank",
-                vec![Block::Plot(outline), Block::Plot(curvature), Block::Plot(depth)],
-            )],
+            verdict,
+            sections: vec![Section::new("flank", "Flank", blocks)],
         }
     }
 

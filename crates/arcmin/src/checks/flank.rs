@@ -137,7 +137,8 @@ fn root_depth(machine: &Machine) -> Option<Finding> {
         (0..machine.crankshafts.count).map(|_| ("a crank bore", crank_circle + disc.crank_bore_radius));
     let holes = disc.holes.iter().map(|hole| ("a hole", hole.centre_radius + hole.radius));
     let centre = (disc.centre_hole_radius > 0.0).then_some(("the centre hole", disc.centre_hole_radius));
-    let (name, reach) = bores.chain(holes).chain(centre).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let windows = disc.windows.iter().map(|window| ("a window", window.outer_radius));
+    let (name, reach) = bores.chain(holes).chain(windows).chain(centre).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let rim = root - reach;
     let limit = 0.75 * machine.ring.pin_radius;
     Some(Finding {

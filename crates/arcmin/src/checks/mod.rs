@@ -9,6 +9,7 @@ mod mechanism;
 mod strength;
 #[cfg(test)]
 mod tests;
+mod windows;
 
 use crate::design::Design;
 use crate::machine::Machine;
@@ -54,8 +55,14 @@ pub struct Finding {
 
 /// Runs all checks, in a fixed order.
 pub fn check(machine: &Machine) -> Vec<Finding> {
-    [flank::check(machine), mechanism::check(machine), strength::check(machine), duty::check(machine)]
-        .concat()
+    [
+        flank::check(machine),
+        mechanism::check(machine),
+        windows::check(machine),
+        strength::check(machine),
+        duty::check(machine),
+    ]
+    .concat()
 }
 
 /// All checks of the machine, and what only the file can tell: which inputs were left to their defaults.

@@ -1,5 +1,6 @@
 //! Contact of cycloid flank and pins: force laws and the ring of contacts on one disc.
 
+mod conformal;
 mod facets;
 mod law;
 mod ring;
@@ -8,6 +9,7 @@ mod search;
 mod sliding;
 mod worn_pin;
 
+pub use conformal::ConformalSeat;
 pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, ContactLawName, Damping, LineContact};
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, TOLERABLE_DEPTH};

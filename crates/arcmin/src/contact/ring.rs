@@ -331,8 +331,13 @@ impl PinContacts {
 
     /// State of every pin, touching or not, in the order of the pins.
     pub fn contacts(&self, pose: DiscPose, velocity: DiscVelocity) -> Vec<PinContact> {
+        self.contacts_moved(pose, velocity, &[])
+    }
+
+    /// As [`PinContacts::contacts`], with the pins moved as in [`PinContacts::visit_moved`].
+    pub fn contacts_moved(&self, pose: DiscPose, velocity: DiscVelocity, shifts: &[Vec2]) -> Vec<PinContact> {
         let mut all = Vec::with_capacity(self.pins.len());
-        self.visit(pose, velocity, true, |contact| all.push(*contact));
+        self.visit_moved(pose, velocity, true, shifts, |contact| all.push(*contact));
         all
     }
 }

@@ -58,7 +58,7 @@ impl PinContacts {
     }
 
     /// Generalised force (N, N, N·m) on the disc that the stored energy asks for beyond F ∂g/∂q.
-    pub(super) fn rolling_force(&self, contact: &PinContact) -> [f64; 3] {
+    pub(crate) fn rolling_force(&self, contact: &PinContact) -> [f64; 3] {
         let rolling = self.rolling(contact);
         let energy_rate = self.contact().energy_by_log_radius(contact.elastic) * rolling.log_radius_slope;
         std::array::from_fn(|i| contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i])

@@ -33,11 +33,18 @@ impl Batch {
 
 impl PinContacts {
     /// Calls `visit` for every pin (`all`) or for every pin that may touch.
-    pub fn visit(
+    pub fn visit(&self, pose: DiscPose, velocity: DiscVelocity, all: bool, visit: impl FnMut(&PinContact)) {
+        self.visit_moved(pose, velocity, all, &[], visit);
+    }
+
+    /// As [`PinContacts::visit`], every pin moved by its shift (m, in the frame of the ring); none without
+    /// shifts. Approach rates are those of pins at rest.
+    pub fn visit_moved(
         &self,
         pose: DiscPose,
         velocity: DiscVelocity,
         all: bool,
+        shifts: &[Vec2],
         mut visit: impl FnMut(&PinContact),
     ) {
         let rotation = unit(pose.angle);
@@ -47,7 +54,10 @@ impl PinContacts {
         let pitch = std::f64::consts::TAU / self.pins.len() as f64;
         let mut next = Batch::default();
         for (index, pin) in self.pins.iter().enumerate() {
-            let arm = pin.centre - pose.centre;
+            let mut arm = pin.centre - pose.centre;
+            if let Some(shift) = shifts.get(index) {
+                arm += shift;
+            }
             let p = turned(arm, back);
             let e = turned(self.directions[index], back);
             let tau0 = pitch * index as f64 - pose.angle;

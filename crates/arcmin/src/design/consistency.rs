@@ -31,6 +31,7 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
     gear_stage(design, source)?;
     flank(design, source)?;
     bores(design, source)?;
+    super::bodies::check(design, source)?;
     free_form(design, source)?;
     bearings(design, source)?;
     duty(design, source)

@@ -94,11 +94,17 @@ pub(crate) fn parse(source: &Source<'_>) -> Result<Branch> {
 /// Reads a whole file whose keys `T` declares.
 ///
 /// # Errors
-/// All unknown keys at once, otherwise the first value that is missing, ill-typed or out of range.
+/// What is wrong first: unknown keys, else the first value that is missing, ill-typed or out of range; with it
+/// all other unknown keys and wrong values.
 pub(crate) fn read<T: SectionValue>(branch: &Branch, source: &Source<'_>) -> Result<T> {
     let table = Table::root(source, branch, T::schema());
-    table.reject_unknown_keys()?;
-    T::from_table(&table).map_err(|error| with_path(error, branch))
+    let mut wrong = table.reject_unknown_keys()?;
+    T::from_table(&table).map_err(|error| {
+        let mut error = with_path(error, branch);
+        wrong.retain(|other| other.span() != error.span());
+        error.others = wrong;
+        error
+    })
 }
 
 /// Adds the path of the key at whose place the error is.
@@ -121,19 +127,23 @@ impl<'a> Table<'a> {
         Table { source, branch, span: 0..0, name: "", row: None, parent: None, root }
     }
 
-    /// All keys that the schema of the file does not have are one error.
-    pub(super) fn reject_unknown_keys(&self) -> Result<()> {
-        let mut unknown = Vec::new();
-        self.collect_unknown(self.root, &mut unknown);
-        unknown.sort_by_key(|error| error.span().map(|span| span.start));
-        let mut unknown = unknown.into_iter();
-        match unknown.next() {
-            None => Ok(()),
-            Some(mut first) => {
-                first.others = unknown.collect();
-                Err(Box::new(first))
-            }
+    /// All keys that the schema of the file does not have are one error, and with it all values that cannot be
+    /// read; where there are no such keys, those values.
+    pub(super) fn reject_unknown_keys(&self) -> Result<Vec<DesignError>> {
+        let (mut unknown, mut wrong) = (Vec::new(), Vec::new());
+        self.collect_wrong(self.root, &mut unknown, &mut wrong);
+        let by_place =
+            |errors: &mut Vec<DesignError>| errors.sort_by_key(|error| error.span().map(|span| span.start));
+        by_place(&mut unknown);
+        by_place(&mut wrong);
+        if unknown.is_empty() {
+            return Ok(wrong);
         }
+        let mut first = unknown.remove(0);
+        unknown.append(&mut wrong);
+        by_place(&mut unknown);
+        first.others = unknown;
+        Err(Box::new(first))
     }
 
     /// Dotted name without numbers of rows, as in the header of the table.
@@ -163,8 +173,14 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Every key of this table and those inside of it that the schema does not have.
-    fn collect_unknown(&self, schema: &SectionSchema, out: &mut Vec<DesignError>) {
+    /// Every key of this table and those inside of it that the schema does not have, and every number and switch
+    /// that cannot be one.
+    fn collect_wrong(
+        &self,
+        schema: &SectionSchema,
+        unknown: &mut Vec<DesignError>,
+        wrong: &mut Vec<DesignError>,
+    ) {
         for entry in &self.branch.entries {
             let Some(key) = schema.keys.iter().find(|known| known.name == &*entry.key) else {
                 let written = self.source.text.get(entry.item.span.clone()).unwrap_or_default();
@@ -172,18 +188,19 @@ impl<'a> Table<'a> {
                     hint::for_unknown_key(&entry.key, written, schema, self.root, &self.title());
                 let mut error = self.source.error(kind, entry.key_span.clone(), Some(hint));
                 error.path = Some(join(&self.address(), &entry.key));
-                out.push(*error);
+                unknown.push(*error);
                 continue;
             };
             match ((key.kind)(), &entry.item.node) {
                 (Kind::Section(inner) | Kind::Material(inner), Node::Table(branch)) => {
-                    self.sub_table(key.name, branch, entry.item.span.clone()).collect_unknown(inner, out);
+                    let inside = self.sub_table(key.name, branch, entry.item.span.clone());
+                    inside.collect_wrong(inner, unknown, wrong);
                 }
                 (Kind::Sections(inner), Node::List(rows)) => {
                     for (index, row) in rows.iter().enumerate() {
                         if let Node::Table(branch) = &row.node {
                             self.row_table(key.name, index, branch, row.span.clone())
-                                .collect_unknown(inner, out);
+                                .collect_wrong(inner, unknown, wrong);
                         }
                     }
                 }
@@ -194,11 +211,22 @@ impl<'a> Table<'a> {
                             let name = super::tree::quoted_key(&path.key);
                             section
                                 .sub_table(&name, branch, path.item.span.clone())
-                                .collect_unknown(inner, out);
+                                .collect_wrong(inner, unknown, wrong);
                         }
                     }
                 }
-                _ => {}
+                (kind, _) => {
+                    let error = match kind {
+                        Kind::Number => f64::read(key, &entry.item, self).err(),
+                        Kind::Count => usize::read(key, &entry.item, self).err(),
+                        Kind::Flag => bool::read(key, &entry.item, self).err(),
+                        _ => None,
+                    };
+                    if let Some(mut error) = error {
+                        error.path = Some(join(&self.address(), key.name));
+                        wrong.push(*error);
+                    }
+                }
             }
         }
     }

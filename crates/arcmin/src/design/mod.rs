@@ -5,6 +5,7 @@
 //! and hash follow from that declaration. A file that cannot be used is answered with a [`DesignError`] that
 //! names line, text and remedy.
 
+mod bodies;
 mod consistency;
 mod deviations;
 mod edit;
@@ -92,6 +93,8 @@ section! {
         bearings: Section<BearingsSection> => word(),
         /// Friction.
         friction: Section<FrictionSection> => OPTIONAL_SECTION,
+        /// Temperature, oil and cooling.
+        thermal: Section<ThermalSection> => OPTIONAL_SECTION,
         /// Law of the tooth contacts.
         contact: Section<ContactSection> => OPTIONAL_SECTION,
         /// Rated load and speed.

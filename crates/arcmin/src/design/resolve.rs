@@ -39,6 +39,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
         };
         design.duty.iter().map(|at| row(at)).collect()
     };
+    let solids = super::bodies::solids(design, &ring, &disc, &gear_stage, &bearings);
     Ok(Machine {
         name: design.name.value.clone(),
         ring,
@@ -56,6 +57,8 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
                 .map_or(f64::INFINITY, |stiffness| stiffness / ARCMIN),
         },
         housing: housing(design),
+        thermal: super::bodies::thermal(design, &solids),
+        solids,
         fixed_member: *design.fixed_member,
         bearings,
         friction: friction(design),
@@ -77,6 +80,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
             emergency_torque: *design.limits.emergency_torque_n_m,
             output_speed: design.limits.output_speed_rpm.map(|limit| limit * RPM),
             catalogue_life: design.limits.catalogue_life_h.map(|limit| limit * HOUR),
+            contact_endurance: design.limits.contact_endurance_mpa.map(|limit| limit * MPA),
         },
     })
 }
@@ -180,6 +184,8 @@ fn disc_solid(design: &DesignSections) -> (f64, f64) {
     let solid = bores(design)
         .iter()
         .fold(Solid::inside_flank(&profile(design)), |solid, (_, bore, _)| solid.without(bore));
+    let solid =
+        super::bodies::windows(design).iter().fold(solid, |solid, window| solid.without_window(window));
     let mass_per_area = disc.material.density * (*disc.width_mm * MM);
     (mass_per_area * solid.area, mass_per_area * solid.polar_moment)
 }
@@ -194,6 +200,7 @@ fn disc(design: &DesignSections) -> CycloidDisc {
         crank_bore_radius: 0.5 * *disc.crank_bore_diameter_mm * MM,
         centre_hole_radius: 0.5 * *disc.centre_hole_diameter_mm * MM,
         holes: holes(design).into_iter().map(|(bore, _)| bore).collect(),
+        windows: super::bodies::windows(design),
         mass: disc.mass_kg.unwrap_or(solid.0),
         inertia: disc.inertia_kg_m2.unwrap_or(solid.1),
     }

@@ -3,7 +3,7 @@
 use super::Section;
 use super::field::Choice;
 use super::schema::{At, default, default_word, optional, required, section, word};
-use crate::machine::{FixedMember, PinMounting};
+use crate::machine::{FixedMember, Hold, PinMounting};
 use crate::materials::Material;
 
 section! {
@@ -58,6 +58,25 @@ section! {
         modification: Section<ModificationSection> => super::sections::SECTION_OR_DEFAULTS,
         /// Windows and lightening holes beside the crank bores and the centre hole.
         holes: Vec<At<Section<HoleSection>>> => optional(0.0, 0.0),
+        /// Windows for the pillars of the carrier: annular sectors with rounded corners. None: the disc is
+        /// as solid as bores and holes leave it.
+        windows: Vec<At<Section<WindowSection>>> => optional(0.0, 0.0),
+    }
+
+    /// A window for a pillar of the carrier, or several equally spaced around the disc.
+    pub struct WindowSection {
+        /// Radius of the inner side.
+        inner_radius_mm: f64 => required(0.5, 2000.0),
+        /// Radius of the outer side.
+        outer_radius_mm: f64 => required(0.5, 2000.0),
+        /// Angle of the middle of the (first) window on the disc; 0 is the x axis.
+        angle_deg: f64 => default(0.0, -360.0, 360.0),
+        /// Angle between the two straight sides.
+        width_deg: f64 => required(0.5, 350.0),
+        /// Radius of the corners.
+        corner_radius_mm: f64 => required(0.05, 200.0),
+        /// Number of such windows, equally spaced over the turn.
+        count: usize => default(1.0, 1.0, 60.0),
     }
 
     /// Flank modification. Depths count into the metal; a positive equidistant and a negative radial offset
@@ -152,6 +171,33 @@ section! {
         material: Material => word(),
         /// Torsional stiffness between crank supports and output flange. Left out: rigid.
         torsional_stiffness_n_m_per_arcmin: Option<f64> => optional(0.1, 1e7),
+        /// Its solid, for elastic bodies.
+        solid: Section<CarrierSolidSection> => SECTION_OR_DEFAULTS,
+    }
+
+    /// The carrier as a solid: two plates joined by pillars. What is left out is scaled from the pin circle;
+    /// these rules are assumptions.
+    pub struct CarrierSolidSection {
+        /// Diameter of the plates. Left out: that of the pin circle.
+        plate_diameter_mm: Option<f64> => optional(2.0, 4000.0),
+        /// Diameter of the bore through the plates. Left out: that of the disc's centre hole, but 0.04 R_p
+        /// away from the crank seats.
+        centre_bore_diameter_mm: Option<f64> => optional(0.5, 4000.0),
+        /// Diameter of the seats of the crank supports' outer rings. Left out: raceway and 0.08 R_p.
+        crank_seat_diameter_mm: Option<f64> => optional(1.0, 1000.0),
+        /// Thickness of a plate. Left out: each crank support sits in the middle of its plate.
+        plate_thickness_mm: Option<f64> => optional(0.5, 1000.0),
+        /// Radius of the inner side of the pillars. Left out: the assumed window drawn in by eccentricity and
+        /// 0.02 R_p.
+        pillar_inner_radius_mm: Option<f64> => optional(0.5, 2000.0),
+        /// Radius of the outer side of the pillars. Left out: likewise.
+        pillar_outer_radius_mm: Option<f64> => optional(0.5, 2000.0),
+        /// Angle between the straight sides of a pillar. Left out: likewise.
+        pillar_width_deg: Option<f64> => optional(0.5, 350.0),
+        /// Radius of the corners of a pillar. Left out: likewise.
+        pillar_corner_radius_mm: Option<f64> => optional(0.05, 200.0),
+        /// What holds the output face. Left out: "face".
+        hold: Option<Hold> => optional(0.0, 0.0),
     }
 
     /// The housing with the ring of pins. Its inertia counts where the carrier is at rest.
@@ -161,6 +207,35 @@ section! {
         mass_kg: Option<f64> => optional(1e-4, 1e5),
         /// Moment of inertia about the machine's axis. Left out, it is computed like the mass.
         inertia_kg_m2: Option<f64> => optional(1e-9, 1e5),
+        /// Its solid, for elastic bodies.
+        solid: Section<HousingSolidSection> => SECTION_OR_DEFAULTS,
+    }
+
+    /// The housing as a solid: a ring with grooves for the pins between the seats of the main bearings, and a
+    /// flange with bolts. What is left out is scaled from the pin circle; these rules are assumptions.
+    pub struct HousingSolidSection {
+        /// Material, by name or inline. Left out: QT450.
+        material: Option<Material> => optional(0.0, 0.0),
+        /// Diametral clearance of the pins in their grooves. Left out: 0.1 % of the pins' diameter.
+        groove_clearance_um: Option<f64> => optional(0.0, 1000.0),
+        /// Outer diameter of the ring. Left out: 2.5 R_p.
+        body_diameter_mm: Option<f64> => optional(2.0, 4000.0),
+        /// Diameter of the main bearings' seats. Left out: 0.24 R_p more than the carrier's plates.
+        seat_diameter_mm: Option<f64> => optional(2.0, 4000.0),
+        /// Diameter of the flange. Left out: 2.96 R_p.
+        flange_diameter_mm: Option<f64> => optional(2.0, 4000.0),
+        /// Thickness of the flange. Left out: as long as the pins.
+        flange_thickness_mm: Option<f64> => optional(0.5, 1000.0),
+        /// Diameter of the circle of bolts. Left out: the middle of the flange.
+        bolt_circle_diameter_mm: Option<f64> => optional(2.0, 4000.0),
+        /// Number of bolts. Left out: 16.
+        bolt_count: Option<usize> => optional(2.0, 48.0),
+        /// Angle of the first bolt. Left out: 0.
+        first_bolt_angle_deg: Option<f64> => optional(-360.0, 360.0),
+        /// Diameter of the face that one bolt presses. Left out: 0.18 R_p.
+        bolt_face_diameter_mm: Option<f64> => optional(0.5, 500.0),
+        /// What holds the flange. Left out: "bolts".
+        hold: Option<Hold> => optional(0.0, 0.0),
     }
 }
 
@@ -184,6 +259,14 @@ impl Choice for PinMounting {
         ("spinning", "pins turn freely in their seats"),
     ];
     const VALUES: &'static [PinMounting] = &[PinMounting::Fixed, PinMounting::Spinning];
+}
+
+impl Choice for Hold {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("face", "the whole face, as by a stiff and well bolted neighbour"),
+        ("bolts", "around the bolts only; on the carrier over the pillars only"),
+    ];
+    const VALUES: &'static [Hold] = &[Hold::Face, Hold::Bolts];
 }
 
 impl Choice for FixedMember {

@@ -51,6 +51,34 @@ section! {
         radial_stiffness_n_per_um: f64 => required(0.1, 1e6),
         /// Diametral clearance.
         clearance_um: f64 => default(0.0, 0.0, 1000.0),
+        /// Its rows, for tilt, moments and axial forces.
+        rows: Section<MainRowsSection> => SECTION_OR_DEFAULTS,
+    }
+
+    /// The main bearings as two equal rows. What is left out is scaled from the room between the carrier's plates
+    /// and the seats in the housing; these rules are assumptions.
+    pub struct MainRowsSection {
+        /// Shape of the rolling elements. Left out: "ball".
+        kind: Option<RollerKind> => optional(0.0, 0.0),
+        /// Number of rolling elements of a row. Left out: they fill 90 % of the circle.
+        roller_count: Option<usize> => optional(3.0, 500.0),
+        /// Diameter of a rolling element. Left out: 0.6 of the room between plate and seat.
+        roller_diameter_mm: Option<f64> => optional(0.3, 200.0),
+        /// Effective length of a roller. Left out: its diameter.
+        roller_length_mm: Option<f64> => optional(0.3, 500.0),
+        /// Diameter of the circle through the centres of the rolling elements. Left out: midway between plate
+        /// and seat.
+        pitch_diameter_mm: Option<f64> => optional(1.0, 4000.0),
+        /// Contact angle. Left out: 40°.
+        contact_angle_deg: Option<f64> => optional(0.0, 80.0),
+        /// Distance of the two rows. Left out: that of the middles of the plates.
+        spacing_mm: Option<f64> => optional(0.1, 2000.0),
+        /// Axial approach by which each row is pressed together; negative is play. Left out: 5 µm.
+        preload_um: Option<f64> => optional(-500.0, 200.0),
+        /// How the rows stop each other. Left out: "back-to-back".
+        arrangement: Option<Arrangement> => optional(0.0, 0.0),
+        /// Basic dynamic load rating C of one row as the maker states it. Left out, it is computed (ISO 281).
+        dynamic_load_rating_kn: Option<f64> => optional(0.01, 1e5),
     }
 
     /// Friction coefficients and losses; without this section the machine is frictionless.
@@ -211,6 +239,33 @@ section! {
         roughness_um: f64 => required(1e-3, 50.0),
     }
 
+    /// Temperature, oil and cooling; for the test bench.
+    pub struct ThermalSection {
+        /// Temperature of housing and oil. Left out: all dimensions as drawn (20 °C) and friction as given; else
+        /// parts expand and friction of flanks, seats, gears and oil follows the film.
+        temperature_c: Option<f64> => optional(-30.0, 150.0),
+        /// By how many kelvin discs, shafts and carrier are warmer than the housing.
+        internal_excess_k: f64 => default(0.0, -50.0, 50.0),
+        /// Thermal expansion of discs, pins, shafts and carrier.
+        steel_expansion_um_per_m_k: f64 => default(11.5, 0.1, 40.0),
+        /// Thermal expansion of the housing.
+        housing_expansion_um_per_m_k: f64 => default(11.5, 0.1, 40.0),
+        /// ISO VG grade of the oil or of the grease's base oil: mm²/s at 40 °C.
+        iso_vg: f64 => default(150.0, 2.0, 3200.0),
+        /// Kinematic viscosity at 100 °C. Left out: that of a mineral oil of this grade, viscosity index 95.
+        viscosity_100c_mm2_s: Option<f64> => optional(0.5, 500.0),
+        /// Pressure–viscosity coefficient.
+        pressure_viscosity_per_gpa: f64 => default(20.0, 0.1, 100.0),
+        /// Combined RMS roughness of flank and pin.
+        roughness_um: f64 => default(0.4, 1e-3, 50.0),
+        /// Temperature around the machine.
+        ambient_c: f64 => default(20.0, -60.0, 80.0),
+        /// Heat transfer of the surface, radiation included; still air 10 to 20.
+        heat_transfer_w_m2_k: f64 => default(15.0, 0.1, 1e4),
+        /// Surface that gives off heat. Left out: that of the housing with its flange, both ends included.
+        surface_m2: Option<f64> => optional(1e-5, 100.0),
+    }
+
     /// What is still acceptable.
     pub struct LimitsSection {
         /// Largest lost motion at the output.
@@ -236,6 +291,9 @@ section! {
         /// The maker's life in hours at rated torque and 15 rpm of the output; converted to the duty by ISO 281
         /// (exponent 10/3). Left out: no limit.
         catalogue_life_h: Option<f64> => optional(1.0, 1e7),
+        /// Hertz pressure that flanks and pins bear for 5·10⁷ passes without pitting; by the life factors of
+        /// ISO 6336-2 they bear more for fewer passes. Left out: fatigue is not looked at.
+        contact_endurance_mpa: Option<f64> => optional(10.0, 10000.0),
     }
 }
 
@@ -276,6 +334,21 @@ impl ContactSection {
             ("impact_exponent", &self.impact_exponent),
         ]
     }
+}
+
+/// How the two rows of the main bearings stop each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrangement {
+    BackToBack,
+    FaceToFace,
+}
+
+impl Choice for Arrangement {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("back-to-back", "contact lines spread away from each other (O)"),
+        ("face-to-face", "contact lines meet between the rows (X)"),
+    ];
+    const VALUES: &'static [Arrangement] = &[Arrangement::BackToBack, Arrangement::FaceToFace];
 }
 
 impl Choice for RollerKind {

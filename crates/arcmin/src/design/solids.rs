@@ -1,6 +1,6 @@
 //! Masses and moments of inertia of solids.
 
-use crate::geometry::Profile;
+use crate::geometry::{Profile, Sector};
 use crate::machine::Bore;
 
 /// Area in m² and polar second moment of area about the centre in m⁴.
@@ -44,6 +44,11 @@ impl Section {
             area: self.area - area,
             polar_moment: self.polar_moment - own - area * hole.centre_radius * hole.centre_radius,
         }
+    }
+
+    pub fn without_window(self, window: &Sector) -> Section {
+        let outline = window.outline();
+        Section { area: self.area - outline.area(), polar_moment: self.polar_moment - outline.polar_moment() }
     }
 }
 

@@ -32,6 +32,25 @@ fn wrong_files_are_answered_with_line_text_and_remedy() {
     assert!(report.is_empty(), "{report}");
 }
 
+/// Unknown keys and wrong values of one file are one answer, in the order of the file behind the first.
+#[test]
+fn all_mistakes_are_told_at_once() {
+    let mistakes = |text: &str| {
+        let error = Design::parse(text, "d.toml").unwrap_err();
+        error.all().map(|error| error.to_string()).collect::<Vec<String>>()
+    };
+    let wrong = text()
+        .replace("pin_radius_mm = 3 ", "pin_radius_mm = -3 ")
+        .replace("pin_count = 40 ", "pin_count = \"40\" ");
+    let told = mistakes(&wrong);
+    assert!(
+        told.len() == 2 && told[0].contains("pin_count") && told[1].contains("pin_radius_mm"),
+        "{told:?}"
+    );
+    let told = mistakes(&wrong.replace("width_mm = 8.75 ", "widht_mm = 8.75 "));
+    assert!(told.len() == 3 && told[0].contains("widht_mm") && told[1].contains("pin_count"), "{told:?}");
+}
+
 #[test]
 fn hash_depends_on_values_alone() {
     let hash = |text: &str| Design::parse(text, "d.toml").unwrap().hash();
@@ -166,8 +185,13 @@ mod properties {
         })
     }
 
+    /// A thousand of each kind; HOSTILE_CASES asks for more.
+    fn cases() -> u32 {
+        std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1000)
+    }
+
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(600))]
+        #![proptest_config(ProptestConfig::with_cases(cases()))]
 
         /// An error with a place inside of the file, or a machine whose geometry and checks are free of NaN.
         #[test]

@@ -1,6 +1,11 @@
+mod rolling;
+mod split;
+
 use std::sync::Arc;
 
-use super::DynamicsError;
+pub(super) use split::DiscSplit;
+
+use super::{DynamicsError, ElasticHousing};
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
 use crate::fem::{CoupledContact, CoupledForces, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
 use crate::geometry::{Vec2, turned, unit};
@@ -84,6 +89,27 @@ pub(super) struct DiscMotion<'a> {
     /// q in m·√kg and its rate.
     pub modes: &'a [f64],
     pub rates: &'a [f64],
+    /// How the pins move in an elastic housing.
+    pub housing: Option<HousingMotion<'a>>,
+}
+
+/// Modes of an elastic housing, which move its pins.
+#[derive(Clone, Copy)]
+pub(super) struct HousingMotion<'a> {
+    pub housing: &'a ElasticHousing,
+    pub modes: &'a [f64],
+    pub rates: &'a [f64],
+}
+
+impl HousingMotion<'_> {
+    /// Derivatives with respect to the modes of what has the derivatives `by_pose` with respect to (x, y, θ)
+    /// of the disc: a pin that moves is a disc that moves the other way.
+    pub fn rows(&self, disc: usize, pin: usize, by_pose: [f64; 3]) -> impl Iterator<Item = f64> + '_ {
+        (0..self.modes.len()).map(move |mode| {
+            let shape = self.housing.shape(mode, disc, pin);
+            -(by_pose[0] * shape.x + by_pose[1] * shape.y)
+        })
+    }
 }
 
 /// Contacts of one disc at one state.
@@ -98,24 +124,21 @@ pub(super) struct DiscContacts {
     pub forces: CoupledForces,
 }
 
-/// Forces on (x, y, θ) and the modes of a disc with their tangents, matrices row by row.
+/// Rows of three columns from three rows.
+fn transposed(lines: [Vec<f64>; 3]) -> Vec<[f64; 3]> {
+    (0..lines[0].len()).map(|m| [lines[0][m], lines[1][m], lines[2][m]]).collect()
+}
+
+/// Forces on (x, y, θ), the modes of a disc and those of the housing with their tangents, matrices row by row.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ElasticReaction {
     pub force: Vec<f64>,
-    /// −∂Q/∂(x, y, θ, q).
+    /// −∂Q/∂(x, y, θ, q, η).
     pub stiffness: Vec<f64>,
     pub damping: Vec<f64>,
     pub stored: f64,
     pub dissipation: f64,
     pub onset_rate: f64,
-}
-
-/// Tangent compliance of a disc and its contacts along one motion.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct DiscSplit {
-    pub teeth: f64,
-    pub seats: f64,
-    pub disc: f64,
 }
 
 /// A pin farther off than this (m) is not reached by a flank that its neighbours' forces and the modes of a
@@ -222,9 +245,15 @@ impl ElasticDiscs {
             coupled: Vec::new(),
             forces: CoupledForces::default(),
         };
-        ring.visit(motion.pose, motion.velocity, false, |contact| {
+        let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
+            (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
+        });
+        ring.visit_moved(motion.pose, motion.velocity, false, &shifts, |contact| {
             let place = self.discs.stencil(disc, contact.tau);
             let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
+            if let Some(speed) = speeds.get(contact.pin) {
+                rate += contact.gradient[0] * speed.x + contact.gradient[1] * speed.y;
+            }
             let first = state.shape.len();
             for m in 0..motion.modes.len() {
                 let phi = body.modes.at(m, &place);
@@ -259,7 +288,8 @@ impl ElasticDiscs {
         motion: DiscMotion<'_>,
     ) -> Vec<PinContact> {
         let state = self.contacts(disc, ring, motion);
-        let mut all = ring.contacts(motion.pose, motion.velocity);
+        let shifts = motion.housing.map_or_else(Vec::new, |pins| pins.housing.ways(disc, pins.modes));
+        let mut all = ring.contacts_moved(motion.pose, motion.velocity, &shifts);
         for contact in &mut all {
             (contact.force, contact.stiffness) = (0.0, 0.0);
             (contact.elastic, contact.stored, contact.friction) = (0.0, 0.0, 0.0);
@@ -286,7 +316,8 @@ impl ElasticDiscs {
     /// Everything that pins and elasticity do to a disc.
     pub(super) fn react(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> ElasticReaction {
         let count = motion.modes.len();
-        let width = 3 + count;
+        let first = 3 + count;
+        let width = first + motion.housing.map_or(0, |pins| pins.modes.len());
         let state = self.contacts(disc, ring, motion);
         let n = state.contacts.len();
         let mut reaction = ElasticReaction {
@@ -311,7 +342,11 @@ impl ElasticDiscs {
             reaction.dissipation += (here.force - here.elastic) * rate;
             let row = &mut rows[i * width..(i + 1) * width];
             row[..3].copy_from_slice(&contact.gradient);
-            row[3..].copy_from_slice(&state.shape[i * count..(i + 1) * count]);
+            row[3..first].copy_from_slice(&state.shape[i * count..(i + 1) * count]);
+            if let Some(pins) = motion.housing {
+                let ways = pins.rows(disc, contact.pin, contact.gradient);
+                row[first..].iter_mut().zip(ways).for_each(|(row, way)| *row = way);
+            }
             if here.force <= 0.0 {
                 continue;
             }
@@ -338,8 +373,22 @@ impl ElasticDiscs {
                         here.force * slope * contact.along[a] * contact.along[b];
                 }
             }
+            if let Some(pins) = motion.housing {
+                // The normal turns with the pin's way as it does with the disc's.
+                let by_mode: Vec<[f64; 3]> =
+                    transposed(hessian.map(|line| pins.rows(disc, contact.pin, line).collect::<Vec<f64>>()));
+                for (m, line) in by_mode.iter().enumerate() {
+                    for a in 0..3 {
+                        reaction.stiffness[a * width + first + m] -= here.force * line[a];
+                        reaction.stiffness[(first + m) * width + a] -= here.force * line[a];
+                    }
+                    for (l, value) in pins.rows(disc, contact.pin, *line).enumerate() {
+                        reaction.stiffness[(first + l) * width + first + m] -= here.force * value;
+                    }
+                }
+            }
         }
-        self.add_rolling(disc, ring, &state, motion.modes, (&mut rows, &mut pushes), &mut reaction);
+        self.add_rolling(disc, ring, &state, motion, (&mut rows, &mut pushes), &mut reaction);
         // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
         let mut scratch = Vec::with_capacity(n);
         let mut response = vec![0.0; n];
@@ -359,51 +408,6 @@ impl ElasticDiscs {
         reaction
     }
 
-    /// What makes the forces the gradient of the stored energy: its derivative with the places of the
-    /// contacts, −∂U/∂τ_i = F_i φ′_i·q + ½ ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′. It acts along the flank: the
-    /// slope of the deformed flank under the contact force, and the work of rolling to another curvature. It
-    /// is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc:
-    /// the tangents that go with φ′ are a per cent there. Those of the curvature are left out, as on the
-    /// rigid disc.
-    fn add_rolling(
-        &self,
-        disc: usize,
-        ring: &PinContacts,
-        state: &DiscContacts,
-        q: &[f64],
-        (rows, pushes): (&mut [f64], &mut [f64]),
-        reaction: &mut ElasticReaction,
-    ) {
-        let (body, forces) = (&self.bodies[disc], &state.forces.force);
-        let width = reaction.force.len();
-        for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| forces[*i] > 0.0) {
-            let slope = self.discs.slope_stencil(disc, contact.tau);
-            let rolling = ring.rolling(contact);
-            let others: f64 = (0..forces.len())
-                .filter(|j| *j != i && forces[*j] > 0.0)
-                .map(|j| forces[j] * body.residual.cross(&slope, &state.coupled[j].place))
-                .sum();
-            let mut bent = forces[i] * body.residual.own(&slope) + others;
-            for (m, q) in q.iter().enumerate() {
-                let turn = body.modes.at(m, &slope);
-                bent += q * turn;
-                for a in 0..3 {
-                    let coupling = forces[i] * turn * rolling.by_pose[a];
-                    reaction.stiffness[a * width + 3 + m] -= coupling;
-                    reaction.stiffness[(3 + m) * width + a] -= coupling;
-                }
-            }
-            let pull = forces[i] * (bent - 0.5 * forces[i] * body.residual.own(&slope))
-                - ring.contact().energy_by_log_radius(forces[i]) * rolling.log_radius_slope;
-            for a in 0..3 {
-                reaction.force[a] += pull * rolling.by_pose[a] + forces[i] * rolling.gap_slope[a];
-                // The approach changes with the place as well.
-                rows[i * width + a] += bent * rolling.by_pose[a];
-                pushes[i * width + a] += bent * rolling.by_pose[a];
-            }
-        }
-    }
-
     fn add_modal_forces(&self, disc: usize, motion: DiscMotion<'_>, reaction: &mut ElasticReaction) {
         let width = reaction.force.len();
         for (m, square) in self.bodies[disc].modes.eigenvalues.iter().enumerate() {
@@ -420,43 +424,6 @@ impl ElasticDiscs {
     /// Twice the elastic energy of the modes in J.
     pub(super) fn modal_work(&self, disc: usize, q: &[f64]) -> f64 {
         self.bodies[disc].modes.eigenvalues.iter().zip(q).map(|(square, q)| square * q * q).sum()
-    }
-
-    /// gᵀ K g of the pins and the disc along a motion g of (x, y, θ, q), where it sits: ds = −B g and dF = D
-    /// ds change the energy of modes and residual compliance by ω² g_q² and dFᵀ C dF, that of the seats by c
-    /// dF²; the rest is the contacts', with the turning of their normals.
-    pub(super) fn split(
-        &self,
-        disc: usize,
-        ring: &PinContacts,
-        motion: DiscMotion<'_>,
-        g: &[f64],
-    ) -> DiscSplit {
-        let (count, width) = (motion.modes.len(), g.len());
-        let stiffness = self.react(disc, ring, motion).stiffness;
-        let whole: f64 =
-            (0..width).map(|a| (0..width).map(|b| g[a] * stiffness[a * width + b] * g[b]).sum::<f64>()).sum();
-        let state = self.contacts(disc, ring, motion);
-        let change: Vec<f64> = state
-            .contacts
-            .iter()
-            .enumerate()
-            .map(|(i, contact)| {
-                let modes: f64 =
-                    state.shape[i * count..(i + 1) * count].iter().zip(&g[3..]).map(|(phi, g)| phi * g).sum();
-                contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum::<f64>() + modes
-            })
-            .collect();
-        let mut response = change.clone();
-        state.forces.respond(&mut response, &mut Vec::new());
-        let mut split = DiscSplit { disc: self.modal_work(disc, &g[3..]), ..DiscSplit::default() };
-        for i in (0..state.contacts.len()).filter(|i| state.forces.force[*i] > 0.0) {
-            let square = response[i] * response[i];
-            split.seats += ring.contact().seat_compliance() * square;
-            split.disc += change[i] * response[i] - square / state.forces.local_stiffness[i];
-        }
-        split.teeth = whole - split.seats - split.disc;
-        split
     }
 }
 

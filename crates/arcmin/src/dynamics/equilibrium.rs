@@ -1,3 +1,4 @@
+use super::descent::descend;
 use super::{Balance, DynamicsError, Linearisation, System, Weights};
 
 /// A state of rest.
@@ -46,7 +47,7 @@ impl Default for EquilibriumControl {
 /// A full Newton step from a place accepted at a jump is shorter than this, in units of the system's scale.
 const NEAR_JUMP: f64 = 1e-2;
 /// Share of the elastic energy that a jump may leave as work along one unit of scale.
-const JUMP_OF_STORED: f64 = 2e-3;
+pub(super) const JUMP_OF_STORED: f64 = 2e-3;
 /// Where several contacts jump, Newton's method creeps along their edges: so many iterations without halving
 /// the forces are enough.
 const CREEPING: usize = 60;
@@ -56,7 +57,8 @@ const CREEPING: usize = 60;
 /// Newton's method with a mass term that vanishes as the forces do (pseudo-transient continuation): (μ M + K)
 /// Δq = Q. Bodies that hang free in a clearance have no stiffness; the mass term then drives them along the
 /// force until a contact stops them. A state whose forces vanish already is an equilibrium, wherever in the
-/// clearance it is.
+/// clearance it is. Where this does not get there, descent in energy starts anew: slower, but sure wherever
+/// the forces derive from an energy.
 ///
 /// # Errors
 /// [`DynamicsError::NoEquilibrium`] with the residual reached if the iterations are used up.
@@ -74,6 +76,29 @@ pub fn solve_equilibrium<S: System>(
 /// # Errors
 /// As there, and [`DynamicsError::Cancelled`].
 pub fn solve_equilibrium_unless<S: System>(
+    system: &S,
+    time: f64,
+    start: &[f64],
+    control: EquilibriumControl,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<Equilibrium, DynamicsError> {
+    let failure = match newton(system, time, start, control, cancelled) {
+        Err(failure @ DynamicsError::NoEquilibrium { .. }) => failure,
+        result => return result,
+    };
+    let patient =
+        EquilibriumControl { largest_iteration_count: PATIENCE * control.largest_iteration_count, ..control };
+    match descend(system, time, start, patient, cancelled) {
+        Some(found) => Ok(found),
+        None if cancelled() => Err(DynamicsError::Cancelled { time }),
+        None => Err(failure),
+    }
+}
+
+/// Times as many iterations of the descent.
+const PATIENCE: usize = 5;
+
+fn newton<S: System>(
     system: &S,
     time: f64,
     start: &[f64],

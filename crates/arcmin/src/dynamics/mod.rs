@@ -1,8 +1,11 @@
 //! Multibody dynamics: equations of motion, their integration in time, static equilibrium, and the models.
 
 mod bearing_joints;
+mod descent;
 mod drive;
+mod elastic_carrier;
 mod elastic_disc;
+mod elastic_housing;
 mod equilibrium;
 mod error;
 mod gear_mesh;
@@ -12,6 +15,7 @@ mod integrator;
 mod load;
 mod model;
 mod reducer;
+mod ring_bearing;
 mod run;
 mod simulation;
 mod spectrum;
@@ -24,7 +28,9 @@ pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing,
 };
 pub use drive::{Drive, InputMotion};
+pub use elastic_carrier::{ElasticCarrier, ElasticRims};
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
+pub use elastic_housing::ElasticHousing;
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use error::DynamicsError;
 pub use gear_mesh::{GearMesh, MeshForce};
@@ -34,6 +40,7 @@ pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepContr
 pub use load::OutputLoad;
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};
+pub use ring_bearing::{ElementLoad, Five, MainBalance, MainBearings, RingBearing, RingState};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use spectrum::{SpectrumLine, order_spectrum};

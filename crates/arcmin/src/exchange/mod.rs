@@ -2,6 +2,7 @@
 //! joints back in. Text in, text out; no files.
 //!
 //! * [`ProfileExport`]: DXF, STEP, CSV and SVG of disc, pins, crankshafts and their assembly;
+//! * [`JointExport`]: MuJoCo, URDF, SDF, Modelica, Simscape, JSON of the reducer as a joint;
 //! * [`import_flank`]: points of a measured flank to its pose, its deviations and keys of the design;
 //! * [`import_duty`]: a joint's log to a load spectrum.
 //!
@@ -18,6 +19,8 @@ mod fit;
 mod flank;
 #[cfg(test)]
 mod flank_tests;
+pub mod fmu;
+mod joint;
 mod outline;
 mod points;
 mod profile;
@@ -31,6 +34,9 @@ mod tests;
 pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty};
 pub use fit::{FlankFit, Outlier};
 pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};
+pub use joint::{
+    Hysteresis, JointExport, JointInertia, JointState, SlipElement, TorsionCurve, TransmissionWaves, Wave,
+};
 pub use outline::{Outline, OutlinePoint, OutlineTable};
 pub use points::{PointFormat, PointSet, read_points};
 pub use profile::{Flank, Parts, ProfileExport, ProfileOptions};

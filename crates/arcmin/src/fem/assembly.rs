@@ -114,6 +114,23 @@ impl DofMap {
         DofMap { count, retained, dimension, terms, masters }
     }
 
+    /// Every displacement of a node with an element an unknown of its own, but for the components that
+    /// `held` names.
+    pub fn of_body(mesh: &Mesh, held: &[[bool; 3]]) -> DofMap {
+        let dimension = mesh.kind.dimension();
+        let mut used = vec![false; mesh.nodes.len()];
+        mesh.connectivity.iter().for_each(|node| used[*node] = true);
+        let mut terms = vec![NOTHING; mesh.nodes.len() * dimension];
+        let mut count = 0;
+        for node in (0..mesh.nodes.len()).filter(|node| used[*node]) {
+            for component in (0..dimension).filter(|component| !held[node][*component]) {
+                terms[node * dimension + component] = [(count, 1.0), (HELD, 0.0)];
+                count += 1;
+            }
+        }
+        DofMap { count, retained: 0, dimension, terms, masters: Vec::new() }
+    }
+
     /// A displacement component of a node in terms of the unknowns; entries of [`HELD`] vanish.
     pub fn terms(&self, node: usize, component: usize) -> [(usize, f64); 2] {
         self.terms[node * self.dimension + component]

@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use crate::geometry::{Profile, Vec2, unit};
+use crate::geometry::{Outline, Profile, Vec2, unit};
 
 /// A closed boundary curve p(t), run through counter-clockwise for t in [0, period).
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,8 @@ pub enum Boundary {
     Polygon(Vec<Vec2>),
     /// The flank of a cycloid disc; t is the trace parameter τ.
     Flank(Profile),
+    /// Lines and arcs; t counts segments as it does corners of a polygon.
+    Outline(Outline),
 }
 
 impl Boundary {
@@ -18,6 +20,7 @@ impl Boundary {
         match self {
             Boundary::Circle { .. } | Boundary::Flank(_) => TAU,
             Boundary::Polygon(corners) => corners.len() as f64,
+            Boundary::Outline(outline) => outline.segments.len() as f64,
         }
     }
 
@@ -31,6 +34,7 @@ impl Boundary {
                 corners[i] * (1.0 - s) + corners[(i + 1) % corners.len()] * s
             }
             Boundary::Flank(profile) => profile.flank_point(t),
+            Boundary::Outline(outline) => outline.point(t),
         }
     }
 
@@ -55,6 +59,7 @@ impl Boundary {
                 let arc = FlankArc::new(profile);
                 arc.nodes(((arc.lobe_length() / size).ceil() as usize).max(8))
             }
+            Boundary::Outline(outline) => outline.sample(size),
         }
     }
 

@@ -50,6 +50,9 @@ impl CacheKey {
             put(&[holes.len() as f64]);
             holes.iter().for_each(|hole| put(&[hole.centre.x, hole.centre.y, hole.radius]));
         }
+        for w in &shape.windows {
+            put(&[w.inner_radius, w.outer_radius, w.centre_angle, w.half_angle, w.corner_radius]);
+        }
         let s = &settings.sizes;
         let layers = match settings.element {
             DiscElement::PlaneStress => 0.0,

@@ -105,6 +105,32 @@ impl Mesh {
         Mesh { kind: ElementKind::Tet10, nodes, connectivity, thickness, plane, levels, half_width }
     }
 
+    /// Extrudes a section layer by layer between the heights `cuts` (m, ascending), each of which takes
+    /// part only where `present(layer, triangle)`: plate, pillars, plate. Nodes without an element stay in
+    /// the list, for the order of levels; they carry nothing.
+    pub fn layered(plane: PlaneMesh, cuts: &[f64], present: impl Fn(usize, usize) -> bool) -> Mesh {
+        let mut levels: Vec<f64> = cuts.windows(2).flat_map(|c| [c[0], 0.5 * (c[0] + c[1])]).collect();
+        levels.extend(cuts.last());
+        let per_level = plane.nodes.len();
+        let nodes = levels.iter().flat_map(|z| plane.nodes.iter().map(move |p| [p.x, p.y, *z])).collect();
+        let mut connectivity = Vec::new();
+        for layer in 0..cuts.len().saturating_sub(1) {
+            for (index, triangle) in plane.triangles.iter().enumerate() {
+                if !present(layer, index) {
+                    continue;
+                }
+                for tetrahedron in split_prism(triangle) {
+                    connectivity.extend(
+                        tet10_nodes(triangle, tetrahedron)
+                            .map(|(node, half)| (2 * layer + half) * per_level + node),
+                    );
+                }
+            }
+        }
+        let thickness = levels.last().unwrap_or(&0.0) - levels.first().unwrap_or(&0.0);
+        Mesh { kind: ElementKind::Tet10, nodes, connectivity, thickness, plane, levels, half_width: false }
+    }
+
     pub fn element_count(&self) -> usize {
         self.connectivity.len() / self.kind.nodes_per_element()
     }

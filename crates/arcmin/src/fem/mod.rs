@@ -6,12 +6,18 @@
 //! place). `load` and `dynamics` only ever see the reduced disc. `vtu` writes meshes and fields for ParaView.
 
 pub mod assembly;
+pub mod bodies;
+pub mod body;
+#[cfg(test)]
+mod body_tests;
 pub mod boundary;
 pub mod cache;
+pub mod carrier;
 pub mod contacts;
 pub mod disc;
 pub mod elements;
 pub mod flank;
+pub mod housing;
 mod interface;
 pub mod mesh;
 mod modes;
@@ -19,6 +25,7 @@ pub mod plane;
 pub mod quadrature;
 mod reduced;
 pub mod reduction;
+pub mod rims;
 pub mod shape;
 pub mod solve;
 mod stress;
@@ -29,16 +36,21 @@ mod verification;
 pub mod vtu;
 
 pub use assembly::{BoreTie, DofMap, MasterMotion, SymmetricMatrix, TiedBore};
+pub use bodies::{BodyShapes, ElasticBodies};
+pub use body::{Body, Compliance, NodalLoad, Seat, Traction};
 pub use boundary::Boundary;
 pub use cache::{CacheError, CacheKey};
+pub use carrier::CarrierShape;
 pub use contacts::{CoupledContact, CoupledForces, FlexibleDiscs};
 pub use disc::{DiscModel, FlankLoad};
 pub use flank::{FlankStations, Stencil};
+pub use housing::HousingShape;
 pub use mesh::{ElementKind, Mesh, MeshQuality};
 pub use modes::{FlankModes, FreeModes};
 pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
+pub use rims::RimShape;
 pub use shape::{BoreInterface, DiscElement, DiscShape, FlexibleSettings, RoundHole};
 pub use vtu::DeformedPicture;
 

@@ -61,61 +61,41 @@ impl PlaneMesh {
     /// # Errors
     /// [`FemError::Mesh`] if boundary curves cross each other or the refinement does not end.
     pub fn triangulate(domain: &PlaneDomain) -> Result<PlaneMesh, FemError> {
-        let mut points: Vec<Point2<f64>> = Vec::new();
-        let mut constraints: Vec<[usize; 2]> = Vec::new();
-        let mut curves: Vec<(usize, Vec<f64>)> = Vec::new();
-        for (boundary, size, _) in &domain.boundaries {
-            let parameters = boundary.sample(*size);
-            let first = points.len();
-            points.extend(parameters.iter().map(|t| to_point(boundary.point(*t))));
-            constraints
-                .extend((0..parameters.len()).map(|i| [first + i, first + (i + 1) % parameters.len()]));
-            curves.push((first, parameters));
-        }
-        let boundary_count = points.len();
-        for (index, ((boundary, size, rows), (_, parameters))) in
-            domain.boundaries.iter().zip(&curves).enumerate()
-        {
-            let inward = if index == 0 { 1.0 } else { -1.0 };
-            for row in 1..=*rows {
-                points.extend(parallel_row(boundary, parameters, *size, row, inward));
-            }
-        }
-        let mut conflict = false;
-        let mut triangulation =
-            ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, constraints, |_| {
-                conflict = true
-            })
-            .map_err(|error| FemError::Mesh { reason: error.to_string() })?;
-        if conflict || triangulation.num_vertices() < boundary_count {
-            return Err(FemError::Mesh { reason: "boundary curves touch or cross each other".to_owned() });
-        }
-        let parameters = RefinementParameters::<f64>::new()
-            .exclude_outer_faces(true)
-            .keep_constraint_edges()
-            .with_angle_limit(AngleLimit::from_deg(ANGLE_LIMIT_DEG))
-            .with_max_allowed_area(0.45 * domain.interior_size * domain.interior_size)
-            .with_max_additional_vertices(40 * boundary_count + 100_000);
-        let refined = triangulation.refine(parameters);
-        if !refined.refinement_complete {
-            return Err(FemError::Mesh {
-                reason: "the refinement does not end; boundary spacing and interior size may contradict each other".to_owned(),
-            });
-        }
-        let mut outside = vec![false; triangulation.num_all_faces()];
-        for face in &refined.excluded_faces {
-            outside[face.index()] = true;
-        }
-        let corners: Vec<[usize; 3]> = triangulation
-            .inner_faces()
-            .filter(|face| !outside[face.fix().index()])
-            .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
-            .collect();
-        let nodes: Vec<Vec2> = triangulation
-            .vertices()
-            .map(|vertex| Vec2::new(vertex.position().x, vertex.position().y))
-            .collect();
+        let Triangulated { nodes, corners, curves } = triangulated(domain, true)?;
         PlaneMesh::with_mid_sides(nodes, &corners, domain, &curves)
+    }
+
+    /// The same for a domain whose curves may also be drawn on the metal, such as the section of a pillar on
+    /// a plate: every curve is meshed along, and `keep` says by the curves around a triangle (bit k: inside
+    /// curve k) whether there is metal at all. Returns the bits of every triangle beside the mesh.
+    ///
+    /// # Errors
+    /// As [`PlaneMesh::triangulate`], and for more than 64 curves.
+    pub fn triangulate_regions(
+        domain: &PlaneDomain,
+        keep: impl Fn(u64) -> bool,
+    ) -> Result<(PlaneMesh, Vec<u64>), FemError> {
+        if domain.boundaries.len() > 64 {
+            return Err(FemError::Mesh { reason: "more than 64 curves in one section".to_owned() });
+        }
+        let Triangulated { nodes, corners, curves } = triangulated(domain, false)?;
+        let polygons: Vec<Vec<Vec2>> = domain
+            .boundaries
+            .iter()
+            .zip(&curves)
+            .map(|((boundary, ..), (_, parameters))| parameters.iter().map(|t| boundary.point(*t)).collect())
+            .collect();
+        let regions = |corners: &[usize; 3]| {
+            let centre = corners.iter().map(|node| nodes[*node]).sum::<Vec2>() / 3.0;
+            let bit = |(k, polygon): (usize, &Vec<Vec2>)| u64::from(encloses(polygon, centre)) << k;
+            polygons.iter().enumerate().map(bit).sum::<u64>()
+        };
+        let (kept, bits): (Vec<[usize; 3]>, Vec<u64>) = corners
+            .iter()
+            .map(|corners| (*corners, regions(corners)))
+            .filter(|(_, bits)| keep(*bits))
+            .unzip();
+        Ok((PlaneMesh::with_mid_sides(nodes, &kept, domain, &curves)?, bits))
     }
 
     fn with_mid_sides(
@@ -193,6 +173,80 @@ impl PlaneMesh {
             (l0 > -tolerance && l1 > -tolerance && 1.0 - l0 - l1 > -tolerance).then_some((index, [l0, l1]))
         })
     }
+}
+
+/// Corner nodes, triangles, and per curve its first node and the parameters of its nodes.
+struct Triangulated {
+    nodes: Vec<Vec2>,
+    corners: Vec<[usize; 3]>,
+    curves: Vec<(usize, Vec<f64>)>,
+}
+
+/// `holes`: whether metal and holes alternate from curve to curve inwards and holes are left empty.
+fn triangulated(domain: &PlaneDomain, holes: bool) -> Result<Triangulated, FemError> {
+    let mut points: Vec<Point2<f64>> = Vec::new();
+    let mut constraints: Vec<[usize; 2]> = Vec::new();
+    let mut curves: Vec<(usize, Vec<f64>)> = Vec::new();
+    for (boundary, size, _) in &domain.boundaries {
+        let parameters = boundary.sample(*size);
+        let first = points.len();
+        points.extend(parameters.iter().map(|t| to_point(boundary.point(*t))));
+        constraints.extend((0..parameters.len()).map(|i| [first + i, first + (i + 1) % parameters.len()]));
+        curves.push((first, parameters));
+    }
+    let boundary_count = points.len();
+    for (index, ((boundary, size, rows), (_, parameters))) in
+        domain.boundaries.iter().zip(&curves).enumerate()
+    {
+        let inward = if index == 0 { 1.0 } else { -1.0 };
+        for row in 1..=*rows {
+            points.extend(parallel_row(boundary, parameters, *size, row, inward));
+        }
+    }
+    let mut conflict = false;
+    let mut triangulation =
+        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, constraints, |_| {
+            conflict = true
+        })
+        .map_err(|error| FemError::Mesh { reason: error.to_string() })?;
+    if conflict || triangulation.num_vertices() < boundary_count {
+        return Err(FemError::Mesh { reason: "boundary curves touch or cross each other".to_owned() });
+    }
+    let parameters = RefinementParameters::<f64>::new()
+        .exclude_outer_faces(holes)
+        .keep_constraint_edges()
+        .with_angle_limit(AngleLimit::from_deg(ANGLE_LIMIT_DEG))
+        .with_max_allowed_area(0.45 * domain.interior_size * domain.interior_size)
+        .with_max_additional_vertices(40 * boundary_count + 100_000);
+    let refined = triangulation.refine(parameters);
+    if !refined.refinement_complete {
+        return Err(FemError::Mesh {
+            reason:
+                "the refinement does not end; boundary spacing and interior size may contradict each other"
+                    .to_owned(),
+        });
+    }
+    let mut outside = vec![false; triangulation.num_all_faces()];
+    for face in &refined.excluded_faces {
+        outside[face.index()] = true;
+    }
+    let corners: Vec<[usize; 3]> = triangulation
+        .inner_faces()
+        .filter(|face| !outside[face.fix().index()])
+        .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
+        .collect();
+    let nodes: Vec<Vec2> =
+        triangulation.vertices().map(|vertex| Vec2::new(vertex.position().x, vertex.position().y)).collect();
+    Ok(Triangulated { nodes, corners, curves })
+}
+
+/// Whether a point lies inside a polygon (crossings of a ray).
+fn encloses(polygon: &[Vec2], point: Vec2) -> bool {
+    let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    let crossings = edges.filter(|(a, b)| {
+        (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    });
+    crossings.count() % 2 == 1
 }
 
 /// Nodes at half an edge's offset, row by row at the height of equilateral triangles into the metal; crowded

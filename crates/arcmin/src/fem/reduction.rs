@@ -156,6 +156,7 @@ impl DiscModel {
                 .iter()
                 .chain(&self.shape.holes)
                 .map(|hole| (tip - hole.centre).norm() - hole.radius)
+                .chain(self.shape.windows.iter().map(|window| window.outline().distance(tip)))
                 .fold(f64::INFINITY, f64::min)
         };
         (0..self.shape.profile.lobe_count())

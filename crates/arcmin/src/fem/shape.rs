@@ -1,5 +1,5 @@
 use super::{BoreTie, Boundary, MasterMotion, MeshSizes, PlaneDomain, TiedBore};
-use crate::geometry::{Profile, Vec2, unit};
+use crate::geometry::{Profile, Sector, Vec2, unit};
 use crate::machine::Machine;
 use crate::materials::Material;
 
@@ -18,8 +18,10 @@ pub struct DiscShape {
     pub profile: Profile,
     /// One bore per crankshaft.
     pub bores: Vec<RoundHole>,
-    /// Centre hole, windows, lightening holes.
+    /// Centre hole, lightening holes.
     pub holes: Vec<RoundHole>,
+    /// Windows for the carrier's pillars.
+    pub windows: Vec<Sector>,
     /// Face width B in m.
     pub width: f64,
     pub material: Material,
@@ -44,14 +46,15 @@ impl DiscShape {
             .collect();
         let centre = (part.centre_hole_radius > 0.0)
             .then(|| RoundHole { centre: Vec2::zeros(), radius: part.centre_hole_radius });
-        let windows = part.holes.iter().map(|hole| RoundHole {
+        let holes = part.holes.iter().map(|hole| RoundHole {
             centre: hole.centre_radius * unit(hole.centre_angle - mounting),
             radius: hole.radius,
         });
         DiscShape {
             profile: machine.profile(),
             bores,
-            holes: centre.into_iter().chain(windows).collect(),
+            holes: centre.into_iter().chain(holes).collect(),
+            windows: part.windows.iter().map(|window| window.turned(-mounting)).collect(),
             width: part.width,
             material: part.material.clone(),
         }
@@ -75,16 +78,26 @@ impl DiscShape {
                         })
                     })
             };
-            covered(&self.bores, &other.bores) && covered(&self.holes, &other.holes)
+            let same = |a: &Sector, b: &Sector| {
+                let apart = (a.centre_angle + angle - b.centre_angle).rem_euclid(std::f64::consts::TAU);
+                apart.min(std::f64::consts::TAU - apart) < 1e-9
+                    && Sector { centre_angle: 0.0, ..*a } == Sector { centre_angle: 0.0, ..*b }
+            };
+            covered(&self.bores, &other.bores)
+                && covered(&self.holes, &other.holes)
+                && self.windows.len() == other.windows.len()
+                && self.windows.iter().all(|a| other.windows.iter().any(|b| same(a, b)))
         })
     }
 
-    /// The region to mesh: flank first, then bores, then holes.
+    /// The region to mesh: flank first, then bores, holes and windows.
     pub fn domain(&self, sizes: &MeshSizes) -> PlaneDomain {
         let mut boundaries = vec![(Boundary::Flank(self.profile.clone()), sizes.flank, sizes.flank_rows)];
         let circle = |hole: &RoundHole| Boundary::Circle { centre: hole.centre, radius: hole.radius };
         boundaries.extend(self.bores.iter().map(|bore| (circle(bore), sizes.bore, 1)));
         boundaries.extend(self.holes.iter().map(|hole| (circle(hole), sizes.hole, 1)));
+        boundaries
+            .extend(self.windows.iter().map(|window| (Boundary::Outline(window.outline()), sizes.hole, 0)));
         PlaneDomain { boundaries, interior_size: sizes.interior }
     }
 

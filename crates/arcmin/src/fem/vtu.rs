@@ -89,7 +89,7 @@ pub struct DeformedPicture {
     pub von_mises_mpa: Vec<f64>,
     /// Corner nodes of each triangle.
     pub triangles: Vec<[usize; 3]>,
-    /// Closed outlines as node indices: the flank first, then bores and holes.
+    /// Closed outlines as node indices: the flank first, then bores, holes and windows.
     pub outlines: Vec<Vec<usize>>,
     /// Places and directions of the loads: x, y in mm, F_x, F_y in N.
     pub loads: Vec<[f64; 4]>,
@@ -102,7 +102,7 @@ impl DiscModel {
         let displacement = self.nodal_displacement(&unknowns);
         let stress = self.von_mises(&unknowns);
         let plane = &self.mesh.plane;
-        let curves = 1 + self.shape.bores.len() + self.shape.holes.len();
+        let curves = 1 + self.shape.bores.len() + self.shape.holes.len() + self.shape.windows.len();
         DeformedPicture {
             nodes_mm: plane.nodes.iter().map(|p| [p.x * 1e3, p.y * 1e3]).collect(),
             displacement_um: displacement[..plane.nodes.len()]

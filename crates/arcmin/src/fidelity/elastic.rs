@@ -6,7 +6,7 @@ use crate::dynamics::{ElasticDiscs, FlexibleOptions};
 use crate::fem::{
     BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc,
 };
-use crate::geometry::Relief;
+use crate::geometry::{Relief, Sector};
 use crate::load::LoadSharing;
 use crate::machine::{CrankAngle, Machine};
 
@@ -17,6 +17,7 @@ pub struct Elastic {
     /// With bores that bearings move; none where they are tied to one spider.
     free: Option<ElasticDiscs>,
     options: FidelityOptions,
+    windows: Vec<Sector>,
 }
 
 impl Elastic {
@@ -53,7 +54,7 @@ impl Elastic {
                     .map_err(AnalysisError::compute("free the bores of the elastic disc"))?,
             ),
         };
-        Ok(Elastic { reduced, free, options: options.clone() })
+        Ok(Elastic { reduced, free, options: options.clone(), windows: machine.disc.windows.clone() })
     }
 
     /// The reductions, bores held.
@@ -88,7 +89,9 @@ impl Elastic {
     /// # Errors
     /// [`AnalysisError`] where meshing the disc or sharing the load fails.
     pub fn under_rated_torque(&self, machine: &Machine) -> Result<(DiscModel, LoadSharing), AnalysisError> {
-        let shape = DiscShape::of(machine, 0);
+        let mut machine = machine.clone();
+        machine.disc.windows.clone_from(&self.windows);
+        let shape = DiscShape::of(&machine, 0);
         let model = DiscModel::new(shape.clone(), settings(&self.options, &shape))
             .map_err(AnalysisError::compute("mesh the elastic disc"))?;
         let meshing = machine.flexible_meshing(&Relief::uniform(0.0), self.reduced.clone());

@@ -5,15 +5,17 @@
 //! is what the multibody model takes, [`worn_after`](crate::life::worn_after) is the machine after some hours. "After H hours" thus
 //! means the same wherever it is asked.
 
+mod bodies;
 mod elastic;
 mod meshing;
 mod model;
 mod options;
 
+pub use bodies::ElasticFrame;
 pub use elastic::Elastic;
 pub use meshing::{MachineMeshing, MeshingStart};
 pub use model::Facets;
-pub use options::{Bores, DiscBodies, Element, ErrorSource, FidelityOptions, Joints};
+pub use options::{Bores, DiscBodies, Element, ErrorSource, FidelityOptions, FrameBodies, Joints};
 
 use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::{Choice, Design, InputFile};
@@ -28,6 +30,8 @@ pub struct Fidelity {
     pub joints: Joints,
     /// Elastic discs; `None` for rigid ones.
     pub elastic: Option<Elastic>,
+    /// Elastic carrier, housing and rims; `None` for rigid ones.
+    pub frame: Option<ElasticFrame>,
     pub errors: ManufacturingErrors,
     pub source: ErrorSource,
     /// Seed of a drawn machine.
@@ -42,6 +46,7 @@ impl Fidelity {
         Fidelity {
             joints: Joints::Ideal,
             elastic: None,
+            frame: None,
             errors: ManufacturingErrors::default(),
             source: ErrorSource::None,
             seed: None,
@@ -59,15 +64,28 @@ impl Fidelity {
         options: &FidelityOptions,
         host: &dyn Host,
     ) -> Result<Fidelity, AnalysisError> {
-        let machine = design.machine();
+        let mut machine = design.machine();
         let mut fidelity = Fidelity { joints: options.joints.value, ..Fidelity::ideal() };
         fidelity.take_errors(design, &machine, options, host)?;
-        if options.discs == DiscBodies::Elastic {
+        let bends = options.bodies == FrameBodies::Elastic;
+        if bends && options.joints.value == Joints::Ideal {
+            return Err(AnalysisError::usage(
+                "ideal joints leave carrier and housing nothing to give way to",
+                "choose joints = bearings",
+            ));
+        }
+        if bends {
+            machine = bodies::with_windows(&machine);
+        }
+        if bends || options.discs == DiscBodies::Elastic {
             // Said before anything is meshed.
             if options.joints.value == Joints::Bearings && options.bores == Bores::Common {
                 return Err(elastic::no_free_bores());
             }
             fidelity.elastic = Some(Elastic::reduce(&machine, options, host)?);
+        }
+        if bends {
+            fidelity.frame = Some(ElasticFrame::reduce(&machine, host)?);
         }
         Ok(fidelity)
     }
@@ -177,13 +195,33 @@ impl Fidelity {
             .map_err(AnalysisError::compute("set up the machine in its bearings"))
     }
 
+    /// [`Fidelity::meshing`] in steady running at rated speed, with the machine's friction.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] with ideal joints, which know no friction, or where the machine cannot be modelled so.
+    pub fn running_meshing(&self, machine: &Machine) -> Result<MachineMeshing, AnalysisError> {
+        if self.joints == Joints::Ideal {
+            return Err(AnalysisError::usage(
+                "ideal joints share the load without friction",
+                "friction acts on the whole machine: joints = bearings",
+            ));
+        }
+        let meshing = BearingMeshing::running(machine, &self.joint_settings()?)
+            .map_err(AnalysisError::compute("set up the machine in its bearings"))?;
+        Ok(MachineMeshing::Bearings(Box::new(meshing)))
+    }
+
     /// What the multibody model in bearings takes, new surfaces.
     ///
     /// # Errors
     /// [`AnalysisError`] where bores tied to one spider leave the bearings no bores to move.
     pub fn joint_settings(&self) -> Result<JointSettings, AnalysisError> {
         let discs = self.free_discs()?;
-        Ok(JointSettings { errors: self.errors.clone(), discs, ..JointSettings::default() })
+        let settings = JointSettings { errors: self.errors.clone(), discs, ..JointSettings::default() };
+        Ok(match &self.frame {
+            Some(frame) => frame.on(settings),
+            None => settings,
+        })
     }
 
     /// Elastic discs whose bores go their own way; rigid ones where bores are tied to one spider and the
@@ -201,6 +239,7 @@ impl Fidelity {
         vec![
             q::JOINTS.of(|o: &O| o.fidelity().joints.word().into()),
             q::DISCS.of(|o: &O| o.fidelity().discs_word().into()),
+            q::BODIES.of(|o: &O| o.fidelity().bodies_word().into()),
             q::ERRORS_SOURCE.of(|o: &O| o.fidelity().source.word().into()),
             q::ERRORS_SEED.of(|o: &O| Value::from(o.fidelity().seed)),
         ]
@@ -210,13 +249,21 @@ impl Fidelity {
         if self.elastic.is_some() { "elastic" } else { "rigid" }
     }
 
+    pub(crate) fn bodies_word(&self) -> &'static str {
+        if self.frame.is_some() { "elastic" } else { "rigid" }
+    }
+
     /// Which physics answers, in words for terminal and report.
     pub fn sentence(&self) -> String {
         let joints = match self.joints {
             Joints::Ideal => "ideal joints (no bearing clearance, no compliance but that of the teeth)",
             Joints::Bearings => "every body in its bearings",
         };
-        let discs = if self.elastic.is_some() { "elastic discs" } else { "rigid discs" };
+        let discs = match (&self.frame, &self.elastic) {
+            (Some(_), _) => "elastic discs, carrier and housing",
+            (None, Some(_)) => "elastic discs",
+            (None, None) => "rigid discs",
+        };
         let errors = match (self.source, self.seed) {
             (ErrorSource::None, _) if self.errors_left_out => {
                 ", the design's [errors] left out: they enter with joints = bearings".to_owned()

@@ -8,6 +8,8 @@ options! {
         joints: Stated<Joints> => default_word("ideal"),
         /// Cycloid discs.
         discs: DiscBodies => default_word("rigid"),
+        /// Carrier, housing with pin grooves, crank seats and the discs' rims; elastic ones go with bearings and make the discs elastic as well, with windows for the carrier's pillars.
+        bodies: FrameBodies => default_word("rigid"),
         /// Manufacturing errors; they act in bearings. Left out: those of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
         /// Seed of the machine that errors = drawn draws. Left out: 1.
@@ -67,6 +69,22 @@ impl Choice for DiscBodies {
     const WORDS: &'static [(&'static str, &'static str)] =
         &[("rigid", "rigid discs"), ("elastic", "finite elements, reduced to modes and flank compliances")];
     const VALUES: &'static [DiscBodies] = &[DiscBodies::Rigid, DiscBodies::Elastic];
+}
+
+/// Whether carrier, housing and rims deform.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameBodies {
+    Rigid,
+    /// Finite elements of the design's solids, condensed to their seats.
+    Elastic,
+}
+
+impl Choice for FrameBodies {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("rigid", "rigid carrier and housing"),
+        ("elastic", "finite elements of the design's solids, condensed to their seats"),
+    ];
+    const VALUES: &'static [FrameBodies] = &[FrameBodies::Rigid, FrameBodies::Elastic];
 }
 
 /// Where manufacturing errors come from.

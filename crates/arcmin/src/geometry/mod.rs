@@ -8,6 +8,7 @@ mod closest;
 mod feet;
 mod flank_error;
 mod foot;
+mod outline;
 mod profile;
 mod relief;
 
@@ -15,6 +16,7 @@ pub use closest::Closest;
 pub(crate) use feet::LANES;
 pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};
 pub use foot::Foot;
+pub use outline::{Outline, Sector, Segment};
 pub use profile::Profile;
 pub use relief::{DepthSample, Relief};
 

@@ -16,6 +16,10 @@ pub struct Accuracy {
     pub play: OutputAngle,
     /// Both sides together.
     pub free_travel: OutputAngle,
+    /// Largest force of a pin without load in N, 0 where there is play; and the friction torque at the output
+    /// in N·m that the preload causes with the flank friction of the machine.
+    pub preload: f64,
+    pub preload_friction: f64,
     /// Mean output error under vanishing rated-side torque: the play, signed.
     pub no_load_error: OutputAngle,
     /// Mean output error under rated torque.
@@ -93,6 +97,8 @@ pub fn accuracy<S: ShareLoad>(
         max_depth_at,
         play,
         free_travel: cycle.mean_free_travel(),
+        preload: cycle.max_preload(),
+        preload_friction: cycle.preload_friction_torque(machine),
         no_load_error: OutputAngle::from_radians(sign * play.radians()),
         loaded_error: cycle.mean_error(),
         loaded_peak_to_peak: cycle.peak_to_peak_error(),

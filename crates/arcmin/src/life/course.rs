@@ -147,7 +147,7 @@ impl<'a> Course<'a> {
     /// Goes on to the given hours.
     ///
     /// # Errors
-    /// [`WearError`]; `Stopped` when `progress` was cancelled.
+    /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` where flank or pin are gone.
     pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
         let interval = self.machine.limits.service_life / HOUR / INTERVALS as f64;
         while self.hours < hours {
@@ -159,9 +159,16 @@ impl<'a> Course<'a> {
                 self.wear.set_part_wear(self.parts.wear());
             }
             let mut stopped = false;
-            self.wear.advance_until(self.exposure.at(next * HOUR), |_| {
+            let exposure = &self.exposure;
+            let goes_on = self.wear.advance_until(exposure.at(next * HOUR), |_| {
                 stopped = progress.is_cancelled();
                 stopped
+            });
+            goes_on.map_err(|error| match error {
+                WearError::RunsAway { exposure: reached, depth_um } => {
+                    WearError::RunsAwayAt { hours: exposure.time_at(reached) / HOUR, depth_um }
+                }
+                error => error,
             })?;
             if stopped {
                 return Err(WearError::Stopped);

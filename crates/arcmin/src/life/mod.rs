@@ -10,5 +10,5 @@ pub use accuracy::{Accuracy, accuracy};
 pub use course::{Course, WornState, worn_after};
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
 pub(crate) use predict::crossing;
-pub use predict::{LifeOptions, LifePoint, Prediction, predict};
+pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict};
 pub use tao2024::{PaperStudy, paper_depths, paper_study};

@@ -9,7 +9,7 @@ use crate::fidelity::Fidelity;
 use crate::load::lost_motion;
 use crate::machine::{Machine, OutputAngle};
 use crate::progress::Progress;
-use crate::units::HOUR;
+use crate::units::{HOUR, UM};
 use crate::wear::{CoupledOptions, Exposure, WearError};
 
 /// The machine at one time of its life.
@@ -47,6 +47,17 @@ pub struct Prediction {
     pub hours_to_limit: Option<f64>,
     /// How far the limit was looked for.
     pub searched_hours: f64,
+    /// Where wear ran away within the service life: `points` end before it.
+    pub runs_away: Option<RunAway>,
+}
+
+/// Wear that has consumed flank or pin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunAway {
+    /// h.
+    pub hours: f64,
+    /// m, of the deepest place reached.
+    pub depth: f64,
 }
 
 /// Numerical choices of a life computation.
@@ -89,9 +100,16 @@ pub fn predict(
     let mut course = Course::new(machine, fidelity, options.wear)?;
     let service_hours = machine.limits.service_life / HOUR;
     let mut states = Vec::with_capacity(options.intervals + 1);
+    let mut runs_away = None;
     for interval in 0..=options.intervals {
         let share = interval as f64 / options.intervals as f64;
-        course.advance_to(service_hours * share, progress).map_err(failed())?;
+        match course.advance_to(service_hours * share, progress) {
+            Err(WearError::RunsAwayAt { hours, depth_um }) => {
+                runs_away = Some(RunAway { hours, depth: depth_um * UM });
+                break;
+            }
+            result => result.map_err(failed())?,
+        }
         states.push(course.state());
         seen(&states[interval]);
         progress.report("wear", share);
@@ -114,10 +132,13 @@ pub fn predict(
         .collect::<Result<Vec<LifePoint>, WearError>>()
         .map_err(failed())?;
     let (updates, exposure) = (course.updates(), *course.exposure());
-    let history = points.iter().map(|point| (point.hours(), point.lost_motion().radians())).collect();
-    let (hours_to_limit, searched_hours) =
-        search_limit(&mut course, machine, options, history, progress).map_err(failed())?;
-    Ok(Prediction { points, exposure, updates, hours_to_limit, searched_hours })
+    let history: Vec<(f64, f64)> =
+        points.iter().map(|point| (point.hours(), point.lost_motion().radians())).collect();
+    let (hours_to_limit, searched_hours) = match runs_away {
+        None => search_limit(&mut course, machine, options, history, progress).map_err(failed())?,
+        Some(RunAway { hours, .. }) => (crossing(&history, machine.limits.lost_motion), hours),
+    };
+    Ok(Prediction { points, exposure, updates, hours_to_limit, searched_hours, runs_away })
 }
 
 /// Lost motion of the tooth contacts alone.
@@ -151,7 +172,7 @@ fn search_limit(
             Ok(lost) => history.push((hours, lost)),
             // Far beyond the service life a flank may be worn out of the model's reach; the search ends where
             // it still held.
-            Err(WearError::Load(_)) => break,
+            Err(WearError::Load(_) | WearError::RunsAwayAt { .. }) => break,
             Err(error) => return Err(error),
         }
         searched_hours = hours;

@@ -6,6 +6,7 @@
 
 use crate::contact::{ContactLaw, LineContact};
 use crate::machine::Machine;
+use crate::units::UM;
 
 /// One tooth pair of the closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,9 +34,13 @@ pub struct ClosedForm {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClosedFormError {
     #[error(
-        "the closed form of the load sharing did not settle in {iterations} iterations (largest force {max_force:.6e} N); use the equilibrium method"
+        "the closed form of the load sharing did not settle in {iterations} iterations (largest force {max_force:.6e} N)"
     )]
     NotConverged { iterations: usize, max_force: f64 },
+    #[error(
+        "the closed form has no solution: after rotation to first contact the offsets leave a gap of {smallest_gap_um:.2} µm, and the overlap alone bears more than the torque"
+    )]
+    Overlap { smallest_gap_um: f64 },
     #[error("the closed form needs a positive torque, not {0} N·m")]
     BadTorque(f64),
     #[error(
@@ -151,7 +156,13 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
         let sum: f64 = shares(max_approach).zip(&levers).map(|(share, lever)| share * lever).sum();
         max_force * sum - disc_torque
     };
-    let max_force = rising_root(first_max_force(machine, torque), excess)
+    let first = first_max_force(machine, torque);
+    let smallest_gap = gaps.iter().copied().fold(f64::INFINITY, f64::min);
+    // With overlap the pairs bear torque however small F_max is.
+    if smallest_gap < 0.0 && excess(LEAST_FORCE * first) > 0.0 {
+        return Err(ClosedFormError::Overlap { smallest_gap_um: smallest_gap / UM });
+    }
+    let max_force = rising_root(first, excess)
         .map_err(|max_force| ClosedFormError::NotConverged { iterations: ITERATIONS, max_force })?;
     let max_approach = law.approach(max_force, machine.ring.pin_radius);
     let pairs = angles
@@ -167,6 +178,8 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
 }
 
 const ITERATIONS: usize = 500;
+/// Share of the first guess below which a largest force is none.
+const LEAST_FORCE: f64 = 1e-3;
 
 /// Positive root of a rising function: bracketed by doubling and halving, then false position with Illinois'
 /// weights, whose step goes to the middle where it does not shrink the bracket. The place reached where there

@@ -123,7 +123,7 @@ impl LoadSharing {
 
 /// What a look at the contacts is for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Scope {
+pub(super) enum Scope {
     /// A step on the way: the pins that may touch.
     MayTouch,
     /// All pins: out of the clearance, any may be the next to touch.
@@ -132,10 +132,15 @@ enum Scope {
     Last,
 }
 
-const MAX_ITERATIONS: usize = 60;
+pub(super) const MAX_ITERATIONS: usize = 60;
+/// From here on a bracket that does not shrink is halved, until it holds nothing but a jump.
+const SAFE_FROM: usize = 12;
+const LAST_ITERATION: usize = 250;
+/// Width in rad of a bracket in which Q jumps: rounding of the angles of crankshaft and output.
+const JUMP_WIDTH: f64 = 3e-15;
 /// Largest Newton step of the output error in rad: some wind-ups. Further away other lobes would come into
 /// reach.
-const LARGEST_STEP: f64 = 1.0 * crate::units::ARCMIN;
+pub(super) const LARGEST_STEP: f64 = 1.0 * crate::units::ARCMIN;
 /// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls reliably below,
 /// which is 1e-9 relative from 5 N·m on.
 const RESIDUAL_FLOOR: f64 = 5e-9;
@@ -147,15 +152,6 @@ const NEAR_THE_SOLUTION: f64 = 1e-6;
 const LAST_RESIDUAL: f64 = 1e-7;
 /// Up to this gap in m the model of a contact knows how its curvature changes.
 const CURVATURE_REACH: f64 = 2e-6;
-/// The last step of the free travel in rad.
-const LAST_TRAVEL: f64 = 1e-13;
-/// Gaps of at least this (m) at the nominal place are none that overlap: rounding.
-const OVERLAP_ROUNDING: f64 = -1e-12;
-/// Overlap in m over which the free travel goes over from that of the mechanism just freed to the negative
-/// one. Where pins near root or tip, which hardly have a lever, are the last to be freed, the travel opens at
-/// once to what the others leave: it would jump by that at no overlap at all, where rounding and the spline of
-/// a worn flank decide. A hundredth of a micrometre is far below the roughness of any flank.
-const FREEING_BAND: f64 = 1e-8;
 /// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the
 /// wind-up, N·m/rad.
 const EXPECTED_STIFFNESS: f64 = 5000.0 / crate::units::ARCMIN;
@@ -205,7 +201,7 @@ impl Meshing {
     }
 
     /// Gaps and forces at the output error ε with their changes along ε; `visit` sees every contact.
-    fn survey(
+    pub(super) fn survey(
         &self,
         nominal_crank: f64,
         error: f64,
@@ -240,127 +236,6 @@ impl Meshing {
                 model.add(contact, slope, bend, curvature_slope);
             });
         }
-    }
-
-    /// Output error at which the first pin touches when the output turns in `direction` (−1 lag, +1 lead)
-    /// from ε = `from`.
-    ///
-    /// Each step goes to the first contact predicted by gaps, their slopes and bends; gaps are smooth in ε,
-    /// so this converges at least like Newton's method. A bracket keeps it from cycling between two pins.
-    /// `relief` (m) is taken off all flanks.
-    fn first_touch(
-        &self,
-        nominal_crank: f64,
-        direction: f64,
-        from: f64,
-        relief: f64,
-    ) -> Result<f64, LoadError> {
-        let k = &self.kinematics;
-        let no_contact =
-            || LoadError::NoContact { crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees() };
-        let half_pitch = std::f64::consts::PI / k.lobe_count;
-        // Pins within 0.1° of root or tip have no lever to speak of: they close too slowly to be first, and
-        // rounding of their gaps would be magnified.
-        let least_closing = 1e-2 * k.eccentricity * k.lobe_count;
-        let mut error = from;
-        let (mut free, mut touching) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut model = self.empty_model();
-        for _ in 0..MAX_ITERATIONS {
-            self.survey(nominal_crank, error, Scope::Last, &mut model, |_, _| ());
-            let step =
-                direction * model.first_touch(direction, least_closing, relief).ok_or_else(no_contact)?;
-            if (error + direction * step).abs() > half_pitch {
-                return Err(no_contact());
-            }
-            if step.abs() < LAST_TRAVEL {
-                return Ok(error + direction * step);
-            }
-            let travel = direction * error;
-            if step > 0.0 {
-                free = free.max(travel);
-            } else {
-                touching = touching.min(travel);
-            }
-            let next = travel + step;
-            error = direction * if next > free && next < touching { next } else { 0.5 * (free + touching) };
-            if touching - free < 1e-13 {
-                return Ok(direction * free);
-            }
-        }
-        Err(no_contact())
-    }
-
-    /// Output error at which the smallest gap of all is largest, that gap (m), and the fastest closing of any
-    /// gap (m/rad) towards lag and lead there.
-    fn loosest(&self, nominal_crank: f64) -> (f64, f64, [f64; 2]) {
-        let half_pitch = std::f64::consts::PI / self.kinematics.lobe_count;
-        let mut model = self.empty_model();
-        let (mut low, mut high) = (-half_pitch, half_pitch);
-        let mut error = 0.0;
-        for _ in 0..MAX_ITERATIONS {
-            self.survey(nominal_crank, error, Scope::Last, &mut model, |_, _| ());
-            if model.smallest().1 > 0.0 {
-                low = error;
-            } else {
-                high = error;
-            }
-            let next = error + model.loosest(LARGEST_STEP);
-            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if (next - error).abs() < LAST_TRAVEL {
-                break;
-            }
-            error = next;
-        }
-        let closing = [-1.0, 1.0].map(|direction| model.fastest_closing(direction));
-        (error, model.smallest().0, closing)
-    }
-
-    /// How far the output can turn at no load with the input locked, in both directions; negative where metal
-    /// overlaps, see [`FreeTravel`].
-    ///
-    /// # Errors
-    /// [`LoadError::NoContact`] when no pin touches within half a pitch.
-    pub fn free_travel(&self, crank_angle: CrankAngle) -> Result<FreeTravel, LoadError> {
-        let (mut travel, tight_at) = self.free_angles(crank_angle)?;
-        if let Some(place) = tight_at {
-            let sharing = self.solve(crank_angle, 0.0, place, Scope::All)?;
-            travel.preload = Preload::of(&sharing.discs, &self.contacts);
-        }
-        Ok(travel)
-    }
-
-    /// [`Meshing::free_travel`] without the forces of a preload; where metal overlaps, the output error at
-    /// which it does least.
-    pub(super) fn free_angles(
-        &self,
-        crank_angle: CrankAngle,
-    ) -> Result<(FreeTravel, Option<f64>), LoadError> {
-        let nominal = crank_angle.radians();
-        let angles = |lag: f64, lead: f64| FreeTravel {
-            lag: OutputAngle::from_radians(lag),
-            lead: OutputAngle::from_radians(lead),
-            preload: Preload::default(),
-        };
-        let mut model = self.empty_model();
-        self.survey(nominal, 0.0, Scope::Last, &mut model, |_, _| ());
-        if model.smallest().0 >= OVERLAP_ROUNDING {
-            let lag = self.first_touch(nominal, -1.0, 0.0, 0.0)?;
-            return Ok((angles(lag, self.first_touch(nominal, 1.0, 0.0, 0.0)?), None));
-        }
-        let (place, gap, [to_lag, to_lead]) = self.loosest(nominal);
-        let missing = (-gap).max(0.0);
-        let tight = (missing / FREEING_BAND).min(1.0);
-        let mut ends = [0.0, 0.0];
-        if tight < 1.0 {
-            for (end, direction) in ends.iter_mut().zip([-1.0, 1.0]) {
-                *end = (1.0 - tight) * self.first_touch(nominal, direction, place, missing)?;
-            }
-        }
-        let travel = angles(
-            ends[0] + tight * (place + missing / to_lag),
-            ends[1] + tight * (place - missing / to_lead),
-        );
-        Ok((travel, (missing > 0.0).then_some(place)))
     }
 
     /// Finds ε with Q(ε) = T at the nominal crank angle given; torque T in N·m, positive against positive
@@ -422,7 +297,7 @@ impl Meshing {
 
     /// Newton's method kept in a bracket, its steps taken on the second-order model of all gaps at the last
     /// place. `scope` is that of the first look.
-    fn solve(
+    pub(super) fn solve(
         &self,
         crank_angle: CrankAngle,
         torque: f64,
@@ -439,7 +314,9 @@ impl Meshing {
         let mut model = self.empty_model();
         let mut discs = self.no_contacts();
         let mut was_clear = false;
-        for _ in 0..MAX_ITERATIONS {
+        // Width of the bracket when it was halved last, and when.
+        let mut halved = (f64::INFINITY, 0);
+        for iteration in 0..LAST_ITERATION {
             discs.iter_mut().for_each(Vec::clear);
             self.survey(nominal, error, scope, &mut model, |disc, contact| discs[disc].push(*contact));
             residual = model.torque - torque;
@@ -473,7 +350,16 @@ impl Meshing {
             } else {
                 high = high.min(error);
             }
-            let next = if is_clear && was_clear {
+            let width = high - low;
+            if width <= 0.5 * halved.0 {
+                halved = (width, iteration);
+            }
+            if width <= JUMP_WIDTH {
+                return Ok(self.at_jump(crank_angle, torque, low, high));
+            }
+            let next = if iteration > SAFE_FROM && iteration > halved.1 + 2 && width.is_finite() {
+                0.5 * (low + high)
+            } else if is_clear && was_clear {
                 // The model did not find the way out of the clearance: the safe search does.
                 let direction = -torque.signum();
                 self.first_touch(nominal, direction, error, 0.0)? + direction * wind_up
@@ -501,15 +387,45 @@ impl Meshing {
             crank_angle_deg: crank_angle.degrees(),
             torque,
             residual: residual.abs(),
-            iterations: MAX_ITERATIONS,
+            iterations: LAST_ITERATION,
         })
     }
 
-    fn empty_model(&self) -> GapModel {
+    /// Where Q jumps over T between two places (a pin in the root of a worn flank goes over to the other side,
+    /// or lies against both): the pin bears on both sides, and the shares of the two places in the forces are
+    /// those with which Q = T. A contact stands where the larger part of its force is.
+    fn at_jump(&self, crank_angle: CrankAngle, torque: f64, low: f64, high: f64) -> LoadSharing {
+        let nominal = crank_angle.radians();
+        let look = |error: f64| {
+            let mut model = self.empty_model();
+            let mut discs = self.no_contacts();
+            self.survey(nominal, error, Scope::Last, &mut model, |disc, c| discs[disc].push(*c));
+            (model, discs)
+        };
+        let ((below, mut discs), (above, others)) = (look(low), look(high));
+        let share = ((below.torque - torque) / (below.torque - above.torque)).clamp(0.0, 1.0);
+        for (here, other) in discs.iter_mut().flatten().zip(others.iter().flatten()) {
+            let (mine, theirs) = ((1.0 - share) * here.force, share * other.force);
+            if theirs > mine {
+                *here = *other;
+            }
+            (here.force, here.elastic) = (mine + theirs, mine + theirs);
+        }
+        LoadSharing {
+            crank_angle,
+            torque,
+            output_error: OutputAngle::from_radians(0.5 * (low + high)),
+            residual: below.torque + share * (above.torque - below.torque) - torque,
+            stiffness: below.stiffness + share * (above.stiffness - below.stiffness),
+            discs,
+        }
+    }
+
+    pub(super) fn empty_model(&self) -> GapModel {
         GapModel::with_capacity(self.contacts.pins().len() * self.kinematics.phases.len())
     }
 
-    fn no_contacts(&self) -> Vec<Vec<PinContact>> {
+    pub(super) fn no_contacts(&self) -> Vec<Vec<PinContact>> {
         vec![Vec::with_capacity(self.contacts.pins().len()); self.kinematics.phases.len()]
     }
 }

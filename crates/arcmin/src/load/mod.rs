@@ -9,6 +9,7 @@ mod equilibrium;
 mod flexible;
 mod gap_model;
 mod share;
+mod travel;
 
 pub use cycle::{Cycle, FlankForce, HarmonicError, PinLoad};
 #[cfg(test)]

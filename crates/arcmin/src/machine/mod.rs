@@ -10,6 +10,8 @@ mod errors;
 mod kinematics;
 mod part_wear;
 mod parts;
+mod solids;
+mod thermal;
 mod tolerances;
 
 pub use access::InvalidAssumption;
@@ -22,6 +24,8 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
+pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis};
+pub use thermal::{REFERENCE_C, Thermal, WarmFriction};
 pub use tolerances::{Batch, Tolerances};
 
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
@@ -50,9 +54,12 @@ pub struct Machine {
     pub(crate) gear_stage: GearStage,
     pub(crate) carrier: Carrier,
     pub(crate) housing: Housing,
+    /// Carrier and housing as finite elements see them.
+    pub(crate) solids: Solids,
     pub(crate) fixed_member: FixedMember,
     pub(crate) bearings: BearingSet,
     pub(crate) friction: Friction,
+    pub(crate) thermal: Thermal,
     pub(crate) contact_law: ContactLaw,
     pub(crate) contact_damping: Damping,
     /// Rated operating point: output torque in N·m, input speed in rad/s.
@@ -83,6 +90,8 @@ pub struct Limits {
     pub output_speed: Option<f64>,
     /// The maker's life in s at rated torque and 15 rpm of the output.
     pub catalogue_life: Option<f64>,
+    /// Hertz pressure in Pa that flanks and pins bear for 5·10⁷ passes.
+    pub contact_endurance: Option<f64>,
 }
 
 impl Machine {

@@ -1,4 +1,4 @@
-use crate::geometry::Relief;
+use crate::geometry::{Relief, Sector};
 use crate::materials::Material;
 use crate::tribology::{Lubrication, WearLaw};
 
@@ -39,6 +39,8 @@ pub struct CycloidDisc {
     pub centre_hole_radius: f64,
     /// Further holes (windows for carrier pillars, lightening).
     pub holes: Vec<Bore>,
+    /// Windows for the carrier's pillars, annular sectors.
+    pub windows: Vec<Sector>,
     /// Mass in kg and moment of inertia about the centre in kg·m², from the solid or given.
     pub mass: f64,
     pub inertia: f64,

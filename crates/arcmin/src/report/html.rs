@@ -108,29 +108,39 @@ impl Writer<'_> {
         let _ = writeln!(
             self.out,
             "<section id=\"verdict\" class=\"verdict\" aria-labelledby=\"verdict-head\">\
-             <h2 id=\"verdict-head\" class=\"tone-{}\">{}</h2>\n<div class=\"key-figures\">",
+             <h2 id=\"verdict-head\" class=\"tone-{}\">{}</h2>",
             tone_name(verdict.tone),
             escaped(&verdict.headline)
         );
+        if !verdict.figures.is_empty() {
+            self.out.push_str("<div class=\"key-figures\">\n");
+        }
         for figure in &verdict.figures {
             let _ = write!(
                 self.out,
                 "<div class=\"key-figure tone-{}\"><h3>{}</h3><p class=\"value\"><b>{}</b> <span>{}</span></p><p>",
                 tone_name(figure.tone),
-                escaped(&figure.label),
+                escaped(&capitalised(&figure.label)),
                 escaped(&figure.value),
                 escaped(&figure.unit)
             );
             self.inline(&figure.note);
             self.out.push_str("</p></div>\n");
         }
-        self.out.push_str("</div>\n<dl class=\"answers\">\n");
+        if !verdict.figures.is_empty() {
+            self.out.push_str("</div>\n");
+        }
+        if !verdict.answers.is_empty() {
+            self.out.push_str("<dl class=\"answers\">\n");
+        }
         for (question, answer) in &verdict.answers {
             let _ = write!(self.out, "<div><dt>{}</dt><dd>", escaped(question));
-            self.inline(answer);
+            self.inline(&sentence(answer));
             self.out.push_str("</dd></div>\n");
         }
-        self.out.push_str("</dl>\n");
+        if !verdict.answers.is_empty() {
+            self.out.push_str("</dl>\n");
+        }
         if !verdict.summary.is_empty() {
             let _ = writeln!(
                 self.out,
@@ -150,8 +160,22 @@ impl Writer<'_> {
             "<section id=\"{id}\" aria-labelledby=\"{id}-head\"><h2 id=\"{id}-head\">{}</h2>\n<div class=\"blocks\">",
             escaped(&section.title)
         );
-        for block in &section.blocks {
-            self.block(block);
+        // A half figure without a neighbour would leave a hole beside it.
+        let mut alone = vec![false; section.blocks.len()];
+        let mut start = 0;
+        for run in section.blocks.chunk_by(|a, b| is_half(a) == is_half(b)) {
+            let end = start + run.len();
+            alone[end - 1] =
+                is_half(&run[0]) && run.len() % 2 == 1 && matches!(run[run.len() - 1], Block::Plot(_));
+            start = end;
+        }
+        for (block, alone) in section.blocks.iter().zip(alone) {
+            match block {
+                Block::Plot(plot) if alone => {
+                    self.figure("plot", &plot.title, &plot.note, Width::Full, plot);
+                }
+                block => self.block(block),
+            }
         }
         self.out.push_str("</div>\n</section>\n");
     }
@@ -229,9 +253,11 @@ impl Writer<'_> {
 
     fn table(&mut self, table: &Table) {
         self.tables += 1;
+        // Sentences do not fit side by side on a phone: there each row stands as a block, its fields named.
+        let words = if table.columns.iter().any(|column| column.numeric) { "" } else { " words" };
         let _ = write!(
             self.out,
-            "<div class=\"table\" data-file=\"{}\"><div class=\"figure-head\"><h3 id=\"table-{1}\">{2}</h3>\
+            "<div class=\"table{words}\" data-file=\"{}\"><div class=\"figure-head\"><h3 id=\"table-{1}\">{2}</h3>\
              <div class=\"tools\"></div></div><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"table-{1}\"><table><thead><tr>",
             slug(&table.title),
             self.tables,
@@ -249,8 +275,14 @@ impl Writer<'_> {
         for row in &table.rows {
             self.out.push_str("<tr>");
             for (index, cell) in row.iter().enumerate() {
-                let numeric = table.columns.get(index).is_some_and(|column| column.numeric);
-                self.out.push_str(if numeric { "<td class=\"number\">" } else { "<td>" });
+                let column = table.columns.get(index);
+                if column.is_some_and(|column| column.numeric) {
+                    self.out.push_str("<td class=\"number\">");
+                } else if let Some(column) = column.filter(|_| !words.is_empty()) {
+                    let _ = write!(self.out, "<td data-head=\"{}\">", escaped(&column.label));
+                } else {
+                    self.out.push_str("<td>");
+                }
                 self.inline(cell);
                 self.out.push_str("</td>");
             }
@@ -359,6 +391,27 @@ impl Writer<'_> {
     fn inline(&mut self, text: &str) {
         push_inline(&mut self.out, text, &self.reference_keys);
     }
+}
+
+fn is_half(block: &Block) -> bool {
+    match block {
+        Block::Plot(plot) => plot.width == Width::Half,
+        Block::HeatMap(map) => map.width == Width::Half,
+        // On a wide screen a note stands beside a half figure.
+        Block::Note(..) => true,
+        _ => false,
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// With a capital, and a full stop unless it has its own end.
+fn sentence(text: &str) -> String {
+    let ended = text.ends_with(['.', '!', '?', ':']);
+    format!("{}{}", capitalised(text), if ended || text.is_empty() { "" } else { "." })
 }
 
 fn tone_name(tone: Tone) -> &'static str {

@@ -95,7 +95,7 @@ fn difference(base: &str, other: &str) -> Option<(usize, usize)> {
 
 fn numbers<S: Serializer>(values: &[Option<f64>], serializer: S) -> Result<S::Ok, S::Error> {
     // Seeds are whole numbers of up to sixteen digits and must stay what they are.
-    serializer.collect_seq(values.iter().map(|value| value.map(|value| Exact(value))))
+    serializer.collect_seq(values.iter().map(|value| value.map(Exact)))
 }
 
 struct Exact(f64);

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-/// Appends `text` with the five characters escaped that mean something in HTML text or attributes.
+/// Appends `text` with the five characters escaped that mean something in HTML text or attributes; control
+/// characters, which names in a file may hold, become the sign for what cannot be shown.
 pub(super) fn push_escaped(out: &mut String, text: &str) {
     for character in text.chars() {
         match character {
@@ -11,6 +12,7 @@ pub(super) fn push_escaped(out: &mut String, text: &str) {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
+            other if other.is_control() && !matches!(other, '\n' | '\t') => out.push('\u{fffd}'),
             other => out.push(other),
         }
     }

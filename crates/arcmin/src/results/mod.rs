@@ -87,16 +87,30 @@ pub const fn quantity(key: &'static str, format: Format, what: &'static str) -> 
     Quantity { key, format, what }
 }
 
+/// Stem and unit of a key. Newtons stand in results only: a key of the design that ends in `_n` would be a
+/// count.
+fn unit_of(key: &str) -> Option<(&str, &'static str)> {
+    let newtons = || key.strip_suffix("_n").filter(|stem| !stem.ends_with("_per")).map(|stem| (stem, "N"));
+    crate::design::unit_suffix(key).or_else(newtons)
+}
+
 impl Quantity {
     /// Unit as a reader writes it; empty for pure numbers, counts and words.
     pub fn unit(&self) -> &'static str {
-        crate::design::unit_suffix(self.key).map_or("", |(_, unit)| unit)
+        unit_of(self.key).map_or("", |(_, unit)| unit)
     }
 
     /// The key without path and unit, as words: `max_force_n` is "max force".
     pub fn label(&self) -> String {
         let name = self.key.rsplit('.').next().unwrap_or(self.key);
-        crate::design::unit_suffix(name).map_or(name, |(stem, _)| stem).replace('_', " ")
+        let words = unit_of(name).map_or(name, |(stem, _)| stem).split('_').map(|word| match word {
+            "te" => "TE",
+            "ste" => "STE",
+            "dte" => "DTE",
+            "l10" => "L10",
+            word => word,
+        });
+        words.collect::<Vec<_>>().join(" ")
     }
 
     /// The first sentence of what it is.

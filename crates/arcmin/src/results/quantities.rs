@@ -37,6 +37,14 @@ pub const MAX_DEPTH_AT: Quantity =
 pub const MAX_PIN_DEPTH: Quantity =
     quantity("max_pin_depth_um", decimals(2), "Largest depth worn off a pin.");
 
+pub const PRELOAD: Quantity =
+    quantity("preload_n", decimals(1), "Largest force of a pin without load; 0 where there is play.");
+pub const PRELOAD_FRICTION: Quantity = quantity(
+    "preload_friction_n_m",
+    decimals(3),
+    "Friction torque at the output that the preload causes, with the design's flank friction; mean over the \
+     cycle.",
+);
 pub const PLAY: Quantity = quantity(
     "play_arcmin",
     decimals(3),
@@ -140,6 +148,9 @@ pub const SPECIFIC_SLIDING: Quantity = quantity(
 pub const JOINTS: Quantity = quantity("joints", PLAIN, "Joints between the bodies: ideal or bearings.");
 
 pub const DISCS: Quantity = quantity("discs", PLAIN, "Cycloid discs: rigid or elastic.");
+
+pub const BODIES: Quantity =
+    quantity("bodies", PLAIN, "Carrier, housing, crank seats and the rims of the discs: rigid or elastic.");
 
 pub const ERRORS_SOURCE: Quantity = quantity(
     "errors.source",

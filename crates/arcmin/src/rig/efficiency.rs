@@ -55,6 +55,23 @@ fn input_torque(model: &mut BearingJoints, rated: f64, torque: f64, speed: f64) 
     Ok(sum / POSITIONS as f64)
 }
 
+/// The model at an operating point; where the design gives a temperature, with the friction of that point.
+fn bench_at(
+    machine: &Machine,
+    settings: &JointSettings,
+    speed: f64,
+    torque: f64,
+) -> Result<BearingJoints, RigError> {
+    match machine.thermal.temperature {
+        None => bench(machine, settings),
+        Some(celsius) => {
+            let mut warm = machine.clone();
+            warm.friction = machine.friction_at(celsius, speed, torque).friction;
+            bench(&warm, settings)
+        }
+    }
+}
+
 fn bench(machine: &Machine, settings: &JointSettings) -> Result<BearingJoints, RigError> {
     Ok(BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?)
 }
@@ -68,6 +85,7 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
     let mut model = bench(machine, settings)?;
     let rated = machine.rated.torque.abs();
     let ratio = model.kinematics().ratio().abs();
+    let warm = machine.thermal.temperature.is_some();
     let speed = machine.rated.input_speed.abs();
     let torques: Vec<f64> = [0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * rated).to_vec();
     let speeds: Vec<f64> = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5].map(|share| share * speed).to_vec();
@@ -75,12 +93,78 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
     for speed in &speeds {
         let mut row = Vec::with_capacity(torques.len());
         for torque in &torques {
+            if warm {
+                model = bench_at(machine, settings, *speed, *torque)?;
+            }
             row.push(torque / (ratio * input_torque(&mut model, rated, *torque, *speed)?));
         }
         efficiency.push(row);
     }
+    let mut model = if warm { bench_at(machine, settings, speed, rated)? } else { model };
     let at_rated = rated / (ratio * input_torque(&mut model, rated, rated, speed)?);
     Ok(EfficiencyMap { torques, speeds, efficiency, rated: at_rated })
+}
+
+/// What a machine at a temperature does, and where it settles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeatBalance {
+    /// η of the oil in Pa·s, mean film ratio of the loaded flanks and their friction coefficient, at the
+    /// temperature given, rated torque and speed.
+    pub viscosity: f64,
+    pub film_ratio: f64,
+    pub flank_friction: f64,
+    /// Loss there in W.
+    pub loss: f64,
+    /// Temperature in °C at which loss and cooling balance, running steadily at rated torque and speed.
+    pub steady: f64,
+}
+
+/// Temperature beyond which nothing is looked for, in K above the surroundings.
+const HOTTEST: f64 = 200.0;
+
+/// Loss (W) at rated torque and speed against what the surface gives off, h A (T − T_a): the temperature at
+/// which both are equal, by bisection to 0.05 K. `None` without a temperature in the design; infinite if even
+/// 200 K above the surroundings do not carry the loss away.
+///
+/// # Errors
+/// [`RigError`] where a balance cannot be found.
+pub fn heat_balance(machine: &Machine, settings: &JointSettings) -> Result<Option<HeatBalance>, RigError> {
+    let thermal = &machine.thermal;
+    let Some(celsius) = thermal.temperature else { return Ok(None) };
+    let (rated, speed) = (machine.rated.torque.abs(), machine.rated.input_speed.abs());
+    let loss = |celsius: f64| -> Result<f64, RigError> {
+        let mut at = machine.clone();
+        at.thermal.temperature = Some(celsius);
+        let mut model = bench_at(&at, settings, speed, rated)?;
+        let ratio = model.kinematics().ratio().abs();
+        Ok((input_torque(&mut model, rated, rated, speed)? - rated / ratio) * speed)
+    };
+    let steady = settle(thermal.ambient, thermal.transfer * thermal.surface, loss)?;
+    let warm = machine.friction_at(celsius, speed, rated);
+    Ok(Some(HeatBalance {
+        viscosity: thermal.oil.viscosity(celsius),
+        film_ratio: warm.film_ratio,
+        flank_friction: warm.friction.flank,
+        loss: loss(celsius)?,
+        steady,
+    }))
+}
+
+/// T with loss(T) = `cooling` (W/K) · (T − `ambient`).
+fn settle<E>(ambient: f64, cooling: f64, loss: impl Fn(f64) -> Result<f64, E>) -> Result<f64, E> {
+    let (mut low, mut high) = (ambient, ambient + HOTTEST);
+    if loss(high)? > cooling * HOTTEST {
+        return Ok(f64::INFINITY);
+    }
+    while high - low > 0.05 {
+        let middle = 0.5 * (low + high);
+        if loss(middle)? > cooling * (middle - ambient) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(0.5 * (low + high))
 }
 
 /// Torques of the unloaded machine. Without load means 1 % of the rated torque taken off again along the line
@@ -96,16 +180,115 @@ pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<Ru
         let two = input_torque(model, rated, side * 0.02 * rated, speed)?;
         Ok((2.0 * one - two, (two - one) / (0.01 * rated)))
     };
-    let (no_load, _) = line(&mut bench(machine, settings)?, speed, 1.0)?;
+    let (no_load, _) = line(&mut bench_at(machine, settings, speed, 0.01 * rated)?, speed, 1.0)?;
     // A machine that starts has no speed for the oil to drag at, yet Coulomb friction is to be fully
     // developed.
     let mut still = machine.clone();
     still.friction.oil_drag = 0.0;
-    let mut model = bench(&still, settings)?;
     let slow = 0.2 * speed;
+    let mut model = bench_at(&still, settings, slow, 0.01 * rated)?;
     let (starting, _) = line(&mut model, slow, 1.0)?;
     // Output driving: the load pushes along the motion, the input torque falls to zero.
     let (offset, slope) = line(&mut model, slow, -1.0)?;
     let back_driving = if slope < 0.0 { offset / -slope } else { f64::INFINITY };
     Ok(RunningTorques { no_load, starting, back_driving })
+}
+
+/// Losses at one speed as a straight line over the torque.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct LossLine {
+    pub input_speed_rad_per_s: f64,
+    /// Share of the torque that arrives: the motor drives, the load drives.
+    pub efficiency: [f64; 2],
+    /// Friction torque at the input in N·m that does not depend on the torque, in either case.
+    pub friction_n_m: [f64; 2],
+    /// Largest distance of a balance from its line, N·m at the input.
+    pub left_n_m: f64,
+}
+
+/// Lines τ_in = T/(i η₁) + τ₁ (the motor drives) and τ_in = τ₂ − T η₂/i (the load drives) through balances of
+/// the running machine between 10 % and 100 % of the rated torque, for some speeds.
+///
+/// # Errors
+/// [`RigError`] where a balance cannot be found.
+pub fn loss_lines(machine: &Machine, settings: &JointSettings) -> Result<Vec<LossLine>, RigError> {
+    use rayon::prelude::*;
+    const SPEEDS: [f64; 4] = [0.1, 0.5, 1.0, 1.5];
+    const SHARES: [f64; 3] = [0.1, 0.5, 1.0];
+    let rated = machine.rated.torque.abs();
+    SPEEDS
+        .into_par_iter()
+        .map(|share| {
+            let mut model = bench(machine, settings)?;
+            let ratio = model.kinematics().ratio().abs();
+            let speed = share * machine.rated.input_speed.abs();
+            let mut line = |side: f64| -> Result<(f64, f64, f64), RigError> {
+                let mut points = [(0.0, 0.0); SHARES.len()];
+                for (point, share) in points.iter_mut().zip(SHARES) {
+                    *point = (share * rated, input_torque(&mut model, rated, side * share * rated, speed)?);
+                }
+                let n = points.len() as f64;
+                let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
+                let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
+                    / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
+                let left = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).abs()).fold(0.0, f64::max);
+                Ok((slope, y - slope * x, left))
+            };
+            let (driving, friction, first) = line(1.0)?;
+            let (driven, back, second) = line(-1.0)?;
+            Ok(LossLine {
+                input_speed_rad_per_s: speed,
+                efficiency: [1.0 / (driving * ratio), -driven * ratio],
+                friction_n_m: [friction, back],
+                left_n_m: first.max(second),
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A loss that does not know of temperature: T = T_a + P/(hA); one that falls with it, P₀ − c (T − T_a): T
+    /// = T_a + P₀/(hA + c); one beyond all cooling finds no end.
+    #[test]
+    fn heat_settles_in_closed_form() {
+        let at = |slope: f64, power: f64| {
+            settle(25.0, 2.0, |celsius| Ok::<_, ()>(power - slope * (celsius - 25.0))).unwrap()
+        };
+        assert!((at(0.0, 90.0) - 70.0).abs() < 0.05);
+        assert!((at(1.0, 90.0) - 55.0).abs() < 0.05);
+        assert_eq!(at(0.0, 500.0), f64::INFINITY);
+    }
+
+    /// Warm and slow against cold: efficiency of the shipped machine falls with speed at 20 °C (drag of the
+    /// oil), rises with load, and the oil's drag is what the no-load torque loses when it warms up.
+    #[test]
+    fn efficiency_over_speed_load_and_temperature() {
+        let mut machine = crate::templates::rv_40e_81();
+        machine.friction = crate::machine::Friction {
+            regularisation_speed: machine.friction.regularisation_speed,
+            oil_drag: 1e-3,
+            ..crate::rig::ASSUMED_FRICTION
+        };
+        let settings = JointSettings::default();
+        let (rated, speed) = (machine.rated.torque, machine.rated.input_speed);
+        let at = |celsius: f64, share: f64, load: f64| {
+            let mut warm = machine.clone();
+            warm.thermal.temperature = Some(celsius);
+            let mut model = bench_at(&warm, &settings, share * speed, load * rated).unwrap();
+            let ratio = model.kinematics().ratio();
+            let torque = input_torque(&mut model, rated, load * rated, share * speed).unwrap();
+            load * rated / (ratio * torque)
+        };
+        let (cold, warm) = (at(20.0, 1.0, 1.0), at(60.0, 1.0, 1.0));
+        assert!(warm > cold && cold > 0.5 && warm < 1.0, "{cold} {warm}");
+        assert!(at(20.0, 1.5, 1.0) < at(20.0, 0.5, 1.0));
+        assert!(at(40.0, 1.0, 0.2) < at(40.0, 1.0, 1.0));
+        machine.thermal.temperature = Some(40.0);
+        let balance = heat_balance(&machine, &settings).unwrap().unwrap();
+        let cooling = machine.thermal.transfer * machine.thermal.surface;
+        assert!(balance.steady > 20.0 && balance.loss > 0.0, "{balance:?} {cooling}");
+    }
 }

@@ -244,10 +244,14 @@ pub fn stiffness_split(
         ends[1] = model.output_error(&q);
         whole += 0.5 * sign * (ends[1] - ends[0]) / (0.5 * rated);
     }
-    // Rigid discs are no part of their own.
-    let elastic = settings.discs.is_some();
+    // Rigid discs and a rigid housing are no parts of their own.
+    let has = |part: Part| match part {
+        Part::Disc => settings.discs.is_some(),
+        Part::PinRing => settings.housing.is_some(),
+        _ => true,
+    };
     Ok(StiffnessSplit {
-        parts: Part::ALL.into_iter().zip(parts).filter(|(part, _)| elastic || *part != Part::Disc).collect(),
+        parts: Part::ALL.into_iter().zip(parts).filter(|(part, _)| has(*part)).collect(),
         whole,
     })
 }

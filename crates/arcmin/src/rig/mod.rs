@@ -6,8 +6,10 @@
 //! zero torque; torsional stiffness as the slope of the branches.
 
 mod bearing_life;
+mod bodies;
 mod efficiency;
 mod hysteresis;
+mod main_bearings;
 #[cfg(test)]
 mod order_tests;
 mod orders;
@@ -19,11 +21,16 @@ mod transmission;
 
 pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
-pub use efficiency::{EfficiencyMap, RunningTorques, efficiency_map, running_torques};
+pub use bodies::{BodyCompliance, body_compliance};
+pub use efficiency::{
+    EfficiencyMap, HeatBalance, LossLine, RunningTorques, efficiency_map, heat_balance, loss_lines,
+    running_torques,
+};
 pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
     stiffness_split,
 };
+pub use main_bearings::{MainBearingLoad, OutputForces, main_bearing_load};
 pub use orders::{NamedOrder, name_orders};
 pub use state::{MeasuredOnBench, RigPlan, RigState};
 pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};

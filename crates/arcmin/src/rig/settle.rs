@@ -1,7 +1,6 @@
 use super::RigError;
 use crate::dynamics::{
-    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Linearisation, System, Weights,
-    solve_equilibrium,
+    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, System, solve_equilibrium,
 };
 
 /// What the friction sees while the machine is in balance without inertia.
@@ -78,33 +77,66 @@ fn control() -> EquilibriumControl {
     }
 }
 
+/// Larger torques by way of which a balance is sought, largest first: more contacts hold the bodies there.
+const LARGER: [f64; 4] = [30.0, 10.0, 4.0, 2.0];
+/// Shares of the friction by way of which it is brought in.
+const FRICTION: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
+
+/// The balance of one motion near `start`. Where it is not found at once, the frictionless machine is solved
+/// first, whose forces derive from an energy, by way of larger torques if need be; then friction comes in by
+/// and by.
+fn settle<'a>(
+    model: &BearingJoints,
+    start: &[f64],
+    motion: impl Fn() -> Motion<'a>,
+) -> Result<Vec<f64>, RigError> {
+    let solve = |model: &BearingJoints, start: &[f64]| {
+        Ok::<_, RigError>(
+            solve_equilibrium(&Slow { model, motion: motion() }, 0.0, start, control())?.position,
+        )
+    };
+    let failure = match solve(model, start) {
+        Ok(found) => return Ok(found),
+        Err(failure) => failure,
+    };
+    let smooth = model.with_friction(FRICTION[0]);
+    let mut place = match solve(&smooth, start) {
+        Ok(place) => place,
+        Err(_) => {
+            let torque = model.constant_load();
+            let mut larger = smooth.clone();
+            let mut place = start.to_vec();
+            for factor in LARGER {
+                larger.set_load(factor * torque);
+                // A step that fails is left out.
+                place = solve(&larger, &place).unwrap_or(place);
+            }
+            solve(&smooth, &place).map_err(|_| failure.clone())?
+        }
+    };
+    for share in &FRICTION[1..] {
+        place = solve(&model.with_friction(*share), &place).map_err(|_| failure.clone())?;
+    }
+    Ok(place)
+}
+
 /// Balance after a slow change of load from the balance `from`; friction opposes the change.
 pub(super) fn creep(
     model: &BearingJoints,
     regularisation_speed: f64,
     from: &[f64],
 ) -> Result<Vec<f64>, RigError> {
-    let motion = Motion::Creeping { from, interval: PRESLIDING / regularisation_speed };
-    Ok(solve_equilibrium(&Slow { model, motion }, 0.0, from, control())?.position)
+    let interval = PRESLIDING / regularisation_speed;
+    settle(model, from, || Motion::Creeping { from, interval })
 }
 
 /// Balance in steady running with the given velocities, near `start`.
 pub(super) fn run(model: &BearingJoints, start: &[f64], velocity: Vec<f64>) -> Result<Vec<f64>, RigError> {
-    Ok(solve_equilibrium(&Slow { model, motion: Motion::Running(velocity) }, 0.0, start, control())?.position)
+    settle(model, start, || Motion::Running(velocity.clone()))
 }
 
 /// dq/dT per unit of applied torque at the output: the tangent motion of the whole machine, friction left
 /// aside.
 pub(super) fn tangent(model: &BearingJoints, position: &[f64]) -> Result<Vec<f64>, RigError> {
-    let n = position.len();
-    let rest = vec![0.0; n];
-    let mut force = vec![0.0; n];
-    let mut linearisation = model.linearisation();
-    model.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
-    let mut motion = vec![0.0; n];
-    motion[model.output_index()] = 1.0;
-    linearisation
-        .solve(&rest, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion)
-        .map_err(|_| RigError::Loose)?;
-    Ok(motion)
+    model.motion_per_torque(position).ok_or(RigError::Loose)
 }

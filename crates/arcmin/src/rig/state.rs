@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 
+use super::transmission::watched_error_curves;
 use super::{
-    BearingLoad, EfficiencyMap, ErrorCurve, LoopFigures, LoopPoint, NamedOrder, RigError, RunningTorques,
-    StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop, hysteresis_loop,
-    name_orders, running_torques, stiffness_split, transmission_error_curves,
+    BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, NamedOrder, RigError,
+    RunningTorques, StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop,
+    heat_balance, hysteresis_loop, name_orders, running_torques, stiffness_split,
 };
 use crate::dynamics::{JointSettings, SpectrumLine, order_spectrum};
 use crate::machine::Machine;
@@ -26,6 +27,8 @@ pub struct RigState {
     pub orders: Vec<NamedOrder>,
     pub efficiency: EfficiencyMap,
     pub torques: RunningTorques,
+    /// Where the design gives a temperature.
+    pub heat: Option<HeatBalance>,
     pub bearings: Vec<BearingLoad>,
 }
 
@@ -108,21 +111,21 @@ impl RigState {
         let figures =
             loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>()?;
         let split = stiffness_split(machine, settings, suns[0])?;
-        progress.report("transmission error", 0.4);
         if progress.is_cancelled() {
             return Ok(None);
         }
         let test =
             TransmissionSettings { positions: plan.error_positions, ..TransmissionSettings::new(machine) };
-        let curves = transmission_error_curves(machine, settings, test)?;
+        let Some(curves) = watched_error_curves(machine, settings, test, progress)? else { return Ok(None) };
         let spectrum = curves.get(2).and_then(|curve| order_spectrum(&curve.points)).unwrap_or_default();
-        progress.report("efficiency", 0.8);
+        progress.report("efficiency", 0.0);
         if progress.is_cancelled() {
             return Ok(None);
         }
         Ok(Some(RigState {
             efficiency: efficiency_map(machine, settings)?,
             torques: running_torques(machine, settings)?,
+            heat: heat_balance(machine, settings)?,
             bearings: bearing_loads(machine, settings, BEARING_POSITIONS)?,
             orders: name_orders(&spectrum, machine, test.positions, 8),
             hours,

@@ -1,9 +1,11 @@
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::RigError;
 use super::settle::run;
 use crate::dynamics::{BearingJoints, JointSettings};
 use crate::machine::Machine;
+use crate::progress::{Progress, Silent};
 
 /// How one output turn is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +77,19 @@ pub fn error_curve(
     direction: f64,
     torque: f64,
 ) -> Result<ErrorCurve, RigError> {
+    // Nobody stops a silent one.
+    let whole = error_curve_until(machine, settings, positions, (direction, torque), &mut || false)?;
+    whole.ok_or(RigError::BadCurve("it was stopped"))
+}
+
+/// [`error_curve`]; `None` where `stops`, asked before every place, says so.
+fn error_curve_until(
+    machine: &Machine,
+    settings: &JointSettings,
+    positions: usize,
+    (direction, torque): (f64, f64),
+    stops: &mut dyn FnMut() -> bool,
+) -> Result<Option<ErrorCurve>, RigError> {
     let settings = JointSettings { damped: false, ..settings.clone() };
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
@@ -82,6 +97,9 @@ pub fn error_curve(
     let mut deviation: Option<Vec<f64>> = None;
     let mut points = Vec::with_capacity(positions + 1);
     for i in 0..=positions {
+        if stops() {
+            return Ok(None);
+        }
         let output = direction * TAU * i as f64 / positions as f64;
         let sun = ratio * output;
         model.hold_sun(sun, speed);
@@ -99,7 +117,7 @@ pub fn error_curve(
         points.push((output, model.output_error(&q)));
         deviation = Some(q.iter().zip(&nominal).map(|(q, n)| q - n).collect());
     }
-    Ok(ErrorCurve { direction, torque, points })
+    Ok(Some(ErrorCurve { direction, torque, points }))
 }
 
 /// Transmission error of one output turn in both directions, held lightly and at rated torque: four curves in
@@ -112,11 +130,30 @@ pub fn transmission_error_curves(
     settings: &JointSettings,
     test: TransmissionSettings,
 ) -> Result<Vec<ErrorCurve>, RigError> {
+    let curves = watched_error_curves(machine, settings, test, &Silent)?;
+    curves.ok_or(RigError::BadCurve("it was stopped"))
+}
+
+/// [`transmission_error_curves`]; `None` when `progress` was cancelled.
+pub(super) fn watched_error_curves(
+    machine: &Machine,
+    settings: &JointSettings,
+    test: TransmissionSettings,
+    progress: &dyn Progress,
+) -> Result<Option<Vec<ErrorCurve>>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
     let cases = [(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
+    let done = AtomicUsize::new(0);
+    let whole = (cases.len() * (test.positions + 1)) as f64;
     cases
         .into_par_iter()
-        .map(|(direction, torque)| error_curve(machine, settings, test.positions, direction, torque))
+        .map(|case| {
+            error_curve_until(machine, settings, test.positions, case, &mut || {
+                let share = done.fetch_add(1, Ordering::Relaxed) as f64 / whole;
+                progress.report("transmission error", share);
+                progress.is_cancelled()
+            })
+        })
         .collect()
 }

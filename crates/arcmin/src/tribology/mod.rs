@@ -6,11 +6,13 @@
 
 mod archard;
 pub mod film;
+mod oil;
 mod pressure;
 mod smoothing;
 
 pub use archard::Archard;
 pub use film::{Lubrication, film_ratio};
+pub use oil::{Oil, RubbingContact};
 pub use pressure::PressurePower;
 pub use smoothing::Smoothing;
 

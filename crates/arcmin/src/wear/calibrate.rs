@@ -43,7 +43,7 @@ pub struct WearCurve {
 
 /// Crank positions of one lost motion: of ideal joints it repeats every pin pitch, and the mean of six places
 /// there is a choice between speed and the ripple left, not a number of the theory.
-const LOST_MOTION_POSITIONS: usize = 6;
+pub(super) const LOST_MOTION_POSITIONS: usize = 6;
 
 impl WearCurve {
     /// Follows the coupled prediction, on the clock where the law depends on time, until `enough` says of (exposure, depth, lost-motion increase) that it
@@ -294,7 +294,7 @@ impl WearCurve {
 }
 
 /// Exposure curve of a machine from its coupled coefficient, calibrated on the coupled prediction with the
-/// joints of `meshing` where asked for.
+/// joints of `meshing` where asked for; without wear, where the duty makes none.
 ///
 /// # Errors
 /// [`WearError`] when the prediction fails or the target is out of reach.
@@ -310,5 +310,10 @@ pub fn coupled_exposure<S: ShareLoad + Clone>(
             Observation { time, value: Observed::LostMotionIncrease(increase) }
         }
     };
-    Ok(fit_with(machine, meshing, options, &[observation])?.exposure)
+    match fit_with(machine, meshing, options, &[observation]) {
+        Ok(calibration) => Ok(calibration.exposure),
+        // Whatever the coefficient, a duty that moves nothing under load wears nothing.
+        Err(WearError::NoWear) => Ok(Exposure::new(0.0, &machine.wear)),
+        Err(error) => Err(error),
+    }
 }

@@ -37,6 +37,14 @@ pub enum WearError {
         "no wear coefficient was found that agrees with its own course in time: the last, {coefficient:.3e} 1/Pa, misses by {misfit_percent:.1} %"
     )]
     CoefficientNotFound { coefficient: f64, misfit_percent: f64 },
+    #[error(
+        "wear runs away: after an exposure of {exposure:.3e} s/Pa flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
+    )]
+    RunsAway { exposure: f64, depth_um: f64 },
+    #[error(
+        "wear runs away: after {hours:.4} h flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
+    )]
+    RunsAwayAt { hours: f64, depth_um: f64 },
     #[error("stopped")]
     Stopped,
 }
@@ -141,6 +149,18 @@ impl WearSnapshot {
         meshing
     }
 }
+
+fn runs_away(exposure: f64, depth: f64) -> WearError {
+    WearError::RunsAway { exposure, depth_um: depth / UM }
+}
+
+/// Depth over pin radius at which flank or pin are gone.
+pub(crate) const WORN_OUT: f64 = 0.25;
+/// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
+const RUN_AWAY: f64 = 0.02;
+/// Largest increment of the depth per update as a share of the depth reached: it takes over from the
+/// increment of [`CoupledOptions`] beyond 40 µm.
+const STEP_SHARE: f64 = 2e-3;
 
 /// Of several with the same depth the first.
 fn deepest(reliefs: &[Relief]) -> &Relief {
@@ -247,10 +267,13 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         self.updates
     }
 
-    /// Advances to the exposure `target` (s/Pa) by Heun's method, the steps bounded by the depth increment.
+    /// Advances to the exposure `target` (s/Pa) by Heun's method, the steps bounded by the depth increment or
+    /// a share of the depth reached. Where nothing wears (no torque, no speed), the surfaces stay as they are.
     ///
     /// # Errors
-    /// [`WearError`] when a load sharing fails or nothing wears.
+    /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost a quarter
+    /// of the pin's radius, or more than [`RUN_AWAY`] of it and no load sharing is found any more. The state is
+    /// then the last one that held.
     pub fn advance_to(&mut self, target: f64) -> Result<(), WearError> {
         self.advance_until(target, |_| false)
     }
@@ -267,23 +290,34 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     ) -> Result<(), WearError> {
         while self.state.exposure < target {
             let before = self.state.clone();
-            let first = self.rates(&before)?;
+            let depth = before.flank().deepest().0.max(before.pin().deepest().0);
+            if depth > WORN_OUT * self.machine.ring.pin_radius {
+                return Err(runs_away(before.exposure, depth));
+            }
+            let lost = |error: WearError| match error {
+                WearError::Load(_) if depth > RUN_AWAY * self.machine.ring.pin_radius => {
+                    runs_away(before.exposure, depth)
+                }
+                error => error,
+            };
+            let first = self.rates(&before).map_err(&lost)?;
             let largest = first.largest();
             if !(largest > 0.0) {
-                if self.updates == 0 {
+                // An endless way to a depth that is never reached is another matter.
+                if self.updates == 0 && target == f64::MAX {
                     return Err(WearError::NoWear);
                 }
-                // A law with a threshold ends the wear once no pressure exceeds it.
+                // No speed, no torque, or a law with a threshold that no pressure exceeds any more.
                 self.state.exposure = target;
                 done(&self.state);
                 break;
             }
             let left = target - before.exposure;
-            let most = self.options.depth_increment / largest;
+            let most = self.options.depth_increment.max(STEP_SHARE * depth) / largest;
             // Equal last steps instead of one tiny one.
             let step = if left > 2.0 * most { most } else { (left / (left / most).ceil()).min(left) };
             let predicted = self.advanced(&before, &[(&first, step)]);
-            let second = self.rates(&predicted)?;
+            let second = self.rates(&predicted).map_err(&lost)?;
             self.state = self.advanced(&before, &[(&first, 0.5 * step), (&second, 0.5 * step)]);
             if left - step < 1e-12 * target {
                 self.state.exposure = target;

@@ -9,14 +9,21 @@ pub mod calibrate;
 pub mod coupled;
 mod deposit;
 mod exposure;
+mod growth;
 pub mod paper;
 pub mod parts;
+mod readings;
 mod smoothing;
 
+pub(crate) use coupled::WORN_OUT;
 pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
 pub use deposit::FlankArc;
 pub use exposure::Exposure;
+pub use growth::{Beyond, Growth};
 pub use parts::PartLoads;
+pub use readings::{
+    CONFIDENCE, Estimate, Fit, Measured, Parameter, Reading, RunningInFit, fit_readings, follow_and_fit,
+};
 
 #[cfg(test)]
 mod error_tests;

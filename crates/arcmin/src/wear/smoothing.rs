@@ -27,7 +27,7 @@ impl ContactAverage {
     pub fn new(machine: &Machine, profile: &Profile, arc: &FlankArc, pin_points: usize) -> ContactAverage {
         let contact = machine.line_contact();
         let torque = machine.duty.iter().map(|duty| duty.torque.abs()).fold(0.0, f64::max);
-        let largest = first_max_force(machine, torque) * 2.0 / machine.disc_count as f64;
+        let largest = first_max_force(machine, torque);
         let half_width = |phi: f64| {
             let force = largest * (profile.lever_arm(phi) / profile.largest_lever_arm()).abs();
             contact.half_width(force, 1.0 / profile.relative_curvature(phi.cos(), machine.ring.pin_radius))

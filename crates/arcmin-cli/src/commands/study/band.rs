@@ -28,7 +28,7 @@ impl Lives {
         out: &Path,
         quiet: bool,
     ) -> Result<Lives, Failure> {
-        let told = |error| Failure::Analysis { error, options: None, has_error_findings: false };
+        let told = |error| Failure::Analysis { error, options: None, finding: None };
         let study = study(design, options, machines, 1, host).map_err(told)?;
         let parts = Parts::new(&out.join("band"));
         parts.remove_leftovers();

@@ -332,7 +332,7 @@ fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
             let of_design = error.file_name == design.file_name();
             Failure::design(error, if of_design { design.text() } else { &text })
         }
-        error => Failure::Analysis { error, options: None, has_error_findings: false },
+        error => Failure::Analysis { error, options: None, finding: None },
     };
     let identity = identity_of(&file, &design, &host).map_err(told)?;
     let study = file.study(&design, &identity).map_err(told)?;

@@ -135,6 +135,8 @@ pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
                 Answer::ClosedForm(_) => "closed-form".into(),
             }),
             q::TORQUE.of(|o| o.torque.into()),
+            quantity("friction", PLAIN, "Whether friction took part, as in steady running.")
+                .of(|o| o.friction.is_some().into()),
             q::HOURS.of(|o| o.worn.hours.into()),
             q::WEAR_UM.of(|o| (o.worn.deepest() / UM).into()),
             q::MAX_FORCE.of(|o| o.max_force().into()),
@@ -148,6 +150,8 @@ pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
             q::TE_LOADED_PEAK_TO_PEAK.of(|o| o.of_equilibrium(|e| e.cycle.peak_to_peak_error().arcmin())),
             q::PLAY.of(|o| o.either(|e| e.cycle.mean_play().arcmin(), |h| h.play.arcmin())),
             q::FREE_TRAVEL.of(|o| o.of_equilibrium(|e| e.cycle.mean_free_travel().arcmin())),
+            q::PRELOAD.of(|o| o.of_equilibrium(|e| e.cycle.max_preload())),
+            q::PRELOAD_FRICTION.of(|o| o.of_equilibrium(|e| e.cycle.preload_friction_torque(&o.machine))),
             q::TORSIONAL_STIFFNESS.of(|o| o.of_equilibrium(|e| e.stiffness() * ARCMIN)),
             quantity("disc_torque_shares", decimals(4), "Share of every disc in the output torque.").of(
                 |o| match &o.answer {

@@ -6,13 +6,14 @@ mod page;
 
 pub use declared::{SUMMARY, tables};
 
+use super::rig::with_friction;
 use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
 use crate::contact::PinContact;
 use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
 use crate::life::{WornState, worn_after};
 use crate::load::{Cycle, HarmonicError, LoadSharing, PinLoad, ShareLoad};
-use crate::machine::{CrankAngle, Machine};
+use crate::machine::{CrankAngle, Friction, Machine};
 use crate::report::Page;
 use crate::results::{Summary, Table};
 use crate::units::UM;
@@ -29,6 +30,7 @@ pub const EXAMPLES: &[&str] = &[
     "arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10",
     "arcmin contact my-reducer.toml --joints bearings --discs elastic --hours 2000",
     "arcmin contact my-reducer.toml --joints bearings --errors drawn --seed 7",
+    "arcmin contact my-reducer.toml --joints bearings --friction",
     "arcmin contact my-reducer.toml --method closed-form",
 ];
 
@@ -44,6 +46,8 @@ options! {
         wear_um: f64 => default(0.0, 0.0, 1000.0),
         /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
         hours: f64 => default(0.0, 0.0, 1e7),
+        /// Friction as in steady running at rated speed; assumed where the design gives none. In bearings.
+        friction: bool => optional(0.0, 0.0),
         /// Crank positions per turn.
         positions: usize => default(360.0, 8.0, 36_000.0),
     }
@@ -74,6 +78,8 @@ pub struct Contact {
     /// N·m.
     pub torque: f64,
     pub worn: WornState,
+    /// The friction that took part, and whether it was assumed.
+    pub friction: Option<(Friction, bool)>,
     pub answer: Answer,
 }
 
@@ -119,9 +125,18 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
         0.0 => WornState::uniform(options.wear_um * UM),
         hours => worn_after(&machine, &fidelity, hours, host)?,
     };
+    // Wear belongs to the duty; friction asked for here does not change it.
+    let (machine, assumed) = if options.friction { with_friction(&machine, false) } else { (machine, false) };
+    let friction = options.friction.then_some((machine.friction, assumed));
     let answer = match options.method {
         Method::Equilibrium => {
             Answer::Equilibrium(Box::new(equilibrium(&machine, &fidelity, torque, &worn, options, host)?))
+        }
+        Method::ClosedForm if options.friction => {
+            return Err(AnalysisError::usage(
+                "the closed form knows no friction",
+                "leave out friction or the method",
+            ));
         }
         Method::ClosedForm => {
             if options.hours > 0.0 {
@@ -134,7 +149,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
             Answer::ClosedForm(closed_form::solve(&machine, torque, options.wear_um * UM)?)
         }
     };
-    Ok(Contact { machine, fidelity, torque, worn, answer })
+    Ok(Contact { machine, fidelity, torque, worn, friction, answer })
 }
 
 /// The handbook's methods know ideal joints and rigid discs only.
@@ -156,7 +171,10 @@ fn equilibrium(
     options: &Options,
     host: &dyn Host,
 ) -> Result<Equilibrium, AnalysisError> {
-    let mut meshing = fidelity.meshing(machine)?;
+    let sharer = |fidelity: &Fidelity| {
+        if options.friction { fidelity.running_meshing(machine) } else { fidelity.meshing(machine) }
+    };
+    let mut meshing = sharer(fidelity)?;
     worn.put_on(machine, &mut meshing);
     let failed = || AnalysisError::compute("share the load");
     let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
@@ -182,7 +200,7 @@ fn equilibrium(
     let nominal = if fidelity.errors.is_zero() {
         None
     } else {
-        let mut nominal = fidelity.nominal().meshing(machine)?;
+        let mut nominal = sharer(&fidelity.nominal())?;
         if options.hours == 0.0 {
             worn.put_on(machine, &mut nominal);
         } else {

@@ -47,7 +47,17 @@ fn heading(contact: &Contact) -> String {
         (hours, _) => format!("after {hours:.0} h"),
     };
     let (name, torque) = (&contact.machine.name, contact.torque);
-    format!("{name}: {torque} N·m, {state}; {}", contact.fidelity.sentence())
+    let friction = match &contact.friction {
+        None => String::new(),
+        Some((f, assumed)) => format!(
+            ", running with {}friction (flank {}, bearings {}, gear mesh {})",
+            if *assumed { "assumed " } else { "" },
+            f.flank,
+            f.bearing,
+            f.gear_mesh
+        ),
+    };
+    format!("{name}: {torque} N·m, {state}{friction}; {}", contact.fidelity.sentence())
 }
 
 /// The pins that bear most and least, where they differ.
@@ -142,7 +152,10 @@ fn blocks(contact: &Contact) -> Vec<Block> {
     ))
     .noted("With the curvature of the flank at that place; the limit is that of the design.")
     .half();
-    pressure.limit_at(contact.machine.limits.contact_pressure / MPA, "limit");
+    pressure.limit_at(
+        contact.machine.limits.contact_pressure / MPA,
+        format!("{} MPa allowed", significant(contact.machine.limits.contact_pressure / MPA, 4)),
+    );
     let over_the_turn = |value: &dyn Fn(&crate::load::LoadSharing) -> f64| {
         answer.turn.iter().map(|s| (s.crank_angle.degrees(), value(s))).collect::<Vec<_>>()
     };

@@ -8,7 +8,7 @@ use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
 use crate::fidelity::Fidelity;
 use crate::life::{LifePoint, Prediction, lost_motion_causes};
-use crate::load::ShareLoad;
+use crate::load::{Cycle, ShareLoad};
 use crate::machine::Machine;
 use crate::report::{compact, significant};
 use crate::rig::dynamic_load_rating;
@@ -59,6 +59,9 @@ const ACCURACY: &[Lever] = &[
     lever("wear.coupled.coefficient_mm2_per_n", "wear coefficient (lubricant, surface)", "mm²/N", 0.5, 1.0),
 ];
 
+/// The wave under load follows the load.
+const LESS_TORQUE: &[Lever] = &[lever("load.rated_torque_n_m", "rated torque", "N·m", 0.9, 0.0)];
+
 /// Bearing life: larger ratings, lower loads.
 const LIFE: &[Lever] = &[
     lever("bearings.turning_arm.roller_length_mm", "length of the turning-arm rollers", "mm", 1.15, 0.0),
@@ -92,8 +95,12 @@ const PRESSURE: &[Lever] = &[
 const SMALL: f64 = 0.05;
 /// Changes named.
 const NAMED: usize = 3;
-/// Crank positions at which pressure is asked for, as in the prediction.
+/// Crank positions at which bearings are asked for slopes: their order is all that counts.
+const ROUGH: usize = 12;
+/// Crank positions at which load sharing is asked for, as in the prediction.
 const POSITIONS: usize = 36;
+/// Times as many where it takes the whole ring to repeat, as in the prediction.
+const RING_POSITIONS: usize = 4;
 
 /// The best three changes against what ends the life first.
 ///
@@ -111,17 +118,22 @@ pub(super) fn advise(
 ) -> Result<Vec<Advice>, AnalysisError> {
     let kind = verdict.limited_by().map_or(LimitKind::LostMotion, |limit| limit.kind);
     let question = Question { kind, fidelity, prediction };
-    let levers = match kind {
-        LimitKind::LostMotion | LimitKind::Backlash | LimitKind::TransmissionError => ACCURACY,
-        LimitKind::BearingLife => LIFE,
-        LimitKind::ContactPressure => PRESSURE,
+    let levers: Vec<&Lever> = match kind {
+        LimitKind::LostMotion | LimitKind::Backlash => ACCURACY.iter().collect(),
+        LimitKind::TransmissionError => ACCURACY.iter().chain(LESS_TORQUE).collect(),
+        LimitKind::BearingLife => LIFE.iter().collect(),
+        LimitKind::ContactPressure | LimitKind::ContactFatigue => PRESSURE.iter().collect(),
         // What the duty asks for, and findings, say themselves what to change.
         _ => return Ok(Vec::new()),
     };
     let machine = design.machine();
-    let Some(before) = question.ask(&machine, 0.0) else { return Ok(Vec::new()) };
+    let (Some(before), Some(rough)) =
+        (question.ask(&machine, 0.0, bearings::POSITIONS), question.ask(&machine, 0.0, ROUGH))
+    else {
+        return Ok(Vec::new());
+    };
     let mut slopes: Vec<(&Lever, f64, f64)> = levers
-        .par_iter()
+        .into_par_iter()
         .filter_map(|lever| {
             let from = present(design, &machine, lever.key)?;
             if from == 0.0 || host.is_cancelled() {
@@ -130,8 +142,8 @@ pub(super) fn advise(
             // A count has no small step.
             let share = if lever.key == "crankshafts.count" { 1.0 } else { SMALL };
             let step = share * (lever.factor - 1.0);
-            let after = question.with(design, lever, from * (1.0 + step))?;
-            Some((lever, from, kind_sign(kind) * (after - before) / share))
+            let after = question.with(design, lever, from * (1.0 + step), ROUGH)?;
+            Some((lever, from, kind_sign(kind) * (after - rough) / share))
         })
         .collect();
     slopes.sort_by(|a, b| b.2.total_cmp(&a.2));
@@ -143,7 +155,7 @@ pub(super) fn advise(
             break;
         }
         let to = from * lever.factor;
-        let Some(after) = question.with(design, lever, to) else { continue };
+        let Some(after) = question.with(design, lever, to, bearings::POSITIONS) else { continue };
         if kind_sign(kind) * (after - before) > 0.0 {
             let text = sentence(lever, from, to, kind, before, after);
             best.push(Advice { key: lever.key, from, to, before, after, text });
@@ -175,13 +187,15 @@ fn kind_sign(kind: LimitKind) -> f64 {
 fn sentence(lever: &Lever, from: f64, to: f64, kind: LimitKind, before: f64, after: f64) -> String {
     let amount = |value: f64| match kind {
         LimitKind::BearingLife => format!("{value:.0}"),
-        LimitKind::ContactPressure => significant(value, 4),
+        LimitKind::ContactPressure | LimitKind::ContactFatigue => significant(value, 4),
         _ => significant(value, 3),
     };
     let unit = if lever.unit.is_empty() { String::new() } else { format!(" {}", lever.unit) };
     let of = match kind {
         LimitKind::BearingLife => "shortest bearing life",
-        LimitKind::ContactPressure => "largest contact pressure",
+        LimitKind::ContactPressure | LimitKind::ContactFatigue => "largest contact pressure",
+        LimitKind::TransmissionError => "largest transmission error over the life, peak to peak",
+        LimitKind::Backlash => "backlash at the end of the service life",
         _ => "lost motion at the end of the service life",
     };
     format!(
@@ -191,7 +205,7 @@ fn sentence(lever: &Lever, from: f64, to: f64, kind: LimitKind, before: f64, aft
         compact(to, 3),
         amount(before),
         amount(after),
-        kind.unit()
+        if kind == LimitKind::ContactFatigue { "MPa" } else { kind.unit() }
     )
 }
 
@@ -203,7 +217,7 @@ struct Question<'a> {
 }
 
 impl Question<'_> {
-    fn with(&self, design: &Design, lever: &Lever, value: f64) -> Option<f64> {
+    fn with(&self, design: &Design, lever: &Lever, value: f64, positions: usize) -> Option<f64> {
         let from = present(design, &design.machine(), lever.key)?;
         let value = if lever.key == "crankshafts.count" { value.round() } else { value };
         let mut machine = design.with(lever.key, value).ok()?.machine();
@@ -222,52 +236,70 @@ impl Question<'_> {
             }
             _ => {}
         }
-        self.ask(&machine, lever.wear * scale.ln())
+        self.ask(&machine, lever.wear * scale.ln(), positions)
     }
 
     /// `rate`: logarithm of the factor on the rate of wear. A wear rate times s reaches at H hours what the
     /// present one reaches at s H: both follow the same states.
-    fn ask(&self, machine: &Machine, rate: f64) -> Option<f64> {
+    fn ask(&self, machine: &Machine, rate: f64, positions: usize) -> Option<f64> {
         match self.kind {
             LimitKind::BearingLife => {
                 let settings = self.fidelity.joint_settings().ok()?;
-                Some(bearing_lives(machine, &settings, bearings::POSITIONS).ok()?.worst()?.life_h)
+                Some(bearing_lives(machine, &settings, positions).ok()?.worst()?.life_h)
             }
-            LimitKind::ContactPressure => {
-                let point = self.largest_pressure()?;
-                let mut meshing = self.fidelity.meshing(machine).ok()?;
-                point.state.put_on(machine, &mut meshing);
-                let cycle = meshing.whole_cycle(machine.rated.torque, POSITIONS).ok()?;
+            LimitKind::ContactPressure | LimitKind::ContactFatigue => {
+                let point = self.worst(|point| point.accuracy.max_pressure)?;
+                let cycle = self.cycle(machine, point, POSITIONS)?;
                 Some(cycle.max_pressure(&machine.line_contact()) / MPA)
+            }
+            LimitKind::TransmissionError => {
+                let value = |point: &LifePoint| point.accuracy.loaded_peak_to_peak.arcmin();
+                // Where wear makes it, less wear is a change; where the new machine has it, none.
+                let worst = self.worst(value)?;
+                let end = self.prediction.points.last()?;
+                let (point, rest) =
+                    if std::ptr::eq(worst, end) { self.worn(rate, value)? } else { (worst, 0.0) };
+                let alike = self.fidelity.meshing(machine).ok()?.discs_alike();
+                let positions = if alike { POSITIONS } else { RING_POSITIONS * POSITIONS };
+                Some(self.cycle(machine, point, positions)?.peak_to_peak_error().arcmin() + rest)
+            }
+            LimitKind::Backlash => {
+                let (point, rest) = self.worn(rate, |point| point.accuracy.free_travel.arcmin())?;
+                let alike = self.fidelity.meshing(machine).ok()?.discs_alike();
+                let positions = if alike { POSITIONS } else { RING_POSITIONS * POSITIONS };
+                Some(self.cycle(machine, point, positions)?.mean_free_travel().arcmin() + rest)
             }
             _ => {
                 let joints = self.fidelity.in_bearings(machine).ok()?;
-                let (point, rest) = self.worn(rate)?;
+                let (point, rest) = self.worn(rate, |point| point.lost_motion().arcmin())?;
                 let lost = lost_motion_causes(machine, joints, &point.state).ok()?.lost_motion.whole / ARCMIN;
                 Some(lost + rest)
             }
         }
     }
 
-    fn largest_pressure(&self) -> Option<&LifePoint> {
-        let pressure = |point: &&LifePoint| point.accuracy.max_pressure;
-        self.prediction.points.iter().max_by(|a, b| pressure(a).total_cmp(&pressure(b)))
+    /// The point of the prediction at which a value is largest.
+    fn worst(&self, value: impl Fn(&LifePoint) -> f64) -> Option<&LifePoint> {
+        self.prediction.points.iter().max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
-    /// The point of the prediction next to the wear wanted, and what lost motion of the present machine grows
-    /// from there on, in arcmin.
-    fn worn(&self, rate: f64) -> Option<(&LifePoint, f64)> {
+    /// Everything that repeats at rated torque, of a changed machine with the surfaces of a point.
+    fn cycle(&self, machine: &Machine, point: &LifePoint, positions: usize) -> Option<Cycle> {
+        let mut meshing = self.fidelity.meshing(machine).ok()?;
+        point.state.put_on(machine, &mut meshing);
+        meshing.whole_cycle(machine.rated.torque, positions).ok()
+    }
+
+    /// The point of the prediction next to the wear wanted, and what a value of the present machine grows from
+    /// there on.
+    fn worn(&self, rate: f64, value: impl Fn(&LifePoint) -> f64) -> Option<(&LifePoint, f64)> {
         let points = &self.prediction.points;
         let end = points.last()?.hours();
         let hours = end * rate.exp();
         let at = points.partition_point(|point| point.hours() < hours).min(points.len() - 1);
         let (here, before) = (&points[at], &points[at.saturating_sub(1)]);
         let width = here.hours() - before.hours();
-        let slope = if width > 0.0 {
-            (here.lost_motion().arcmin() - before.lost_motion().arcmin()) / width
-        } else {
-            0.0
-        };
+        let slope = if width > 0.0 { (value(here) - value(before)) / width } else { 0.0 };
         Some((here, slope * (hours - here.hours())))
     }
 }

@@ -30,6 +30,8 @@ pub(super) struct Row {
     peak_to_peak_arcmin: f64,
     max_depth_at_deg: f64,
     max_pin_depth_um: f64,
+    preload_n: f64,
+    preload_friction_n_m: f64,
 }
 
 impl Row {
@@ -51,6 +53,8 @@ impl Row {
             peak_to_peak_arcmin: accuracy.loaded_peak_to_peak.arcmin(),
             max_depth_at_deg: accuracy.max_depth_at.abs() / DEG,
             max_pin_depth_um: point.state.surfaces.pin().deepest().0 / UM,
+            preload_n: accuracy.preload,
+            preload_friction_n_m: accuracy.preload_friction,
         }
     }
 
@@ -98,6 +102,8 @@ const LIFE: TableOf<Row> = TableOf {
             q::TE_LOADED_PEAK_TO_PEAK.of(|r| r.peak_to_peak_arcmin.into()),
             q::MAX_DEPTH_AT.of(|r| r.max_depth_at_deg.into()),
             q::MAX_PIN_DEPTH.of(|r| r.max_pin_depth_um.into()),
+            q::PRELOAD.of(|r| r.preload_n.into()),
+            q::PRELOAD_FRICTION.of(|r| r.preload_friction_n_m.into()),
         ]
     },
 };
@@ -172,6 +178,8 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             q::TE_NO_LOAD.of(|o| o.last().accuracy.no_load_error.arcmin().into()),
             q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
             q::TE_LOADED_PEAK_TO_PEAK.of(|o| o.last().accuracy.loaded_peak_to_peak.arcmin().into()),
+            q::PRELOAD.of(|o| o.over_life(|point| point.accuracy.preload).into()),
+            q::PRELOAD_FRICTION.of(|o| o.over_life(|point| point.accuracy.preload_friction).into()),
             STE_MEAN.of(|o| o.last_te(false, |s| s.mean_abs)),
             STE_MAX.of(|o| o.last_te(false, |s| s.max_abs)),
             DTE_MEAN.of(|o| o.last_te(true, |s| s.mean_abs)),

@@ -4,6 +4,7 @@ mod advice;
 mod ages;
 mod bearings;
 mod declared;
+mod fatigue;
 mod figures;
 mod page;
 #[cfg(test)]

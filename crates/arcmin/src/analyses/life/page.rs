@@ -37,8 +37,15 @@ pub(super) fn said(life: &Life) -> Vec<Said> {
         Said::line(format!("{}: {}", life.machine.name, life.fidelity.sentence())),
         Said::line(format!("{mark} {}", verdict.headline())),
         Said::Table(limits_text(verdict)),
-        Said::line(""),
     ];
+    if !life.bearings.bearings.is_empty() {
+        said.push(Said::line(format!(
+            "all {} bearings together: {:.0} h (L10 of the system, Weibull slope 9/8)",
+            life.bearings.bearings.len(),
+            life.bearings.system_h
+        )));
+    }
+    said.push(Said::line(""));
     let table = declared::life_table(life);
     said.push(Said::columns(&table, &shown_columns(life), shown_rows(life)));
     said.push(Said::line(""));
@@ -70,6 +77,7 @@ fn shown_columns(life: &Life) -> Vec<&'static str> {
 fn limit_row(limit: &Limit, verdict: &LifeVerdict) -> [String; 5] {
     let unit = limit.kind.unit();
     let amount = |value: f64| match unit {
+        "" if limit.kind == LimitKind::ContactFatigue => format!("damage {}", significant(value, 3)),
         "h" | "" => format!("{value:.0} {unit}").trim().to_owned(),
         _ => format!("{} {unit}", significant(value, if unit == "MPa" { 4 } else { 3 })),
     };
@@ -87,7 +95,8 @@ fn limit_row(limit: &Limit, verdict: &LifeVerdict) -> [String; 5] {
         Some(place) => format!("{}: {place}", limit.kind.name()),
         None => limit.kind.name().to_owned(),
     };
-    [name, amount(limit.value), format!("{} {unit}", compact(limit.allowed, 4)), hours, judged.to_owned()]
+    let allowed = format!("{} {unit}", compact(limit.allowed, 4)).trim().to_owned();
+    [name, amount(limit.value), allowed, hours, judged.to_owned()]
 }
 
 fn limits_text(verdict: &LifeVerdict) -> TextTable {

@@ -57,6 +57,7 @@ fn limits_of_the_maker_enter_the_verdict() {
             ("limits.emergency_torque_n_m", 2060.0),
             ("limits.output_speed_rpm", 15.0),
             ("limits.catalogue_life_h", 6000.0),
+            ("limits.contact_endurance_mpa", 1000.0),
         ])
         .unwrap();
     let options = Options::parse("points = 4\nquasi_static = true\njoints = \"ideal\"", "test").unwrap();
@@ -68,6 +69,8 @@ fn limits_of_the_maker_enter_the_verdict() {
     assert!(limit(LimitKind::EmergencyTorque).value > 1000.0);
     // 1500 rpm over 81.
     assert!((limit(LimitKind::OutputSpeed).value - 1500.0 / 81.0).abs() < 1e-9);
+    let fatigue = limit(LimitKind::ContactFatigue);
+    assert!(fatigue.value > 0.0 && fatigue.hours.is_some_and(|hours| hours > 0.0), "{fatigue:?}");
     let expected = 6000.0 * 15.0 * 81.0 / 1500.0;
     assert!((limit(LimitKind::CatalogueLife).value / expected - 1.0).abs() < 1e-9);
 }
@@ -114,4 +117,27 @@ fn ages_stand_in_the_table_and_figures_can_be_read() {
     // The design as used names its source; the rest of the page speaks of this machine.
     page.sections.retain(|section| section.title != "Design as used");
     assert!(!page.render().contains("Tao2024"));
+}
+
+/// Advice speaks of the quantity whose limit ends the life, and gives what the changed design gives.
+#[test]
+fn advice_is_about_the_limit_that_is_reached() {
+    let design = crate::templates::design("rv-40e-81").unwrap();
+    for (key, value, words) in [
+        ("limits.transmission_error_arcmin", 1e-4, "transmission error"),
+        ("limits.backlash_arcmin", 1e-3, "backlash"),
+    ] {
+        let design =
+            design.with_all([(key, value), ("disc.modification.equidistant_offset_um", 5.0)]).unwrap();
+        let options = Options::parse("points = 4\nquasi_static = true", "test").unwrap();
+        let life = run(&design, &options, &NoHost).unwrap();
+        let limit = life.verdict.limited_by().unwrap();
+        assert!(limit.kind.name() == words && !life.advice.is_empty(), "{:?}", life.advice);
+        for advice in &life.advice {
+            assert!(advice.text.contains(words) && advice.after < advice.before, "{advice:?}");
+            let own =
+                if words == "backlash" { life.last().accuracy.free_travel.arcmin() } else { limit.value };
+            assert!((advice.before / own - 1.0).abs() < 1e-9, "{advice:?} {own}");
+        }
+    }
 }

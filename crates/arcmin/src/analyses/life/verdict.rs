@@ -1,12 +1,14 @@
 //! One verdict over all limits of a machine, each with the hours for which it is kept.
 
 use super::bearings::{BearingLives, catalogue_life_at_duty};
+use super::fatigue::fatigue;
 use crate::checks::{Finding, Severity};
 use crate::life::{LifePoint, Prediction};
 use crate::machine::Machine;
 use crate::report::{Tone, compact, significant};
 use crate::results::Value;
-use crate::units::{ARCMIN, HOUR, MPA, RPM};
+use crate::units::{ARCMIN, HOUR, MPA, RPM, UM};
+use crate::wear::WORN_OUT;
 
 /// What can end a life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +22,8 @@ pub enum LimitKind {
     EmergencyTorque,
     OutputSpeed,
     CatalogueLife,
+    Wear,
+    ContactFatigue,
     Findings,
 }
 
@@ -36,6 +40,8 @@ impl LimitKind {
             LimitKind::EmergencyTorque => "emergency_torque",
             LimitKind::OutputSpeed => "output_speed",
             LimitKind::CatalogueLife => "catalogue_life",
+            LimitKind::Wear => "wear",
+            LimitKind::ContactFatigue => "contact_fatigue",
             LimitKind::Findings => "findings",
         }
     }
@@ -52,6 +58,8 @@ impl LimitKind {
             LimitKind::EmergencyTorque => "emergency torque",
             LimitKind::OutputSpeed => "output speed",
             LimitKind::CatalogueLife => "catalogue life",
+            LimitKind::Wear => "wear",
+            LimitKind::ContactFatigue => "fatigue of flanks and pins",
             LimitKind::Findings => "error findings",
         }
     }
@@ -63,8 +71,9 @@ impl LimitKind {
             LimitKind::ContactPressure | LimitKind::EmergencyTorque => "MPa",
             LimitKind::BearingLife | LimitKind::CatalogueLife => "h",
             LimitKind::StartStopTorque => "N·m",
+            LimitKind::Wear => "µm",
             LimitKind::OutputSpeed => "rpm",
-            LimitKind::Findings => "",
+            LimitKind::ContactFatigue | LimitKind::Findings => "",
         }
     }
 }
@@ -119,6 +128,7 @@ impl Judged<'_> {
         let mut limits = vec![self.lost_motion(), self.contact_pressure(service_h)];
         limits.extend(self.bearing_life(service_h));
         limits.extend(self.of_the_maker(service_h));
+        limits.extend(self.runs_away());
         limits.extend(self.findings());
         LifeVerdict { limits, service_h, searched_h: self.prediction.searched_hours }
     }
@@ -189,6 +199,13 @@ impl Judged<'_> {
         let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
         let speed =
             duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
+        let fatigue = limits.contact_endurance.map(|endurance| {
+            let history = self.history(|point| point.accuracy.max_pressure);
+            let (value, hours) =
+                fatigue(self.machine, &history, endurance, self.prediction.searched_hours.max(service_h));
+            let kind = LimitKind::ContactFatigue;
+            Limit { kind, place: None, value, allowed: 1.0, hours, transient: false }
+        });
         let catalogue = limits.catalogue_life.and_then(|life| {
             let hours = catalogue_life_at_duty(self.machine, life / HOUR)?;
             Some(Limit {
@@ -217,10 +234,23 @@ impl Judged<'_> {
             }),
             at_once(LimitKind::OutputSpeed, limits.output_speed.map(|limit| limit / RPM), speed),
             catalogue,
+            fatigue,
         ]
         .into_iter()
         .flatten()
         .collect()
+    }
+
+    /// Wear that has consumed flank or pin within the service life.
+    fn runs_away(&self) -> Option<Limit> {
+        self.prediction.runs_away.map(|end| Limit {
+            kind: LimitKind::Wear,
+            place: None,
+            value: end.depth / UM,
+            allowed: WORN_OUT * self.machine.ring.pin_radius / UM,
+            hours: Some(end.hours),
+            transient: false,
+        })
     }
 
     fn findings(&self) -> Option<Limit> {
@@ -296,6 +326,12 @@ impl Limit {
                 format!("The duty turns the output at {value} {unit}, {allowed} {unit} allowed")
             }
             LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours:.0} h"),
+            LimitKind::Wear => {
+                format!("Wear runs away: flank or pin are gone, {value} µm deep, after {hours:.1} h")
+            }
+            LimitKind::ContactFatigue => {
+                format!("Flanks and pins are tired after {hours:.0} h (damage {value} by the end)")
+            }
             LimitKind::Findings => {
                 format!("The design has error findings: {}", self.place.as_deref().unwrap_or(""))
             }

@@ -10,8 +10,8 @@ use crate::results::{
     Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits,
     quantities as q, quantity,
 };
-use crate::rig::{BearingLoad, ErrorCurve, LoopFigures, LoopPoint, RigState};
-use crate::units::{ARCMIN, DEG, RPM};
+use crate::rig::{BearingLoad, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, RigState};
+use crate::units::{ARCMIN, DEG, RPM, UM};
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
     name: "hysteresis",
@@ -248,6 +248,10 @@ fn curves_value(curves: &[ErrorCurve]) -> Value {
     Value::List(curves.iter().map(one).collect())
 }
 
+fn heat(rig: &Rig, of: fn(&HeatBalance) -> f64) -> Value {
+    Value::from(rig.state().heat.as_ref().map(of))
+}
+
 pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
     entries: || {
         let mut entries: Vec<Column<Rig>> = Vec::new();
@@ -301,6 +305,46 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                         o.state().bearings.iter().map(BearingLoad::life_h).fold(f64::INFINITY, f64::min);
                     least.into()
                 }),
+            quantity(
+                "main_bearings.moment_stiffness_n_m_per_arcmin",
+                digits(4),
+                "Moment per tilt of the main bearings under the forces from outside.",
+            )
+            .of(|o| (o.main_bearings.moment_stiffness[1] * ARCMIN).into()),
+            quantity(
+                "main_bearings.axial_stiffness_n_per_um",
+                digits(4),
+                "Axial force per displacement of the main bearings without forces from outside.",
+            )
+            .of(|o| (o.main_bearings.axial_stiffness * UM).into()),
+            quantity("main_bearings.tilt_arcmin", decimals(4), "Tilt of the output by forces from outside.")
+                .of(|o| (o.main_bearings.tilt / ARCMIN).into()),
+            quantity(
+                "main_bearings.largest_element_force_n",
+                decimals(1),
+                "Largest force on one rolling element of the main bearings.",
+            )
+            .of(|o| o.main_bearings.largest_element.into()),
+            quantity(
+                "main_bearings.l10_h",
+                decimals(0),
+                "Basic rating life L10 of the main bearings under preload and forces from outside (ISO/TS 16281).",
+            )
+            .of(|o| o.main_bearings.life_h().into()),
+            quantity("thermal.viscosity_mpa_s", digits(4), "Viscosity of the oil at the temperature given.")
+                .of(|o| heat(o, |heat| heat.viscosity * 1e3)),
+            quantity("thermal.film_ratio", digits(3), "Film ratio of the loaded flanks, mean, at rated speed.")
+                .of(|o| heat(o, |heat| heat.film_ratio)),
+            quantity("thermal.flank_friction", digits(3), "Friction coefficient of the flanks with that film.")
+                .of(|o| heat(o, |heat| heat.flank_friction)),
+            quantity("thermal.loss_w", digits(4), "Loss at rated torque and speed.")
+                .of(|o| heat(o, |heat| heat.loss)),
+            quantity(
+                "thermal.steady_c",
+                decimals(1),
+                "Temperature at which loss and cooling balance, running steadily at rated torque and speed.",
+            )
+            .of(|o| heat(o, |heat| heat.steady)),
             quantity("wall_s", decimals(2), "Seconds of computation.").of(|o| o.wall.into()),
         ]);
         entries.extend(causes::entries());

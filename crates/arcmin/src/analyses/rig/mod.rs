@@ -14,7 +14,9 @@ use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
 use crate::machine::{Friction, Machine};
 use crate::report::Page;
 use crate::results::{Summary, Table};
-use crate::rig::{ASSUMED_FRICTION, MeasuredOnBench, RigPlan, RigState};
+use crate::rig::{
+    ASSUMED_FRICTION, MainBearingLoad, MeasuredOnBench, OutputForces, RigPlan, RigState, main_bearing_load,
+};
 
 pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
 pub const GUIDE: &str = "Virtual test bench: every body free in its bearings, no inertia. Input locked, output \
@@ -22,11 +24,14 @@ pub const GUIDE: &str = "Virtual test bench: every body free in its bearings, no
     torque), torsional stiffness (50–100 % of rated torque); then one output turn in both directions, held \
     lightly and at rated torque; efficiency, running torques, bearing loads and lives.\n\nA design without \
     friction is tested with assumed coefficients, and the run says so; --frictionless switches that off. With \
-    --hours the new machine is tested as well.";
+    --hours the new machine is tested as well. --bodies elastic lets carrier, housing, pin grooves, crank seats and \
+    rims give way; --moment-nm and --axial-n tilt the output in its main bearings.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin rig my-reducer.toml",
     "arcmin rig my-reducer.toml --hours 2000",
     "arcmin rig my-reducer.toml --discs elastic",
+    "arcmin rig my-reducer.toml --bodies elastic",
+    "arcmin rig my-reducer.toml --moment-nm 400 --axial-n 1000",
     "arcmin rig my-reducer.toml --measured loop.csv",
 ];
 
@@ -42,6 +47,12 @@ options! {
         positions: usize => default(4.0, 1.0, 360.0),
         /// Positions over the output turn.
         te_positions: usize => default(1024.0, 64.0, 65536.0),
+        /// Tilting moment on the output from outside, N·m: tilt, forces and life of the main bearings follow.
+        moment_nm: f64 => default(0.0, 0.0, 1e7),
+        /// Axial force on the output from outside, N, positive out of the machine.
+        axial_n: f64 => default(0.0, -1e8, 1e8),
+        /// Radial force on the output from outside in the middle of the main bearings, N, in the plane of the moment.
+        radial_n: f64 => default(0.0, -1e8, 1e8),
         /// No friction, even where the design gives none and some would be assumed.
         frictionless: bool => optional(0.0, 0.0),
     }
@@ -59,6 +70,8 @@ pub struct Rig {
     /// After the hours asked for.
     pub worn: Option<(RigState, PartsPoint)>,
     pub measured: Option<MeasuredOnBench>,
+    /// The main bearings under the forces asked for.
+    pub main_bearings: MainBearingLoad,
     /// Seconds of the computation, where the host has a clock.
     pub wall: f64,
 }
@@ -78,7 +91,11 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     let nominal_friction = design.machine();
     let (machine, friction_assumed) = with_friction(&nominal_friction, options.frictionless);
     let measured = measured::read(&options.measured, &machine, host)?;
-    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    let forces = OutputForces { moment: options.moment_nm, axial: options.axial_n, radial: options.radial_n };
+    let main_bearings =
+        main_bearing_load(&machine, forces).map_err(AnalysisError::compute("load the main bearings"))?;
+    let mut fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    fidelity.errors = machine.thermal.on(fidelity.errors, &machine);
     let plan = RigPlan { loop_positions: options.positions, error_positions: options.te_positions };
     let test = |state: &WornState| -> Result<(RigState, PartsPoint), AnalysisError> {
         let settings = state.on(fidelity.joint_settings()?);
@@ -105,6 +122,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
         new_causes,
         worn,
         measured,
+        main_bearings,
     })
 }
 

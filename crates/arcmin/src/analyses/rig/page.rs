@@ -6,6 +6,7 @@ use crate::analyses::{Said, TextTable, causes};
 use crate::report::rig::RigPage;
 use crate::report::{Page, Provenance, Section};
 use crate::results::Value;
+use crate::rig::OutputForces;
 
 const FURTHER: &[&str] = &[
     "te_rated_peak_to_peak_arcmin",
@@ -13,7 +14,17 @@ const FURTHER: &[&str] = &[
     "no_load_running_torque_n_m",
     "back_driving_torque_n_m",
     "shortest_bearing_life_h",
+    "main_bearings.moment_stiffness_n_m_per_arcmin",
 ];
+
+/// Said where the design gives a temperature.
+const WARM: &[&str] = &["thermal.film_ratio", "thermal.flank_friction", "thermal.loss_w", "thermal.steady_c"];
+/// Surface temperature that makers of these reducers allow, °C.
+const SURFACE_LIMIT_C: f64 = 60.0;
+
+/// Said where forces from outside are asked for.
+const UNDER_FORCES: &[&str] =
+    &["main_bearings.tilt_arcmin", "main_bearings.largest_element_force_n", "main_bearings.l10_h"];
 
 pub(super) fn said(rig: &Rig) -> Vec<Said> {
     let mut said = vec![Said::line(format!("{}: {}", rig.machine.name, rig.fidelity.sentence()))];
@@ -43,6 +54,18 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
     });
     said.push(Said::Table(TextTable { header, rows: rows.collect() }));
     said.push(Said::figures(&rig.summary(), FURTHER));
+    if let Some(heat) = &rig.state().heat {
+        said.push(Said::figures(&rig.summary(), WARM));
+        if heat.steady > SURFACE_LIMIT_C {
+            said.push(Said::line(format!(
+                "running steadily at rated torque and speed the surface passes {SURFACE_LIMIT_C} °C, the limit that makers state: rests, cooling or less \
+                 speed are needed"
+            )));
+        }
+    }
+    if rig.main_bearings.forces != OutputForces::default() {
+        said.push(Said::figures(&rig.summary(), UNDER_FORCES));
+    }
     if let Some(at) = rig.causes_at().last() {
         said.extend(causes::said(at));
     }

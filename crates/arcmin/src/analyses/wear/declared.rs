@@ -49,6 +49,8 @@ const HISTORY: TableOf<Station> = TableOf {
             q::MAX_DEPTH_AT.of(|s| (s.worst_angle() / DEG).into()),
             q::MAX_PIN_DEPTH.of(|s| (s.state.surfaces.pin().deepest().0 / UM).into()),
             q::TE_LOADED.of(|s| s.accuracy.loaded_error.arcmin().into()),
+            q::PRELOAD.of(|s| s.accuracy.preload.into()),
+            q::PRELOAD_FRICTION.of(|s| s.accuracy.preload_friction.into()),
         ]
     },
 };
@@ -128,11 +130,15 @@ pub const SUMMARY: SummaryOf<Wear> = SummaryOf {
             q::MAX_DEPTH_AT.of(|o| (o.last().worst_angle() / DEG).into()),
             q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
             q::PLAY.of(|o| o.last().accuracy.play.arcmin().into()),
+            q::PRELOAD.of(|o| o.last().accuracy.preload.into()),
+            q::PRELOAD_FRICTION.of(|o| o.last().accuracy.preload_friction.into()),
             q::MAX_FORCE.of(|o| o.last().max_force().into()),
             q::LOADED_PAIRS.of(|o| o.last().loaded_pairs().into()),
             q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
             q::WEAR_COEFFICIENT.of(|o| o.exposure.coefficient.into()),
             q::FLANK_UPDATES.of(|o| o.updates.into()),
+            quantity("runs_away_h", decimals(3), "Hours at which wear runs away: flank or pin are gone.")
+                .of(|o| o.runs_away.map(|end| end.hours).into()),
             quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")
                 .of(|o| (o.increment / UM).into()),
             quantity("hours_to_50_um", decimals(0), "Hours until 50 µm of uniform depth.")

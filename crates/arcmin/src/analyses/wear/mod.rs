@@ -12,14 +12,14 @@ use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
 use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
 use crate::geometry::Relief;
-use crate::life::{Accuracy, Course, WornState, accuracy};
+use crate::life::{Accuracy, Course, RunAway, WornState, accuracy};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
 use crate::report::Page;
 use crate::results::{Summary, Table};
 use crate::units::{HOUR, UM};
 use crate::wear::paper::PaperWear;
-use crate::wear::{CoupledOptions, Exposure};
+use crate::wear::{CoupledOptions, Exposure, WearError};
 
 pub const ABOUT: &str = "Wear the flanks over the hours of service";
 pub const GUIDE: &str = "Wears flanks (and pins, bearings and gears, where the design says so) over the hours \
@@ -79,6 +79,8 @@ pub struct Wear {
     pub increment: f64,
     /// Of the uniform depth: hours until 50 µm.
     pub hours_to_50_um: Option<f64>,
+    /// Where wear ran away: the stations end before it.
+    pub runs_away: Option<RunAway>,
 }
 
 /// The machine at one time.
@@ -152,8 +154,15 @@ fn coupled(
     let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
     let mut course = Course::new(&machine, &fidelity, settings)?;
     let mut stations = Vec::with_capacity(options.points + 1);
+    let mut runs_away = None;
     for (hours, share) in times(end, options.points) {
-        course.advance_to(hours, host).map_err(failed())?;
+        match course.advance_to(hours, host) {
+            Err(WearError::RunsAwayAt { hours, depth_um }) => {
+                runs_away = Some(RunAway { hours, depth: depth_um * UM });
+                break;
+            }
+            result => result.map_err(failed())?,
+        }
         let state = course.state();
         let flank = state.surfaces.flank().clone();
         let accuracy = accuracy(&machine, course.meshing(), &flank, hours, POSITIONS).map_err(failed())?;
@@ -162,8 +171,8 @@ fn coupled(
     }
     let (exposure, updates) = (*course.exposure(), course.updates());
     drop(course);
-    let mode = Mode::Coupled;
-    Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um: None })
+    let (mode, hours_to_50_um) = (Mode::Coupled, None);
+    Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um, runs_away })
 }
 
 fn uniform(
@@ -175,8 +184,10 @@ fn uniform(
 ) -> Result<Wear, AnalysisError> {
     let failed = || AnalysisError::wear("compute the wear in closed form");
     let wear = PaperWear::deep_enough(&machine, end).map_err(failed())?;
+    let runs_away = wear.runs_away.map(|(hours, depth)| RunAway { hours, depth });
+    let ends = runs_away.map_or(f64::INFINITY, |end| end.hours);
     let mut stations = Vec::with_capacity(options.points + 1);
-    for (hours, share) in times(end, options.points) {
+    for (hours, share) in times(end, options.points).take_while(|(hours, _)| *hours <= ends) {
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
@@ -199,6 +210,7 @@ fn uniform(
         stations,
         updates: 0,
         increment: options.increment_um * UM,
+        runs_away,
     })
 }
 

@@ -33,7 +33,15 @@ fn headline(wear: &Wear) -> String {
         Mode::Coupled => format!("{depth} µm at {angle:.0}° meshing angle"),
         Mode::Tao2024 => format!("{depth} µm everywhere, set by the pin at {angle:.0}°"),
     };
-    format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours())
+    let now = format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours());
+    match wear.runs_away {
+        Some(end) => format!(
+            "Wear runs away at {} h: flank or pin have lost {:.0} µm and are gone. {now}",
+            significant(end.hours, 3),
+            end.depth / UM
+        ),
+        None => now,
+    }
 }
 
 pub(super) fn said(wear: &Wear) -> Vec<Said> {
@@ -48,7 +56,8 @@ pub(super) fn said(wear: &Wear) -> Vec<Said> {
 
 pub(super) fn page(wear: &Wear) -> Page {
     let last = wear.last();
-    let mut verdict = Verdict::new(Tone::Neutral, headline(wear));
+    let tone = if wear.runs_away.is_some() { Tone::Bad } else { Tone::Neutral };
+    let mut verdict = Verdict::new(tone, headline(wear));
     let figure = |label: &str, value: f64, digits: usize, unit: &str, note: &str| KeyFigure {
         label: label.to_owned(),
         value: significant(value, digits),

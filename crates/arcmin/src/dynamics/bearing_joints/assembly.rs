@@ -14,10 +14,12 @@ pub enum Part {
     InputShaft,
     Carrier,
     Housing,
+    /// Of an elastic housing.
+    PinRing,
 }
 
 impl Part {
-    pub const ALL: [Part; 10] = [
+    pub const ALL: [Part; 11] = [
         Part::TurningArm,
         Part::CrankSupport,
         Part::CrankBending,
@@ -28,6 +30,7 @@ impl Part {
         Part::InputShaft,
         Part::Carrier,
         Part::Housing,
+        Part::PinRing,
     ];
 
     /// Words for tables.
@@ -41,8 +44,9 @@ impl Part {
             Part::Disc => "cycloid discs",
             Part::GearStage => "gear stage",
             Part::InputShaft => "input shaft torsion",
-            Part::Carrier => "carrier torsion",
+            Part::Carrier => "carrier",
             Part::Housing => "main bearings in the housing",
+            Part::PinRing => "housing around the pins",
         }
     }
 }

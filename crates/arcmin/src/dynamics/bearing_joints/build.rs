@@ -1,13 +1,14 @@
 //! The machine put together: bodies, joints, pins.
 
-use super::joints::{Bending, Gears, Joint, Journal, Losses, Place, Support, Torsion};
+use super::joints::{Bending, Frame, Gears, Joint, Journal, Losses, Place, Support, Torsion};
 use super::layout::{Degrees, Layout};
 use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
+use super::rim::{RIM, Rim};
 use super::shaft::Shaft;
 use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
 use crate::contact::{PinContacts, Sliding};
-use crate::dynamics::{DynamicsError, ElasticDiscs, OutputLoad};
-use crate::geometry::{quarter_turn, unit};
+use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
+use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
 /// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
@@ -30,6 +31,8 @@ pub(super) struct Bearings {
     pub turning_arms: Vec<Vec<usize>>,
     /// Per crankshaft and end.
     pub supports: Vec<Vec<usize>>,
+    /// The support that stands for the main bearings.
+    pub main: usize,
 }
 
 impl BearingJoints {
@@ -50,6 +53,9 @@ impl BearingJoints {
             flange: (machine.carrier.torsional_stiffness * scale).is_finite(),
             input_shaft: (stage.input_torsional_stiffness * scale).is_finite(),
             free_input,
+            seats: settings.carrier.is_some(),
+            rims: settings.rims.as_ref().map_or(0, ElasticRims::count),
+            housing_modes: settings.housing.as_ref().map_or(0, ElasticHousing::count),
         };
         if free_input && degrees.input_shaft {
             DynamicsError::require(
@@ -82,6 +88,7 @@ impl BearingJoints {
             mass: layout.coordinates().mass(),
             scale: layout.coordinates().scale(),
             elastic,
+            housing: settings.housing.clone(),
             input,
             load,
             drag: drag + machine.friction.seal_drag,
@@ -139,7 +146,7 @@ impl Parts<'_> {
         }
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
         let seat = self.errors().carrier;
-        add(Box::new(Support {
+        bearings.main = add(Box::new(Support {
             part: Part::Housing,
             cause: Some(Cause::MainBearingClearance),
             index: [cx, cy, carrier, hx, hy],
@@ -157,6 +164,31 @@ impl Parts<'_> {
             seat: Arm { radius: 0.0, phase: 0.0 },
             loss_time,
         }));
+        if let Some(carrier) = &self.settings.carrier {
+            add(Box::new(Frame {
+                part: Part::Carrier,
+                index: layout.seats.iter().flatten().flatten().copied().collect(),
+                stiffness: carrier.stiffness().iter().map(|k| k * scale).collect(),
+                loss_time,
+            }));
+        }
+        if let Some(rims) = &self.settings.rims {
+            for coordinates in &layout.rims {
+                add(Box::new(Frame {
+                    part: Part::Disc,
+                    index: coordinates.clone(),
+                    stiffness: rims.stiffness().to_vec(),
+                    loss_time,
+                }));
+            }
+        }
+        if let Some(housing) = &self.settings.housing {
+            let n = housing.count();
+            let mut stiffness = vec![0.0; n * n];
+            housing.stiffness().enumerate().for_each(|(m, k)| stiffness[m * (n + 1)] = k * scale);
+            let index = layout.housing_modes().collect();
+            add(Box::new(Frame { part: Part::PinRing, index, stiffness, loss_time }));
+        }
         if let Some(flange) = layout.flange() {
             add(Box::new(Torsion {
                 part: Part::Carrier,
@@ -188,7 +220,13 @@ impl Parts<'_> {
             index: [at, at + 1, layout.crank_angle(k), cx, cy, carrier],
             arm: Arm { radius: amplitude, phase },
             bore: layout.carrier_bores[k],
-            modes: Vec::new(),
+            modes: layout.seats.get(k).map_or_else(Vec::new, |ends| {
+                vec![(ends[end][0], Vec2::new(1.0, 0.0)), (ends[end][1], Vec2::new(0.0, 1.0))]
+            }),
+            rim: layout
+                .seats
+                .get(k)
+                .map(|ends| Rim { coordinates: std::array::from_fn(|at| ends[end][2 + at]), phase: 0.0 }),
             worn: 0.0,
             alike: 2 * layout.cranks,
             losses: self.losses,
@@ -204,7 +242,16 @@ impl Parts<'_> {
         let EccentricError { eccentricity, phase } =
             errors.eccentrics.get(k).and_then(|list| list.get(j)).copied().unwrap_or_default();
         // The disc's own angle zero is that of its flank; the bores are turned back by the mounting angle.
-        let angle = crank_place(self.machine, k) - self.kinematics.mounting_angle(j);
+        let mounting = self.kinematics.mounting_angle(j);
+        let angle = crank_place(self.machine, k) - mounting;
+        let mut modes: Vec<_> = self.settings.discs.as_ref().map_or_else(Vec::new, |discs| {
+            layout.modes(j).enumerate().map(|(m, at)| (at, discs.bore(j, m, k))).collect()
+        });
+        if let (Some(rims), Some(coordinates)) = (&self.settings.rims, layout.rims.get(j)) {
+            let back = unit(-mounting);
+            let carried = rims.carried(k).iter().map(|way| turned(*way, back));
+            modes.extend(coordinates.iter().copied().zip(carried));
+        }
         Journal {
             place: Place::TurningArm,
             law,
@@ -214,8 +261,10 @@ impl Parts<'_> {
                 phase: self.kinematics.phases[j] + phase,
             },
             bore: bore(self.machine, error, angle),
-            modes: self.settings.discs.as_ref().map_or_else(Vec::new, |discs| {
-                layout.modes(j).enumerate().map(|(m, at)| (at, discs.bore(j, m, k))).collect()
+            modes,
+            rim: layout.rims.get(j).map(|coordinates| Rim {
+                coordinates: std::array::from_fn(|at| coordinates[k * RIM + at]),
+                phase: -mounting,
             }),
             worn: 0.0,
             alike: layout.cranks * layout.discs,
@@ -267,8 +316,9 @@ fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
             + amplitude * unit(phase);
         pin.radius += errors.pin_radius + own.radius;
     }
-    let contact =
-        machine.line_contact().with_seat_compliance(machine.ring.seat_compliance / settings.stiffness_scale);
+    let seat =
+        machine.ring.seat_compliance + settings.housing.as_ref().map_or(0.0, ElasticHousing::seat_compliance);
+    let contact = machine.line_contact().with_seat_compliance(seat / settings.stiffness_scale);
     let mut ring = PinContacts::new(
         machine.profile(),
         pins,
@@ -304,6 +354,33 @@ fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<()
             discs.count() as f64,
             "",
             "must be that of the machine's discs",
+        )?;
+    }
+    if let Some(carrier) = &settings.carrier {
+        check(
+            carrier.crank_count() == machine.crankshafts.count,
+            "number of crankshafts of the elastic carrier",
+            carrier.crank_count() as f64,
+            "",
+            "must be that of the machine",
+        )?;
+    }
+    if let Some(housing) = &settings.housing {
+        check(
+            settings.discs.is_some() && housing.ring() == (machine.disc_count, machine.ring.pin_count),
+            "pins of the elastic housing",
+            housing.ring().1 as f64,
+            "",
+            "must be those of the machine, on elastic discs",
+        )?;
+    }
+    if let Some(rims) = &settings.rims {
+        check(
+            rims.crank_count() == machine.crankshafts.count,
+            "bores of the elastic rims",
+            rims.crank_count() as f64,
+            "",
+            "must be those of the machine's discs",
         )?;
     }
     check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;

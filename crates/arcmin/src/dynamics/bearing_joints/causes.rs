@@ -3,7 +3,7 @@
 use super::BearingJoints;
 use super::joints::State;
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts};
-use crate::geometry::{Relief, unit};
+use crate::geometry::{Relief, Vec2, unit};
 use crate::wear::PartLoads;
 
 /// Where lost motion comes from.
@@ -83,31 +83,39 @@ impl Cause {
     }
 }
 
-/// The unworn contacts of a disc in the same pose, and its way (x, y, θ) from the nominal place.
+/// The unworn contacts of a disc in the same pose, its way (x, y, θ) from the nominal place, and those of its
+/// pins, if any.
 struct Lost<'a> {
     ring: &'a PinContacts,
     unworn: Vec<PinContact>,
     moved: [f64; 3],
+    pins: Vec<Vec2>,
 }
 
 impl Lost<'_> {
-    /// Change of a gap on the way back to the nominal place.
-    fn back(&self, gradient: [f64; 3]) -> f64 {
-        -gradient.iter().zip(&self.moved).map(|(g, d)| g * d).sum::<f64>()
+    /// Change of a gap on the way of disc and pin back to the nominal place.
+    fn back(&self, pin: usize, gradient: [f64; 3]) -> f64 {
+        let mut moved = self.moved;
+        if let Some(way) = self.pins.get(pin) {
+            moved[0] -= way.x;
+            moved[1] -= way.y;
+        }
+        -gradient.iter().zip(&moved).map(|(g, d)| g * d).sum::<f64>()
     }
 
     /// Gap in m of the unworn surfaces back along its tangent.
     fn unworn_gap(&self, contact: &PinContact) -> f64 {
         let unworn = &self.unworn[contact.pin];
-        unworn.gap + self.back(unworn.gradient)
+        unworn.gap + self.back(contact.pin, unworn.gradient)
     }
 
     /// Metal lost by the flank and by the pin in m, back along the tangents.
     fn of(&self, contact: &PinContact) -> [f64; 2] {
         let round = contact.round_gradient();
         let pin = self.ring.pin_depth(contact);
-        let worn_pin = pin + self.back(std::array::from_fn(|i| contact.gradient[i] - round[i]));
-        [contact.gap - pin + self.back(round) - self.unworn_gap(contact), worn_pin]
+        let turned = std::array::from_fn(|i| contact.gradient[i] - round[i]);
+        let worn_pin = pin + self.back(contact.pin, turned);
+        [contact.gap - pin + self.back(contact.pin, round) - self.unworn_gap(contact), worn_pin]
     }
 }
 
@@ -136,7 +144,7 @@ impl BearingJoints {
         self.joints.iter().for_each(|joint| joint.work(at, nominal.as_deref(), &mut add));
         add(Cause::Elastic, self.modal_work(&q));
         for (j, ring) in self.rings.iter().enumerate() {
-            let lost = self.lost(j, self.disc_state(j, &q, &v).0);
+            let lost = self.lost(j, self.disc_state(j, &q, &v).0, self.pin_ways(j, &q));
             let profile = ring.profile();
             let k1 = profile.short_width_coefficient();
             let (circle, radius) = (
@@ -170,7 +178,7 @@ impl BearingJoints {
 
     /// What flank and pins have lost against a disc, followed back to its nominal place along the tangents of
     /// the gaps.
-    fn lost(&self, disc: usize, pose: DiscPose) -> Lost<'_> {
+    fn lost(&self, disc: usize, pose: DiscPose, pins: Vec<Vec2>) -> Lost<'_> {
         let nominal = self.nominal_position_at(self.held_sun());
         let (q, v) = self.full(0.0, &nominal, &vec![0.0; nominal.len()]);
         let from = self.disc_state(disc, &q, &v).0;
@@ -181,8 +189,9 @@ impl BearingJoints {
         let moved = pose.centre - from.centre;
         Lost {
             ring,
-            unworn: unworn.contacts(pose, DiscVelocity::REST),
+            unworn: unworn.contacts_moved(pose, DiscVelocity::REST, &pins),
             moved: [moved.x, moved.y, pose.angle - from.angle],
+            pins,
         }
     }
 

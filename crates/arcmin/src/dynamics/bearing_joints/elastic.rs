@@ -20,7 +20,7 @@ impl BearingJoints {
     }
 }
 
-/// Hands on elements of a bearing whose body, coordinates 3 and 4 of six, is moved by modes as well: what
+/// Hands on elements of a bearing whose body, coordinates 3 and 4 of six or more, is moved by modes as well: what
 /// acts on the body's place acts on a mode by its displacement of the bore.
 pub(super) struct WithModes<'a> {
     pub sink: &'a mut dyn Sink,
@@ -28,10 +28,9 @@ pub(super) struct WithModes<'a> {
     pub modes: &'a [BoreMode],
 }
 
-/// Coordinates of the body's place among the six of a bearing, and its angle.
+/// Coordinates of the body's place among those of a bearing, and its angle.
 const PLACE: [usize; 2] = [3, 4];
 const ANGLE: usize = 5;
-const BEARING: usize = 6;
 
 impl WithModes<'_> {
     fn index(&self, index: &[usize]) -> Vec<usize> {
@@ -46,8 +45,8 @@ impl WithModes<'_> {
             .collect()
     }
 
-    fn matrix(&self, matrix: &[f64]) -> Vec<f64> {
-        let wide: Vec<Vec<f64>> = matrix.chunks_exact(BEARING).map(|row| self.vector(row)).collect();
+    fn matrix(&self, matrix: &[f64], own: usize) -> Vec<f64> {
+        let wide: Vec<Vec<f64>> = matrix.chunks_exact(own).map(|row| self.vector(row)).collect();
         let mode = |(_, by): &BoreMode| {
             wide[PLACE[0]].iter().zip(&wide[PLACE[1]]).map(|(x, y)| by.x * x + by.y * y).collect::<Vec<f64>>()
         };
@@ -60,15 +59,16 @@ impl Sink for WithModes<'_> {
         if self.modes.is_empty() {
             return self.sink.element(element);
         }
-        let mut hessian = self.matrix(element.hessian);
-        let width = BEARING + self.modes.len();
+        let own = element.index.len();
+        let mut hessian = self.matrix(element.hessian, own);
+        let width = own + self.modes.len();
         for (m, (_, by)) in self.modes.iter().enumerate() {
             // The modes' displacement turns with the disc. A force along the place is one against the
             // gradient of the bearing's displacement.
             let across = quarter_turn(*by);
             let turning = element.gradient[PLACE[0]] * across.x + element.gradient[PLACE[1]] * across.y;
-            hessian[ANGLE * width + BEARING + m] += turning;
-            hessian[(BEARING + m) * width + ANGLE] += turning;
+            hessian[ANGLE * width + own + m] += turning;
+            hessian[(own + m) * width + ANGLE] += turning;
         }
         let gradient = self.vector(element.gradient);
         self.sink.element(&Element {
@@ -84,7 +84,12 @@ impl Sink for WithModes<'_> {
         if self.modes.is_empty() {
             return self.sink.damper(index, force, matrix, dissipation);
         }
-        self.sink.damper(&self.index(index), &self.vector(force), &self.matrix(matrix), dissipation);
+        self.sink.damper(
+            &self.index(index),
+            &self.vector(force),
+            &self.matrix(matrix, index.len()),
+            dissipation,
+        );
     }
 }
 

@@ -1,5 +1,6 @@
 use super::Arm;
 use super::registry::{Axis, Body, BodyId, Coordinates, Follows, Registry};
+use crate::fem::carrier::SEAT_COORDINATES;
 use crate::machine::{FixedMember, Kinematics, Machine};
 use crate::units::ARCMIN;
 
@@ -27,6 +28,11 @@ pub(super) struct Layout {
     input: usize,
     /// Bores of the carrier.
     pub carrier_bores: Vec<Arm>,
+    /// Per crankshaft and end: coordinates of an elastic carrier's seat, in the carrier's frame.
+    pub seats: Vec<[Vec<usize>; 2]>,
+    /// Per disc: coordinates of the rims of its bores.
+    pub rims: Vec<Vec<usize>>,
+    housing_modes: Vec<usize>,
 }
 
 /// What turns apart from its neighbour.
@@ -38,6 +44,12 @@ pub(super) struct Degrees {
     pub input_shaft: bool,
     /// Whether the input is driven by a torque rather than prescribed.
     pub free_input: bool,
+    /// The crank seats from the carrier.
+    pub seats: bool,
+    /// Coordinates of the rims of one disc's bores.
+    pub rims: usize,
+    /// Modes of the housing.
+    pub housing_modes: usize,
 }
 
 impl Layout {
@@ -82,6 +94,35 @@ impl Layout {
                 registry.add(Body { axes, has_place: true, follows: Follows::Disc(j) })
             })
             .collect();
+        // What vibrates with a seat, a rim, a pin: a quarter of the carrier's mass spread over its seats, a
+        // fifth of that with what goes out of round, a tenth of a disc's with its rims, half of the housing's
+        // with the pins. Assumptions.
+        let seat_mass = 0.25 * machine.carrier.mass / (2 * cranks.count) as f64;
+        let row = |mass: f64, scale: f64, count: usize| Body {
+            axes: vec![axis(mass, scale, true); count],
+            has_place: false,
+            follows: Follows::Centre,
+        };
+        let seat_bodies: Vec<[BodyId; 2]> = (0..if degrees.seats { cranks.count } else { 0 })
+            .map(|_| {
+                [0, 1].map(|_| {
+                    let mut seat = row(0.2 * seat_mass, place_scale, SEAT_COORDINATES);
+                    seat.axes[..2].copy_from_slice(&place(seat_mass, true));
+                    registry.add(seat)
+                })
+            })
+            .collect();
+        let rim_bodies: Vec<BodyId> = (0..if degrees.rims > 0 { discs } else { 0 })
+            .map(|_| {
+                registry.add(row(0.1 * machine.disc.mass / degrees.rims as f64, place_scale, degrees.rims))
+            })
+            .collect();
+        // Modes of unit length over all pins of all discs.
+        let places = (discs * machine.ring.pin_count) as f64;
+        let ring_body = (degrees.housing_modes > 0).then(|| {
+            let (mass, scale) = (0.5 * machine.housing.mass / places, place_scale * places.sqrt());
+            registry.add(row(mass, scale, degrees.housing_modes))
+        });
         let sun = registry.add(Body {
             axes: place(sun_mass(machine), true).to_vec(),
             has_place: true,
@@ -139,6 +180,9 @@ impl Layout {
             sun_angle: one(sun_angle),
             input: one(input),
             carrier_bores,
+            seats: seat_bodies.iter().map(|ends| ends.map(|end| coordinates.of(end).to_vec())).collect(),
+            rims: rim_bodies.iter().map(|body| coordinates.of(*body).to_vec()).collect(),
+            housing_modes: ring_body.map_or_else(Vec::new, |body| coordinates.of(body).to_vec()),
             coordinates,
         }
     }
@@ -175,6 +219,15 @@ impl Layout {
     pub fn modes(&self, j: usize) -> std::ops::Range<usize> {
         let axes = &self.disc_axes[j];
         axes[2] + 1..axes[axes.len() - 1] + 1
+    }
+
+    /// Modes of an elastic housing.
+    pub fn housing_modes(&self) -> std::ops::Range<usize> {
+        match self.housing_modes[..] {
+            [first, .., last] => first..last + 1,
+            [only] => only..only + 1,
+            [] => 0..0,
+        }
     }
 
     /// x of every centre that moves in the plane.

@@ -6,21 +6,26 @@ mod causes;
 mod elastic;
 #[cfg(test)]
 mod error_tests;
+mod interface;
 mod joints;
 mod layout;
 mod planar_mesh;
 mod preload;
 mod registry;
+mod rim;
 mod rings;
 mod roller;
+mod running;
 mod shaft;
 mod sharing;
 mod system;
+mod tangent;
 #[cfg(test)]
 mod tests;
 
 pub use assembly::Part;
 pub use causes::Cause;
+pub(super) use roller::element_stiffness;
 pub use roller::{BearingState, RadialBearing};
 pub use sharing::{BearingMeshing, LostMotionSplit};
 
@@ -29,7 +34,7 @@ use build::Bearings;
 use joints::{Joint, State};
 use layout::Layout;
 
-use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad};
+use super::{Drive, DynamicsError, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
 use crate::contact::PinContacts;
 use crate::geometry::{Relief, Vec2, unit};
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, PartWear};
@@ -46,6 +51,12 @@ pub struct JointSettings {
     pub errors: ManufacturingErrors,
     /// Discs that deform, from [`ElasticDiscs::free`]; rigid ones without.
     pub discs: Option<ElasticDiscs>,
+    /// A carrier whose crank seats give way against its output face; a rigid one without.
+    pub carrier: Option<ElasticCarrier>,
+    /// A housing that moves its pins; goes with elastic discs.
+    pub housing: Option<ElasticHousing>,
+    /// Bores of the discs that go out of round; round ones without.
+    pub rims: Option<ElasticRims>,
     /// Multiplies the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the
     /// machine as it is.
     pub stiffness_scale: f64,
@@ -61,6 +72,9 @@ impl Default for JointSettings {
             part_wear: PartWear::default(),
             errors: ManufacturingErrors::default(),
             discs: None,
+            carrier: None,
+            housing: None,
+            rims: None,
             stiffness_scale: 1.0,
             damped: true,
         }
@@ -107,14 +121,17 @@ impl Arm {
 /// sun's support, torsion of carrier and input shaft. Bearings and shafts are damped in proportion to their
 /// tangent stiffness.
 ///
-/// The planet sits at the first support. Not modelled: tilt and axial motion, elastic rings of bearings, the
-/// cage's own motion.
+/// Elastic bodies add coordinates of their own: the ways of the carrier's crank seats and their going out of
+/// round, that of the discs' bores, and the smooth modes of the ring of pins ([`ElasticHousing`]).
+///
+/// The planet sits at the first support. Not modelled: tilt and axial motion, the cage's own motion.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     kinematics: Kinematics,
     layout: Layout,
     rings: Vec<PinContacts>,
     elastic: Option<ElasticDiscs>,
+    housing: Option<ElasticHousing>,
     /// Everything between the bodies but the pins.
     joints: Vec<Box<dyn Joint>>,
     bearings: Bearings,

@@ -3,7 +3,7 @@
 use super::BearingJoints;
 use super::assembly::{Assembly, Part, Split};
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, Reaction};
-use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit};
+use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit, HousingMotion};
 use crate::geometry::{Vec2, quarter_turn};
 
 /// ∂(x, y, θ of the disc in the ring)/∂(coordinates), row by row.
@@ -53,10 +53,46 @@ impl BearingJoints {
     }
 
     /// Motion of a disc in the ring, its modes included.
-    pub(super) fn disc_motion<'a>(&self, disc: usize, q: &'a [f64], v: &'a [f64]) -> DiscMotion<'a> {
+    pub(super) fn disc_motion<'a>(&'a self, disc: usize, q: &'a [f64], v: &'a [f64]) -> DiscMotion<'a> {
         let (pose, velocity) = self.disc_state(disc, q, v);
         let at = self.layout.modes(disc);
-        DiscMotion { pose, velocity, modes: &q[at.clone()], rates: &v[at] }
+        let housing = self.housing.as_ref().map(|housing| {
+            let at = self.layout.housing_modes();
+            HousingMotion { housing, modes: &q[at.clone()], rates: &v[at] }
+        });
+        DiscMotion { pose, velocity, modes: &q[at.clone()], rates: &v[at], housing }
+    }
+
+    /// Ways of the pins on one disc in an elastic housing, in m; none in a rigid one.
+    pub(super) fn pin_ways(&self, disc: usize, q: &[f64]) -> Vec<Vec2> {
+        self.housing
+            .as_ref()
+            .map_or_else(Vec::new, |housing| housing.ways(disc, &q[self.layout.housing_modes()]))
+    }
+
+    /// Coordinates beside the place of a disc that its pins act on: its own modes, those of the housing.
+    fn ring_modes(&self, disc: usize) -> impl Iterator<Item = usize> {
+        self.layout.modes(disc).chain(self.layout.housing_modes())
+    }
+
+    /// What a disc does to its pins: (pin, force in N in the frame of the ring), friction aside. It is the
+    /// opposite of what they do to the disc.
+    pub(super) fn pin_forces(&self, disc: usize, q: &[f64], v: &[f64]) -> Vec<(usize, Vec2)> {
+        match &self.elastic {
+            Some(discs) => discs.pin_forces(disc, &self.rings[disc], self.disc_motion(disc, q, v)),
+            None => {
+                let (pose, rate) = self.disc_state(disc, q, v);
+                let mut forces = Vec::new();
+                self.rings[disc].visit(pose, rate, false, |contact| {
+                    if contact.force > 0.0 {
+                        let rolling = self.rings[disc].rolling_force(contact);
+                        let on_disc = |a: usize| contact.force * contact.gradient[a] + rolling[a];
+                        forces.push((contact.pin, -Vec2::new(on_disc(0), on_disc(1))));
+                    }
+                });
+                forces
+            }
+        }
     }
 
     /// Adds what the pins do to disc and housing, and what an elastic disc does to itself.
@@ -89,7 +125,7 @@ impl BearingJoints {
         }
     }
 
-    /// Adds forces on (x, y, θ in the ring, modes) and their tangents, row by row.
+    /// Adds forces on (x, y, θ in the ring, modes of disc and housing) and their tangents, row by row.
     fn add_reaction(
         &self,
         disc: usize,
@@ -101,12 +137,13 @@ impl BearingJoints {
         if self.layout.housing_moves() {
             return self.add_reaction_of_moving_housing(disc, pose, q, (force, stiffness, damping), assembly);
         }
-        let (at, width) = (self.layout.disc(disc), force.len());
+        let (place, width) = (self.layout.disc(disc), force.len());
+        let index: Vec<usize> = (place..place + 3).chain(self.ring_modes(disc)).collect();
         for i in 0..width {
-            assembly.add_force(at + i, force[i]);
+            assembly.add_force(index[i], force[i]);
             for j in 0..width {
-                assembly.linearisation.add_stiffness(at + i, at + j, stiffness[i * width + j]);
-                assembly.linearisation.add_damping(at + i, at + j, damping[i * width + j]);
+                assembly.linearisation.add_stiffness(index[i], index[j], stiffness[i * width + j]);
+                assembly.linearisation.add_damping(index[i], index[j], damping[i * width + j]);
             }
         }
     }
@@ -140,8 +177,7 @@ impl BearingJoints {
         let width = force.len();
         // (coordinate, what it moves and by how much).
         let places = (0..6).map(|i| (place[i], [(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]));
-        let modes =
-            self.layout.modes(disc).enumerate().map(|(m, at)| (at, [(3 + m, 1.0), (0, 0.0), (0, 0.0)]));
+        let modes = self.ring_modes(disc).enumerate().map(|(m, at)| (at, [(3 + m, 1.0), (0, 0.0), (0, 0.0)]));
         let motions: Vec<(usize, [(usize, f64); 3])> = places.chain(modes).collect();
         for (row, by_row) in &motions {
             assembly.add_force(*row, by_row.iter().map(|(a, g)| g * force[*a]).sum());
@@ -173,8 +209,8 @@ impl BearingJoints {
                     split.compliance[Part::PinSeat as usize] += seats;
                 }
                 Some(discs) => {
-                    let whole: Vec<f64> =
-                        g.iter().chain(&split.motion[self.layout.modes(j)]).copied().collect();
+                    let modes = self.ring_modes(j).map(|at| split.motion[at]);
+                    let whole: Vec<f64> = g.iter().copied().chain(modes).collect();
                     let DiscSplit { teeth, seats, disc } = discs.split(j, ring, state, &whole);
                     split.compliance[Part::Teeth as usize] += teeth;
                     split.compliance[Part::PinSeat as usize] += seats;

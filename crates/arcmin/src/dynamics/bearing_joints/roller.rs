@@ -1,5 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
+use super::rim::OutOfRound;
 use crate::geometry::unit;
 use crate::machine::{RollerBearing, RollerKind};
 
@@ -12,17 +13,17 @@ use crate::machine::{RollerBearing, RollerKind};
 /// rings, ψ = w θ_inner + (1 − w) θ_outer with w = (1 − d cos α/D)/2, so forces and torques derive from one
 /// energy.
 ///
-/// Not modelled: axial load and tilt, flexible rings, roller crowning, centrifugal force.
+/// Not modelled: axial load and tilt, roller crowning, centrifugal force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadialBearing {
-    count: usize,
+    pub(super) count: usize,
     /// K in N/m^n.
-    stiffness: f64,
+    pub(super) stiffness: f64,
     pub(super) exponent: f64,
     pub(super) half_clearance: f64,
     /// The same as drawn, m.
     pub(super) drawn_half_clearance: f64,
-    contact_cosine: f64,
+    pub(super) contact_cosine: f64,
     /// w: how far the cage follows the inner ring.
     pub(super) inner_share: f64,
     /// Mean radius in m, on which friction acts.
@@ -134,13 +135,37 @@ impl RadialBearing {
         state
     }
 
-    /// Σ (Q_i)^p over the elements at displacement u: what bearing life needs.
+    /// Q_i of the elements at displacement u: what bearing life needs.
     pub fn element_forces(&self, u: [f64; 2], cage: f64) -> impl Iterator<Item = f64> + '_ {
+        self.element_forces_in(u, cage, None)
+    }
+
+    /// The same in a rim that has gone out of round.
+    pub(super) fn element_forces_in(
+        &self,
+        u: [f64; 2],
+        cage: f64,
+        rim: Option<OutOfRound>,
+    ) -> impl Iterator<Item = f64> + '_ {
         (0..self.count).map(move |i| {
-            let e = unit(cage + TAU * i as f64 / self.count as f64);
-            let approach = self.contact_cosine * (u[0] * e.x + u[1] * e.y - self.half_clearance);
+            let angle = cage + TAU * i as f64 / self.count as f64;
+            let e = unit(angle);
+            let way = rim.map_or(0.0, |rim| rim.at(angle));
+            let approach = self.contact_cosine * (u[0] * e.x + u[1] * e.y - self.half_clearance - way);
             if approach > 0.0 { self.stiffness * approach.powf(self.exponent) } else { 0.0 }
         })
+    }
+
+    /// Radial force (N) of every element on the outer ring with the angle (rad) where it stands.
+    pub(super) fn radial_element_forces(
+        &self,
+        u: [f64; 2],
+        cage: f64,
+        rim: Option<OutOfRound>,
+    ) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let angle = move |i: usize| cage + TAU * i as f64 / self.count as f64;
+        let forces = self.element_forces_in(u, cage, rim).enumerate();
+        forces.map(move |(i, force)| (angle(i), self.contact_cosine * force))
     }
 }
 

@@ -1,8 +1,9 @@
 //! Load sharing with bearings: the static balance of the very model that `simulate` integrates.
 
+use super::running::Running;
 use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
-use crate::dynamics::{DynamicsError, EquilibriumControl, Linearisation, System, Weights, solve_equilibrium};
+use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
@@ -28,6 +29,8 @@ pub struct BearingMeshing {
     has_errors: bool,
     /// Deviations of the last balances at no load, lag and lead: where the next ones start.
     loose: [Option<Vec<f64>>; 2],
+    /// Speed of the sun in rad/s that friction sees; `None` with friction aside.
+    running: Option<f64>,
 }
 
 /// Lost motion and what makes it up, in rad.
@@ -77,9 +80,26 @@ impl BearingMeshing {
         let mut machine = machine.clone();
         machine.friction =
             Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
-        let model = BearingJoints::held(&machine, &JointSettings { damped: false, ..settings.clone() })?;
+        BearingMeshing::with_friction(&machine, settings, None)
+    }
+
+    /// In steady running at the rated input speed, with the machine's friction at pins, bearings, gears and
+    /// seals. Play stays that of the machine without friction.
+    ///
+    /// # Errors
+    /// As [`BearingMeshing::new`].
+    pub fn running(machine: &Machine, settings: &JointSettings) -> Result<BearingMeshing, DynamicsError> {
+        BearingMeshing::with_friction(machine, settings, Some(machine.rated.input_speed))
+    }
+
+    fn with_friction(
+        machine: &Machine,
+        settings: &JointSettings,
+        running: Option<f64>,
+    ) -> Result<BearingMeshing, DynamicsError> {
+        let model = BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?;
         let errors = &settings.errors;
-        let (crank_turns, discs_alike) = (errors.crank_turns(&machine), errors.discs_alike());
+        let (crank_turns, discs_alike) = (errors.crank_turns(machine), errors.discs_alike());
         let has_errors = !errors.is_zero();
         Ok(BearingMeshing {
             model,
@@ -88,6 +108,7 @@ impl BearingMeshing {
             discs_alike,
             has_errors,
             loose: [None, None],
+            running,
         })
     }
 
@@ -139,7 +160,14 @@ impl BearingMeshing {
             },
             ..EquilibriumControl::default()
         };
-        match solve_equilibrium(&self.model, 0.0, &place, control) {
+        let found = match self.running {
+            None => solve_equilibrium(&self.model, 0.0, &place, control),
+            Some(speed) => {
+                self.model.hold_sun(sun, speed);
+                solve_equilibrium(&Running::new(&self.model, sun, speed), 0.0, &place, control)
+            }
+        };
+        match found {
             Ok(found) => Ok((found.position, found.residual)),
             Err(DynamicsError::NoEquilibrium { residual, iterations, .. }) => Err(LoadError::NotConverged {
                 crank_angle_deg: crank.degrees(),
@@ -305,15 +333,7 @@ impl BearingMeshing {
 
     /// dT/dφ at the output of the whole machine in N·m/rad.
     fn stiffness(&self, position: &[f64]) -> Option<f64> {
-        let n = position.len();
-        let rest = vec![0.0; n];
-        let mut force = vec![0.0; n];
-        let mut linearisation = self.model.linearisation();
-        self.model.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
-        let mut motion = vec![0.0; n];
-        motion[self.model.output_index()] = 1.0;
-        linearisation.solve(&rest, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut motion).ok()?;
-        Some(1.0 / motion[self.model.output_index()])
+        Some(1.0 / self.model.motion_per_torque(position)?[self.model.output_index()])
     }
 }
 
@@ -375,7 +395,7 @@ impl ShareLoad for BearingMeshing {
         )
     }
 
-    /// A body that no contact holds leaves the stiffness at 0.
+    /// An output that nothing holds has the stiffness 0.
     fn share(
         &mut self,
         crank: CrankAngle,
@@ -401,6 +421,13 @@ impl ShareLoad for BearingMeshing {
     /// leaves no balance there, at ±1e-3, and within 2e-3 of rated torque if need be: some 0.005'. Where the
     /// pins press without load, the relief of all flanks that would just free them is taken off, as an angle.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
+        if let Some(speed) = self.running.take() {
+            let smooth = self.model.with_friction(0.0);
+            let rough = std::mem::replace(&mut self.model, smooth);
+            let travel = self.travel(crank);
+            (self.model, self.running) = (rough, Some(speed));
+            return travel;
+        }
         let mut ends = [0.0; 2];
         let mut deviations = [Vec::new(), Vec::new()];
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {

@@ -114,6 +114,8 @@ function fitRange(axis, values, air = 0.05) {
   // Values that agree to rounding are one value: a range of their differences would have no ticks to count.
   const size = Math.max(Math.abs(low), Math.abs(high));
   if (high - low < 1e-9 * size) { low -= 0.05 * size; high += 0.05 * size; }
+  // A curve of zeros lies on its axis, in a range that has ticks.
+  if (low === 0 && high === 0) return [0, 1];
   const span = high - low || 1;
   return [touchesZero.low && axis.include_zero ? 0 : low - span * air, touchesZero.high && axis.include_zero ? 0 : high + span * air];
 }

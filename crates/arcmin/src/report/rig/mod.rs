@@ -121,19 +121,27 @@ impl RigPage<'_> {
                     .into(),
             ));
         }
-        let discs = if state.split.parts.iter().any(|(part, _)| *part == Part::Disc) {
-            ""
-        } else {
-            " bodies of the discs,"
+        let has = |part: Part| state.split.parts.iter().any(|(p, _)| *p == part);
+        let rigid = match (has(Part::PinRing), has(Part::Disc)) {
+            (true, _) => {
+                "The solids of carrier and housing are scaled from the pin circle where the design does not give them. Rings of the main bearings are \
+                 rigid, bolts do not slip, and nothing leans: a real reducer is softer by their share."
+            }
+            (false, true) => {
+                "Bearing rings, carrier plates and housing are rigid; a real reducer is softer by their share (--bodies elastic)."
+            }
+            (false, false) => {
+                "Bearing rings, bodies of the discs, carrier plates and housing are rigid; a real reducer is softer by their share (--discs elastic, --bodies \
+                 elastic)."
+            }
         };
         let split = vec![
             figures::stiffness_split(state),
             Block::Note(
                 Tone::Neutral,
                 format!(
-                    "Bearings, shafts and supports are assumptions where the design file says so. Bearing rings,{discs} carrier plates and housing are rigid; a \
-                     real reducer is softer by their share. `[carrier] torsional_stiffness_n_m_per_arcmin` and `[ring] seat_compliance_um_per_kn` take \
-                     measured values."
+                    "Bearings, shafts and supports are assumptions where the design file says so. {rigid} `[carrier] \
+                     torsional_stiffness_n_m_per_arcmin` and `[ring] seat_compliance_um_per_kn` take measured values."
                 ),
             ),
         ];

@@ -155,7 +155,7 @@ impl Search {
             return no("there must be one goal or two");
         }
         self.optimiser()?;
-        self.plan(Stage::Start, &[self.start.clone()], self.machines).map(|_| ())
+        self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map(|_| ())
     }
 
     fn optimiser(&self) -> Result<Optimiser, StudyError> {
@@ -172,7 +172,7 @@ impl Search {
     /// # Errors
     /// [`StudyError`] as of [`Search::validate`].
     pub fn first(&self) -> Result<Plan, StudyError> {
-        Ok(self.plan(Stage::Start, &[self.start.clone()], self.machines)?.plan)
+        Ok(self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines)?.plan)
     }
 
     fn plan(&self, stage: Stage, designs: &[Vec<f64>], machines: u64) -> Result<StagePlan, StudyError> {
@@ -223,7 +223,7 @@ impl Search {
             feasible: false,
             unusable: Vec::new(),
         };
-        let start = self.plan(Stage::Start, &[self.start.clone()], self.machines).map_err(told)?;
+        let start = self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map_err(told)?;
         if self.missing(start, &mut standing, store)? {
             return Ok(standing);
         }

@@ -87,6 +87,10 @@ impl Joint for Gears {
         self.state(at).force
     }
 
+    fn scale_friction(&mut self, share: f64) {
+        self.losses.scale_friction(share);
+    }
+
     fn boxed(&self) -> Box<dyn Joint> {
         Box::new(self.clone())
     }

@@ -1,6 +1,7 @@
 use super::{Cause, Joint, Losses, Part, Sink, State};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
+use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM, Rim, RimState};
 use crate::dynamics::bearing_joints::{Arm, BearingState, RadialBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::PartWear;
@@ -58,6 +59,8 @@ pub(in super::super) struct Journal {
     /// Modes of the body that move its bore: their coordinates, and the bore's displacement per unit of a
     /// mode in the frame of the body.
     pub modes: Vec<BoreMode>,
+    /// The bore's rim, where it may go out of round.
+    pub rim: Option<Rim>,
     /// What the clearance has grown by wear, m.
     pub worn: f64,
     /// Bearings of this kind.
@@ -93,10 +96,77 @@ impl Journal {
         self.displacement(q, self.arms(q, &self.modes_at(q)))
     }
 
+    /// The rim at this state.
+    fn rim_at(&self, q: &[f64]) -> Option<OutOfRound> {
+        self.rim.map(|rim| OutOfRound {
+            angle: q[self.index[5]] + rim.phase,
+            ways: rim.coordinates.map(|at| q[at]),
+        })
+    }
+
+    /// Radial force (N) of every rolling element on the bore with the angle (rad) where it stands.
+    pub fn radial_element_forces(&self, q: &[f64]) -> Vec<(f64, f64)> {
+        let (u, cage) = self.displacement_at(q);
+        self.law.radial_element_forces(u, cage, self.rim_at(q)).collect()
+    }
+
     /// Force (N) on the inner ring and forces of the rolling elements.
     pub fn load(&self, q: &[f64]) -> (BearingState, Vec<f64>) {
         let (u, cage) = self.displacement_at(q);
-        (self.law.react(u, cage), self.law.element_forces(u, cage).collect())
+        let rim = self.rim_at(q);
+        let state = match &rim {
+            None => self.law.react(u, cage),
+            Some(rim) => self.law.react_in_rim(u, cage, rim).plain(),
+        };
+        (state, self.law.element_forces_in(u, cage, rim).collect())
+    }
+
+    /// Work Σ Q_i w(ψ_i) (N·m) of the rollers on their rim, 0 for a round one.
+    fn rim_work(&self, q: &[f64]) -> f64 {
+        let Some(rim) = self.rim_at(q) else { return 0.0 };
+        self.radial_element_forces(q).iter().map(|(angle, force)| force * rim.at(*angle)).sum()
+    }
+
+    /// Hands on the bearing in its rim: coordinates of shaft and body, then those of the rim.
+    fn visit_rim(
+        &self,
+        (rim, state): (&Rim, &RimState),
+        jacobian: &[[f64; 6]; 3],
+        (arm, bore): (Vec2, Vec2),
+        sink: &mut dyn Sink,
+    ) {
+        const WIDTH: usize = 6 + RIM;
+        let mut index = [0; WIDTH];
+        index[..6].copy_from_slice(&self.index);
+        index[6..].copy_from_slice(&rim.coordinates);
+        // Rows u_x, u_y, ψ, χ, ways.
+        let entry = |row: usize, column: usize| -> f64 {
+            match (row, column) {
+                (0..3, 0..6) => jacobian[row][column],
+                (3, 5) => 1.0,
+                (4.., 6..) if row - 4 == column - 6 => 1.0,
+                _ => 0.0,
+            }
+        };
+        let mut slope = [0.0; WIDTH];
+        let mut matrix = [0.0; WIDTH * WIDTH];
+        for i in 0..WIDTH {
+            slope[i] = (0..4 + RIM).map(|c| state.gradient[c] * entry(c, i)).sum();
+            let column: [f64; 4 + RIM] =
+                std::array::from_fn(|c| (0..4 + RIM).map(|d| state.hessian[c][d] * entry(d, i)).sum());
+            for j in 0..WIDTH {
+                matrix[j * WIDTH + i] = (0..4 + RIM).map(|c| entry(c, j) * column[c]).sum();
+            }
+        }
+        matrix[2 * WIDTH + 2] -= state.gradient[0] * arm.x + state.gradient[1] * arm.y;
+        matrix[5 * WIDTH + 5] += state.gradient[0] * bore.x + state.gradient[1] * bore.y;
+        sink.element(&Element {
+            part: self.place.part(),
+            index: &index,
+            gradient: &slope,
+            hessian: &matrix,
+            stored: state.stored,
+        });
     }
 }
 
@@ -105,7 +175,9 @@ impl Joint for Journal {
         let modes = self.modes_at(at.q);
         let (arm, bore) = self.arms(at.q, &modes);
         let (u, cage) = self.displacement(at.q, (arm, bore));
-        let BearingState { stored, gradient, hessian, .. } = self.law.react(u, cage);
+        let in_rim = self.rim_at(at.q).map(|rim| self.law.react_in_rim(u, cage, &rim));
+        let BearingState { stored, gradient, hessian, .. } =
+            in_rim.as_ref().map_or_else(|| self.law.react(u, cage), RimState::plain);
         if stored == 0.0 {
             return;
         }
@@ -121,7 +193,10 @@ impl Joint for Journal {
         let mut slope = [0.0; 6];
         let mut matrix = [0.0; 36];
         let mut damping = [0.0; 36];
-        for i in 0..6 {
+        if let (Some(rim), Some(state)) = (&self.rim, &in_rim) {
+            self.visit_rim((rim, state), &jacobian, (arm, bore), &mut sink);
+        }
+        for i in 0..if in_rim.is_some() { 0 } else { 6 } {
             let mut column = [0.0; 3];
             for c in 0..3 {
                 slope[i] += gradient[c] * jacobian[c][i];
@@ -134,13 +209,15 @@ impl Joint for Journal {
         }
         matrix[2 * 6 + 2] -= gradient[0] * arm.x + gradient[1] * arm.y;
         matrix[5 * 6 + 5] += gradient[0] * bore.x + gradient[1] * bore.y;
-        sink.element(&Element {
-            part: self.place.part(),
-            index: &self.index,
-            gradient: &slope,
-            hessian: &matrix,
-            stored,
-        });
+        if in_rim.is_none() {
+            sink.element(&Element {
+                part: self.place.part(),
+                index: &self.index,
+                gradient: &slope,
+                hessian: &matrix,
+                stored,
+            });
+        }
         let mut rate = self.index.map(|i| at.v[i]);
         for (mode, by) in &modes {
             rate[3] += at.v[*mode] * by.x;
@@ -189,10 +266,10 @@ impl Joint for Journal {
     /// bores made too wide or too narrow have made of it, in proportion.
     fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
         let law = &self.law;
-        let (u, cage) = self.displacement_at(at.q);
-        let state = law.react(u, cage);
+        let (u, _) = self.displacement_at(at.q);
+        let state = self.load(at.q).0;
         let elastic = (law.exponent + 1.0) * state.stored;
-        let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic;
+        let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic - self.rim_work(at.q);
         let share = |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
         let (clearance, wear) = self.place.causes();
         add(Cause::Elastic, elastic);
@@ -214,11 +291,16 @@ impl Joint for Journal {
 
     fn add_loads(&self, at: State<'_>, loads: &mut PartLoads) {
         let (u, cage) = self.displacement_at(at.q);
-        *self.place.load(loads) += self.law.element_forces(u, cage).sum::<f64>() / self.alike as f64;
+        let rim = self.rim_at(at.q);
+        *self.place.load(loads) += self.law.element_forces_in(u, cage, rim).sum::<f64>() / self.alike as f64;
     }
 
     fn bearing(&self) -> Option<&Journal> {
         Some(self)
+    }
+
+    fn scale_friction(&mut self, share: f64) {
+        self.losses.scale_friction(share);
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

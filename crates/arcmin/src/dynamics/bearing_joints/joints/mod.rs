@@ -1,6 +1,7 @@
 //! The joints between the bodies: a file for each kind. Which ones a machine has is listed in `build`.
 
 mod bending;
+mod frame;
 mod gears;
 mod journal;
 mod support;
@@ -9,6 +10,7 @@ mod torsion;
 use std::fmt::Debug;
 
 pub(super) use bending::Bending;
+pub(super) use frame::Frame;
 pub(super) use gears::Gears;
 pub(super) use journal::{Journal, Place};
 pub(super) use support::Support;
@@ -50,6 +52,9 @@ pub(super) trait Joint: Debug + Send + Sync {
 
     /// Takes over what bearings and gears have lost.
     fn set_wear(&mut self, _wear: &PartWear) {}
+
+    /// Multiplies the friction of the joint.
+    fn scale_friction(&mut self, _share: f64) {}
 
     /// Adds the loads that wear the joint.
     fn add_loads(&self, _at: State<'_>, _loads: &mut PartLoads) {}
@@ -93,6 +98,11 @@ pub(super) struct Losses {
 }
 
 impl Losses {
+    fn scale_friction(&mut self, share: f64) {
+        self.friction.bearing *= share;
+        self.friction.gear_mesh *= share;
+    }
+
     /// v/√(v² + v_r²) and its derivative: regularised Coulomb friction.
     fn coulomb(&self, speed: f64) -> (f64, f64) {
         let floor = self.friction.regularisation_speed;

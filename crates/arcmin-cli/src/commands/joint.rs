@@ -1,0 +1,151 @@
+//! `arcmin export joint`: the reducer as a joint of a robot model.
+
+use arcmin::analyses::AnalysisError;
+use arcmin::analyses::joint::{JointOptions, joint};
+use arcmin::exchange::{JointExport, JointState};
+use arcmin::fidelity::FidelityOptions;
+use arcmin::units::ARCMIN;
+use clap::{Arg, ArgMatches, Command};
+
+use super::Ending;
+use super::exchange::{Given, choice, directory, number, out, path};
+use crate::failure::Failure;
+use crate::run::{Terminal, say, write_file};
+
+pub fn command() -> Command {
+    Command::new("joint")
+        .about("The reducer as a joint for MuJoCo, URDF, SDF, Modelica, Simscape and controllers, from new to worn")
+        .long_about(
+            "Runs the test bench at each age and writes the joint's numbers with source and units: joint.mjcf.xml \
+             (MuJoCo 4), joint.urdf, joint.sdf, joint.mo (Modelica), joint.simscape.m, joint.json with everything, and \
+             tables for controllers: joint.wind_up.csv, joint.te.csv (transmission error as waves), joint.loss.csv.",
+        )
+        .after_help("Examples:\n  arcmin export joint my-reducer.toml --hours 0,2000,6000")
+        .arg(path("DESIGN", "Design file"))
+        .arg(
+            Arg::new("hours")
+                .long("hours")
+                .value_name("HOURS,…")
+                .default_value("0")
+                .help("Ages in hours of the duty, with commas between"),
+        )
+        .args(fidelity_args())
+        .arg(number("positions", "4", "Crank positions at which the loop is run"))
+        .arg(number("te-positions", "1024", "Positions over the output turn"))
+        .arg(number("timestep-ms", "1", "Time step of the robot simulation in ms, for the damping it needs"))
+        .arg(out())
+}
+
+/// Options that say which physics answers.
+pub(super) fn fidelity_args() -> [Arg; 3] {
+    [
+        choice("discs", "rigid", vec!["rigid", "elastic"]).help("Discs"),
+        Arg::new("errors").long("errors").value_parser(["given", "drawn", "none"]).help(
+            "Manufacturing errors: of the design, drawn from its tolerances, or none [default: given where there are any]",
+        ),
+        Arg::new("seed")
+            .long("seed")
+            .value_name("N")
+            .value_parser(clap::value_parser!(u32))
+            .help("Seed of a drawn machine"),
+    ]
+}
+
+pub(super) fn fidelity(matches: &ArgMatches, joints: &str) -> Result<FidelityOptions, Failure> {
+    let mut text = format!("joints = \"{joints}\"\n");
+    for key in ["discs", "errors"] {
+        if let Some(word) = matches.get_one::<String>(key) {
+            text.push_str(&format!("{key} = \"{word}\"\n"));
+        }
+    }
+    if let Some(seed) = matches.get_one::<u32>("seed") {
+        text.push_str(&format!("seed = {seed}\n"));
+    }
+    FidelityOptions::parse(&text, "the options").map_err(|error| failed(AnalysisError::from(error)))
+}
+
+pub(super) fn failed(error: AnalysisError) -> Failure {
+    Failure::Analysis { error, options: None, finding: None }
+}
+
+/// Ages with commas between.
+pub(super) fn ages(text: &str) -> Result<Vec<f64>, Failure> {
+    let one = |word: &str| {
+        let age = word.trim().parse::<f64>().ok().filter(|age| (0.0..=1e7).contains(age));
+        age.ok_or_else(|| Failure::Usage {
+            message: format!("\"{}\" is no age in hours", word.trim()),
+            help: "write ages such as --hours 0,2000,6000, each from 0 to 10000000".to_owned(),
+        })
+    };
+    text.split(',').map(one).collect()
+}
+
+pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let given = Given(matches);
+    let (path, design) = given.design()?;
+    let options = JointOptions {
+        fidelity: fidelity(matches, "bearings")?,
+        hours: ages(given.word("hours"))?,
+        positions: given.within("positions", 1.0, 360.0)? as usize,
+        error_positions: given.within("te-positions", 64.0, 65536.0)? as usize,
+        timestep: 1e-3 * given.within("timestep-ms", 1e-3, 100.0)?,
+    };
+    let out = directory(matches, &path, "export")?;
+    let host = Terminal::new(&path, &out, &out, false);
+    let found = joint(&design, &options, &host).map_err(failed)?;
+    host.clear();
+    let json = found.json().map_err(|cause| Failure::Json { cause: cause.to_string() })?;
+    let files = [
+        ("joint.mjcf.xml", found.mjcf()),
+        ("joint.urdf", found.urdf()),
+        ("joint.sdf", found.sdf()),
+        ("joint.mo", found.modelica()),
+        ("joint.simscape.m", found.simscape()),
+        ("joint.wind_up.csv", found.wind_up_table()),
+        ("joint.te.csv", found.wave_table()),
+        ("joint.loss.csv", found.loss_table()),
+        ("joint.json", json),
+    ];
+    for (name, text) in &files {
+        write_file(&out.join(name), text.as_bytes())?;
+    }
+    say(&told(&found))?;
+    say(&format!("{} in {}", files.map(|(name, _)| name).join(", "), out.display()))?;
+    Ok(Ending::Fine)
+}
+
+/// What a terminal shows.
+fn told(found: &JointExport) -> String {
+    let row = |name: &str, of: &dyn Fn(&JointState) -> String| {
+        let cells: Vec<String> = found.states.iter().map(|state| format!("{:>10}", of(state))).collect();
+        format!("{name:34}{}", cells.concat())
+    };
+    let arcmin = |rad: f64| format!("{:.4}", rad / ARCMIN);
+    let stiffness = |k: f64| format!("{:.1}", k * ARCMIN);
+    let mut lines = vec![format!("{}: {}", found.design_name, found.model)];
+    if found.friction_assumed {
+        lines.push("friction is assumed: the design gives none".to_owned());
+    }
+    lines.push(row("", &|s| format!("{:.0} h", s.hours)));
+    lines.push(row("lost motion ′", &|s| arcmin(s.lost_motion_rad)));
+    lines.push(row("backlash ′", &|s| arcmin(s.backlash_rad)));
+    lines.push(row("stiffness N·m/′", &|s| stiffness(s.stiffness_n_m_per_rad)));
+    lines.push(row("dead band ′", &|s| arcmin(2.0 * s.hysteresis.curve.half_gap_rad)));
+    for (index, name) in ["K1 N·m/′", "K2 N·m/′", "K3 N·m/′"].into_iter().enumerate() {
+        lines.push(row(name, &|s| stiffness(s.hysteresis.curve.stiffness_n_m_per_rad[index])));
+    }
+    for (index, name) in ["T1 N·m", "T2 N·m"].into_iter().enumerate() {
+        lines.push(row(name, &|s| format!("{:.1}", s.hysteresis.curve.torques_n_m[index])));
+    }
+    lines.push(row("hysteresis loss J a cycle", &|s| format!("{:.4}", s.hysteresis_loss_j)));
+    lines.push(row("model of hysteresis, off by N·m rms", &|s| {
+        format!("{:.2}", s.hysteresis.residual_rms_n_m)
+    }));
+    lines.push(row("   largest N·m", &|s| format!("{:.2}", s.hysteresis.residual_max_n_m)));
+    lines.push(row("   as angle ′ rms", &|s| arcmin(s.hysteresis.residual_rms_rad)));
+    lines.push(row("efficiency", &|s| format!("{:.3}", s.efficiency)));
+    lines.push(row("running torque without load N·m", &|s| {
+        format!("{:.2}", s.no_load_torque_n_m * found.ratio)
+    }));
+    lines.join("\n")
+}

@@ -1,0 +1,209 @@
+//! Tables and figures of a calibration.
+
+use super::{Calibrated, CurvePoint, MachineLife, Row};
+use crate::fidelity::Fidelity;
+use crate::results::{
+    DeclaredTable, PLAIN, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q, quantity,
+};
+use crate::units::{ARCMIN, HOUR, UM};
+use crate::wear::{CONFIDENCE, Estimate, Parameter};
+
+pub(super) const CALIBRATION: TableOf<Row> = TableOf {
+    name: "calibration",
+    what: "One reading a row, those of the fit first",
+    columns: || {
+        vec![
+            quantity("machine", PLAIN, "The machine as the file calls it; empty where it tells none apart.")
+                .of(|r: &Row| r.observed.machine.clone().into()),
+            q::HOURS.of(|r| (r.observed.reading.time / HOUR).into()),
+            q::QUANTITY.of(|r| r.observed.column().0.into()),
+            quantity("observed", digits(5), "Value read, in the unit of the quantity.").of(|r| {
+                (r.observed.reading.value / r.observed.column().1).into()
+            }),
+            quantity("predicted", digits(5), "Predicted value, in the unit of the quantity.")
+                .of(|r| (r.predicted / r.observed.column().1).into()),
+            quantity("predicted_low", digits(5), "Lower end of the 95 % band of the prediction.")
+                .of(|r| r.band.map(|(low, _)| low / r.observed.column().1).into()),
+            quantity("predicted_high", digits(5), "Upper end of the 95 % band of the prediction.")
+                .of(|r| r.band.map(|(_, high)| high / r.observed.column().1).into()),
+            quantity(
+                "residual_percent",
+                decimals(2),
+                "Prediction less reading, in percent of the reading; of readings of lost motion in percent of the \
+                 largest growth of their machine.",
+            )
+            .of(|r| (100.0 * r.residual()).into()),
+            quantity("use", PLAIN, "fitted, or predicted without a part in the fit.")
+                .of(|r| if r.fitted { "fitted" } else { "predicted" }.into()),
+        ]
+    },
+};
+
+const CURVE: TableOf<CurvePoint> = TableOf {
+    name: "calibration_curve",
+    what: "The fitted prediction with its 95 % band, one time a row",
+    columns: || {
+        vec![
+            q::HOURS.of(|p: &CurvePoint| p.hours.into()),
+            quantity("depth_um", decimals(3), "Largest depth of a flank.").of(|p| (p.depth.0 / UM).into()),
+            quantity("depth_low_um", decimals(3), "Lower end of its band.")
+                .of(|p| p.depth.1.map(|(low, _)| low / UM).into()),
+            quantity("depth_high_um", decimals(3), "Upper end of its band.")
+                .of(|p| p.depth.1.map(|(_, high)| high / UM).into()),
+            quantity("lost_motion_increase_arcmin", decimals(4), "Increase of the lost motion since new.")
+                .of(|p| (p.increase.0 / ARCMIN).into()),
+            quantity("lost_motion_increase_low_arcmin", decimals(4), "Lower end of its band.")
+                .of(|p| p.increase.1.map(|(low, _)| low / ARCMIN).into()),
+            quantity("lost_motion_increase_high_arcmin", decimals(4), "Upper end of its band.")
+                .of(|p| p.increase.1.map(|(_, high)| high / ARCMIN).into()),
+        ]
+    },
+};
+
+pub(super) const LIVES: TableOf<MachineLife> = TableOf {
+    name: "remaining_life",
+    what: "How long the limit of lost motion is kept, the design's own prediction first, one machine a row",
+    columns: || {
+        vec![
+            quantity(
+                "machine",
+                PLAIN,
+                "The machine as the file calls it; empty for the design's prediction.",
+            )
+            .of(|m: &MachineLife| m.name.clone().unwrap_or_default().into()),
+            quantity(
+                "new_lost_motion_arcmin",
+                decimals(3),
+                "Lost motion when new: read and taken back to new, or predicted.",
+            )
+            .of(|m| (m.new / ARCMIN).into()),
+            quantity("last_reading_h", decimals(0), "Hours of its last reading.").of(|m| m.last_h.into()),
+            quantity(
+                "hours_to_lost_motion_limit",
+                decimals(0),
+                "Hours since new to the limit; empty where it is not reached.",
+            )
+            .of(|m| m.hours.into()),
+            quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of the 95 % band.")
+                .of(|m| m.low.into()),
+            quantity(
+                "hours_to_lost_motion_limit_high",
+                decimals(0),
+                "Upper end of the 95 % band; empty where there is none.",
+            )
+            .of(|m| m.high.into()),
+            quantity(
+                "remaining_h",
+                decimals(0),
+                "Hours from the last reading to the limit; 0 where it is over.",
+            )
+            .of(|m| m.hours.map(|hours| m.left(hours)).into()),
+            quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.")
+                .of(|m| m.low.map(|hours| m.left(hours)).into()),
+            quantity(
+                "remaining_high_h",
+                decimals(0),
+                "Upper end of the 95 % band; empty where there is none.",
+            )
+            .of(|m| m.high.map(|hours| m.left(hours)).into()),
+        ]
+    },
+};
+
+impl MachineLife {
+    /// Hours from the last reading on.
+    pub fn left(&self, hours: f64) -> f64 {
+        (hours - self.last_h).max(0.0)
+    }
+}
+
+fn estimate(o: &Calibrated, parameter: Parameter) -> Option<&Estimate> {
+    o.fit.estimates.iter().find(|estimate| estimate.parameter == parameter)
+}
+
+/// The machine that a reader asks about: the one measured where there is one, else the design's prediction.
+fn asked(o: &Calibrated) -> &MachineLife {
+    if o.lives.len() == 2 { &o.lives[1] } else { &o.lives[0] }
+}
+
+pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
+    entries: || {
+        let mut entries = vec![
+            q::WEAR_COEFFICIENT.of(|o: &Calibrated| o.fit.law.coefficient.into()),
+            quantity("wear_coefficient_mm2_per_n", digits(4), "Wear coefficient in mm²/N.")
+                .of(|o| (o.fit.law.coefficient * 1e6).into()),
+            quantity("wear_coefficient_low_per_pa", digits(4), "Lower end of its 95 % band; absent where the readings set none.")
+                .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.low).into()),
+            quantity("wear_coefficient_high_per_pa", digits(4), "Upper end of its 95 % band; absent where the readings set none.")
+                .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.high).into()),
+            quantity("confidence", PLAIN, "Of all bands.").of(|_| CONFIDENCE.into()),
+            quantity("running_in_factor", digits(4), "Factor of a running-in that was fitted.")
+                .of(|o| estimate(o, Parameter::Factor).map(|e| e.value).into()),
+            quantity("running_in_factor_low", digits(4), "Lower end of its 95 % band.")
+                .of(|o| estimate(o, Parameter::Factor).and_then(|e| e.low).into()),
+            quantity("running_in_factor_high", digits(4), "Upper end of its 95 % band.")
+                .of(|o| estimate(o, Parameter::Factor).and_then(|e| e.high).into()),
+            quantity("running_in_duration_h", digits(4), "Time constant of a running-in that was fitted.").of(|o| {
+                let fitted = o.fit.law.running_in.filter(|_| o.fits_running_in());
+                fitted.map(|running_in| running_in.duration / HOUR).into()
+            }),
+            quantity("running_in_duration_low_h", digits(4), "Lower end of its 95 % band, where it was fitted.")
+                .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.low).map(|s| s / HOUR).into()),
+            quantity("running_in_duration_high_h", digits(4), "Upper end of its 95 % band, where it was fitted.")
+                .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.high).map(|s| s / HOUR).into()),
+            quantity("fitted", PLAIN, "Readings that took part in the fit.")
+                .of(|o| o.rows.iter().filter(|row| row.fitted).count().into()),
+            quantity("relative_rms", digits(3), "Root mean square of the residuals of the fit over their scale.")
+                .of(|o| o.fit.relative_rms.into()),
+            quantity("correlations", PLAIN, "Correlation of every two fitted parameters.").of(|o| {
+                let record = |(a, b, correlation): &(Parameter, Parameter, f64)| {
+                    Value::Record(vec![
+                        ("first", a.name().into()),
+                        ("second", b.name().into()),
+                        ("correlation", (*correlation).into()),
+                    ])
+                };
+                Value::List(o.fit.correlations.iter().map(record).collect())
+            }),
+            quantity("cautions", PLAIN, "What the readings cannot tell, and what of them was not used.")
+                .of(|o| Value::List(o.cautions().into_iter().map(Value::from).collect())),
+            quantity(
+                "hours_to_lost_motion_limit",
+                decimals(0),
+                "Hours since new to the limit of lost motion: of the machine measured where its lost motion was read, \
+                 else of the design; absent where it is not reached.",
+            )
+            .of(|o| asked(o).hours.into()),
+            quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of its 95 % band.")
+                .of(|o| asked(o).low.into()),
+            quantity("hours_to_lost_motion_limit_high", decimals(0), "Upper end of its 95 % band; absent where there is none.")
+                .of(|o| asked(o).high.into()),
+            quantity("remaining_life_h", decimals(0), "Hours from the last reading to the limit of lost motion.")
+                .of(|o| asked(o).hours.map(|hours| asked(o).left(hours)).into()),
+            quantity("remaining_life_low_h", decimals(0), "Lower end of its 95 % band.")
+                .of(|o| asked(o).low.map(|hours| asked(o).left(hours)).into()),
+            quantity("remaining_life_high_h", decimals(0), "Upper end of its 95 % band; absent where there is none.")
+                .of(|o| asked(o).high.map(|hours| asked(o).left(hours)).into()),
+            quantity("machines", PLAIN, "The rows of remaining_life.csv.").of(|o| records(&LIVES, &o.lives)),
+            quantity("observations", PLAIN, "All readings, with the columns of calibration.csv.")
+                .of(|o| records(&CALIBRATION, &o.rows)),
+        ];
+        entries.extend(Fidelity::entries());
+        entries
+    },
+};
+
+/// The rows of a table as records.
+fn records<R>(table: &TableOf<R>, rows: &[R]) -> Value {
+    let columns = (table.columns)();
+    let record = |row: &R| Value::Record(columns.iter().map(|c| (c.quantity.key, c.value(row))).collect());
+    Value::List(rows.iter().map(record).collect())
+}
+
+pub fn tables() -> Vec<DeclaredTable> {
+    vec![CALIBRATION.into(), CURVE.into(), LIVES.into()]
+}
+
+pub(super) fn fill(calibrated: &Calibrated) -> Vec<Table> {
+    vec![CALIBRATION.fill(&calibrated.rows), CURVE.fill(&calibrated.curve), LIVES.fill(&calibrated.lives)]
+}

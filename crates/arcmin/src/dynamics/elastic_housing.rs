@@ -1,0 +1,243 @@
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::DynamicsError;
+use crate::contact::ConformalSeat;
+use crate::fem::Compliance;
+use crate::geometry::{Vec2, quarter_turn, unit};
+use crate::machine::Machine;
+
+/// The ring of pins as part of an elastic housing.
+///
+/// The compliance of all grooves, C of [`HousingShape::loads`](crate::fem::HousingShape::loads), is taken
+/// apart: what a groove gives way by itself, c, which sits in series with every contact, and what pins do to
+/// each other, which is smooth along the ring. The smooth part is C − c I on the Fourier orders up to
+/// [`RING_ORDER`] of radial and tangential ways, disc by disc; its eigenvectors are coordinates η with the
+/// energy Σ ½ η²/λ that move the pins by φ η. c is the mean compliance of all higher orders, so that the
+/// sum over all forces that vary smoothly from pin to pin is C itself.
+///
+/// Pins sit in grooves a little larger than they are: what [`ConformalSeat`] gives beyond a pin that fits,
+/// under the mean force of the pins at rated torque, adds to c.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticHousing {
+    discs: usize,
+    pins: usize,
+    /// λ of every mode in m/N.
+    compliance: Arc<Vec<f64>>,
+    /// φ, mode after mode, disc after disc, pin after pin, in the frame of the housing.
+    shapes: Arc<Vec<Vec2>>,
+    /// c in m/N, and what a loose groove adds.
+    own: f64,
+    groove: f64,
+}
+
+/// Highest order of the ring's smooth deformation.
+pub const RING_ORDER: usize = 4;
+/// Modes softer than this share of the softest are kept.
+const LEAST: f64 = 2e-3;
+
+impl ElasticHousing {
+    /// From the compliance between the housing's interface coordinates.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] if it is not that of this machine's pins.
+    pub fn new(machine: &Machine, compliance: &Compliance) -> Result<ElasticHousing, DynamicsError> {
+        let (discs, pins) = (machine.disc_count, machine.ring.pin_count);
+        let size = 2 * discs * pins;
+        DynamicsError::require(
+            compliance.count >= size,
+            "coordinates of the elastic housing",
+            compliance.count as f64,
+            "",
+            "must be two per disc and pin at least",
+        )?;
+        let basis = basis(discs, pins);
+        let full = DMatrix::from_fn(size, size, |i, j| compliance.at(i, j));
+        let low = basis.transpose() * &full * &basis;
+        let own = if basis.ncols() < size {
+            ((full.trace() - low.trace()) / (size - basis.ncols()) as f64).max(0.0)
+        } else {
+            0.0
+        };
+        let smooth = low - DMatrix::identity(basis.ncols(), basis.ncols()) * own;
+        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(smooth);
+        let softest = eigenvalues.iter().fold(0.0_f64, |most, value| most.max(*value));
+        let (mut kept, mut shapes) = (Vec::new(), Vec::new());
+        for (mode, value) in eigenvalues.iter().enumerate().filter(|(_, value)| **value > LEAST * softest) {
+            kept.push(*value);
+            let ways = &basis * eigenvectors.column(mode);
+            for place in 0..discs * pins {
+                let out = unit(TAU * (place % pins) as f64 / pins as f64);
+                shapes.push(ways[2 * place] * out + ways[2 * place + 1] * quarter_turn(out));
+            }
+        }
+        Ok(ElasticHousing {
+            discs,
+            pins,
+            compliance: Arc::new(kept),
+            shapes: Arc::new(shapes),
+            own,
+            groove: groove_compliance(machine),
+        })
+    }
+
+    /// Number of coordinates.
+    pub fn count(&self) -> usize {
+        self.compliance.len()
+    }
+
+    /// Discs and pins.
+    pub(super) fn ring(&self) -> (usize, usize) {
+        (self.discs, self.pins)
+    }
+
+    /// What a groove gives way under its own pin alone, in m/N of one disc's force.
+    pub fn seat_compliance(&self) -> f64 {
+        self.own + self.groove
+    }
+
+    /// Diagonal of the stiffness 1/λ in N/m.
+    pub(super) fn stiffness(&self) -> impl Iterator<Item = f64> + '_ {
+        self.compliance.iter().map(|compliance| 1.0 / compliance)
+    }
+
+    /// φ of a pin on one disc.
+    #[inline]
+    pub(super) fn shape(&self, mode: usize, disc: usize, pin: usize) -> Vec2 {
+        self.shapes[(mode * self.discs + disc) * self.pins + pin]
+    }
+
+    /// Ways of all pins on one disc in m.
+    pub(super) fn ways(&self, disc: usize, modes: &[f64]) -> Vec<Vec2> {
+        let mut ways = vec![Vec2::zeros(); self.pins];
+        for (mode, value) in modes.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            let at = (mode * self.discs + disc) * self.pins;
+            ways.iter_mut()
+                .zip(&self.shapes[at..at + self.pins])
+                .for_each(|(way, shape)| *way += *value * shape);
+        }
+        ways
+    }
+
+    /// Elastic energy in J under forces on the pins, radial and tangential, disc by disc: Σ ½ λ (φ·F)² and ½
+    /// c F².
+    pub fn energy(&self, forces: &[f64]) -> f64 {
+        let push = |mode: usize| -> f64 {
+            (0..self.discs * self.pins)
+                .map(|place| {
+                    let out = unit(TAU * (place % self.pins) as f64 / self.pins as f64);
+                    let force = forces[2 * place] * out + forces[2 * place + 1] * quarter_turn(out);
+                    self.shape(mode, place / self.pins, place % self.pins).dot(&force)
+                })
+                .sum()
+        };
+        let smooth: f64 =
+            self.compliance.iter().enumerate().map(|(mode, c)| 0.5 * c * push(mode).powi(2)).sum();
+        smooth + 0.5 * self.seat_compliance() * forces.iter().map(|force| force * force).sum::<f64>()
+    }
+
+    /// The same of a material `factor` times stiffer, the clearance of the grooves closed in proportion.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for a factor that is not positive.
+    pub fn stiffened(&self, factor: f64) -> Result<ElasticHousing, DynamicsError> {
+        DynamicsError::require(factor > 0.0 && factor.is_finite(), "factor", factor, "", "must be positive")?;
+        Ok(ElasticHousing {
+            compliance: Arc::new(self.compliance.iter().map(|c| c / factor).collect()),
+            own: self.own / factor,
+            groove: self.groove / factor,
+            ..self.clone()
+        })
+    }
+}
+
+/// Orthonormal columns over (disc, pin, radial or tangential): orders 0 to [`RING_ORDER`], cosine and sine,
+/// both components, disc by disc; no more orders than the pins can tell apart.
+fn basis(discs: usize, pins: usize) -> DMatrix<f64> {
+    let z = pins as f64;
+    let orders = RING_ORDER.min((pins - 1) / 2);
+    let angle = |pin: usize, order: usize| TAU * (pin * order) as f64 / z;
+    let mut waves: Vec<Vec<f64>> = vec![vec![1.0 / z.sqrt(); pins]];
+    for order in 1..=orders {
+        let scale = (2.0 / z).sqrt();
+        waves.push((0..pins).map(|pin| scale * angle(pin, order).cos()).collect());
+        waves.push((0..pins).map(|pin| scale * angle(pin, order).sin()).collect());
+    }
+    let per_disc = 2 * waves.len();
+    DMatrix::from_fn(2 * discs * pins, discs * per_disc, |row, column| {
+        let (disc, rest) = (row / (2 * pins), row % (2 * pins));
+        let (pin, component) = (rest / 2, rest % 2);
+        let (of_disc, wave) = (column / per_disc, column % per_disc);
+        if disc == of_disc && wave % 2 == component { waves[wave / 2][pin] } else { 0.0 }
+    })
+}
+
+/// Secant compliance in m/N of one disc's force that a groove with clearance adds to one that fits, at the
+/// mean force of the loaded pins under rated torque: half a sine of [`Machine::rated`]'s largest force, 2.2
+/// T/(K1 z_c R_p) by the closed form for two discs.
+fn groove_compliance(machine: &Machine) -> f64 {
+    let solid = &machine.solids.housing;
+    let kinematics = machine.kinematics();
+    let arm = kinematics.eccentricity * kinematics.lobe_count;
+    // Σ F l = T/discs over a half of the pins, F = F₁ l/l₁ and l = l₁ sin on average: F₁ = 4 T/(discs l₁ z_p).
+    let largest =
+        4.0 * machine.rated.torque.abs() / (machine.disc_count as f64 * arm * machine.ring.pin_count as f64);
+    let mean = largest * std::f64::consts::FRAC_2_PI;
+    let length = machine.solids.carrier.gap / machine.disc_count as f64;
+    let seat = ConformalSeat::new(0.5 * solid.groove_clearance, &machine.ring.material, &solid.material);
+    let load = mean / length;
+    if load > 0.0 { seat.beyond_full_contact(load) / mean } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::templates::rv_40e_81;
+
+    /// A compliance made of a groove's own and a smooth part comes back: ways of the modes plus the own one
+    /// are C F for forces that vary smoothly, and no more modes are kept than the smooth part has.
+    #[test]
+    fn smooth_and_own_compliance_come_apart() {
+        let machine = rv_40e_81();
+        let (discs, pins) = (machine.disc_count, machine.ring.pin_count);
+        let size = 2 * discs * pins;
+        let (own, soft) = (3e-10, 8e-9);
+        // Ovalisation of both discs' shares alike, radial cos 2β, tangential −½ sin 2β: no stretch.
+        let wave: Vec<f64> = (0..size)
+            .map(|i| {
+                let two = 2.0 * TAU * (i / 2 % pins) as f64 / pins as f64;
+                if i.is_multiple_of(2) { two.cos() } else { -0.5 * two.sin() }
+            })
+            .collect();
+        let values = (0..size * size)
+            .map(|k| {
+                let (i, j) = (k / size, k % size);
+                soft * wave[i] * wave[j] + if i == j { own } else { 0.0 }
+            })
+            .collect();
+        let compliance = Compliance { count: size, values };
+        let housing = ElasticHousing::new(&machine, &compliance).unwrap();
+        assert_eq!(housing.count(), 1);
+        assert!((housing.own / own - 1.0).abs() < 1e-9, "{:e}", housing.own);
+        let forces: Vec<f64> = (0..size).map(|i| if i.is_multiple_of(2) { 100.0 * wave[i] } else { 0.0 }).collect();
+        let whole = compliance.displacements(&forces);
+        let place = |i: usize| (i / 2 / pins, i / 2 % pins);
+        let along = |i: usize| {
+            let out = unit(TAU * place(i).1 as f64 / pins as f64);
+            if i.is_multiple_of(2) { out } else { quarter_turn(out) }
+        };
+        let push: f64 =
+            (0..size).map(|i| forces[i] * housing.shape(0, place(i).0, place(i).1).dot(&along(i))).sum();
+        let eta = push * housing.compliance[0];
+        for i in 0..size {
+            let (disc, pin) = place(i);
+            let way = housing.ways(disc, &[eta])[pin].dot(&along(i)) + own * forces[i];
+            assert!((way - whole[i]).abs() < 1e-9 * whole[0].abs(), "{i}: {way:e} {:e}", whole[i]);
+        }
+        let stiff = housing.stiffened(10.0).unwrap();
+        assert!((stiff.seat_compliance() * 10.0 / housing.seat_compliance() - 1.0).abs() < 1e-12);
+        assert!(housing.stiffened(0.0).is_err());
+    }
+}

@@ -1,0 +1,378 @@
+//! Rows of balls or rollers with five degrees of freedom, and the pair of main bearings made of two.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::DynamicsError;
+use super::bearing_joints::element_stiffness;
+use crate::machine::{MainRows, RollerBearing, RollerKind};
+
+/// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner against the outer ring, or the load on the inner
+/// ring that goes with it (N, N·m), all about the middle of the pair.
+pub type Five = SVector<f64, 5>;
+
+/// Groove radii of ball bearings over the ball's diameter, both raceways.
+const GROOVE: f64 = 0.52;
+
+/// One row: Q = K δ^n per element, summed over the elements at their angles.
+///
+/// At the angle ψ the inner ring moves by u_r = x cos ψ + y sin ψ + h (φ_y cos ψ − φ_x sin ψ) radially and by
+/// u_a = z + R (φ_x sin ψ − φ_y cos ψ) along the axis, h the height of the row over the middle of the pair and
+/// R its pitch radius; a = s u_a + preload with s = ±1, the way its contacts face. Balls run in grooves whose
+/// centres stand A = (f_i + f_o − 1) d apart at the contact angle α₀ (Jones 1960; Harris, Rolling Bearing
+/// Analysis, ch. 7): δ = √((A sin α₀ + a)² + (A cos α₀ + u_r)²) − A, and the contact angle turns under
+/// load. Rollers keep theirs: δ = u_r cos α + a sin α. All derives from the energy Σ K δ^(n+1)/(n + 1).
+///
+/// Not modelled: centrifugal force and gyroscopic moment (speeds of the output), tilt of a roller along its
+/// length, rings that deform.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RingBearing {
+    count: usize,
+    /// K in N/m^n.
+    stiffness: f64,
+    exponent: f64,
+    pitch_radius: f64,
+    contact_angle: f64,
+    /// A in m; none of rollers.
+    groove_distance: Option<f64>,
+    height: f64,
+    facing: f64,
+    preload: f64,
+}
+
+/// Energy of a bearing with gradient (the load on the inner ring) and Hessian (the stiffness).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RingState {
+    /// J.
+    pub stored: f64,
+    pub load: Five,
+    pub stiffness: SMatrix<f64, 5, 5>,
+}
+
+/// One loaded element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ElementLoad {
+    /// N, normal to the raceway.
+    pub force: f64,
+    /// rad.
+    pub contact_angle: f64,
+}
+
+impl RingBearing {
+    /// A row at a height (m) whose contacts stop the inner ring from moving along `facing` (±1), pressed
+    /// together by an axial approach `preload` (m; negative is play).
+    pub fn new(row: &RollerBearing, height: f64, facing: f64, preload: f64) -> RingBearing {
+        let (stiffness, exponent) = element_stiffness(row);
+        RingBearing {
+            count: row.roller_count,
+            stiffness,
+            exponent,
+            pitch_radius: 0.5 * row.pitch_diameter,
+            contact_angle: row.contact_angle,
+            groove_distance: (row.kind == RollerKind::Ball)
+                .then_some((2.0 * GROOVE - 1.0) * row.roller_diameter),
+            height,
+            facing: facing.signum(),
+            preload,
+        }
+    }
+
+    /// δ, contact angle, ∂δ/∂(u_r, a) and the curvature 1/s of the groove centres' distance.
+    fn approach(&self, radial: f64, axial: f64) -> (f64, f64, [f64; 2], f64) {
+        let (sin, cos) = self.contact_angle.sin_cos();
+        match self.groove_distance {
+            None => (radial * cos + axial * sin, self.contact_angle, [cos, sin], 0.0),
+            Some(apart) => {
+                let (r, a) = (apart * cos + radial, apart * sin + axial);
+                let distance = r.hypot(a);
+                (distance - apart, a.atan2(r), [r / distance, a / distance], 1.0 / distance)
+            }
+        }
+    }
+
+    /// Directions of u_r and a in the five coordinates.
+    fn ways(&self, index: usize) -> (Five, Five) {
+        let (sin, cos) = (TAU * index as f64 / self.count as f64).sin_cos();
+        let (h, r, s) = (self.height, self.pitch_radius, self.facing);
+        (Five::from([cos, sin, 0.0, -h * sin, h * cos]), s * Five::from([0.0, 0.0, 1.0, r * sin, -r * cos]))
+    }
+
+    /// Energy, load and stiffness at a displacement.
+    pub fn react(&self, displacement: &Five) -> RingState {
+        let mut state =
+            RingState { stored: 0.0, load: Five::zeros(), stiffness: SMatrix::<f64, 5, 5>::zeros() };
+        for index in 0..self.count {
+            let (radial, axial) = self.ways(index);
+            let (approach, _, [by_radial, by_axial], curvature) =
+                self.approach(radial.dot(displacement), axial.dot(displacement) + self.preload);
+            if approach <= 0.0 {
+                continue;
+            }
+            let force = self.stiffness * approach.powf(self.exponent);
+            let along = by_radial * radial + by_axial * axial;
+            let across = by_axial * radial - by_radial * axial;
+            state.stored += force * approach / (self.exponent + 1.0);
+            state.load += force * along;
+            state.stiffness += (self.exponent * force / approach) * along * along.transpose()
+                + (force * curvature) * across * across.transpose();
+        }
+        state
+    }
+
+    /// Every element at a displacement.
+    pub fn elements(&self, displacement: &Five) -> Vec<ElementLoad> {
+        (0..self.count)
+            .map(|index| {
+                let (radial, axial) = self.ways(index);
+                let (approach, contact_angle, ..) =
+                    self.approach(radial.dot(displacement), axial.dot(displacement) + self.preload);
+                ElementLoad { force: self.stiffness * approach.max(0.0).powf(self.exponent), contact_angle }
+            })
+            .collect()
+    }
+}
+
+/// Two rows that stop each other, between carrier (inner rings) and housing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MainBearings {
+    /// At the output and at the input end.
+    pub rows: [RingBearing; 2],
+}
+
+/// How the pair stands under a load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MainBalance {
+    pub displacement: Five,
+    pub state: RingState,
+    /// Elements of both rows.
+    pub elements: [Vec<ElementLoad>; 2],
+}
+
+const ITERATIONS: usize = 200;
+/// Of the load, or of the force that keeps a preloaded pair together.
+const TOLERANCE: f64 = 1e-10;
+
+impl MainBearings {
+    pub fn new(pair: &MainRows) -> MainBearings {
+        let height = 0.5 * pair.spacing;
+        // Back to back, contact lines spread: the row above stops the inner ring from going down.
+        let facing = if pair.back_to_back { -1.0 } else { 1.0 };
+        let row = |side: f64| RingBearing::new(&pair.row, side * height, side * facing, pair.preload);
+        MainBearings { rows: [row(1.0), row(-1.0)] }
+    }
+
+    /// Both rows together.
+    pub fn react(&self, displacement: &Five) -> RingState {
+        let [first, second] = [0, 1].map(|row| self.rows[row].react(displacement));
+        RingState {
+            stored: first.stored + second.stored,
+            load: first.load + second.load,
+            stiffness: first.stiffness + second.stiffness,
+        }
+    }
+
+    /// The displacement at which the pair carries a load, by Newton's method on its energy, which rises in
+    /// every step.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] if the load leaves the pair no hold (loose rows).
+    pub fn balance(&self, load: &Five) -> Result<MainBalance, DynamicsError> {
+        let mut at = Five::zeros();
+        let still = self.react(&at);
+        let own = self.rows[0].react(&at).load.norm();
+        let radius = self.rows[0].pitch_radius;
+        // Moments count as forces at the pitch circle.
+        let size = |f: &Five| f.fixed_rows::<3>(0).norm() + f.fixed_rows::<2>(3).norm() / radius;
+        let scale = size(load).max(own).max(1e-6);
+        let mut state = still;
+        let mut residual = size(&(load - state.load));
+        // A pair with play touches nowhere at first: a spring far softer than any contact leads it to one.
+        let lead = 1e-6
+            * self.rows[0].stiffness.powf(1.0 / self.rows[0].exponent)
+            * scale.powf(1.0 - 1.0 / self.rows[0].exponent);
+        for _ in 0..ITERATIONS {
+            if residual <= TOLERANCE * scale {
+                let elements = [0, 1].map(|row| self.rows[row].elements(&at));
+                return Ok(MainBalance { displacement: at, state, elements });
+            }
+            let soft = if residual > 1e-3 * scale { lead } else { 0.0 };
+            let mut tangent = state.stiffness;
+            (0..5).for_each(|i| tangent[(i, i)] += soft * if i < 3 { 1.0 } else { radius * radius });
+            let Some(step) = tangent.lu().solve(&(load - state.load)) else { break };
+            let energy = |s: &RingState, q: &Five| s.stored - load.dot(q);
+            let before = energy(&state, &at);
+            let mut share = 1.0;
+            loop {
+                let next = at + share * step;
+                let there = self.react(&next);
+                let left = size(&(load - there.load));
+                let lower = energy(&there, &next) <= before + 1e-14 * before.abs();
+                if lower || left < residual || share < 1e-6 {
+                    (at, state, residual) = (next, there, left);
+                    break;
+                }
+                share *= 0.5;
+            }
+        }
+        Err(DynamicsError::InvalidValue {
+            name: "load on the main bearings",
+            value: size(load),
+            unit: "N",
+            requirement: "leaves them no balance: their rows have too much play or too little stiffness",
+        })
+    }
+}
+
+impl MainBalance {
+    /// dM/dφ in N·m/rad against a tilt about x and about y, everything else free to follow.
+    pub fn moment_stiffness(&self) -> [f64; 2] {
+        let follow = self.state.stiffness.try_inverse();
+        [3, 4].map(|axis| follow.map_or(0.0, |inverse| 1.0 / inverse[(axis, axis)]))
+    }
+
+    /// N.
+    pub fn largest_element(&self) -> f64 {
+        self.elements.iter().flatten().fold(0.0, |most, element| most.max(element.force))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(kind: RollerKind, count: usize, angle_deg: f64) -> RollerBearing {
+        RollerBearing {
+            kind,
+            roller_count: count,
+            roller_diameter: 5e-3,
+            roller_length: 5e-3,
+            pitch_diameter: 136e-3,
+            contact_angle: angle_deg.to_radians(),
+            clearance: 0.0,
+            dynamic_load_rating: None,
+        }
+    }
+
+    fn pair(kind: RollerKind, back_to_back: bool) -> MainBearings {
+        let rows = MainRows { row: row(kind, 80, 40.0), spacing: 40e-3, preload: 8e-6, back_to_back };
+        MainBearings::new(&rows)
+    }
+
+    /// Load and stiffness are differences of the energy, of balls and of rollers, and the stiffness is
+    /// symmetric.
+    #[test]
+    fn loads_derive_from_the_energy() {
+        for kind in [RollerKind::Ball, RollerKind::Tapered] {
+            let pair = pair(kind, true);
+            let at = Five::from([3e-6, -2e-6, 1.5e-6, 4e-5, -3e-5]);
+            let state = pair.react(&at);
+            for i in 0..5 {
+                let step = if i < 3 { 1e-10 } else { 1e-9 };
+                let (mut ahead, mut behind) = (at, at);
+                ahead[i] += step;
+                behind[i] -= step;
+                let (ahead, behind) = (pair.react(&ahead), pair.react(&behind));
+                let load = (ahead.stored - behind.stored) / (2.0 * step);
+                let scale = state.load[i].abs().max(1.0);
+                assert!(
+                    (load - state.load[i]).abs() < 1e-5 * scale,
+                    "{kind:?} {i}: {load} {}",
+                    state.load[i]
+                );
+                for j in 0..5 {
+                    let k = (ahead.load[j] - behind.load[j]) / (2.0 * step);
+                    let scale = (state.stiffness[(i, i)] * state.stiffness[(j, j)]).sqrt();
+                    assert!((k - state.stiffness[(j, i)]).abs() < 1e-3 * scale, "{kind:?} {i} {j}: {k:e}");
+                    assert!((state.stiffness[(i, j)] - state.stiffness[(j, i)]).abs() < 1e-12 * scale);
+                }
+            }
+        }
+    }
+
+    /// Thrust alone (Harris, eq. 7.33): F_a/(Z K A^1.5) = sin α (cos α₀/cos α − 1)^1.5, every ball alike.
+    #[test]
+    fn val_thrust_turns_the_contact_angle_as_harris_says() {
+        let given = row(RollerKind::Ball, 30, 30.0);
+        let single = RingBearing::new(&given, 0.0, 1.0, 0.0);
+        let apart = 0.04 * given.roller_diameter;
+        for axial in [2e-6, 20e-6, 60e-6] {
+            let at = Five::from([0.0, 0.0, axial, 0.0, 0.0]);
+            let load = single.react(&at).load;
+            let angle = single.elements(&at)[7].contact_angle;
+            let shape = given.contact_angle.cos() / angle.cos() - 1.0;
+            let expected = 30.0 * single.stiffness * apart.powf(1.5) * angle.sin() * shape.powf(1.5);
+            assert!((load[2] / expected - 1.0).abs() < 1e-9, "{} {expected}", load[2]);
+            assert!(load[0].abs() < 1e-9 * load[2] && load[3].abs() < 1e-9 * load[2]);
+        }
+    }
+
+    /// A radial load on a row without clearance and contact angle: Q_max = 4.37 F/Z of balls, 4.08 F/Z of
+    /// rollers (Stribeck, Sjövall's integrals 0.2288 and 0.2453).
+    #[test]
+    fn val_radial_load_as_stribeck_says() {
+        for (kind, integral) in [(RollerKind::Ball, 0.2288), (RollerKind::Cylindrical, 0.2453)] {
+            let single = RingBearing::new(&row(kind, 200, 0.0), 0.0, 1.0, 0.0);
+            let at = Five::from([1e-6, 0.0, 0.0, 0.0, 0.0]);
+            let force = single.react(&at).load[0];
+            let most = single.elements(&at).iter().fold(0.0_f64, |most, e| most.max(e.force));
+            // Discrete elements, and a ball's contact angle does not turn under a radial load at α = 0.
+            assert!(
+                (force / (200.0 * most * integral) - 1.0).abs() < 3e-3,
+                "{kind:?} {}",
+                force / most / 200.0
+            );
+        }
+    }
+
+    /// A moment on a preloaded pair: K = 2 · ½ Z k (R sin α ± h cos α)², back to back with +, k the slope of
+    /// one contact, rollers exactly; radial K = Z k cos²α, axial 2 Z k sin²α. Tilt under a moment is moment
+    /// over stiffness while all elements stay in contact.
+    #[test]
+    fn val_moment_stiffness_of_a_preloaded_pair() {
+        for (back_to_back, sign) in [(true, 1.0), (false, -1.0)] {
+            let pair = pair(RollerKind::Tapered, back_to_back);
+            let balance = pair.balance(&Five::zeros()).unwrap();
+            let one = &pair.rows[0];
+            let (sin, cos) = one.contact_angle.sin_cos();
+            let k = one.exponent * one.stiffness * (one.preload * sin).powf(one.exponent - 1.0);
+            let lever = one.pitch_radius * sin + sign * 20e-3 * cos;
+            let z = one.count as f64;
+            for (found, expected) in [
+                (balance.state.stiffness[(3, 3)], z * k * lever * lever),
+                (balance.state.stiffness[(0, 0)], z * k * cos * cos),
+                (balance.state.stiffness[(2, 2)], 2.0 * z * k * sin * sin),
+            ] {
+                assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+            }
+            let moment = 20.0;
+            let tilted = pair.balance(&Five::from([0.0, 0.0, 0.0, moment, 0.0])).unwrap();
+            let stiffness = balance.moment_stiffness()[0];
+            assert!((tilted.displacement[3] * stiffness / moment - 1.0).abs() < 0.02);
+        }
+    }
+
+    /// Loads come back from the balance, a turned load turns everything, and a pair with play finds its hold
+    /// under thrust and moment.
+    #[test]
+    fn balances_under_combined_loads() {
+        let pair = pair(RollerKind::Ball, true);
+        let load = Five::from([800.0, 0.0, 3000.0, 0.0, 900.0]);
+        let found = pair.balance(&load).unwrap();
+        assert!((found.state.load - load).norm() < 1e-6, "{}", found.state.load - load);
+        let turned = pair.balance(&Five::from([0.0, 800.0, 3000.0, -900.0, 0.0])).unwrap();
+        assert!((turned.displacement[3] + found.displacement[4]).abs() < 1e-9 * found.displacement[4].abs());
+        assert!((turned.displacement[1] / found.displacement[0] - 1.0).abs() < 1e-9);
+        let loose = MainRows {
+            row: row(RollerKind::Ball, 80, 40.0),
+            spacing: 40e-3,
+            preload: -5e-6,
+            back_to_back: true,
+        };
+        let found = MainBearings::new(&loose).balance(&load).unwrap();
+        assert!((found.state.load - load).norm() < 1e-5 && found.largest_element() > 0.0);
+        // Preload spreads a moment over both rows: it tilts less.
+        let tight = MainBearings::new(&MainRows { preload: 10e-6, ..loose });
+        assert!(tight.balance(&load).unwrap().displacement[4].abs() < found.displacement[4].abs());
+    }
+}

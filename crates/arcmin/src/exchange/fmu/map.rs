@@ -1,0 +1,492 @@
+//! The reducer as a map: torsion curve, hysteresis, waves and losses of the joint, with the inertia of the
+//! output flange.
+
+use serde::{Deserialize, Serialize};
+
+use super::{LoadFlange, PinLoadAt};
+use crate::exchange::joint::{
+    Hysteresis, JointExport, JointState, SlipElement, TorsionCurve, TransmissionWaves,
+};
+use crate::exchange::{ExchangeError, joint::Wave};
+use crate::rig::LossLine;
+
+/// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some 10
+/// krad/s; a fifth of a radian is resolved to 0.3 %.
+const LONGEST_STEP: f64 = 2e-5;
+/// Damping ratio of the flange on the gear.
+const DAMPING_RATIO: f64 = 0.02;
+/// Speed of the input in rad/s below which friction has not yet its full size.
+const CREEP: f64 = 0.5;
+/// Iterations of one balance: a bracket of a turn shrinks to rounding.
+const ITERATIONS: usize = 80;
+
+/// What is set from outside over a step; values at its beginning, and how fast they change.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct MapInputs {
+    /// Motor: rad, rad/s, rad/s².
+    pub motor: [f64; 3],
+    /// Load torque in N·m along positive motion and its rate in N·m/s, or …
+    pub load_torque: [f64; 2],
+    /// … motion of the load flange: rad, rad/s, rad/s².
+    pub load_motion: [f64; 3],
+}
+
+/// Everything that the further course depends on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MapState {
+    pub time: f64,
+    /// Load flange: rad, rad/s, rad/s².
+    pub flange: [f64; 3],
+    /// Motor flange at this time.
+    motor: [f64; 3],
+    slips: Vec<f64>,
+    /// Wind-up in rad and torque of the gear on the flange in N·m.
+    wind_up: f64,
+    torque: f64,
+    /// Torque at the motor in N·m, and on the load flange.
+    motor_torque: f64,
+    load_torque: f64,
+    loss: f64,
+    /// Work in J that came in, and what of it was lost; their sizes without signs.
+    work: f64,
+    lost: f64,
+    turnover: f64,
+    /// Stored energy in J at the start.
+    stored_at_start: f64,
+}
+
+/// What is asked of the map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapOutputs {
+    pub motor_torque: f64,
+    /// N·m along positive motion.
+    pub load_torque: f64,
+    pub flange: [f64; 3],
+    pub transmission_error: f64,
+    pub wind_up: f64,
+    pub pin_force: f64,
+    pub pin_pressure: f64,
+    pub loss: f64,
+    pub balance: f64,
+}
+
+/// The map of one age.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapModel {
+    ratio: f64,
+    rated: f64,
+    /// kg·m² at the output; of all that the motor turns, at the input.
+    flange_inertia: f64,
+    input_inertia: f64,
+    hysteresis: Hysteresis,
+    waves: Vec<TransmissionWaves>,
+    losses: Vec<LossLine>,
+    pins: Vec<PinLoadAt>,
+    load: LoadFlange,
+    friction: bool,
+    damping: f64,
+}
+
+fn mix(a: f64, b: f64, share: f64) -> f64 {
+    a + share * (b - a)
+}
+
+impl MapModel {
+    /// The map at an age (h) between those that were measured.
+    ///
+    /// # Errors
+    /// [`ExchangeError::Option`] for an age outside of them.
+    pub fn at(
+        joint: &JointExport,
+        pins: &[Vec<PinLoadAt>],
+        hours: f64,
+        load: LoadFlange,
+        friction: bool,
+    ) -> Result<MapModel, ExchangeError> {
+        let low = joint.states.first().map_or(0.0, |state| state.hours);
+        let high = joint.states.last().map_or(0.0, |state| state.hours);
+        let index = joint.states.iter().rposition(|state| state.hours <= hours);
+        let (Some(index), true) = (index, hours <= high) else {
+            return Err(ExchangeError::Option { what: "an age in hours", value: hours, low, high });
+        };
+        let next = (index + 1).min(joint.states.len() - 1);
+        let (a, b) = (&joint.states[index], &joint.states[next]);
+        let share = if next > index { (hours - a.hours) / (b.hours - a.hours) } else { 0.0 };
+        let none = Vec::new();
+        let of = |index: usize| pins.get(index).unwrap_or(&none);
+        let hysteresis = between(a, b, share);
+        let stiffness = hysteresis.curve.stiffness_n_m_per_rad[2];
+        Ok(MapModel {
+            ratio: joint.ratio,
+            rated: joint.rated_torque_n_m,
+            flange_inertia: joint.inertia.output_kg_m2,
+            // The motor is outside of the unit.
+            input_inertia: joint.inertia.sun_kg_m2 + joint.inertia.gear_kg_m2,
+            damping: 2.0 * DAMPING_RATIO * (stiffness * joint.inertia.output_kg_m2).sqrt(),
+            hysteresis,
+            waves: a
+                .transmission_error
+                .iter()
+                .zip(&b.transmission_error)
+                .map(|(a, b)| mixed_waves(a, b, share))
+                .collect(),
+            losses: a.losses.iter().zip(&b.losses).map(|(a, b)| mixed_losses(a, b, share)).collect(),
+            pins: of(index)
+                .iter()
+                .zip(of(next))
+                .map(|(a, b)| PinLoadAt {
+                    torque_n_m: mix(a.torque_n_m, b.torque_n_m, share),
+                    force_n: mix(a.force_n, b.force_n, share),
+                    pressure_pa: mix(a.pressure_pa, b.pressure_pa, share),
+                })
+                .collect(),
+            load,
+            friction,
+        })
+    }
+
+    /// Waves of the transmission error in rad at an output angle (rad), in a sense of rotation and at a torque
+    /// (N·m) against the motion.
+    fn waves(&self, angle: f64, direction: f64, torque: f64) -> f64 {
+        let same = || self.waves.iter().filter(|waves| waves.direction == direction);
+        let torque = torque.abs();
+        let below =
+            same().filter(|w| w.torque_n_m <= torque).max_by(|a, b| a.torque_n_m.total_cmp(&b.torque_n_m));
+        let above =
+            same().filter(|w| w.torque_n_m > torque).min_by(|a, b| a.torque_n_m.total_cmp(&b.torque_n_m));
+        match (below, above) {
+            (Some(a), Some(b)) => {
+                let share = (torque - a.torque_n_m) / (b.torque_n_m - a.torque_n_m);
+                mix(a.at(angle), b.at(angle), share)
+            }
+            (Some(one), None) | (None, Some(one)) => one.at(angle),
+            (None, None) => 0.0,
+        }
+    }
+
+    /// Wind-up in rad at a motor and load angle.
+    fn wind_up(&self, motor: [f64; 3], flange: f64, torque: f64) -> f64 {
+        let nominal = motor[0] / self.ratio;
+        let direction = if motor[1] * self.ratio >= 0.0 { 1.0 } else { -1.0 };
+        nominal + self.waves(nominal, direction, torque) - flange
+    }
+
+    /// Torque in N·m of the gear on its flange at a wind-up, and the slips there.
+    fn gear(&self, state: &MapState, wind_up: f64) -> (f64, Vec<f64>) {
+        let elastic = self.hysteresis.curve.torque(wind_up);
+        if !self.friction {
+            return (elastic, state.slips.clone());
+        }
+        let mut slips = state.slips.clone();
+        self.hysteresis.follow(&mut slips, wind_up - state.wind_up);
+        (elastic + self.hysteresis.slip_torque(elastic, &slips), slips)
+    }
+
+    /// Torque at the input in N·m that is lost at a speed (rad/s) with a torque (N·m) at the output.
+    fn loss_torque(&self, speed: f64, torque: f64) -> f64 {
+        if !self.friction || self.losses.is_empty() {
+            return 0.0;
+        }
+        let size = speed.abs();
+        let next = self.losses.iter().position(|line| line.input_speed_rad_per_s > size);
+        let line = match next {
+            Some(0) => self.losses[0],
+            None => self.losses[self.losses.len() - 1],
+            Some(next) => {
+                let (a, b) = (&self.losses[next - 1], &self.losses[next]);
+                let share =
+                    (size - a.input_speed_rad_per_s) / (b.input_speed_rad_per_s - a.input_speed_rad_per_s);
+                mixed_losses(a, b, share)
+            }
+        };
+        let at_input = (torque / self.ratio).abs();
+        let driving = torque * speed * self.ratio.signum() >= 0.0;
+        let size = if driving {
+            at_input * (1.0 / line.efficiency[0] - 1.0) + line.friction_n_m[0]
+        } else {
+            at_input * (1.0 - line.efficiency[1]) + line.friction_n_m[1]
+        };
+        size.max(0.0) * (speed / CREEP).tanh()
+    }
+
+    /// The machine at rest at the start: the load is held by the gear, the slips know nothing yet.
+    ///
+    /// # Errors
+    /// [`ExchangeError::Option`] for inputs that are not finite.
+    pub fn start(&self, inputs: &MapInputs) -> Result<MapState, ExchangeError> {
+        let all = inputs.motor.iter().chain(&inputs.load_torque).chain(&inputs.load_motion);
+        if let Some(value) = all.copied().find(|value| !value.is_finite()) {
+            return Err(ExchangeError::Option { what: "an input", value, low: f64::MIN, high: f64::MAX });
+        }
+        let mut state = MapState {
+            time: 0.0,
+            flange: [inputs.motor[0] / self.ratio, inputs.motor[1] / self.ratio, 0.0],
+            motor: inputs.motor,
+            slips: vec![0.0; self.hysteresis.elements.len()],
+            wind_up: 0.0,
+            torque: 0.0,
+            motor_torque: 0.0,
+            load_torque: 0.0,
+            loss: 0.0,
+            work: 0.0,
+            lost: 0.0,
+            turnover: 0.0,
+            stored_at_start: 0.0,
+        };
+        match self.load {
+            LoadFlange::Torque => {
+                let needed = -inputs.load_torque[0];
+                // The gear carries the load: the wind-up at which it gives that torque.
+                let reach = self.hysteresis.curve.half_gap_rad
+                    + 2.0 * (needed.abs() + 1.0) / self.hysteresis.curve.stiffness_n_m_per_rad[0];
+                let (mut low, mut high) = (-reach, reach);
+                for _ in 0..ITERATIONS {
+                    let middle = 0.5 * (low + high);
+                    if self.gear(&state, middle).0 < needed { low = middle } else { high = middle }
+                }
+                let wind_up = 0.5 * (low + high);
+                let (torque, slips) = self.gear(&state, wind_up);
+                let flange = self.wind_up(inputs.motor, 0.0, torque) - wind_up;
+                (state.wind_up, state.torque, state.slips) = (wind_up, torque, slips);
+                state.flange = [flange, inputs.motor[1] / self.ratio, 0.0];
+                state.load_torque = inputs.load_torque[0];
+            }
+            LoadFlange::Motion => {
+                state.flange = inputs.load_motion;
+                state.wind_up = self.wind_up(inputs.motor, inputs.load_motion[0], 0.0);
+                let at_rest = MapState { wind_up: 0.0, ..state.clone() };
+                (state.torque, state.slips) = self.gear(&at_rest, state.wind_up);
+                state.load_torque = self.flange_inertia * inputs.load_motion[2] - state.torque;
+            }
+        }
+        self.see_motor(&mut state);
+        state.stored_at_start = self.stored(&state);
+        Ok(state)
+    }
+
+    /// Torque at the motor and loss of the present state.
+    fn see_motor(&self, state: &mut MapState) {
+        let lost = self.loss_torque(state.motor[1], state.torque);
+        state.motor_torque = state.torque / self.ratio + lost + self.input_inertia * state.motor[2];
+        state.loss = lost * state.motor[1];
+    }
+
+    /// Elastic and kinetic energy in J; a stuck slider holds half of its torque times its way.
+    fn stored(&self, state: &MapState) -> f64 {
+        let elements = self.hysteresis.elements.iter().zip(&state.slips);
+        let elastic = self.hysteresis.curve.torque(state.wind_up).abs();
+        let sliders: f64 = if self.friction {
+            elements
+                .map(|(e, z)| 0.5 * (e.torque_n_m + e.torque_per_load * elastic) * e.slip_rad * z * z)
+                .sum()
+        } else {
+            0.0
+        };
+        self.hysteresis.curve.energy(state.wind_up)
+            + sliders
+            + 0.5 * self.flange_inertia * state.flange[1].powi(2)
+            + 0.5 * self.input_inertia * state.motor[1].powi(2)
+    }
+
+    /// Moves on to `time` (s) under inputs given at the state's time.
+    ///
+    /// # Errors
+    /// [`ExchangeError::Option`] for a time in the past and inputs that are not finite.
+    pub fn advance(&self, state: &mut MapState, inputs: &MapInputs, time: f64) -> Result<(), ExchangeError> {
+        let length = time - state.time;
+        if !(length >= 0.0 && length.is_finite()) {
+            let (low, high) = (state.time, f64::MAX);
+            return Err(ExchangeError::Option { what: "a time to reach", value: time, low, high });
+        }
+        let all = inputs.motor.iter().chain(&inputs.load_torque).chain(&inputs.load_motion);
+        if let Some(value) = all.copied().find(|value| !value.is_finite()) {
+            return Err(ExchangeError::Option { what: "an input", value, low: f64::MIN, high: f64::MAX });
+        }
+        // A whole number of steps; a hair above it is still that number.
+        let steps = (length / LONGEST_STEP - 1e-6).ceil().max(1.0);
+        if length == 0.0 {
+            return Ok(());
+        }
+        let h = length / steps;
+        let start = state.time;
+        for step in 1..=steps as u64 {
+            let x = h * step as f64;
+            let at = |given: [f64; 3]| {
+                [given[0] + x * (given[1] + 0.5 * x * given[2]), given[1] + x * given[2], given[2]]
+            };
+            let load = inputs.load_torque[0] + x * inputs.load_torque[1];
+            self.step(state, h, at(inputs.motor), load, at(inputs.load_motion));
+            state.time = start + x;
+        }
+        state.time = time;
+        Ok(())
+    }
+
+    fn step(&self, state: &mut MapState, h: f64, motor: [f64; 3], load: f64, motion: [f64; 3]) {
+        let before = state.clone();
+        let flange = match self.load {
+            LoadFlange::Motion => motion,
+            LoadFlange::Torque => self.flange_after(state, h, motor, load),
+        };
+        let wind_up = self.wind_up(motor, flange[0], before.torque);
+        let (torque, slips) = self.gear(state, wind_up);
+        state.motor = motor;
+        state.flange = flange;
+        (state.wind_up, state.torque, state.slips) = (wind_up, torque, slips);
+        let slip = motor[1] / self.ratio - flange[1];
+        state.load_torque = match self.load {
+            LoadFlange::Torque => load,
+            LoadFlange::Motion => self.flange_inertia * flange[2] - torque,
+        };
+        self.see_motor(state);
+        // Work by the trapezium; what the sliders lose is what they take and do not store.
+        let mean = |a: f64, b: f64| 0.5 * h * (a + b);
+        let power = |s: &MapState| [s.motor_torque * s.motor[1], s.load_torque * s.flange[1]];
+        let [motor_power, load_power] = power(state);
+        let [motor_before, load_before] = power(&before);
+        state.work += mean(motor_power, motor_before) + mean(load_power, load_before);
+        let viscous = match self.load {
+            LoadFlange::Torque => self.damping * slip * slip * h,
+            LoadFlange::Motion => 0.0,
+        };
+        let sliding = if self.friction { self.slid(&before, state) } else { 0.0 };
+        let lost = mean(state.loss, before.loss) + viscous + sliding;
+        state.lost += lost;
+        state.turnover += mean(motor_power.abs(), motor_before.abs())
+            + mean(load_power.abs(), load_before.abs())
+            + lost.abs();
+        state.loss = lost / h;
+    }
+
+    /// Work in J that sliders lost between two states: torque times the way beyond what they bent.
+    fn slid(&self, before: &MapState, after: &MapState) -> f64 {
+        let change = after.wind_up - before.wind_up;
+        let elastic = 0.5
+            * (self.hysteresis.curve.torque(after.wind_up).abs()
+                + self.hysteresis.curve.torque(before.wind_up).abs());
+        let one = |(index, element): (usize, &SlipElement)| {
+            let bent = (after.slips[index] - before.slips[index]) * element.slip_rad;
+            let size = element.torque_n_m + element.torque_per_load * elastic;
+            (size * after.slips[index] * (change - bent)).max(0.0)
+        };
+        self.hysteresis.elements.iter().enumerate().map(one).sum()
+    }
+
+    /// The flange after a step by the trapezium rule: J (w₁ − w₀)/h = ½ (M₀ + M₁) with the torques of gear,
+    /// damper and load. Its residual grows with w₁, so a bracket and Newton's steps inside of it find it.
+    fn flange_after(&self, state: &MapState, h: f64, motor: [f64; 3], load: f64) -> [f64; 3] {
+        let (angle, speed) = (state.flange[0], state.flange[1]);
+        let before = state.torque + state.load_torque + self.damping * (state.motor[1] / self.ratio - speed);
+        let place = |w: f64| angle + 0.5 * h * (speed + w);
+        let residual = |w: f64| {
+            let wind_up = self.wind_up(motor, place(w), state.torque);
+            let gear = self.gear(state, wind_up).0;
+            let after = gear + load + self.damping * (motor[1] / self.ratio - w);
+            self.flange_inertia * (w - speed) / h - 0.5 * (before + after)
+        };
+        let stiffest = self.hysteresis.curve.stiffness_n_m_per_rad[2];
+        let slope = self.flange_inertia / h + 0.5 * self.damping + 0.25 * h * stiffest;
+        // The residual grows at least with J/h, so its root lies within this of the start.
+        let reach = residual(speed).abs() / (self.flange_inertia / h) * 1.001 + 1e-12;
+        let (mut low, mut high) = (speed - reach, speed + reach);
+        let mut w = speed - residual(speed) / slope;
+        for _ in 0..ITERATIONS {
+            if !(w > low && w < high) {
+                w = 0.5 * (low + high);
+            }
+            let left = residual(w);
+            if left > 0.0 {
+                high = w
+            } else {
+                low = w
+            }
+            let next = w - left / slope;
+            if (next - w).abs() <= 1e-14 * (1.0 + w.abs()) || high - low <= 1e-15 * (1.0 + w.abs()) {
+                break;
+            }
+            w = next;
+        }
+        [place(w), w, (w - speed) / h]
+    }
+
+    /// What is asked of the map at a state.
+    pub fn outputs(&self, state: &MapState) -> MapOutputs {
+        let torque = state.torque.abs();
+        let pin = |of: fn(&PinLoadAt) -> f64| {
+            let next = self.pins.iter().position(|pin| pin.torque_n_m >= torque);
+            match next {
+                _ if self.pins.is_empty() => 0.0,
+                Some(0) => of(&self.pins[0]) * torque / self.pins[0].torque_n_m,
+                Some(next) => {
+                    let (a, b) = (&self.pins[next - 1], &self.pins[next]);
+                    mix(of(a), of(b), (torque - a.torque_n_m) / (b.torque_n_m - a.torque_n_m))
+                }
+                // Beyond the last one in proportion.
+                None => {
+                    let last = &self.pins[self.pins.len() - 1];
+                    of(last) * torque / last.torque_n_m
+                }
+            }
+        };
+        let left = state.work - state.lost - (self.stored(state) - state.stored_at_start);
+        MapOutputs {
+            motor_torque: state.motor_torque,
+            load_torque: state.load_torque,
+            flange: state.flange,
+            transmission_error: state.flange[0] - state.motor[0] / self.ratio,
+            wind_up: state.wind_up,
+            pin_force: pin(|pin| pin.force_n),
+            pin_pressure: pin(|pin| pin.pressure_pa),
+            loss: state.loss,
+            balance: left / state.turnover.max(1e-9 * self.rated),
+        }
+    }
+}
+
+fn between(a: &JointState, b: &JointState, share: f64) -> Hysteresis {
+    let (first, second) = (&a.hysteresis, &b.hysteresis);
+    let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0], share), mix(a[1], b[1], share)];
+    let (k, l) = (first.curve.stiffness_n_m_per_rad, second.curve.stiffness_n_m_per_rad);
+    Hysteresis {
+        curve: TorsionCurve {
+            half_gap_rad: mix(first.curve.half_gap_rad, second.curve.half_gap_rad, share),
+            torques_n_m: pair(first.curve.torques_n_m, second.curve.torques_n_m),
+            // Compliances add up, so they are what is mixed.
+            stiffness_n_m_per_rad: [0, 1, 2].map(|i| 1.0 / mix(1.0 / k[i], 1.0 / l[i], share)),
+            residual_rad: first.curve.residual_rad.max(second.curve.residual_rad),
+        },
+        elements: first
+            .elements
+            .iter()
+            .zip(&second.elements)
+            .map(|(a, b)| SlipElement {
+                slip_rad: mix(a.slip_rad, b.slip_rad, share),
+                torque_n_m: mix(a.torque_n_m, b.torque_n_m, share),
+                torque_per_load: mix(a.torque_per_load, b.torque_per_load, share),
+            })
+            .collect(),
+        residual_rms_n_m: first.residual_rms_n_m.max(second.residual_rms_n_m),
+        residual_max_n_m: first.residual_max_n_m.max(second.residual_max_n_m),
+        residual_rms_rad: first.residual_rms_rad.max(second.residual_rms_rad),
+    }
+}
+
+/// Waves add up: those of both ages, each with its share.
+fn mixed_waves(a: &TransmissionWaves, b: &TransmissionWaves, share: f64) -> TransmissionWaves {
+    let scaled = |waves: &TransmissionWaves, by: f64| -> Vec<Wave> {
+        let one = |wave: &Wave| Wave { amplitude_rad: by * wave.amplitude_rad, ..*wave };
+        waves.waves.iter().map(one).filter(|wave| wave.amplitude_rad > 0.0).collect()
+    };
+    let waves = [scaled(a, 1.0 - share), scaled(b, share)].concat();
+    TransmissionWaves { waves, ..a.clone() }
+}
+
+fn mixed_losses(a: &LossLine, b: &LossLine, share: f64) -> LossLine {
+    let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0], share), mix(a[1], b[1], share)];
+    LossLine {
+        input_speed_rad_per_s: mix(a.input_speed_rad_per_s, b.input_speed_rad_per_s, share),
+        efficiency: pair(a.efficiency, b.efficiency),
+        friction_n_m: pair(a.friction_n_m, b.friction_n_m),
+        left_n_m: a.left_n_m.max(b.left_n_m),
+    }
+}

@@ -1,0 +1,65 @@
+//! Functional mock-up units: what one says about itself, and the map model inside of the quick one.
+//!
+//! The library that an importer loads is the crate `arcmin-fmu`; it and the model description written here use
+//! the same table of variables.
+
+mod description;
+mod map;
+#[cfg(test)]
+mod tests;
+mod variables;
+pub use variables::references;
+
+use serde::{Deserialize, Serialize};
+
+pub use description::{ModelDescription, instantiation_token};
+pub use map::{MapInputs, MapModel, MapOutputs, MapState};
+pub use variables::{Kind, Role, Variable, variables};
+
+use super::JointExport;
+
+/// What is inside of a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Depth {
+    /// Torsion curve, hysteresis, waves of the transmission error, friction: microseconds a step.
+    Map,
+    /// The multibody model of `arcmin simulate`.
+    Multibody,
+}
+
+/// What the load flange takes and gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LoadFlange {
+    /// Takes a torque, gives the motion: the unit owns the inertia of its output.
+    Torque,
+    /// Takes the motion, gives the torque: the arm's model owns the inertia.
+    Motion,
+}
+
+/// Largest force and pressure of a pin at a torque.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PinLoadAt {
+    pub torque_n_m: f64,
+    pub force_n: f64,
+    pub pressure_pa: f64,
+}
+
+/// What a unit carries in its resources beside the design, as `unit.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UnitData {
+    pub depth: Depth,
+    pub load_flange: LoadFlange,
+    pub instantiation_token: String,
+    /// Options of the multibody model as TOML.
+    pub fidelity: String,
+    /// Ages that the maps cover, and the one to start with, in hours.
+    pub hours: [f64; 2],
+    pub start_hours: f64,
+    pub start_seed: i32,
+    /// Maps by age; none in the multibody unit.
+    pub joint: Option<JointExport>,
+    /// Pin loads by age, in the order of the joint's states.
+    pub pins: Vec<Vec<PinLoadAt>>,
+}

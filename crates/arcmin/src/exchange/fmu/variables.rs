@@ -1,0 +1,169 @@
+//! The variables of a unit.
+
+use super::{Depth, LoadFlange};
+
+/// Type of a variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Real,
+    Integer,
+    Boolean,
+}
+
+/// What a variable is to the outside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    Input,
+    Output,
+    Parameter,
+}
+
+/// A variable; its value reference is its number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variable {
+    pub reference: u32,
+    pub name: &'static str,
+    pub kind: Kind,
+    pub role: Role,
+    /// Unit in the file, and the unit to show it in; empty without one.
+    pub unit: &'static str,
+    pub display_unit: &'static str,
+    pub description: &'static str,
+}
+
+/// Value references.
+pub mod references {
+    pub const TIME: u32 = 0;
+    pub const A_PHI: u32 = 1;
+    pub const A_W: u32 = 2;
+    pub const A_A: u32 = 3;
+    pub const A_TAU: u32 = 4;
+    pub const B_TAU: u32 = 5;
+    pub const B_PHI: u32 = 6;
+    pub const B_W: u32 = 7;
+    pub const B_A: u32 = 8;
+    pub const TRANSMISSION_ERROR: u32 = 9;
+    pub const WIND_UP: u32 = 10;
+    pub const PIN_FORCE: u32 = 11;
+    pub const PIN_PRESSURE: u32 = 12;
+    pub const LOSS: u32 = 13;
+    pub const BALANCE: u32 = 14;
+    pub const HOURS: u32 = 20;
+    pub const SEED: u32 = 21;
+    pub const FRICTION: u32 = 22;
+}
+
+/// All variables of a unit but the independent one.
+pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
+    use references as r;
+    let real = |reference, name, role, unit, display_unit, description| Variable {
+        reference,
+        name,
+        kind: Kind::Real,
+        role,
+        unit,
+        display_unit,
+        description,
+    };
+    let (tau, motion) = match load {
+        LoadFlange::Torque => (Role::Input, Role::Output),
+        LoadFlange::Motion => (Role::Output, Role::Input),
+    };
+    let wind_up = match depth {
+        Depth::Map => {
+            "flange_a.phi/ratio plus the waves of the transmission error, less flange_b.phi: elastic twist and play"
+        }
+        Depth::Multibody => "flange_a.phi/ratio less flange_b.phi: twist, play and waves together",
+    };
+    let pins = match depth {
+        Depth::Map => "Largest force of a pin on a disc, from the load sharing at the torque",
+        Depth::Multibody => "Largest force of a pin on a disc",
+    };
+    let seed = Variable {
+        reference: r::SEED,
+        name: "seed",
+        kind: Kind::Integer,
+        role: Role::Parameter,
+        unit: "",
+        display_unit: "",
+        description: match depth {
+            Depth::Map => "Seed of the machine that the maps were made of; no other can be chosen here",
+            Depth::Multibody => {
+                "Machine drawn from the tolerances with this seed; 0: the errors of the design"
+            }
+        },
+    };
+    let friction = Variable {
+        reference: r::FRICTION,
+        name: "friction_on",
+        kind: Kind::Boolean,
+        role: Role::Parameter,
+        unit: "",
+        display_unit: "",
+        description: "Whether there is friction",
+    };
+    vec![
+        real(r::A_PHI, "flange_a.phi", Role::Input, "rad", "deg", "Angle of the motor flange"),
+        real(r::A_W, "flange_a.w", Role::Input, "rad/s", "rpm", "Speed of the motor flange"),
+        real(
+            r::A_A,
+            "flange_a.a",
+            Role::Input,
+            "rad/s2",
+            "",
+            "Acceleration of the motor flange; if it is never set, the change of flange_a.w over the step before",
+        ),
+        real(
+            r::A_TAU,
+            "flange_a.tau",
+            Role::Output,
+            "N.m",
+            "",
+            "Torque that the motor flange takes to move so",
+        ),
+        real(
+            r::B_TAU,
+            "flange_b.tau",
+            tau,
+            "N.m",
+            "",
+            match load {
+                LoadFlange::Torque => "Torque on the load flange, positive along positive motion",
+                LoadFlange::Motion => "Torque that the load flange takes to move so",
+            },
+        ),
+        real(r::B_PHI, "flange_b.phi", motion, "rad", "deg", "Angle of the load flange"),
+        real(r::B_W, "flange_b.w", motion, "rad/s", "rpm", "Speed of the load flange"),
+        real(r::B_A, "flange_b.a", motion, "rad/s2", "", "Acceleration of the load flange"),
+        real(
+            r::TRANSMISSION_ERROR,
+            "transmission_error",
+            Role::Output,
+            "rad",
+            "arcmin",
+            "flange_b.phi less flange_a.phi/ratio",
+        ),
+        real(r::WIND_UP, "wind_up", Role::Output, "rad", "arcmin", wind_up),
+        real(r::PIN_FORCE, "pin_force", Role::Output, "N", "", pins),
+        real(
+            r::PIN_PRESSURE,
+            "pin_pressure",
+            Role::Output,
+            "Pa",
+            "MPa",
+            "Largest pressure between pin and disc",
+        ),
+        real(r::LOSS, "loss_power", Role::Output, "W", "", "Power lost"),
+        real(
+            r::BALANCE,
+            "energy_balance",
+            Role::Output,
+            "1",
+            "",
+            "What the energy balance since the start leaves, as a share of the energy that went through",
+        ),
+        real(r::HOURS, "operating_hours", Role::Parameter, "h", "", "Hours at the design's duty"),
+        seed,
+        friction,
+    ]
+}

@@ -1,0 +1,325 @@
+//! A rate-independent model of wind-up and hysteresis, fitted to loops of the test bench.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use crate::rig::{Branch, LoopPoint};
+
+/// Torsion curve in three straight pieces, as catalogues give it: dead band, then K₁ up to T₁, K₂ up to T₂,
+/// K₃ beyond.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TorsionCurve {
+    /// Half of the dead band in rad; never negative.
+    pub half_gap_rad: f64,
+    /// T₁ and T₂ in N·m.
+    pub torques_n_m: [f64; 2],
+    /// K₁, K₂, K₃ in N·m/rad; never falling.
+    pub stiffness_n_m_per_rad: [f64; 3],
+    /// Root mean square of what the fit leaves of the mean of both branches, rad.
+    pub residual_rad: f64,
+}
+
+impl TorsionCurve {
+    /// Least squares on the mid-line of a loop between `low` (share of the largest torque below which the flank
+    /// may still hang) and the largest torque. T₁ and T₂ are those of a grid that leave least; only stiffening
+    /// curves are taken. `None` for a loop without enough points.
+    pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<TorsionCurve> {
+        let line = mid_line(points, rated, low);
+        if line.len() < 6 {
+            return None;
+        }
+        let mut best: Option<TorsionCurve> = None;
+        for first in 1..16 {
+            for second in first + 1..20 {
+                let at = [f64::from(first) * 0.05 * rated, f64::from(second) * 0.05 * rated];
+                for pieces in [1, 2, 3] {
+                    let Some(curve) = TorsionCurve::through(&line, at, pieces) else { continue };
+                    if best.is_none_or(|best| curve.residual_rad < best.residual_rad * (1.0 - 1e-9)) {
+                        best = Some(curve);
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// With the corners given and so many different stiffnesses; `None` if it does not stiffen.
+    fn through(line: &[(f64, f64)], at: [f64; 2], pieces: usize) -> Option<TorsionCurve> {
+        let limits = [at[0], at[1], f64::INFINITY];
+        let length = |torque: f64, piece: usize| {
+            let from = if piece == 0 { 0.0 } else { limits[piece - 1] };
+            (torque.min(limits[piece]) - from).max(0.0)
+        };
+        // Pieces beyond the last different one go on with its stiffness.
+        let group = |piece: usize| piece.min(pieces - 1);
+        let solve = |with_gap: bool| {
+            let offset = usize::from(with_gap);
+            let matrix = DMatrix::from_fn(line.len(), pieces + offset, |row, column| {
+                if with_gap && column == 0 {
+                    1.0
+                } else {
+                    (0..3).filter(|p| group(*p) == column - offset).map(|p| length(line[row].0, p)).sum()
+                }
+            });
+            let angles = DVector::from_iterator(line.len(), line.iter().map(|point| point.1));
+            let solution = (matrix.transpose() * &matrix).lu().solve(&(matrix.transpose() * &angles))?;
+            let left = (&matrix * &solution - &angles).norm() / (line.len() as f64).sqrt();
+            Some((solution, left))
+        };
+        let (mut solution, mut left) = solve(true)?;
+        let mut gap = solution[0];
+        let mut first = 1;
+        if gap < 0.0 {
+            // Preloaded: no dead band, and the line goes through zero.
+            (solution, left) = solve(false)?;
+            (gap, first) = (0.0, 0);
+        }
+        let compliance = [0, 1, 2].map(|piece| solution[first + group(piece)]);
+        let stiffens =
+            compliance[2] > 0.0 && compliance[0] >= compliance[1] && compliance[1] >= compliance[2];
+        stiffens.then(|| TorsionCurve {
+            half_gap_rad: gap,
+            torques_n_m: at,
+            stiffness_n_m_per_rad: compliance.map(|c| 1.0 / c),
+            residual_rad: left,
+        })
+    }
+
+    /// Wind-up in rad at T₁ and T₂, the dead band included.
+    pub fn corners(&self) -> [f64; 2] {
+        let [k1, k2, _] = self.stiffness_n_m_per_rad;
+        let first = self.half_gap_rad + self.torques_n_m[0] / k1;
+        [first, first + (self.torques_n_m[1] - self.torques_n_m[0]) / k2]
+    }
+
+    /// Torque in N·m at a wind-up in rad.
+    pub fn torque(&self, wind_up: f64) -> f64 {
+        let [k1, k2, k3] = self.stiffness_n_m_per_rad;
+        let [first, second] = self.corners();
+        let x = wind_up.abs();
+        let size = k1 * (x - self.half_gap_rad).max(0.0)
+            + (k2 - k1) * (x - first).max(0.0)
+            + (k3 - k2) * (x - second).max(0.0);
+        size.copysign(wind_up)
+    }
+
+    /// Elastic energy in J at a wind-up in rad.
+    pub fn energy(&self, wind_up: f64) -> f64 {
+        let [k1, k2, k3] = self.stiffness_n_m_per_rad;
+        let [first, second] = self.corners();
+        let beyond = |from: f64| (wind_up.abs() - from).max(0.0).powi(2);
+        0.5 * (k1 * beyond(self.half_gap_rad) + (k2 - k1) * beyond(first) + (k3 - k2) * beyond(second))
+    }
+
+    /// dT/dφ in N·m/rad; 0 inside the dead band.
+    pub fn slope(&self, wind_up: f64) -> f64 {
+        let [first, second] = self.corners();
+        let x = wind_up.abs();
+        let piece = if x > second {
+            2
+        } else if x > first {
+            1
+        } else if x > self.half_gap_rad {
+            0
+        } else {
+            return 0.0;
+        };
+        self.stiffness_n_m_per_rad[piece]
+    }
+}
+
+/// (torque, angle) of the mean of both branches and both signs, for torques from `low` × rated.
+fn mid_line(points: &[LoopPoint], rated: f64, low: f64) -> Vec<(f64, f64)> {
+    let of = |branch: Branch, torque: f64| {
+        points.iter().find(|p| p.branch == branch && p.torque == torque).map(|p| p.angle)
+    };
+    let mut line: Vec<(f64, f64)> = points
+        .iter()
+        .filter(|p| p.branch == Branch::Falling && p.torque >= low * rated * (1.0 - 1e-9))
+        .filter_map(|p| {
+            let sum = of(Branch::Falling, p.torque)? + of(Branch::Rising, p.torque)?
+                - of(Branch::Falling, -p.torque)?
+                - of(Branch::Rising, -p.torque)?;
+            Some((p.torque, 0.25 * sum))
+        })
+        .collect();
+    line.sort_by(|a, b| a.0.total_cmp(&b.0));
+    line
+}
+
+/// One spring with a slider: sticks, then slips.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SlipElement {
+    /// Wind-up in rad from the middle of its range at which it slips.
+    pub slip_rad: f64,
+    /// Torque in N·m at which it slips, whatever the load.
+    pub torque_n_m: f64,
+    /// What is added to that per N·m of elastic torque.
+    pub torque_per_load: f64,
+}
+
+/// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve, and each z_j follows
+/// φ/d_j but stays within ±1. It does not depend on rate, closes after every reversal and remembers them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Hysteresis {
+    pub curve: TorsionCurve,
+    pub elements: Vec<SlipElement>,
+    /// What the model leaves of the loop's torque at its angles: root mean square and largest, N·m.
+    pub residual_rms_n_m: f64,
+    pub residual_max_n_m: f64,
+    /// The same outside of the dead band as angle, rad.
+    pub residual_rms_rad: f64,
+}
+
+/// Largest and smallest slip as shares of the elastic wind-up at rated torque, and how many between.
+const LARGEST_SLIP: f64 = 0.12;
+const SMALLEST_SLIP: f64 = 0.004;
+const ELEMENTS: usize = 6;
+/// Sweeps of the non-negative least squares; its matrix has a dozen columns.
+const SWEEPS: usize = 4000;
+
+impl Hysteresis {
+    /// Fits a loop that was run from + to − rated torque and back: the torsion curve first, then the torques
+    /// of slip elements on a grid of slips by non-negative least squares.
+    pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<Hysteresis> {
+        let curve = TorsionCurve::fit(points, rated, low)?;
+        let elastic = curve.corners()[1] - curve.half_gap_rad
+            + (rated - curve.torques_n_m[1]).max(0.0) / curve.stiffness_n_m_per_rad[2];
+        let step = (SMALLEST_SLIP / LARGEST_SLIP).powf(1.0 / (ELEMENTS - 1) as f64);
+        let slips: Vec<f64> = (0..ELEMENTS).map(|j| elastic * LARGEST_SLIP * step.powi(j as i32)).collect();
+        // Two turns of the loop: after the first the state no longer knows where it came from.
+        let mut states = vec![0.0; slips.len()];
+        let mut last = points.first()?.angle;
+        let mut rows = Vec::with_capacity(points.len());
+        for turn in 0..2 {
+            for point in points {
+                for (state, slip) in states.iter_mut().zip(&slips) {
+                    *state = (*state + (point.angle - last) / slip).clamp(-1.0, 1.0);
+                }
+                last = point.angle;
+                if turn == 1 {
+                    rows.push(states.clone());
+                }
+            }
+        }
+        let elastic: Vec<f64> = points.iter().map(|p| curve.torque(p.angle)).collect();
+        let target: Vec<f64> = points.iter().zip(&elastic).map(|(p, g)| p.torque - g).collect();
+        let columns: Vec<Vec<f64>> = (0..2 * slips.len())
+            .map(|c| {
+                let j = c / 2;
+                let load = |row: usize| if c % 2 == 0 { 1.0 } else { elastic[row].abs() / rated };
+                rows.iter().enumerate().map(|(row, states)| load(row) * states[j]).collect()
+            })
+            .collect();
+        let weights = non_negative(&columns, &target);
+        let left: Vec<f64> = (0..target.len())
+            .map(|row| target[row] - columns.iter().zip(&weights).map(|(c, w)| c[row] * w).sum::<f64>())
+            .collect();
+        let rms =
+            |values: &[f64]| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt();
+        let angles: Vec<f64> = points
+            .iter()
+            .zip(&left)
+            .filter_map(|(p, left)| match curve.slope(p.angle) {
+                0.0 => None,
+                slope => Some(left / slope),
+            })
+            .collect();
+        let elements = slips
+            .iter()
+            .zip(weights.chunks(2))
+            .map(|(slip, pair)| SlipElement {
+                slip_rad: *slip,
+                torque_n_m: pair[0],
+                torque_per_load: pair[1] / rated,
+            })
+            .collect();
+        Some(Hysteresis {
+            curve,
+            elements,
+            residual_rms_n_m: rms(&left),
+            residual_max_n_m: left.iter().fold(0.0, |most: f64, x| most.max(x.abs())),
+            residual_rms_rad: rms(&angles),
+        })
+    }
+
+    /// Torque in N·m at a wind-up (rad) with the elements in these states.
+    pub fn torque(&self, wind_up: f64, states: &[f64]) -> f64 {
+        let elastic = self.curve.torque(wind_up);
+        elastic + self.slip_torque(elastic, states)
+    }
+
+    /// What the elements add to the elastic torque (N·m).
+    pub fn slip_torque(&self, elastic: f64, states: &[f64]) -> f64 {
+        let of = |(element, z): (&SlipElement, &f64)| {
+            (element.torque_n_m + element.torque_per_load * elastic.abs()) * z
+        };
+        self.elements.iter().zip(states).map(of).sum()
+    }
+
+    /// Moves the states by a change of wind-up in rad.
+    pub fn follow(&self, states: &mut [f64], change: f64) {
+        for (state, element) in states.iter_mut().zip(&self.elements) {
+            *state = (*state + change / element.slip_rad).clamp(-1.0, 1.0);
+        }
+    }
+
+    /// Torque in N·m that all elements together hold without load.
+    pub fn friction_torque(&self) -> f64 {
+        self.elements.iter().map(|element| element.torque_n_m).sum()
+    }
+
+    /// The loop of the model at given torques, quasi-statically: the wind-up is the one at which the model
+    /// passes the torque (bisection; the torque never falls with the wind-up).
+    pub fn loop_at(&self, points: &[LoopPoint]) -> Vec<LoopPoint> {
+        let mut states = vec![0.0; self.elements.len()];
+        let mut angle = 0.0;
+        let mut run = |torque: f64| {
+            let reach = self.reach(torque.abs());
+            let (mut low, mut high) = (-reach, reach);
+            for _ in 0..80 {
+                let middle = 0.5 * (low + high);
+                let mut moved = states.clone();
+                self.follow(&mut moved, middle - angle);
+                if self.torque(middle, &moved) < torque { low = middle } else { high = middle }
+            }
+            let next = 0.5 * (low + high);
+            self.follow(&mut states, next - angle);
+            angle = next;
+            next
+        };
+        for point in points {
+            run(point.torque);
+        }
+        points.iter().map(|p| LoopPoint { angle: run(p.torque), ..*p }).collect()
+    }
+
+    /// A wind-up at which the model passes more than this torque.
+    fn reach(&self, torque: f64) -> f64 {
+        let all = torque + 2.0 * self.friction_torque();
+        let slips: f64 = self.elements.iter().map(|element| element.slip_rad).sum();
+        self.curve.half_gap_rad + all / self.curve.stiffness_n_m_per_rad[0] * 1.5 + slips
+    }
+}
+
+/// min |A w − b| with w ≥ 0, one weight at a time (the matrix is small, and each step only ever helps).
+fn non_negative(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let squares: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+    let mut weights = vec![0.0; columns.len()];
+    let mut left = target.to_vec();
+    for _ in 0..SWEEPS {
+        for (c, column) in columns.iter().enumerate() {
+            if squares[c] <= 0.0 {
+                continue;
+            }
+            let new = f64::max(0.0, weights[c] + dot(column, &left) / squares[c]);
+            let change = new - weights[c];
+            if change != 0.0 {
+                left.iter_mut().zip(column).for_each(|(l, x)| *l -= change * x);
+                weights[c] = new;
+            }
+        }
+    }
+    weights
+}

@@ -1,0 +1,372 @@
+//! The reducer as a joint of a robot model: the numbers that are typed by hand elsewhere, with source and
+//! units, for each age.
+
+mod document;
+mod fit;
+mod mjcf;
+mod modelica;
+mod robot;
+#[cfg(test)]
+pub(super) mod tests;
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+pub use fit::{Hysteresis, SlipElement, TorsionCurve};
+
+use super::{ExchangeError, Stamp};
+use crate::dynamics::{BearingJoints, DynamicsError, JointSettings, System};
+use crate::machine::Machine;
+use crate::rig::{Branch, ErrorCurve, LoopPoint, LossLine, RigState, evaluate_loop};
+
+/// One wave of the transmission error: amplitude × cos(order × output angle + phase).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Wave {
+    /// Waves per turn of the output.
+    pub order: usize,
+    pub amplitude_rad: f64,
+    pub phase_rad: f64,
+}
+
+/// Transmission error of one direction and torque: θ_out − θ_in/i without its mean.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TransmissionWaves {
+    /// 1 forward, −1 backward.
+    pub direction: f64,
+    /// N·m, against the motion.
+    pub torque_n_m: f64,
+    /// Mean error in rad: wind-up and play.
+    pub mean_rad: f64,
+    /// The largest waves, the largest first.
+    pub waves: Vec<Wave>,
+    /// Peak to peak of the curve, and of what the waves leave of it, rad.
+    pub peak_to_peak_rad: f64,
+    pub left_rad: f64,
+}
+
+/// Waves kept of each curve, and how small ones are left out, in rad: 1e-5′.
+const WAVES: usize = 24;
+const LEAST_WAVE: f64 = 3e-9;
+
+impl TransmissionWaves {
+    /// Fourier coefficients of a curve at equal steps over one turn.
+    pub fn of(curve: &ErrorCurve) -> TransmissionWaves {
+        let n = curve.points.len().saturating_sub(1);
+        let mean = curve.mean();
+        let mut waves: Vec<Wave> = (1..n / 2)
+            .map(|order| {
+                let (mut re, mut im) = (0.0, 0.0);
+                for (i, (_, error)) in curve.points.iter().take(n).enumerate() {
+                    // The index is reduced first, so that large orders lose no digits.
+                    let angle = TAU * ((order * i) % n) as f64 / n as f64;
+                    re += (error - mean) * angle.cos();
+                    im += (error - mean) * angle.sin();
+                }
+                let scale = 2.0 / n as f64;
+                Wave {
+                    order,
+                    amplitude_rad: scale * re.hypot(im),
+                    phase_rad: curve.direction * f64::atan2(-im, re),
+                }
+            })
+            .filter(|wave| wave.amplitude_rad > LEAST_WAVE)
+            .collect();
+        waves.sort_by(|a, b| b.amplitude_rad.total_cmp(&a.amplitude_rad));
+        waves.truncate(WAVES);
+        let mut kept = TransmissionWaves {
+            direction: curve.direction,
+            torque_n_m: curve.torque,
+            mean_rad: mean,
+            waves,
+            peak_to_peak_rad: curve.peak_to_peak(),
+            left_rad: 0.0,
+        };
+        let left = curve.points.iter().map(|(angle, error)| error - mean - kept.at(*angle));
+        let (low, high) =
+            left.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        kept.left_rad = if n > 0 { high - low } else { 0.0 };
+        kept
+    }
+
+    /// The waves at an output angle in rad.
+    pub fn at(&self, angle: f64) -> f64 {
+        self.waves.iter().map(|w| w.amplitude_rad * (w.order as f64 * angle + w.phase_rad).cos()).sum()
+    }
+}
+
+/// The joint after some hours.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointState {
+    pub hours: f64,
+    /// As `rig` measures them: means over the crank positions. rad, N·m/rad, J a cycle.
+    pub lost_motion_rad: f64,
+    pub backlash_rad: f64,
+    pub stiffness_n_m_per_rad: f64,
+    pub soft_stiffness_n_m_per_rad: f64,
+    pub hysteresis_loss_j: f64,
+    /// Largest width of the loop outside of the dead band, as angle at equal torque.
+    pub hysteresis_width_rad: f64,
+    pub hysteresis: Hysteresis,
+    /// The mean loop over the crank positions: torque in N·m, angle in rad; falling, then rising.
+    pub torsion_loop: Vec<(f64, f64)>,
+    pub transmission_error: Vec<TransmissionWaves>,
+    pub losses: Vec<LossLine>,
+    /// At rated torque and speed.
+    pub efficiency: f64,
+    /// At the input, N·m.
+    pub no_load_torque_n_m: f64,
+    pub starting_torque_n_m: f64,
+    /// At the output, N·m.
+    pub back_driving_torque_n_m: f64,
+}
+
+/// Torques of the loop below this share of the rated torque may still be on the way across the gap.
+const ACROSS: f64 = crate::rig::LOST_MOTION_SHARE;
+
+impl JointState {
+    /// From what the bench found; `further` are error curves at other torques.
+    ///
+    /// # Errors
+    /// [`ExchangeError::Fit`] for loops that cannot be fitted.
+    pub fn of(
+        measured: &RigState,
+        further: &[ErrorCurve],
+        losses: Vec<LossLine>,
+        rated: f64,
+    ) -> Result<JointState, ExchangeError> {
+        let no_fit = |message: &str| ExchangeError::Fit {
+            message: format!("the hysteresis loop at {} h cannot be fitted: {message}", measured.hours),
+            remedy: "look at it with `arcmin rig`".into(),
+        };
+        let points = mean_loop(&measured.loops).ok_or_else(|| no_fit("its loops differ in their torques"))?;
+        let figures = evaluate_loop(&points, rated).map_err(|error| no_fit(&error.to_string()))?;
+        let hysteresis =
+            Hysteresis::fit(&points, rated, ACROSS).ok_or_else(|| no_fit("it does not stiffen"))?;
+        let half = points.len() / 2;
+        let width = points[..half]
+            .iter()
+            .filter(|p| p.torque.abs() >= ACROSS * rated)
+            .filter_map(|p| Some(p.angle - points[half..].iter().find(|q| q.torque == p.torque)?.angle))
+            .fold(0.0, |most: f64, width| most.max(width.abs()));
+        let mut curves: Vec<TransmissionWaves> =
+            measured.curves.iter().chain(further).map(TransmissionWaves::of).collect();
+        let key = |waves: &TransmissionWaves| (-waves.direction, waves.torque_n_m);
+        curves.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+        Ok(JointState {
+            hours: measured.hours,
+            lost_motion_rad: measured.lost_motion(),
+            backlash_rad: measured.backlash(),
+            stiffness_n_m_per_rad: measured.stiffness(),
+            soft_stiffness_n_m_per_rad: measured.soft_stiffness(),
+            hysteresis_loss_j: figures.work.abs(),
+            hysteresis_width_rad: width,
+            hysteresis,
+            torsion_loop: points.iter().map(|p| (p.torque, p.angle)).collect(),
+            transmission_error: curves,
+            losses,
+            efficiency: measured.efficiency.rated,
+            no_load_torque_n_m: measured.torques.no_load,
+            starting_torque_n_m: measured.torques.starting,
+            back_driving_torque_n_m: measured.torques.back_driving,
+        })
+    }
+
+    /// The mean loop with its branches.
+    pub fn loop_points(&self) -> Vec<LoopPoint> {
+        let half = self.torsion_loop.len() / 2;
+        let point = |(index, (torque, angle)): (usize, &(f64, f64))| LoopPoint {
+            torque: *torque,
+            angle: *angle,
+            branch: if index < half { Branch::Falling } else { Branch::Rising },
+        };
+        self.torsion_loop.iter().enumerate().map(point).collect()
+    }
+}
+
+/// Point by point; `None` if the loops do not share their torques.
+fn mean_loop(loops: &[Vec<LoopPoint>]) -> Option<Vec<LoopPoint>> {
+    let (first, rest) = loops.split_first()?;
+    let mut mean = first.clone();
+    for other in rest {
+        if other.len() != mean.len() {
+            return None;
+        }
+        for (sum, point) in mean.iter_mut().zip(other) {
+            if sum.torque != point.torque || sum.branch != point.branch {
+                return None;
+            }
+            sum.angle += point.angle;
+        }
+    }
+    mean.iter_mut().for_each(|point| point.angle /= loops.len() as f64);
+    Some(mean)
+}
+
+/// Moments of inertia in kg·m².
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct JointInertia {
+    /// Motor and input shaft with sun, as the design has them, at the input.
+    pub motor_kg_m2: f64,
+    pub sun_kg_m2: f64,
+    /// Crankshafts and discs, seen from the input.
+    pub gear_kg_m2: f64,
+    /// The output flange with all that turns with it, at the output.
+    pub output_kg_m2: f64,
+    /// kg.
+    pub output_kg: f64,
+}
+
+impl JointInertia {
+    /// From the kinetic energy ½ Σ m v² of the nominal motion at unit speed of the input.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] where the machine cannot be modelled.
+    pub fn of(machine: &Machine) -> Result<JointInertia, DynamicsError> {
+        let model = BearingJoints::held(machine, &JointSettings::default())?;
+        let velocity = model.nominal_velocity_at(0.0, 1.0);
+        let output = model.output_index();
+        let whole: f64 = velocity.iter().zip(model.mass()).map(|(v, m)| m * v * v).sum();
+        let own = model.mass()[output];
+        Ok(JointInertia {
+            motor_kg_m2: machine.gear_stage.motor_inertia,
+            sun_kg_m2: machine.gear_stage.sun_inertia,
+            gear_kg_m2: whole - own * velocity[output] * velocity[output],
+            output_kg_m2: own,
+            output_kg: machine.carrier.mass,
+        })
+    }
+}
+
+/// Everything about the reducer as a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointExport {
+    pub arcmin_version: String,
+    pub design_name: String,
+    pub design_hash: String,
+    /// Which physics answered.
+    pub model: String,
+    /// Whether the friction is assumed because the design gives none.
+    pub friction_assumed: bool,
+    pub ratio: f64,
+    pub rated_torque_n_m: f64,
+    /// rad/s.
+    pub rated_input_speed_rad_per_s: f64,
+    pub inertia: JointInertia,
+    /// Time step in s for which the damping of the robot models is chosen.
+    pub timestep_s: f64,
+    /// The youngest first.
+    pub states: Vec<JointState>,
+}
+
+impl JointExport {
+    /// Puts together what was found; states in the order of their hours.
+    pub fn new(
+        machine: &Machine,
+        stamp: &Stamp,
+        model: String,
+        friction_assumed: bool,
+        inertia: JointInertia,
+        timestep_s: f64,
+        states: Vec<JointState>,
+    ) -> JointExport {
+        JointExport {
+            arcmin_version: stamp.version.clone(),
+            design_name: stamp.design_name.clone(),
+            design_hash: stamp.design_hash.clone(),
+            model,
+            friction_assumed,
+            ratio: machine.kinematics().ratio(),
+            rated_torque_n_m: machine.rated.torque.abs(),
+            rated_input_speed_rad_per_s: machine.rated.input_speed.abs(),
+            inertia,
+            timestep_s,
+            states,
+        }
+    }
+
+    /// What is said at the head of every file.
+    fn stamps(&self) -> Vec<String> {
+        let friction = if self.friction_assumed { "assumed: the design gives none" } else { "of the design" };
+        vec![
+            format!("arcmin {}, design {} ({})", self.arcmin_version, self.design_hash, self.design_name),
+            format!("{}; friction {friction}", self.model),
+            "Angles are turns of the output flange, input held; torques at the output unless said.".into(),
+        ]
+    }
+
+    /// A name that every format takes: letters, digits and underscores, a letter first.
+    fn identifier(&self) -> String {
+        let name: String = self
+            .design_name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
+            .collect();
+        if name.starts_with(|c: char| c.is_ascii_alphabetic()) { name } else { format!("joint_{name}") }
+    }
+
+    /// Inertia of all that turns before the elastic part, seen from the output, kg·m².
+    fn reflected_inertia(&self) -> f64 {
+        let inertia = &self.inertia;
+        (inertia.motor_kg_m2 + inertia.sun_kg_m2 + inertia.gear_kg_m2) * self.ratio * self.ratio
+    }
+}
+
+impl JointState {
+    /// `h2000`: the age as part of a name.
+    fn label(&self) -> String {
+        format!("h{}", super::trimmed(self.hours, 3).replace('.', "_"))
+    }
+
+    /// Half of the largest torque of the loop, N·m.
+    fn half_rated(&self) -> f64 {
+        0.5 * self.torsion_loop.iter().map(|point| point.0).fold(0.0, f64::max)
+    }
+
+    /// Torque in N·m at which an element slips at half the rated load, where a loop is about widest: for tools
+    /// whose sliders know no load.
+    fn slip_torque(&self, element: &SlipElement) -> f64 {
+        element.torque_n_m + element.torque_per_load * self.half_rated()
+    }
+
+    /// Stiffness in N·m/rad right after a reversal: K₃ and all elements that stick.
+    fn stuck_stiffness(&self) -> f64 {
+        let elements = &self.hysteresis.elements;
+        let stuck: f64 = elements.iter().map(|element| self.slip_torque(element) / element.slip_rad).sum();
+        self.hysteresis.curve.stiffness_n_m_per_rad[2] + stuck
+    }
+
+    /// Damping in N·m·s/rad that keeps the springs stable at a time step: they give way by one part in e
+    /// within it.
+    fn damping(&self, timestep: f64) -> f64 {
+        self.stuck_stiffness() * timestep
+    }
+
+    /// Friction of the running input without load, seen from the output, N·m.
+    fn running_friction(&self, ratio: f64) -> f64 {
+        (self.no_load_torque_n_m * ratio).abs()
+    }
+}
+
+/// As short as it may be with nine digits.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let text = format!("{value:.8e}");
+    let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+    let rounded: f64 = text.parse().unwrap_or(value);
+    match power.parse::<i32>() {
+        Ok(power) if (-4..9).contains(&power) => format!("{rounded}"),
+        _ => format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.')),
+    }
+}
+
+/// Text inside of XML comments and attributes.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace("--", "- -")
+}

@@ -1,0 +1,370 @@
+//! Extruded bodies against closed forms and against themselves.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::body::{Body, NodalLoad, Seat, Traction};
+use super::verification::{circle, steel};
+use super::*;
+use crate::geometry::Vec2;
+use crate::templates::rv_40e_81;
+
+/// A ring between radii a and b, held at three corners of its lower face against rigid motions alone.
+fn ring(a: f64, b: f64, width: f64, size: f64) -> (Body, Seat, Seat) {
+    let domain = PlaneDomain {
+        boundaries: vec![(circle(0.0, 0.0, b), size, 0), (circle(0.0, 0.0, a), size, 0)],
+        interior_size: size,
+    };
+    let (plane, regions) = PlaneMesh::triangulate_regions(&domain, |bits| bits == 1).unwrap();
+    let mesh = Mesh::layered(plane, &[0.0, width], |_, _| true);
+    let near = |p: Vec2| {
+        let distance = |n: &usize| (mesh.plane.nodes[*n] - p).norm();
+        (0..mesh.plane.corner_count).min_by(|m, n| distance(m).total_cmp(&distance(n))).unwrap()
+    };
+    let mut held = vec![[false; 3]; mesh.nodes.len()];
+    held[near(Vec2::new(b, 0.0))] = [false, true, true];
+    held[near(Vec2::new(-b, 0.0))] = [false, true, true];
+    held[near(Vec2::new(0.0, b))] = [true, false, true];
+    let body = Body::new(mesh, regions, steel(), &held).unwrap();
+    (body, Seat::around(0, 0..1, Vec2::zeros(), b), Seat::around(1, 0..1, Vec2::zeros(), a))
+}
+
+/// Lamé: the mean radial displacement of a thick ring under the pressure p = F/(2π a w) on its bore, the
+/// energy of elements of second order off by the fourth power of their size.
+#[test]
+fn val_thick_ring_expands_as_lame_says() {
+    let (a, b, w) = (10e-3, 25e-3, 6e-3);
+    let (e, nu) = (steel().youngs_modulus, steel().poisson_ratio);
+    let error = |size: f64| {
+        let (body, _, bore) = ring(a, b, w, size);
+        let load = body.load(&bore, Traction::Expansion);
+        let found = body.compliance(&[load]).at(0, 0);
+        let p = 1.0 / (2.0 * PI * a * w);
+        let exact = p * a / e * ((b * b + a * a) / (b * b - a * a) + nu);
+        found / exact - 1.0
+    };
+    let (coarse, fine) = (error(5e-3), error(2.5e-3));
+    assert!(fine.abs() < 1e-3 && (coarse / fine).abs() > 7.0, "{coarse:e} {fine:e}");
+}
+
+/// Two opposite forces on a thin ring, as the sum of even orders of radial load: each order bends it by
+/// F R³/(π E I (n² − 1)²) per unit of its coordinate (Timoshenko, ring without extension), their sum the
+/// diameter by 0.1488 F R³/(E I).
+#[test]
+fn val_ring_under_opposite_forces() {
+    let (r, h, w) = (50e-3, 1.5e-3, 4e-3);
+    let (body, outside, _) = ring(r - 0.5 * h, r + 0.5 * h, w, 2.5e-3);
+    let inertia = w * h * h * h / 12.0;
+    let unit = r.powi(3) / (PI * steel().youngs_modulus * inertia);
+    let orders = [2usize, 4, 6];
+    let loads: Vec<NodalLoad> =
+        orders.iter().map(|n| body.load(&outside, Traction::Radial { order: *n, from: 0.0 })).collect();
+    let c = body.compliance(&loads);
+    for (k, n) in orders.iter().enumerate() {
+        let expected = unit / ((n * n - 1) as f64).powi(2);
+        // Shear and extension add about n² h²/(4 R²), the outer radius against the middle one 3 h/2R less.
+        assert!((c.at(k, k) / expected - 1.0).abs() < 0.06, "{n}: {} {expected}", c.at(k, k) / expected);
+        for other in 0..k {
+            assert!(c.at(k, other).abs() < 1e-3 * (c.at(k, k) * c.at(other, other)).sqrt());
+        }
+    }
+    // Orders without end: Σ 4/(π (n² − 1)²) over even n is 0.1488.
+    let series: f64 = (1..400).map(|m| 4.0 / PI / ((4 * m * m - 1) as f64).powi(2)).sum();
+    assert!((series - 0.1488).abs() < 1e-4, "{series}");
+}
+
+/// A torque from the bore to the outer edge of an annular plate: θ = T/(4π G t) (1/a² − 1/b²) in pure shear.
+#[test]
+fn val_annular_plate_twists_in_shear() {
+    let (a, b, w) = (10e-3, 25e-3, 4e-3);
+    let (body, outside, bore) = ring(a, b, w, 2.5e-3);
+    let c = body.compliance(&[body.load(&bore, Traction::Twist), body.load(&outside, Traction::Twist)]);
+    let g = steel().youngs_modulus / (2.0 * (1.0 + steel().poisson_ratio));
+    let expected = (1.0 / (a * a) - 1.0 / (b * b)) / (4.0 * PI * g * w);
+    // Against each other the two torques leave nothing to the nodes held.
+    let found = c.at(0, 0) - 2.0 * c.at(0, 1) + c.at(1, 1);
+    assert!((found / expected - 1.0).abs() < 2e-3, "{}", found / expected);
+}
+
+fn coarse_carrier() -> CarrierShape {
+    let shape = CarrierShape::of(&rv_40e_81());
+    CarrierShape { size: 2.5 * shape.size, layers: [1, 2], ..shape }
+}
+
+/// Constant strain passes through plate, pillars and plate: no forces but at surfaces and nodes held.
+#[test]
+fn layers_pass_the_patch_test() {
+    let body = coarse_carrier().body().unwrap();
+    let mesh = &body.mesh;
+    let mut faces: std::collections::HashMap<[usize; 3], (usize, [usize; 6])> = Default::default();
+    for tet in mesh.elements() {
+        for (corners, middles) in
+            [([0, 1, 2], [4, 5, 6]), ([0, 1, 3], [4, 8, 7]), ([1, 2, 3], [5, 9, 8]), ([0, 2, 3], [6, 9, 7])]
+        {
+            let mut key = corners.map(|i| tet[i]);
+            key.sort_unstable();
+            let [a, b, c] = corners.map(|i| tet[i]);
+            let [d, e, f] = middles.map(|i: usize| tet[i]);
+            faces.entry(key).or_insert((0, [a, b, c, d, e, f])).0 += 1;
+        }
+    }
+    assert!(faces.values().all(|(count, _)| *count <= 2), "elements overlap");
+    let mut surface = vec![false; mesh.nodes.len()];
+    faces
+        .values()
+        .filter(|(count, _)| *count == 1)
+        .for_each(|(_, f)| f.iter().for_each(|n| surface[*n] = true));
+    let field = |p: [f64; 3]| {
+        let [x, y, z] = p;
+        [1e-4 * x + 3e-5 * y - 2e-5 * z, -4e-5 * x + 7e-5 * y + 1e-5 * z, 2e-5 * x - 6e-5 * y + 5e-5 * z]
+    };
+    // The held face is left out of the unknowns: take the nodes away from it.
+    let top = mesh.levels[mesh.levels.len() - 3];
+    let (map, force) = body.inner_forces(field);
+    let largest = force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+    let mut inner = 0;
+    for node in (0..mesh.nodes.len()).filter(|n| !surface[*n] && mesh.nodes[*n][2] < top - 1e-9) {
+        for component in 0..3 {
+            let [(dof, _), _] = map.terms(node, component);
+            if dof != super::assembly::HELD {
+                inner += 1;
+                assert!(force[dof].abs() < 1e-10 * largest, "node {node}: {:e} of {largest:e}", force[dof]);
+            }
+        }
+    }
+    assert!(inner > 100, "{inner}");
+}
+
+#[test]
+fn carrier_and_housing_weigh_what_their_outlines_enclose() {
+    let shape = CarrierShape::of(&rv_40e_81());
+    let s = &shape.solid;
+    let disc = |r: f64| PI * r * r;
+    let plate = disc(s.plate_radius)
+        - disc(s.centre_bore_radius)
+        - shape.cranks.len() as f64 * disc(s.crank_seat_radius);
+    let pillars: f64 = s.pillars.iter().map(|p| p.outline().area()).sum();
+    let expected = shape.material.density * (2.0 * s.plate_thickness * plate + s.gap * pillars);
+    let mass = shape.body().unwrap().solid_mass();
+    assert!((mass / expected - 1.0).abs() < 2e-4, "{mass} {expected}");
+    let small = small_housing();
+    let mass = small.body().unwrap().solid_mass();
+    let expected = small.volume() * small.solid.material.density;
+    assert!((mass / expected - 1.0).abs() < 1e-3, "{mass} {expected}");
+}
+
+/// Reciprocity holds by itself, the two crankshafts of a symmetric carrier are alike, and a finer mesh changes
+/// little.
+#[test]
+fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
+    let shape = coarse_carrier();
+    let body = shape.body().unwrap();
+    let loads = shape.loads(&body);
+    let all: Vec<usize> = (0..loads.len()).collect();
+    let rows = body.rows(&loads, &all);
+    for (i, j) in all.iter().flat_map(|i| all.iter().map(move |j| (*i, *j))) {
+        let scale = (rows[i][i] * rows[j][j]).sqrt();
+        assert!((rows[i][j] - rows[j][i]).abs() < 1e-10 * scale, "{i} {j}");
+    }
+    let c = body.compliance(&loads);
+    for end in 0..2 {
+        let (first, second) = (shape.seat(0, end), shape.seat(1, end));
+        for k in 0..2 {
+            let (a, b) = (c.at(first + k, first + k), c.at(second + k, second + k));
+            assert!((a / b - 1.0).abs() < 0.02, "end {end}, {k}: {a:e} {b:e}");
+        }
+    }
+    // The far end is softer: the output face is held.
+    assert!(c.at(shape.seat(0, 0), shape.seat(0, 0)) > 2.0 * c.at(shape.seat(0, 1), shape.seat(0, 1)));
+    let finer = CarrierShape { size: 0.6 * shape.size, ..shape.clone() }.compliance().unwrap();
+    for k in [shape.seat(0, 0), shape.seat(0, 0) + 1, shape.seat(1, 1)] {
+        assert!(
+            (c.at(k, k) / finer.at(k, k) - 1.0).abs() < 0.03,
+            "{k}: {:e} {:e}",
+            c.at(k, k),
+            finer.at(k, k)
+        );
+    }
+}
+
+/// Eight pins and four bolts, two discs.
+fn small_housing() -> HousingShape {
+    let mut shape = HousingShape::of(&rv_40e_81());
+    shape.pin_count = 8;
+    shape.solid.bolt_count = 4;
+    shape.sizes = [6e-3, 12e-3];
+    shape
+}
+
+/// Turning one sector's response around is solving for every pin, up to what the mesh itself differs by from
+/// sector to sector; all pins pressed outward expand the ring, a turn of all costs what the bolts give.
+#[test]
+fn housing_by_sectors_is_the_housing_pin_by_pin() {
+    let shape = small_housing();
+    assert_eq!(shape.symmetry(), 4);
+    let turned = shape.compliance().unwrap();
+    let body = shape.body().unwrap();
+    let whole = body.compliance(&shape.loads(&body));
+    assert_eq!(turned.count, shape.main_seat(1) + 2);
+    for (i, j) in (0..whole.count).flat_map(|i| (0..whole.count).map(move |j| (i, j))) {
+        let scale = (whole.at(i, i) * whole.at(j, j)).sqrt();
+        let apart = (whole.at(i, j) - turned.at(i, j)).abs() / scale;
+        assert!(apart < 0.02, "{i} {j}: {apart}");
+    }
+    // A ring of seats is softer the fewer bolts hold it.
+    let mut two = shape.clone();
+    two.solid.bolt_count = 2;
+    let mut face = shape.clone();
+    face.solid.hold = crate::machine::Hold::Face;
+    let pin = shape.pin(0, 1);
+    let radial = |c: &Compliance| c.at(pin, pin);
+    let (two, face) = (two.compliance().unwrap(), face.compliance().unwrap());
+    assert!(radial(&two) > radial(&whole) && radial(&whole) > radial(&face));
+}
+
+/// A groove hands a unit force to the metal in either direction.
+#[test]
+fn grooves_and_rims_carry_unit_forces() {
+    let shape = small_housing();
+    let body = shape.body().unwrap();
+    let loads = shape.loads(&body);
+    let sum = |load: &NodalLoad, component: usize| -> f64 {
+        load.iter().filter(|(_, c, _)| *c == component).map(|(_, _, f)| f).sum()
+    };
+    for pin in 0..shape.pin_count {
+        let angle = 2.0 * PI * pin as f64 / shape.pin_count as f64;
+        for (k, direction) in [angle, angle + FRAC_PI_2].into_iter().enumerate() {
+            let load = &loads[shape.pin(1, pin) + k];
+            let along = sum(load, 0) * direction.cos() + sum(load, 1) * direction.sin();
+            let across = sum(load, 1) * direction.cos() - sum(load, 0) * direction.sin();
+            assert!((along - 1.0).abs() < 0.01 && across.abs() < 0.01, "{pin} {k}: {along} {across}");
+        }
+    }
+    for end in 0..2 {
+        let load = &loads[shape.main_seat(end)];
+        assert!((sum(load, 0) - 1.0).abs() < 2e-3 && sum(load, 1).abs() < 2e-3);
+    }
+}
+
+/// Values of another program for the very solids of the shipped design: see validation/CalculiX.
+fn reference(quantity: &str) -> f64 {
+    let rows = include_str!("../../../../validation/CalculiX/bodies.csv");
+    let row = rows.lines().find(|row| row.split(',').next() == Some(quantity)).unwrap();
+    row.split(',').nth(1).unwrap().parse().unwrap()
+}
+
+fn assert_near(quantity: &str, found: f64, scale: f64, tolerance: f64) {
+    let expected = reference(quantity);
+    let apart = (found - expected).abs() / scale;
+    println!("{quantity}: {found:e} {expected:e} {:.3} %", 100.0 * (found - expected) / scale);
+    assert!(apart < tolerance, "{quantity}: {found:e}, reference {expected:e}, apart {apart}");
+}
+
+/// Compliance between the crank seats within 1 % (of the geometric mean of their own), the first ten
+/// frequencies within 0.5 %.
+#[test]
+#[ignore = "open: the seats at the input end agree within 0.9 %, one at the held end is 2.0 % too stiff"]
+fn val_carrier_is_that_of_calculix() {
+    let shape = CarrierShape::of(&rv_40e_81());
+    let body = shape.body().unwrap();
+    let c = body.compliance(&shape.loads(&body));
+    let names = ["x", "y"];
+    let place = |name: &str| {
+        let (seat, kind) = name.split_at(6);
+        let digit = |k: usize| seat[k..=k].parse::<usize>().unwrap();
+        let offset = ["x", "y", "expansion", "cos2", "sin2"].iter().position(|k| *k == kind).unwrap();
+        shape.seat(digit(4), digit(5)) + offset
+    };
+    let mut all: Vec<String> =
+        (0..8).map(|i| format!("seat{}{}{}", i / 4, i / 2 % 2, names[i % 2])).collect();
+    all.extend(["seat00cos2".to_owned(), "seat00sin2".to_owned()]);
+    for under in ["seat00x", "seat00y", "seat01x", "seat00cos2"] {
+        for other in &all {
+            let (i, j) = (place(under), place(other));
+            let scale = (c.at(i, i) * c.at(j, j)).sqrt();
+            assert_near(&format!("carrier_{under}_{other}"), c.at(i, j), scale, 0.01);
+        }
+    }
+    for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
+        let quantity = format!("carrier_frequency_{}", k + 1);
+        assert_near(&quantity, found, reference(&quantity), 0.005);
+    }
+}
+
+/// The same of the housing: pins loaded over their whole length, both discs' shares alike.
+#[test]
+#[ignore = "open: a groove under its own load is 3.8 % too stiff with this mesh"]
+fn val_housing_is_that_of_calculix() {
+    let shape = HousingShape::of(&rv_40e_81());
+    let body = shape.body().unwrap();
+    let loads = shape.loads(&body);
+    let pin = |i: usize, c: usize| -> NodalLoad {
+        let halves = (0..2).flat_map(|disc| loads[shape.pin(disc, i) + c].clone());
+        halves.map(|(node, component, force)| (node, component, 0.5 * force)).collect()
+    };
+    let mut chosen: Vec<(String, NodalLoad)> = Vec::new();
+    for i in [0, 3, 20] {
+        chosen.push((format!("pin{i}r"), pin(i, 0)));
+        chosen.push((format!("pin{i}t"), pin(i, 1)));
+    }
+    for end in 0..2 {
+        chosen.push((format!("seat{end}x"), loads[shape.main_seat(end)].clone()));
+    }
+    let unit: Vec<NodalLoad> = chosen.iter().map(|(_, load)| load.clone()).collect();
+    let c = body.compliance(&unit);
+    for (i, (under, _)) in chosen.iter().enumerate() {
+        if !["pin0r", "pin3t"].contains(&under.as_str()) {
+            continue;
+        }
+        for (j, (other, _)) in chosen.iter().enumerate() {
+            let scale = (c.at(i, i) * c.at(j, j)).sqrt();
+            assert_near(&format!("housing_{under}_{other}"), c.at(i, j), scale, 0.01);
+        }
+    }
+    for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
+        let quantity = format!("housing_frequency_{}", k + 1);
+        assert_near(&quantity, found, reference(&quantity), 0.005);
+    }
+}
+
+/// How compliances of the shipped solids go with the mesh.
+#[test]
+#[ignore = "a minute: prints how compliances go with the mesh"]
+fn compliances_against_the_mesh() {
+    let machine = rv_40e_81();
+    let timed = |body: &Body, loads: &[NodalLoad], started: std::time::Instant| {
+        let c = body.compliance(loads);
+        let own: Vec<String> = (0..loads.len()).map(|k| format!("{:.5e}", c.at(k, k))).collect();
+        println!(
+            "{} unknowns, {:.1} s: {}",
+            body.quality().unknowns,
+            started.elapsed().as_secs_f64(),
+            own.join(" ")
+        );
+    };
+    for (size, layers) in [(1.0, [2, 3]), (0.7, [2, 3]), (1.0, [4, 3]), (0.7, [4, 3])] {
+        let shape = CarrierShape::of(&machine);
+        let shape = CarrierShape { size: size * shape.size, layers, ..shape };
+        let started = std::time::Instant::now();
+        let body = shape.body().unwrap();
+        let loads = shape.loads(&body);
+        let chosen: Vec<NodalLoad> = [0, 1, 9, 10].map(|k| loads[k].clone()).to_vec();
+        print!("carrier {size} {layers:?} ");
+        timed(&body, &chosen, started);
+    }
+    for (fine, coarse, layers) in
+        [(1.0, 1.0, [1, 1]), (0.6, 1.0, [1, 1]), (1.0, 1.0, [1, 2]), (0.6, 1.0, [1, 2]), (1.0, 0.7, [1, 1])]
+    {
+        let shape = HousingShape::of(&machine);
+        let sizes = [fine * shape.sizes[0], coarse * shape.sizes[1]];
+        let shape = HousingShape { sizes, layers, ..shape };
+        let started = std::time::Instant::now();
+        let body = shape.body().unwrap();
+        let loads = shape.loads(&body);
+        let pin = |i: usize, c: usize| -> NodalLoad {
+            let halves = (0..2).flat_map(|disc| loads[shape.pin(disc, i) + c].clone());
+            halves.map(|(node, component, force)| (node, component, 0.5 * force)).collect()
+        };
+        print!("housing {fine} {coarse} {layers:?} ");
+        timed(&body, &[pin(0, 0), pin(0, 1), pin(3, 1), loads[shape.main_seat(0)].clone()], started);
+    }
+}

@@ -1,0 +1,169 @@
+//! The carrier as an elastic body: plates, pillars, crank bores, held at its output face.
+
+use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
+use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
+use crate::geometry::{Vec2, unit};
+use crate::machine::{CarrierSolid, Hold, Kinematics, Machine};
+use crate::materials::Material;
+
+/// Highest order in which the rim of a crank seat may go out of round. A roller's force is spread over the
+/// outer ring and reaches the seat without what lies above.
+pub const RIM_ORDER: usize = 4;
+/// Coordinates of one crank seat: x, y, expansion, and cosine and sine of the orders 2 to [`RIM_ORDER`].
+pub const SEAT_COORDINATES: usize = 3 + 2 * (RIM_ORDER - 1);
+
+/// What the finite element model of a carrier is made from. x, y of the carrier's own frame, z from its input
+/// end to the output face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CarrierShape {
+    pub solid: CarrierSolid,
+    /// Axes of the crankshafts in m.
+    pub cranks: Vec<Vec2>,
+    pub material: Material,
+    /// Edge length in m.
+    pub size: f64,
+    /// Layers of elements through each plate and through the gap.
+    pub layers: [usize; 2],
+}
+
+/// Curves of the section, in this order.
+const PLATE: usize = 0;
+const CENTRE: usize = 1;
+const CRANKS: usize = 2;
+
+impl CarrierShape {
+    /// The carrier of a machine, edges 0.06 R_p long, two layers through a plate and three through the gap.
+    pub fn of(machine: &Machine) -> CarrierShape {
+        let cranks = &machine.crankshafts;
+        let place = |k| {
+            machine.gear_stage.centre_distance()
+                * unit(Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count))
+        };
+        CarrierShape {
+            solid: machine.solids.carrier.clone(),
+            cranks: (0..cranks.count).map(place).collect(),
+            material: machine.carrier.material.clone(),
+            size: 0.06 * machine.ring.pin_circle_radius,
+            layers: [2, 3],
+        }
+    }
+
+    fn domain(&self) -> PlaneDomain {
+        let solid = &self.solid;
+        let circle = |centre: Vec2, radius: f64| Boundary::Circle { centre, radius };
+        let mut boundaries = vec![
+            (circle(Vec2::zeros(), solid.plate_radius), self.size, 0),
+            (circle(Vec2::zeros(), solid.centre_bore_radius), self.size, 0),
+        ];
+        boundaries
+            .extend(self.cranks.iter().map(|place| (circle(*place, solid.crank_seat_radius), self.size, 0)));
+        let pillars = solid.pillars.iter().map(|pillar| Boundary::Outline(pillar.outline()));
+        boundaries.extend(pillars.map(|outline| (outline, self.size, 0)));
+        PlaneDomain { boundaries, interior_size: self.size }
+    }
+
+    fn pillar_bits(&self) -> u64 {
+        let first = CRANKS + self.cranks.len();
+        (first..first + self.solid.pillars.len()).map(|k| 1 << k).sum()
+    }
+
+    fn is_plate(&self, bits: u64) -> bool {
+        let bores: u64 = (CENTRE..CRANKS + self.cranks.len()).map(|k| 1 << k).sum();
+        bits & (1 << PLATE) != 0 && bits & bores == 0
+    }
+
+    /// Heights between layers of elements.
+    fn cuts(&self) -> Vec<f64> {
+        let CarrierSolid { plate_thickness: t, gap, .. } = self.solid;
+        let [plate, between] = self.layers.map(|layers| layers.max(1));
+        let split = |from: f64, height: f64, layers: usize| {
+            (0..layers).map(move |k| from + height * k as f64 / layers as f64)
+        };
+        let lower = split(0.0, t, plate).chain(split(t, gap, between));
+        lower.chain(split(t + gap, t, plate)).chain([2.0 * t + gap]).collect()
+    }
+
+    /// Layers of the plates at either end.
+    fn ends(&self) -> [std::ops::Range<usize>; 2] {
+        let [plate, between] = self.layers.map(|layers| layers.max(1));
+        [0..plate, plate + between..2 * plate + between]
+    }
+
+    /// Meshes and factorises.
+    ///
+    /// # Errors
+    /// [`FemError`] if outlines cross each other or a pillar's sides do not fit its corners.
+    pub fn body(&self) -> Result<Body, FemError> {
+        if let Some(pillar) = self.solid.pillars.iter().find(|pillar| !pillar.is_sound()) {
+            return Err(FemError::Mesh {
+                reason: format!(
+                    "no pillar between {pillar:?}: radii, width and corners contradict each other"
+                ),
+            });
+        }
+        let (plane, regions) = PlaneMesh::triangulate_regions(&self.domain(), |bits| self.is_plate(bits))?;
+        let (ends, pillars) = (self.ends(), self.pillar_bits());
+        let mesh = Mesh::layered(plane, &self.cuts(), |layer, triangle| {
+            ends.iter().any(|plate| plate.contains(&layer)) || regions[triangle] & pillars != 0
+        });
+        mesh.check()?;
+        let mut held = vec![[false; 3]; mesh.nodes.len()];
+        let top = mesh.nodes.len() - mesh.plane.nodes.len();
+        for (triangle, bits) in mesh.plane.triangles.iter().zip(&regions) {
+            if self.solid.hold == Hold::Face || bits & pillars != 0 {
+                triangle.iter().for_each(|node| held[top + node] = [true; 3]);
+            }
+        }
+        Body::new(mesh, regions, self.material.clone(), &held)
+    }
+
+    /// Unit loads of all interface coordinates: per crankshaft and end (input, output)
+    /// [`SEAT_COORDINATES`], then x and y of the main bearing's seat on the plate at either end.
+    pub fn loads(&self, body: &Body) -> Vec<NodalLoad> {
+        let ends = self.ends();
+        let mut loads = Vec::new();
+        for (k, centre) in self.cranks.iter().enumerate() {
+            for layers in &ends {
+                let seat = Seat::around(CRANKS + k, layers.clone(), *centre, self.solid.crank_seat_radius);
+                loads.extend(rim_tractions().map(|traction| body.load(&seat, traction)));
+            }
+        }
+        for layers in &ends {
+            let seat = Seat::around(PLATE, layers.clone(), Vec2::zeros(), self.solid.plate_radius);
+            loads.extend(translations().map(|traction| body.load(&seat, traction)));
+        }
+        loads
+    }
+
+    /// Index of the first coordinate of a crank seat; `end` is 0 at the input.
+    pub fn seat(&self, crankshaft: usize, end: usize) -> usize {
+        (2 * crankshaft + end) * SEAT_COORDINATES
+    }
+
+    /// Index of x of a main bearing's seat.
+    pub fn main_seat(&self, end: usize) -> usize {
+        2 * self.cranks.len() * SEAT_COORDINATES + 2 * end
+    }
+
+    /// C of [`CarrierShape::loads`].
+    ///
+    /// # Errors
+    /// As [`CarrierShape::body`].
+    pub fn compliance(&self) -> Result<Compliance, FemError> {
+        let body = self.body()?;
+        Ok(body.compliance(&self.loads(&body)))
+    }
+}
+
+/// Unit forces along x and y.
+pub(super) fn translations() -> impl Iterator<Item = Traction> {
+    [0.0, std::f64::consts::FRAC_PI_2].into_iter().map(|from| Traction::Radial { order: 1, from })
+}
+
+/// All coordinates of a rim under rollers.
+pub(super) fn rim_tractions() -> impl Iterator<Item = Traction> {
+    let quarter = |order: usize| std::f64::consts::FRAC_PI_2 / order as f64;
+    let pair =
+        move |order| [0.0, quarter(order)].into_iter().map(move |from| Traction::Radial { order, from });
+    translations().chain([Traction::Expansion]).chain((2..=RIM_ORDER).flat_map(pair))
+}

@@ -1,0 +1,330 @@
+//! The housing as an elastic body: ring with pin grooves, seats of the main bearings, flange held by bolts.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
+use super::carrier::translations;
+use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
+use crate::geometry::{Outline, Segment, Vec2, unit};
+use crate::machine::{Hold, HousingSolid, Machine};
+
+/// What the finite element model of a housing is made from. x, y of the housing's frame, z along the carrier
+/// from its input end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HousingShape {
+    pub solid: HousingSolid,
+    pub pin_count: usize,
+    /// m.
+    pub pin_circle_radius: f64,
+    /// Radius of the grooves in m.
+    pub groove_radius: f64,
+    pub disc_count: usize,
+    /// Length of each main bearing's seat and of the pins in m.
+    pub seat_length: f64,
+    pub pin_length: f64,
+    /// Edge lengths in m: at the grooves, elsewhere.
+    pub sizes: [f64; 2],
+    /// Layers of elements through a main bearing's seat and through one disc's share of the pins.
+    pub layers: [usize; 2],
+}
+
+/// Curves of the section, in this order; faces of bolts follow.
+const FLANGE: usize = 0;
+const BODY: usize = 1;
+const SEAT: usize = 2;
+const GROOVES: usize = 3;
+const BOLTS: usize = 4;
+
+impl HousingShape {
+    /// The housing of a machine; edges 0.035 R_p long at the grooves, 0.1 R_p elsewhere.
+    pub fn of(machine: &Machine) -> HousingShape {
+        let r = machine.ring.pin_circle_radius;
+        HousingShape {
+            solid: machine.solids.housing.clone(),
+            pin_count: machine.ring.pin_count,
+            pin_circle_radius: r,
+            groove_radius: machine.ring.pin_radius,
+            disc_count: machine.disc_count,
+            seat_length: machine.solids.carrier.plate_thickness,
+            pin_length: machine.solids.carrier.gap,
+            sizes: [0.035 * r, 0.1 * r],
+            layers: [1, 1],
+        }
+    }
+
+    /// Half-round grooves about the pin centres, lands on the pin circle between them; segment 2i is the
+    /// groove of pin i.
+    fn grooves(&self) -> Outline {
+        let (r, groove) = (self.pin_circle_radius, self.groove_radius);
+        let edge = self.groove_edge();
+        let pitch = TAU / self.pin_count as f64;
+        let segments = (0..self.pin_count).flat_map(|i| {
+            let pin = pitch * i as f64;
+            let reach = FRAC_PI_2 + 0.5 * edge;
+            [
+                Segment::Arc {
+                    centre: r * unit(pin),
+                    radius: groove,
+                    start: pin - reach,
+                    sweep: 2.0 * reach,
+                },
+                Segment::Arc {
+                    centre: Vec2::zeros(),
+                    radius: r,
+                    start: pin + edge,
+                    sweep: pitch - 2.0 * edge,
+                },
+            ]
+        });
+        Outline { segments: segments.collect() }
+    }
+
+    /// Angle between pin and edge of its groove, seen from the axis, in rad.
+    fn groove_edge(&self) -> f64 {
+        2.0 * (0.5 * self.groove_radius / self.pin_circle_radius).asin()
+    }
+
+    fn has_flange(&self) -> bool {
+        self.solid.flange_radius > self.solid.body_radius * (1.0 + 1e-9)
+    }
+
+    fn domain(&self) -> PlaneDomain {
+        let solid = &self.solid;
+        let [fine, coarse] = self.sizes;
+        let circle = |centre: Vec2, radius: f64| Boundary::Circle { centre, radius };
+        let mut boundaries = vec![
+            (circle(Vec2::zeros(), solid.flange_radius), coarse, 0),
+            (circle(Vec2::zeros(), solid.body_radius), coarse, 0),
+            (circle(Vec2::zeros(), solid.seat_radius), 0.7 * coarse, 0),
+            (Boundary::Outline(self.grooves()), fine, 0),
+        ];
+        if solid.hold == Hold::Bolts {
+            let bolt = |k: usize| {
+                let angle = solid.first_bolt_angle + TAU * k as f64 / solid.bolt_count as f64;
+                circle(solid.bolt_circle_radius * unit(angle), solid.bolt_face_radius)
+            };
+            boundaries.extend((0..solid.bolt_count).map(|k| (bolt(k), coarse, 0)));
+        }
+        PlaneDomain { boundaries, interior_size: coarse }
+    }
+
+    fn check(&self) -> Result<(), FemError> {
+        let s = &self.solid;
+        let (r, groove) = (self.pin_circle_radius, self.groove_radius);
+        let rules = [
+            (self.has_flange(), "the flange must be wider than the ring"),
+            (s.seat_radius > r + groove, "the seats of the main bearings must lie outside of the grooves"),
+            (s.body_radius > s.seat_radius, "the ring must be wider than the seats of the main bearings"),
+            (
+                s.flange_thickness <= self.pin_length * (1.0 + 1e-9),
+                "the flange sits around the pins and cannot be thicker than they are long",
+            ),
+            (
+                s.hold == Hold::Face
+                    || (s.bolt_circle_radius - s.bolt_face_radius > s.body_radius
+                        && s.bolt_circle_radius + s.bolt_face_radius < s.flange_radius),
+                "the faces of the bolts must lie on the flange",
+            ),
+            (
+                self.pin_count as f64 * (0.5 * groove / r).asin() * 4.0 < TAU,
+                "grooves must leave a land between them",
+            ),
+        ];
+        match rules.iter().find(|(holds, _)| !holds) {
+            Some((_, reason)) => Err(FemError::Mesh { reason: (*reason).to_owned() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Heights between layers of elements: seat, pins (a layer per disc, cut by the flange's faces), seat.
+    fn cuts(&self) -> Vec<f64> {
+        let (seat, pins) = (self.seat_length, self.pin_length);
+        let [through_seat, through_share] = self.layers.map(|layers| layers.max(1));
+        let shares = self.disc_count * through_share;
+        let mut cuts: Vec<f64> = (0..=shares).map(|j| seat + pins * j as f64 / shares as f64).collect();
+        let depths = (0..through_seat).map(|k| seat * k as f64 / through_seat as f64);
+        cuts.extend(depths.flat_map(|z| [z, 2.0 * seat + pins - z]));
+        cuts.extend(self.flange());
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * pins);
+        cuts
+    }
+
+    /// Faces of the flange.
+    fn flange(&self) -> [f64; 2] {
+        let middle = self.seat_length + 0.5 * self.pin_length;
+        [-0.5, 0.5].map(|side| middle + side * self.solid.flange_thickness)
+    }
+
+    /// Layers between two heights.
+    fn layers(&self, cuts: &[f64], from: f64, to: f64) -> std::ops::Range<usize> {
+        let near = 1e-3 * self.pin_length;
+        cuts.partition_point(|z| *z < from - near)..cuts.partition_point(|z| *z < to - near)
+    }
+
+    /// Meshes and factorises; once again with edges of half the length where the grooves' curved ones turned
+    /// an element of a thin wall inside out.
+    ///
+    /// # Errors
+    /// [`FemError`] if dimensions contradict each other.
+    pub fn body(&self) -> Result<Body, FemError> {
+        self.check()?;
+        match self.meshed() {
+            Err(FemError::InvertedElement { .. }) => {
+                let [fine, coarse] = self.sizes;
+                let groove = 0.25 * PI * self.groove_radius;
+                HousingShape { sizes: [0.5 * fine.min(groove), 0.7 * coarse], ..self.clone() }.meshed()
+            }
+            other => other,
+        }
+    }
+
+    fn meshed(&self) -> Result<Body, FemError> {
+        let inside = |bits: u64, curve: usize| bits >> curve & 1 == 1;
+        let metal = |bits: u64| inside(bits, FLANGE) && !inside(bits, GROOVES);
+        let (plane, regions) = PlaneMesh::triangulate_regions(&self.domain(), metal)?;
+        let cuts = self.cuts();
+        let pins = self.layers(&cuts, self.seat_length, self.seat_length + self.pin_length);
+        let [low, high] = self.flange();
+        let flange = self.layers(&cuts, low, high);
+        let mesh = Mesh::layered(plane, &cuts, |layer, triangle| {
+            let bits = regions[triangle];
+            let wide = inside(bits, BODY) || flange.contains(&layer);
+            wide && (!inside(bits, SEAT) || pins.contains(&layer))
+        });
+        mesh.check()?;
+        let mut held = vec![[false; 3]; mesh.nodes.len()];
+        let level = 2 * flange.start * mesh.plane.nodes.len();
+        for (triangle, bits) in mesh.plane.triangles.iter().zip(&regions) {
+            let pressed = match self.solid.hold {
+                Hold::Face => !inside(*bits, BODY),
+                Hold::Bolts => bits >> BOLTS != 0,
+            };
+            if pressed {
+                triangle.iter().for_each(|node| held[level + node] = [true; 3]);
+            }
+        }
+        Body::new(mesh, regions, self.solid.material.clone(), &held)
+    }
+
+    /// Unit loads of all interface coordinates: per disc and pin the radial (outward) and the tangential
+    /// place of the groove over that disc's share of the pin, then x and y of the main bearing's seat at
+    /// either end.
+    pub fn loads(&self, body: &Body) -> Vec<NodalLoad> {
+        let cuts = self.cuts();
+        let mut loads = Vec::new();
+        let share = self.pin_length / self.disc_count as f64;
+        for disc in 0..self.disc_count {
+            let from = self.seat_length + share * disc as f64;
+            for pin in 0..self.pin_count {
+                let angle = TAU * pin as f64 / self.pin_count as f64;
+                let seat = Seat {
+                    curve: GROOVES,
+                    parameters: [2.0 * pin as f64, 2.0 * pin as f64 + 1.0],
+                    layers: self.layers(&cuts, from, from + share),
+                    centre: self.pin_circle_radius * unit(angle),
+                    radius: self.groove_radius,
+                };
+                let reach = FRAC_PI_2 + 0.5 * self.groove_edge();
+                for across in [false, true] {
+                    loads.push(body.load(&seat, Traction::Groove { bottom: angle, reach, across }));
+                }
+            }
+        }
+        let end = cuts[cuts.len() - 1];
+        for (from, to) in [(0.0, self.seat_length), (end - self.seat_length, end)] {
+            let seat =
+                Seat::around(SEAT, self.layers(&cuts, from, to), Vec2::zeros(), self.solid.seat_radius);
+            loads.extend(translations().map(|traction| body.load(&seat, traction)));
+        }
+        loads
+    }
+
+    /// Index of the radial coordinate of a pin's groove; the tangential one follows.
+    pub fn pin(&self, disc: usize, pin: usize) -> usize {
+        2 * (disc * self.pin_count + pin)
+    }
+
+    /// Index of x of a main bearing's seat; `end` is 0 at the input.
+    pub fn main_seat(&self, end: usize) -> usize {
+        self.pin(self.disc_count, 0) + 2 * end
+    }
+
+    /// Equal sectors that make up the housing: pins and bolts repeat.
+    pub fn symmetry(&self) -> usize {
+        let common = |mut a: usize, mut b: usize| {
+            while b > 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        match self.solid.hold {
+            Hold::Face => self.pin_count,
+            Hold::Bolts => common(self.pin_count, self.solid.bolt_count),
+        }
+    }
+
+    /// C of [`HousingShape::loads`]. The housing's own symmetry spares solutions: a sector's pins are loaded,
+    /// the others see the same turned.
+    ///
+    /// # Errors
+    /// As [`HousingShape::body`].
+    pub fn compliance(&self) -> Result<Compliance, FemError> {
+        let body = self.body()?;
+        let loads = self.loads(&body);
+        let (count, sectors) = (loads.len(), self.symmetry());
+        let per_sector = self.pin_count / sectors;
+        let first: Vec<usize> = (0..self.disc_count)
+            .flat_map(|j| (0..per_sector).flat_map(move |i| [(j, i, 0), (j, i, 1)]))
+            .map(|(j, i, c)| self.pin(j, i) + c)
+            .chain(self.main_seat(0)..count)
+            .collect();
+        let rows = body.rows(&loads, &first);
+        let mut values = vec![0.0; count * count];
+        let seats = self.main_seat(0);
+        for (row, from) in rows.iter().zip(&first) {
+            if *from >= seats {
+                values[from * count..(from + 1) * count].copy_from_slice(row);
+                continue;
+            }
+            for turn in 0..sectors {
+                let shift = turn * per_sector;
+                let to = self.shifted(*from, shift);
+                let target = &mut values[to * count..(to + 1) * count];
+                for (k, value) in row[..seats].iter().enumerate() {
+                    target[self.shifted(k, shift)] = *value;
+                }
+                let rotation = unit(TAU * turn as f64 / sectors as f64);
+                for k in (seats..count).step_by(2) {
+                    let turned = crate::geometry::turned(Vec2::new(row[k], row[k + 1]), rotation);
+                    (target[k], target[k + 1]) = (turned.x, turned.y);
+                }
+            }
+        }
+        // What pins do to seats is what seats do to pins.
+        for seat in seats..count {
+            for pin in 0..seats {
+                values[seat * count + pin] = values[pin * count + seat];
+            }
+        }
+        let symmetric =
+            (0..count * count).map(|k| 0.5 * (values[k] + values[k % count * count + k / count])).collect();
+        Ok(Compliance { count, values: symmetric })
+    }
+
+    /// The coordinate of a pin `shift` pins further on.
+    fn shifted(&self, coordinate: usize, shift: usize) -> usize {
+        let (component, place) = (coordinate % 2, coordinate / 2);
+        let (disc, pin) = (place / self.pin_count, place % self.pin_count);
+        self.pin(disc, (pin + shift) % self.pin_count) + component
+    }
+
+    /// Volume of the solid in m³, in closed form.
+    pub fn volume(&self) -> f64 {
+        let s = &self.solid;
+        let disc = |radius: f64| PI * radius * radius;
+        2.0 * self.seat_length * (disc(s.body_radius) - disc(s.seat_radius))
+            + self.pin_length * (disc(s.body_radius) - self.grooves().area())
+            + s.flange_thickness * (disc(s.flange_radius) - disc(s.body_radius))
+    }
+}

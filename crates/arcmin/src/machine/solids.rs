@@ -1,0 +1,212 @@
+//! The solids behind carrier and housing: the few dimensions that finite elements need beyond those of the
+//! mechanism.
+//!
+//! Where a design does not give them they are scaled from the pin circle by the rules written at each field.
+//! These rules are assumptions about reducers of this kind, not dimensions of any maker's.
+
+use super::{BearingSet, CycloidDisc, Kinematics, PinRing, RollerBearing, RollerKind};
+use crate::geometry::Sector;
+use crate::materials::Material;
+
+/// Which part of a face the neighbour holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Hold {
+    /// All of it: a stiff flange, well bolted.
+    Face,
+    /// Only around the bolts (housing) or over the pillars (carrier).
+    Bolts,
+}
+
+/// The carrier: two plates of one size, joined by pillars that pass through the windows of the discs. The
+/// input end lies at z = 0, the output face at the far end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CarrierSolid {
+    /// Outer radius of the plates in m. Assumed: that of the pin circle.
+    pub plate_radius: f64,
+    /// Radius of the bore through both plates in m. Assumed: that of the discs' centre hole (0.3 R_p without
+    /// one), but leaving 0.04 R_p to the crank seats.
+    pub centre_bore_radius: f64,
+    /// Radius of the seats of the crank supports' outer rings in m. Assumed: raceway and 0.04 R_p of ring.
+    pub crank_seat_radius: f64,
+    /// Thickness of each plate in m. Assumed: each support sits in the middle of its plate.
+    pub plate_thickness: f64,
+    /// Distance between the plates in m. Assumed: the discs, a tenth of their width apart and from the plates.
+    pub gap: f64,
+    /// Sections of the pillars. Assumed: between the crankshafts; see [`Solids::assumed`].
+    pub pillars: Vec<Sector>,
+    /// Assumed: all of the output face.
+    pub hold: Hold,
+}
+
+/// The housing: a ring with half-round grooves for the pins between the seats of the two main bearings, and a
+/// flange with bolts around the pins. Spans the carrier in z.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HousingSolid {
+    /// Assumed: QT450, the cast iron of Tao2024.
+    pub material: Material,
+    /// Diametral clearance of the pins in their grooves in m. Assumed: a thousandth of the pins' diameter.
+    pub groove_clearance: f64,
+    /// Outer radius of the ring in m. Assumed: 1.25 R_p.
+    pub body_radius: f64,
+    /// Radius of the main bearings' seats in m. Assumed: 0.12 R_p of bearing around the plates.
+    pub seat_radius: f64,
+    /// Outer radius of the flange in m; that of the ring for none. Assumed: 1.48 R_p, the outer diameter of
+    /// 190 mm that catalogues give for a pin circle of 128 mm.
+    pub flange_radius: f64,
+    /// Thickness of the flange, which sits around the pins, in m. Assumed: as long as the pins.
+    pub flange_thickness: f64,
+    /// Circle of the bolts in m. Assumed: the middle of the flange.
+    pub bolt_circle_radius: f64,
+    /// Assumed: 16.
+    pub bolt_count: usize,
+    /// Angle of the first bolt in rad. Assumed: 0, where the first pin is.
+    pub first_bolt_angle: f64,
+    /// Radius of the face that one bolt presses in m. Assumed: 0.09 R_p.
+    pub bolt_face_radius: f64,
+    /// Assumed: around the bolts.
+    pub hold: Hold,
+}
+
+/// The pair of main bearings as two equal rows, for tilt, moments and axial forces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MainRows {
+    /// Assumed: balls of 0.6 of the room between plate and seat, contact angle 40°, 90 % of the circle
+    /// filled.
+    pub row: RollerBearing,
+    /// Distance of the rows in m. Assumed: from the middle of one plate to that of the other.
+    pub spacing: f64,
+    /// Axial approach by which each row is pressed together in m; negative is play. Assumed: 5 µm.
+    pub preload: f64,
+    /// Whether contact lines spread towards the axis of tilt (O) or meet between the rows (X). Assumed: O.
+    pub back_to_back: bool,
+}
+
+impl MainRows {
+    /// By the rules at the fields.
+    pub(crate) fn assumed(carrier: &CarrierSolid, housing: &HousingSolid) -> MainRows {
+        let pitch_diameter = carrier.plate_radius + housing.seat_radius;
+        let roller_diameter = 0.6 * (housing.seat_radius - carrier.plate_radius);
+        let count = (0.9 * std::f64::consts::PI * pitch_diameter / roller_diameter).floor().max(3.0);
+        MainRows {
+            row: RollerBearing {
+                kind: RollerKind::Ball,
+                roller_count: count as usize,
+                roller_diameter,
+                roller_length: roller_diameter,
+                pitch_diameter,
+                contact_angle: 40.0 * crate::units::DEG,
+                clearance: 0.0,
+                dynamic_load_rating: None,
+            },
+            spacing: carrier.gap + carrier.plate_thickness,
+            preload: 5.0 * crate::units::UM,
+            back_to_back: true,
+        }
+    }
+}
+
+/// Carrier and housing as solids, and the disc's windows that go with the carrier's pillars.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solids {
+    pub carrier: CarrierSolid,
+    pub housing: HousingSolid,
+    pub main_rows: MainRows,
+    /// Windows through which the pillars would pass. A disc has those of its design, which may be none.
+    pub windows: Vec<Sector>,
+}
+
+/// What the rules scale from.
+#[derive(Debug, Clone, Copy)]
+pub struct SolidsBasis<'a> {
+    pub ring: &'a PinRing,
+    pub disc: &'a CycloidDisc,
+    pub disc_count: usize,
+    pub crank_count: usize,
+    pub crank_circle: f64,
+    pub first_angle: f64,
+    pub eccentricity: f64,
+    pub bearings: &'a BearingSet,
+}
+
+impl Solids {
+    /// Every dimension by its rule.
+    ///
+    /// Windows: one between every two crankshafts, 0.08 R_p of metal left to the centre hole, the crank bores
+    /// and the root circle of the flank, corners of the same radius. Pillars: the window drawn in by the
+    /// eccentricity and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
+    pub fn assumed(basis: &SolidsBasis<'_>) -> Solids {
+        let r = basis.ring.pin_circle_radius;
+        let (disc, bearings) = (basis.disc, basis.bearings);
+        let support = &bearings.crank_support;
+        let crank_seat_radius = 0.5 * (support.pitch_diameter + support.roller_diameter) + 0.04 * r;
+        let hole = if disc.centre_hole_radius > 0.0 { disc.centre_hole_radius } else { 0.3 * r };
+        let centre_bore_radius = hole.min(basis.crank_circle - crank_seat_radius - 0.04 * r).max(0.05 * r);
+        let discs = basis.disc_count as f64;
+        let gap = (1.1 * (discs - 1.0) + 1.0 + 0.2) * disc.width;
+        let plate_thickness = (bearings.crank_support_span - gap).max(0.1 * r);
+        let web = 0.08 * r;
+        let root = r - basis.ring.pin_radius - basis.eccentricity;
+        let pitch = std::f64::consts::PI / basis.crank_count as f64;
+        let beside = |radius: f64| pitch - (radius / basis.crank_circle).min(1.0).asin();
+        let draw_in = basis.eccentricity + 0.02 * r;
+        let sector = |k: usize| Sector {
+            inner_radius: hole + web,
+            outer_radius: root - web,
+            centre_angle: Kinematics::crankshaft_angle(basis.first_angle, k, basis.crank_count) + pitch,
+            half_angle: beside(disc.crank_bore_radius + web),
+            corner_radius: web,
+        };
+        let windows: Vec<Sector> = (0..basis.crank_count).map(sector).collect();
+        let pillar = |window: &Sector| {
+            let inner_radius = window.inner_radius + draw_in;
+            let side = window.half_angle - (draw_in / inner_radius).min(1.0).asin();
+            Sector {
+                inner_radius,
+                outer_radius: window.outer_radius - draw_in,
+                half_angle: side.min(beside(crank_seat_radius + 0.04 * r)),
+                corner_radius: (web - draw_in).max(0.02 * r),
+                ..*window
+            }
+        };
+        let plate_radius = r;
+        let (body_radius, flange_radius) = (1.25 * r, 1.48 * r);
+        let carrier = CarrierSolid {
+            plate_radius,
+            centre_bore_radius,
+            crank_seat_radius,
+            plate_thickness,
+            gap,
+            pillars: windows.iter().map(pillar).collect(),
+            hold: Hold::Face,
+        };
+        let housing = HousingSolid {
+            material: Material::by_name("QT450").unwrap_or_else(|| basis.ring.material.clone()),
+            groove_clearance: 2e-3 * basis.ring.pin_radius,
+            body_radius,
+            seat_radius: (plate_radius + 0.12 * r).max(r + basis.ring.pin_radius + 0.03 * r),
+            flange_radius,
+            flange_thickness: gap,
+            bolt_circle_radius: 0.5 * (body_radius + flange_radius),
+            bolt_count: 16,
+            first_bolt_angle: 0.0,
+            bolt_face_radius: 0.09 * r,
+            hold: Hold::Bolts,
+        };
+        Solids { main_rows: MainRows::assumed(&carrier, &housing), carrier, housing, windows }
+    }
+
+    /// Smallest way in m that a disc, its windows in the middle position, may be moved before a window meets
+    /// a pillar, over all pillars; the eccentricity must stay below it. `None` without windows. Each pillar
+    /// is held against the window that stands around its middle.
+    pub fn pillar_clearance(&self, windows: &[Sector]) -> Option<f64> {
+        let apart = |a: &Sector, b: &Sector| {
+            let turn = (a.centre_angle - b.centre_angle).rem_euclid(std::f64::consts::TAU);
+            turn.min(std::f64::consts::TAU - turn)
+        };
+        let own = |pillar: &Sector| {
+            windows.iter().min_by(|a, b| apart(pillar, a).total_cmp(&apart(pillar, b))).copied()
+        };
+        let clearances = self.carrier.pillars.iter().filter_map(|p| own(p).map(|w| p.clearance_in(&w)));
+        clearances.min_by(f64::total_cmp)
+    }
+}

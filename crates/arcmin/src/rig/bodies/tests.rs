@@ -1,0 +1,319 @@
+use super::super::StiffnessSplit;
+use super::super::stiffness_split;
+use super::*;
+use crate::dynamics::{
+    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, FlexibleOptions, Part, System,
+};
+use crate::fem::{BodyShapes, DiscModel, FlexibleDiscs, FlexibleSettings};
+use crate::machine::Hold;
+use crate::templates::{TEMPLATES, rv_40e_81};
+use crate::units::ARCMIN;
+
+fn zero(count: usize) -> Compliance {
+    Compliance { count, values: vec![0.0; count * count] }
+}
+
+fn none(machine: &Machine) -> ElasticBodies {
+    let shapes = BodyShapes::of(machine);
+    ElasticBodies {
+        carrier: zero(shapes.carrier.main_seat(1) + 2),
+        housing: zero(shapes.housing.main_seat(1) + 2),
+        rims: zero(machine.crankshafts.count * SEAT_COORDINATES),
+    }
+}
+
+/// A carrier that only twists, C = J Jᵀ/k with J the ways of the crank seats per angle, adds 1/k; pins that
+/// give way by c in any direction are pins on seats of the compliance c, a part of the model itself.
+#[test]
+fn known_compliances_add_what_they_must() {
+    let machine = rv_40e_81();
+    let shapes = BodyShapes::of(&machine);
+    let settings = JointSettings::default();
+    let mut twisting = none(&machine);
+    let (k, n) = (2.0e6, twisting.carrier.count);
+    let mut ways = vec![0.0; n];
+    for (crank, place) in shapes.carrier.cranks.iter().enumerate() {
+        for end in 0..2 {
+            let at = shapes.carrier.seat(crank, end);
+            (ways[at], ways[at + 1]) = (-place.y, place.x);
+        }
+    }
+    for i in 0..n {
+        for j in 0..n {
+            twisting.carrier.values[i * n + j] = ways[i] * ways[j] / k;
+        }
+    }
+    let found = body_compliance(&machine, &settings, &twisting, 0.7).unwrap();
+    assert!((found.carrier * k - 1.0).abs() < 1e-5 && found.housing == 0.0, "{}", found.carrier * k);
+    assert!(found.crank_seats.abs() < 1e-9 * found.carrier);
+
+    let mut seats = none(&machine);
+    let (c, n) = (1e-11, seats.housing.count);
+    for i in 0..shapes.housing.main_seat(0) {
+        seats.housing.values[i * n + i] = c;
+    }
+    let found = body_compliance(&machine, &settings, &seats, 0.7).unwrap();
+    let mut sprung = machine.clone();
+    sprung.ring.seat_compliance = c;
+    let split = stiffness_split(&sprung, &settings, 0.7).unwrap();
+    let own = split.parts.iter().find(|(part, _)| *part == Part::PinSeat).unwrap().1;
+    assert!((found.housing / own - 1.0).abs() < 0.01, "{:e} {own:e}", found.housing);
+    let stiff = body_compliance(&machine, &settings, &seats.stiffened(1e4), 0.7).unwrap();
+    assert!((stiff.housing / found.housing * 1e4 - 1.0).abs() < 1e-9);
+    // Grooves that fit add nothing.
+    let mut fitting = machine.clone();
+    fitting.solids.housing.groove_clearance = 0.0;
+    assert!(found.pin_grooves > 0.0);
+    assert_eq!(body_compliance(&fitting, &settings, &seats, 0.7).unwrap().pin_grooves, 0.0);
+}
+
+/// Rollers of the supports carry what the torque asks: their seats' forces turn the carrier by the torque.
+#[test]
+fn loads_of_the_carrier_balance_the_torque() {
+    let machine = rv_40e_81();
+    let shapes = BodyShapes::of(&machine);
+    let mut model =
+        BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+    model.hold_sun(0.7, 0.0);
+    model.set_load(-machine.rated.torque);
+    let q = creep(&model, 1e-3, &model.nominal_position_at(0.7)).unwrap();
+    let loads = model.carrier_loads(&q);
+    assert_eq!(loads.len(), shapes.carrier.main_seat(1) + 2);
+    let mut torque = 0.0;
+    for (crank, place) in shapes.carrier.cranks.iter().enumerate() {
+        for end in 0..2 {
+            let at = shapes.carrier.seat(crank, end);
+            torque += place.x * loads[at + 1] - place.y * loads[at];
+        }
+    }
+    assert!((torque.abs() / machine.rated.torque - 1.0).abs() < 1e-6, "{torque}");
+    // Pins turn the housing by the torque less what the sun takes, about T/i.
+    let rest = vec![0.0; q.len()];
+    let (mut force, mut linearisation) = (rest.clone(), model.linearisation());
+    let (_, sun) = model.evaluate_with_input(0.0, &q, &rest, &mut force, &mut linearisation);
+    assert!((sun.abs() * machine.kinematics().ratio() / machine.rated.torque - 1.0).abs() < 0.01, "{sun}");
+    let loads = model.housing_loads(&q);
+    assert_eq!(loads.len(), shapes.housing.main_seat(1) + 2);
+    let tangential: f64 = loads[..shapes.housing.main_seat(0)].iter().skip(1).step_by(2).sum();
+    let moment = tangential.abs() * machine.ring.pin_circle_radius;
+    let expected = machine.rated.torque + sun;
+    // The line of a contact passes through the pin's centre, on the pin circle, and so does what rolling to
+    // another curvature asks for.
+    assert!((moment / expected - 1.0).abs() < 1e-6, "{moment} {expected}");
+}
+
+/// Crank seats that give way in the model itself: parts add up to the whole, first order is near it and
+/// above, and 10⁴ times stiffer ones are none.
+#[test]
+fn elastic_carrier_softens_the_machine() {
+    let machine = rv_40e_81();
+    let mut bodies = none(&machine);
+    let n = bodies.carrier.count;
+    for i in 0..n - 4 {
+        bodies.carrier.values[i * n + i] = if i % SEAT_COORDINATES > 1 { 2e-10 } else { 1e-9 };
+    }
+    let carrier = ElasticCarrier::new(&bodies.carrier, machine.crankshafts.count).unwrap();
+    let with = |carrier: Option<ElasticCarrier>| {
+        let settings = JointSettings { carrier, ..JointSettings::default() };
+        stiffness_split(&machine, &settings, 0.7).unwrap()
+    };
+    let (rigid, soft) = (with(None), with(Some(carrier.clone())));
+    assert!(apart(&soft) < 2e-3, "{soft:?}");
+    let first = body_compliance(&machine, &JointSettings::default(), &bodies, 0.7).unwrap();
+    let (first, added) = (first.carrier + first.crank_seats, soft.whole - rigid.whole);
+    assert!(added > 0.8 * first && added < 1.05 * first, "{added:e} {first:e}");
+    let stiff = with(Some(carrier.stiffened(1e4).unwrap()));
+    assert!((stiff.whole / rigid.whole - 1.0).abs() < 1e-4, "{} {}", stiff.whole, rigid.whole);
+}
+
+/// Share of the whole by which the parts miss it.
+fn apart(split: &StiffnessSplit) -> f64 {
+    (split.parts.iter().map(|part| part.1).sum::<f64>() / split.whole - 1.0).abs()
+}
+
+/// All bodies of the shipped design, on a disc (without windows) that is reduced once for
+/// all tests.
+fn elastic(machine: &Machine, bodies: &ElasticBodies) -> JointSettings {
+    let discs = crate::fem::tests::discs(machine);
+    JointSettings {
+        discs: Some(ElasticDiscs::free(machine, discs, FlexibleOptions::default()).unwrap()),
+        carrier: Some(ElasticCarrier::new(&bodies.carrier, machine.crankshafts.count).unwrap()),
+        housing: Some(ElasticHousing::new(machine, &bodies.housing).unwrap()),
+        rims: Some(ElasticRims::new(&bodies.rims, machine.crankshafts.count).unwrap()),
+        damped: false,
+        ..JointSettings::default()
+    }
+}
+
+/// Coarse meshes of the shipped design's bodies.
+fn coarse(machine: &Machine) -> ElasticBodies {
+    let mut shapes = BodyShapes::of(machine);
+    shapes.carrier.size *= 1.6;
+    shapes.carrier.layers = [1, 2];
+    shapes.housing.sizes = shapes.housing.sizes.map(|size| 1.3 * size);
+    shapes.housing.layers = [1, 1];
+    shapes.rims.size *= 1.5;
+    shapes.reduce().unwrap()
+}
+
+/// With carrier, housing, grooves and rims elastic: the parts of the compliance add up to the whole within
+/// 0.1 %, every new part softens the machine, first order is near and above, causes of lost motion leave
+/// little, and 10⁴ times stiffer bodies are rigid ones within 1e-4'.
+#[test]
+fn everything_elastic_in_one_model() {
+    let machine = rv_40e_81();
+    let bodies = coarse(&machine);
+    let all = elastic(&machine, &bodies);
+    let bare = JointSettings { carrier: None, housing: None, rims: None, ..all.clone() };
+    let (with, without) =
+        (stiffness_split(&machine, &all, 0.7).unwrap(), stiffness_split(&machine, &bare, 0.7).unwrap());
+    let to = |c: f64| c / ARCMIN * 1e4;
+    println!(
+        "{:.2} of {:.2}, apart {:e} {:e}",
+        to(with.whole),
+        to(without.whole),
+        apart(&with),
+        apart(&without)
+    );
+    with.parts.iter().for_each(|(part, c)| println!("{} {:.3}", part.name(), to(*c)));
+    assert!(apart(&with) < 1e-3, "{}", apart(&with));
+    let of = |split: &StiffnessSplit, part: Part| {
+        split.parts.iter().find(|(p, _)| *p == part).map_or(0.0, |(_, c)| *c)
+    };
+    for part in [Part::Carrier, Part::PinRing, Part::PinSeat, Part::Disc] {
+        assert!(of(&with, part) > of(&without, part), "{part:?}");
+    }
+    let first = body_compliance(&machine, &bare, &bodies, 0.7).unwrap();
+    println!("first order {:.3} {first:?}", to(first.sum()));
+    let carried = of(&with, Part::Carrier) / (first.carrier + first.crank_seats);
+    assert!(carried > 0.6 && carried < 1.1, "{carried}");
+    let ring = (of(&with, Part::PinRing) + of(&with, Part::PinSeat)) / (first.housing + first.pin_grooves);
+    assert!(ring > 0.8 && ring < 1.1, "{ring}");
+
+    let causes = BearingMeshing::new(&machine, &all).unwrap().lost_motion_causes(2, &mut Vec::new()).unwrap();
+    assert!(causes.residual().abs() < 1e-3 * causes.whole, "{} of {}", causes.residual(), causes.whole);
+    let hard = JointSettings {
+        carrier: all.carrier.as_ref().map(|body| body.stiffened(1e4).unwrap()),
+        housing: all.housing.as_ref().map(|body| body.stiffened(1e4).unwrap()),
+        rims: all.rims.as_ref().map(|body| body.stiffened(1e4).unwrap()),
+        ..all
+    };
+    for torque in [12.0, 412.0] {
+        let error = |settings: &JointSettings| {
+            let mut model = BearingJoints::held(&machine, settings).unwrap();
+            model.hold_sun(0.7, 0.0);
+            model.set_load(torque);
+            model.output_error(&creep(&model, 1e-3, &model.nominal_position_at(0.7)).unwrap()) / ARCMIN
+        };
+        let (hard, rigid) = (error(&hard), error(&bare));
+        assert!((hard - rigid).abs() < 1e-4, "{torque}: {hard} {rigid}");
+    }
+}
+
+/// The smooth modes and the grooves' own compliance store what the whole compliance of the housing does under
+/// the forces of the pins at rated torque.
+#[test]
+fn modes_of_the_housing_stand_for_its_compliance() {
+    let machine = rv_40e_81();
+    let bodies = coarse(&machine);
+    let bare = JointSettings { damped: false, ..JointSettings::default() };
+    let mut model = BearingJoints::held(&machine, &bare).unwrap();
+    model.hold_sun(0.7, 0.0);
+    model.set_load(machine.rated.torque);
+    let q = creep(&model, 1e-3, &model.nominal_position_at(0.7)).unwrap();
+    let mut forces = model.housing_loads(&q);
+    let pins = forces.len() - 4;
+    forces[pins..].fill(0.0);
+    let whole = bodies.housing.energy(&forces);
+    let mut fitting = machine.clone();
+    fitting.solids.housing.groove_clearance = 0.0;
+    let housing = ElasticHousing::new(&fitting, &bodies.housing).unwrap();
+    let parts = housing.energy(&forces[..pins]);
+    println!("{} modes, own {:e} m/N, {whole:e} J {parts:e} J", housing.count(), housing.seat_compliance());
+    assert!((parts / whole - 1.0).abs() < 0.03, "{parts:e} {whole:e}");
+}
+
+/// Compliance at the output of the assumed machine with everything elastic.
+fn predict(
+    machine: &Machine,
+    discs: &FlexibleDiscs,
+    cache: &mut Vec<(BodyShapes, ElasticBodies)>,
+) -> (f64, String) {
+    let start = std::time::Instant::now();
+    let shapes = BodyShapes::of(machine);
+    let known = cache.iter().find(|(known, _)| *known == shapes).map(|(_, bodies)| bodies.clone());
+    let bodies = known.unwrap_or_else(|| shapes.reduce().unwrap());
+    cache.push((shapes, bodies.clone()));
+    let cold = start.elapsed().as_secs_f64();
+    let settings = JointSettings {
+        discs: Some(ElasticDiscs::free(machine, discs.clone(), FlexibleOptions::default()).unwrap()),
+        carrier: Some(ElasticCarrier::new(&bodies.carrier, machine.crankshafts.count).unwrap()),
+        housing: Some(ElasticHousing::new(machine, &bodies.housing).unwrap()),
+        rims: Some(ElasticRims::new(&bodies.rims, machine.crankshafts.count).unwrap()),
+        ..JointSettings::default()
+    };
+    let split = stiffness_split(machine, &settings, 0.7).unwrap();
+    let to = |c: f64| c / ARCMIN * 1e4;
+    let parts: Vec<String> =
+        split.parts.iter().map(|(part, c)| format!("{} {:.2}", part.name(), to(*c))).collect();
+    (1e4 / to(split.whole), format!("cold {cold:.1} s; {}", parts.join("; ")))
+}
+
+/// The table of the book: torsional stiffness over assumed dimensions, one at a time and all together.
+#[test]
+#[ignore = "minutes: prints the table of the chapter on the real machine"]
+fn stiffness_over_assumed_dimensions() {
+    for template in TEMPLATES {
+        let mut plain = crate::design::Design::parse(template.text, template.name).unwrap().machine();
+        let reduce = |machine: &Machine| {
+            FlexibleDiscs::with(machine, |shape| {
+                let settings = FlexibleSettings::plane_stress(shape);
+                DiscModel::new(shape.clone(), settings).and_then(|model| model.reduce()).map(|r| r.0)
+            })
+            .unwrap()
+        };
+        let show = |name: &str, (stiffness, text): &(f64, String)| {
+            println!("{}; {name}; {stiffness:.1} N·m/arcmin; {text}", template.name);
+        };
+        let mut cache = Vec::new();
+        let solid = reduce(&plain);
+        show("disc without windows", &predict(&plain, &solid, &mut cache));
+        plain.disc.windows = plain.solids.windows.clone();
+        let windowed = reduce(&plain);
+        show("assumed", &predict(&plain, &windowed, &mut cache));
+        type Change = fn(&mut Machine);
+        let soft: [(&str, Change); 8] = [
+            ("output face held over the pillars", |m| m.solids.carrier.hold = Hold::Bolts),
+            ("8 bolts", |m| m.solids.housing.bolt_count = 8),
+            ("ring 1.2 R_p", |m| m.solids.housing.body_radius *= 1.2 / 1.25),
+            ("shaft 0.85", |m| m.crankshafts.shaft_diameter *= 0.85),
+            ("rollers 0.8 long", |m| {
+                m.bearings.turning_arm.roller_length *= 0.8;
+                m.bearings.crank_support.roller_length *= 0.8;
+            }),
+            ("clearance 15 um", |m| m.bearings.turning_arm.clearance = 15e-6),
+            ("grooves 5 times as loose", |m| m.solids.housing.groove_clearance *= 5.0),
+            ("mesh 0.75", |m| m.gear_stage.mesh_stiffness *= 0.75),
+        ];
+        let stiff: [(&str, Change); 5] = [
+            ("flange held all over", |m| m.solids.housing.hold = Hold::Face),
+            ("shaft 1.15", |m| m.crankshafts.shaft_diameter *= 1.15),
+            ("rollers 1.2 long", |m| {
+                m.bearings.turning_arm.roller_length *= 1.2;
+                m.bearings.crank_support.roller_length *= 1.2;
+            }),
+            ("no clearance", |m| m.bearings.turning_arm.clearance = 0.0),
+            ("mesh 1.25", |m| m.gear_stage.mesh_stiffness *= 1.25),
+        ];
+        for (side, changes) in [("soft", &soft[..]), ("stiff", &stiff[..])] {
+            let mut all = plain.clone();
+            for (name, change) in changes {
+                let mut one = plain.clone();
+                change(&mut one);
+                change(&mut all);
+                show(name, &predict(&one, &windowed, &mut cache));
+            }
+            show(&format!("all {side}"), &predict(&all, &windowed, &mut cache));
+        }
+    }
+}

@@ -1,0 +1,502 @@
+//! Readings of real machines, and what they say of the wear: coefficient, running-in, how sure that is, and
+//! what they cannot tell apart.
+//!
+//! A reading r of scale s is predicted as p(θ) from the [`Growth`] of the machine; θ holds the logarithms of
+//! the coefficient k and, where asked for, of the factor f and the time constant T of a running-in,
+//! k(t) = k (1 + (f − 1) e^(−t/T)). The fit is the least of S(θ) = Σ ((p − r)/s)². A parameter's band are the
+//! values at which S, least over all other parameters, stays below S_min + σ² t²: the profile likelihood, with
+//! Student's t for σ² = S_min/(n − p) from the residuals, or the normal quantile for a reading error that is
+//! known (Venzon & Moolgavkar, Appl. Statist. 37 (1988) 87). A band that is open has no end within what is
+//! believable: the readings do not bound the parameter. Correlations come from the inverse of JᵀJ at the least.
+
+use nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+use super::calibrate::self_consistent;
+use super::{Beyond, Exposure, Growth, WearError};
+use crate::load::ShareLoad;
+use crate::machine::{Machine, RunningIn};
+use crate::progress::Progress;
+
+/// One reading of one machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Running time in s.
+    pub time: f64,
+    pub measured: Measured,
+    /// m or rad.
+    pub value: f64,
+    /// What its residual is divided by.
+    pub scale: f64,
+}
+
+/// What a reading is of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Measured {
+    /// Largest depth lost by the flank.
+    Depth,
+    /// Increase of the lost motion since new.
+    Increase,
+    /// Increase of the lost motion since a first reading at this time in s.
+    Since(f64),
+}
+
+/// A parameter that can be fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parameter {
+    Coefficient,
+    Factor,
+    Duration,
+}
+
+impl Parameter {
+    const ALL: [Parameter; 3] = [Parameter::Coefficient, Parameter::Factor, Parameter::Duration];
+
+    /// Words for a reader.
+    pub fn name(self) -> &'static str {
+        match self {
+            Parameter::Coefficient => "wear coefficient",
+            Parameter::Factor => "factor of the running-in",
+            Parameter::Duration => "duration of the running-in",
+        }
+    }
+}
+
+/// What of the running-in is fitted beside the coefficient.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RunningInFit {
+    /// Nothing: the design's own is kept.
+    Kept(Option<RunningIn>),
+    /// The factor, for a time constant in s.
+    Factor(f64),
+    /// Factor and time constant.
+    Both,
+}
+
+/// A fitted parameter with its band; an end is `None` where the readings do not bound it, both where there are
+/// no readings to spare and no reading error is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    pub parameter: Parameter,
+    /// 1/Pa, a number, s.
+    pub value: f64,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+}
+
+/// What readings say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    pub law: Exposure,
+    /// Root mean square of (p − r)/s.
+    pub relative_rms: f64,
+    pub estimates: Vec<Estimate>,
+    /// Coefficients over time at the ends of the bands, the other parameters fitted anew at each.
+    pub ends: Vec<Exposure>,
+    /// Correlations of two parameters, from −1 to 1.
+    pub correlations: Vec<(Parameter, Parameter, f64)>,
+    /// Whether bands could be given at all.
+    pub has_band: bool,
+}
+
+/// Share of all machines whose true value a band of this method holds.
+pub const CONFIDENCE: f64 = 0.95;
+/// Beyond these a running-in is no running-in.
+const FACTORS: (f64, f64) = (1.0, 1e4);
+/// Two parameters correlated beyond this are not told apart.
+const TIED: f64 = 0.95;
+
+/// Logarithms of coefficient, factor and duration.
+type Place = [f64; 3];
+
+struct Search<'a> {
+    growth: &'a Growth,
+    readings: &'a [Reading],
+    running_in: RunningInFit,
+    /// Bounds of the logarithms.
+    bounds: [(f64, f64); 3],
+}
+
+/// Fits what is asked for. `reading_error`: standard deviation of a reading over its scale, where known.
+pub fn fit_readings(
+    growth: &Growth,
+    readings: &[Reading],
+    running_in: RunningInFit,
+    reading_error: Option<f64>,
+) -> Fit {
+    let search = Search::new(growth, readings, running_in);
+    let open = search.open();
+    let start = search.bounds.map(|(low, high)| 0.5 * (low + high));
+    let (best, least) = search.least(start, &open);
+    let spare = readings.len().saturating_sub(open.len());
+    let allowance = match reading_error {
+        Some(error) => Some((error * quantile(None)).powi(2)),
+        None if spare > 0 => Some(least / spare as f64 * quantile(Some(spare as f64)).powi(2)),
+        None => None,
+    };
+    let mut ends = Vec::new();
+    let estimates = open
+        .iter()
+        .map(|index| {
+            let mut end = |sign: f64| {
+                let place = search.end(best, *index, sign, least + allowance?)?;
+                ends.push(search.law(&place));
+                Some(place[*index].exp())
+            };
+            let (low, high) = (end(-1.0), end(1.0));
+            Estimate { parameter: Parameter::ALL[*index], value: best[*index].exp(), low, high }
+        })
+        .collect();
+    Fit {
+        law: search.law(&best),
+        relative_rms: (least / readings.len().max(1) as f64).sqrt(),
+        estimates,
+        ends,
+        correlations: search.correlations(&best, &open),
+        has_band: allowance.is_some(),
+    }
+}
+
+/// Two-sided quantile at [`CONFIDENCE`]: of Student's t, or of the normal distribution.
+fn quantile(freedom: Option<f64>) -> f64 {
+    let at = 0.5 * (1.0 + CONFIDENCE);
+    let student = freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok());
+    match student {
+        Some(student) => student.inverse_cdf(at),
+        None => Normal::standard().inverse_cdf(at),
+    }
+}
+
+impl<'a> Search<'a> {
+    fn new(growth: &'a Growth, readings: &'a [Reading], running_in: RunningInFit) -> Search<'a> {
+        let times = readings.iter().map(|reading| reading.time);
+        let (first, last) = times.fold((f64::INFINITY, 0.0_f64), |(a, b), t| (a.min(t), b.max(t)));
+        let duration = match running_in {
+            RunningInFit::Factor(duration) => (duration.ln(), duration.ln()),
+            _ => ((0.02 * first).ln(), (10.0 * last).ln()),
+        };
+        let factor = (FACTORS.0.ln(), FACTORS.1.ln());
+        let mut search = Search { growth, readings, running_in, bounds: [(0.0, 0.0), factor, duration] };
+        // The coefficient lies between those that meet each reading alone; a running-in asks for less of it.
+        let plain = [0.0, 0.0, duration.0];
+        let (low, high) = search.coefficients(&plain);
+        let lower = if search.open().len() > 1 { FACTORS.1 } else { 1.0 };
+        search.bounds[0] = ((low / lower).ln(), high.ln());
+        search
+    }
+
+    /// Which parameters are fitted, the coefficient first.
+    fn open(&self) -> Vec<usize> {
+        match self.running_in {
+            RunningInFit::Kept(_) => vec![0],
+            RunningInFit::Factor(_) => vec![0, 1],
+            RunningInFit::Both => vec![0, 1, 2],
+        }
+    }
+
+    fn running_in_at(&self, place: &Place) -> Option<RunningIn> {
+        match self.running_in {
+            RunningInFit::Kept(own) => own,
+            _ => Some(RunningIn { factor: place[1].exp(), duration: place[2].exp() }),
+        }
+    }
+
+    fn law(&self, place: &Place) -> Exposure {
+        Exposure { coefficient: place[0].exp(), running_in: self.running_in_at(place) }
+    }
+
+    /// Least and largest coefficient that meets a reading alone, with this running-in.
+    fn coefficients(&self, place: &Place) -> (f64, f64) {
+        let running_in = self.running_in_at(place);
+        let alone = self.growth.alone().iter().zip(self.readings);
+        let (low, high) = alone
+            .map(|(exposure, reading)| exposure / Exposure::equivalent_time(running_in, reading.time))
+            .fold((f64::INFINITY, 0.0_f64), |(a, b), k| (a.min(k), b.max(k)));
+        // What has grown since a first reading depends on when most of it grew.
+        let since = self.readings.iter().any(|reading| matches!(reading.measured, Measured::Since(_)));
+        if since { (0.1 * low, 10.0 * high) } else { (0.9 * low, 1.001 * high) }
+    }
+
+    fn residuals(&self, place: &Place) -> impl Iterator<Item = f64> {
+        let law = self.law(place);
+        self.readings
+            .iter()
+            .map(move |reading| (self.growth.value(reading, &law) - reading.value) / reading.scale)
+    }
+
+    fn misfit(&self, place: &Place) -> f64 {
+        self.residuals(place).map(|r| r * r).sum()
+    }
+
+    /// The least misfit over the `open` parameters, the last of them outermost: a scan and a golden section, so
+    /// that no start decides.
+    fn least(&self, place: Place, open: &[usize]) -> (Place, f64) {
+        let Some((outer, inner)) = open.split_last() else { return (place, self.misfit(&place)) };
+        let at = |x: f64| {
+            let mut place = place;
+            place[*outer] = x;
+            self.least(place, inner)
+        };
+        let (low, high) = match outer {
+            0 => {
+                let (low, high) = self.coefficients(&place);
+                (low.ln(), high.ln())
+            }
+            index => self.bounds[*index],
+        };
+        let steps = 24;
+        let scanned = |step: usize| low + (high - low) * step as f64 / steps as f64;
+        let all: Vec<(Place, f64)> = (0..=steps).map(|step| at(scanned(step))).collect();
+        let nearest = (0..=steps).min_by(|a, b| all[*a].1.total_cmp(&all[*b].1)).unwrap_or(0);
+        let (mut a, mut b) = (scanned(nearest.saturating_sub(1)), scanned((nearest + 1).min(steps)));
+        let mut best = all[nearest];
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+        let (mut at_c, mut at_d) = (at(c), at(d));
+        for _ in 0..42 {
+            if at_c.1 < at_d.1 {
+                (b, d, at_d) = (d, c, at_c);
+                c = b - GOLDEN * (b - a);
+                at_c = at(c);
+            } else {
+                (a, c, at_c) = (c, d, at_d);
+                d = a + GOLDEN * (b - a);
+                at_d = at(d);
+            }
+            for candidate in [at_c, at_d] {
+                if candidate.1 < best.1 {
+                    best = candidate;
+                }
+            }
+        }
+        best
+    }
+
+    /// Where the profile of one parameter leaves `allowed` on one side; `None` if it does not within its bounds.
+    fn end(&self, best: Place, index: usize, sign: f64, allowed: f64) -> Option<Place> {
+        let others: Vec<usize> = self.open().into_iter().filter(|open| *open != index).collect();
+        let profile = |x: f64| {
+            let mut place = best;
+            place[index] = x;
+            self.least(place, &others)
+        };
+        let bound = match (index, sign > 0.0) {
+            // Beyond what the growth was followed to, nothing is known.
+            (0, true) => {
+                let latest = self.readings.iter().map(|reading| reading.time).fold(0.0, f64::max);
+                (self.growth.last() / latest).ln()
+            }
+            (0, false) => self.bounds[0].0.min(best[0]) - 7.0,
+            (_, true) => self.bounds[index].1,
+            (_, false) => self.bounds[index].0,
+        };
+        let mut inside = best[index];
+        let mut step = 1e-3;
+        let mut outside = loop {
+            let next = inside + sign * step;
+            if sign * (next - bound) >= 0.0 {
+                if profile(bound).1 <= allowed {
+                    return None;
+                }
+                break bound;
+            }
+            if profile(next).1 > allowed {
+                break next;
+            }
+            (inside, step) = (next, 2.0 * step);
+        };
+        for _ in 0..30 {
+            let middle = 0.5 * (inside + outside);
+            if profile(middle).1 > allowed { outside = middle } else { inside = middle }
+        }
+        Some(profile(inside).0)
+    }
+
+    /// From the inverse of JᵀJ; parameters that change nothing are tied to all others.
+    fn correlations(&self, best: &Place, open: &[usize]) -> Vec<(Parameter, Parameter, f64)> {
+        let columns: Vec<Vec<f64>> = open
+            .iter()
+            .map(|index| {
+                let moved = |by: f64| {
+                    let mut place = *best;
+                    place[*index] += by;
+                    self.residuals(&place).collect::<Vec<f64>>()
+                };
+                let step = 0.01;
+                moved(step).iter().zip(moved(-step)).map(|(a, b)| (a - b) / (2.0 * step)).collect()
+            })
+            .collect();
+        let normal = DMatrix::from_fn(open.len(), open.len(), |i, j| {
+            columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum::<f64>()
+        });
+        let covariance = normal.try_inverse();
+        let mut all = Vec::new();
+        for i in 0..open.len() {
+            for j in 0..i {
+                let correlation = covariance
+                    .as_ref()
+                    .map(|c| c[(i, j)] / (c[(i, i)] * c[(j, j)]).sqrt())
+                    .filter(|correlation| correlation.is_finite())
+                    .unwrap_or(1.0);
+                all.push((Parameter::ALL[open[j]], Parameter::ALL[open[i]], correlation.clamp(-1.0, 1.0)));
+            }
+        }
+        all
+    }
+}
+
+impl Fit {
+    /// What the readings cannot tell, one sentence each.
+    pub fn untold(&self) -> Vec<String> {
+        let mut untold = Vec::new();
+        if !self.has_band {
+            untold.push(
+                "there are no more readings than parameters: nothing tells how sure the fit is; give more \
+                 readings, or their error (reading_error_percent)"
+                    .to_owned(),
+            );
+        } else {
+            for estimate in &self.estimates {
+                let which = match (estimate.low, estimate.high) {
+                    (None, None) => "no bound",
+                    (None, _) => "no lower bound",
+                    (_, None) => "no upper bound",
+                    _ => continue,
+                };
+                untold.push(format!("the readings set {which} to the {}", estimate.parameter.name()));
+            }
+        }
+        for (a, b, correlation) in self.correlations.iter().filter(|(_, _, c)| c.abs() > TIED) {
+            untold.push(format!(
+                "{} and {} are not told apart (correlation {correlation:.3}): a change of one makes up for the other",
+                a.name(),
+                b.name()
+            ));
+        }
+        untold
+    }
+
+    /// Least and largest of a value over the bands; `None` where there are none.
+    pub fn band(&self, of: impl Fn(&Exposure) -> f64) -> Option<(f64, f64)> {
+        let values = self.ends.iter().chain([&self.law]).map(of);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        (!self.ends.is_empty()).then_some((low, high))
+    }
+}
+
+/// Follows the growth of a machine and fits the readings to it. A law that depends on time itself has no growth
+/// that serves every coefficient: the one whose own growth asks for it is looked for.
+///
+/// # Errors
+/// [`WearError`].
+pub fn follow_and_fit<S: ShareLoad + Clone>(
+    machine: &Machine,
+    meshing: &S,
+    readings: &[Reading],
+    running_in: RunningInFit,
+    reading_error: Option<f64>,
+    beyond: Beyond,
+    progress: &dyn Progress,
+) -> Result<(Growth, Fit), WearError> {
+    let on_clock = |coefficient: f64| {
+        let clock = Exposure::new(coefficient, &machine.wear);
+        let growth = Growth::follow(machine, meshing.clone(), &clock, readings, beyond, progress)?;
+        let fit = fit_readings(&growth, readings, running_in, reading_error);
+        Ok::<_, WearError>((growth, fit))
+    };
+    if !machine.wear.law.local_rate().depends_on_time() {
+        return on_clock(1.0);
+    }
+    if !matches!(running_in, RunningInFit::Kept(_)) {
+        return Err(WearError::RunningInOfTimeLaw);
+    }
+    // A clock that stands still: the law of the new machine.
+    let first = on_clock(f64::INFINITY)?.1.law.coefficient;
+    let coefficient = self_consistent(first, |k| Ok(on_clock(k)?.1.law.coefficient))?;
+    on_clock(coefficient)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A growth that is the exposure itself: p = k t, S is a parabola in k.
+    fn straight(readings: &[Reading]) -> Growth {
+        let points: Vec<(f64, f64, f64)> =
+            (0..=40_000).map(|i| f64::from(i) * 1e-3).map(|x| (x, x, x)).collect();
+        Growth::of(&points, readings)
+    }
+
+    fn reading(time: f64, value: f64) -> Reading {
+        Reading { time, measured: Measured::Increase, value, scale: 1.0 }
+    }
+
+    /// The line through the origin: k = Σ t r/Σ t², and its band is k ± t s/√Σ t².
+    #[test]
+    fn a_straight_growth_is_the_regression_through_the_origin() {
+        let readings = [reading(1.0, 1.1), reading(2.0, 1.9), reading(3.0, 3.2), reading(4.0, 3.9)];
+        let sum = |of: fn(&Reading) -> f64| readings.iter().map(of).sum::<f64>();
+        let k = sum(|r| r.time * r.value) / sum(|r| r.time * r.time);
+        let fit = fit_readings(&straight(&readings), &readings, RunningInFit::Kept(None), None);
+        assert!((fit.law.coefficient / k - 1.0).abs() < 1e-6, "{} {k}", fit.law.coefficient);
+        let left: f64 = readings.iter().map(|r| (k * r.time - r.value).powi(2)).sum();
+        // Student's t for 3 degrees of freedom, 95 %: 3.1824 (table).
+        let half = 3.182_446 * (left / 3.0 / sum(|r| r.time * r.time)).sqrt();
+        let estimate = fit.estimates[0];
+        assert!((estimate.low.unwrap() / (k - half) - 1.0).abs() < 1e-5, "{estimate:?} {k} {half}");
+        assert!((estimate.high.unwrap() / (k + half) - 1.0).abs() < 1e-5, "{estimate:?} {k} {half}");
+        assert!(fit.untold().is_empty());
+        // A known error of 0.1: the normal quantile, 1.95996, whatever the residuals are.
+        let known = fit_readings(&straight(&readings), &readings, RunningInFit::Kept(None), Some(0.1));
+        let half = 0.195_996_4 / sum(|r| r.time * r.time).sqrt();
+        assert!((known.estimates[0].high.unwrap() / (k + half) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn one_reading_says_how_much_and_not_how_sure() {
+        let readings = [reading(2.0, 5.0)];
+        let fit = fit_readings(&straight(&readings), &readings, RunningInFit::Kept(None), None);
+        assert!(
+            (fit.law.coefficient - 2.5).abs() < 1e-6
+                && !fit.has_band
+                && fit.band(|law| law.coefficient).is_none()
+        );
+        assert_eq!(fit.untold().len(), 1);
+    }
+
+    /// Readings made with k = 1, f = 6 and T = 2 give them back; those that end long before T cannot.
+    #[test]
+    fn a_running_in_is_found_where_the_readings_reach_beyond_it() {
+        let truth = Exposure { coefficient: 1.0, running_in: Some(RunningIn { factor: 6.0, duration: 2.0 }) };
+        let made = |times: &[f64]| times.iter().map(|t| reading(*t, truth.at(*t))).collect::<Vec<_>>();
+        let long = made(&[0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 16.0]);
+        let fit = fit_readings(&straight(&long), &long, RunningInFit::Both, Some(0.02));
+        let found: Vec<f64> = fit.estimates.iter().map(|e| e.value).collect();
+        for (found, truth) in found.iter().zip([1.0, 6.0, 2.0]) {
+            assert!((found / truth - 1.0).abs() < 2e-3, "{found} {truth}");
+        }
+        assert!(
+            fit.estimates.iter().all(|e| e.low.unwrap() < e.value && e.value < e.high.unwrap()),
+            "{fit:?}"
+        );
+        let short = made(&[0.02, 0.05, 0.1, 0.15, 0.2]);
+        let fit = fit_readings(&straight(&short), &short, RunningInFit::Both, Some(0.02));
+        let untold = fit.untold().join("; ");
+        assert!(
+            untold.contains("bound to the duration of the running-in") || untold.contains("not told apart"),
+            "{untold}"
+        );
+    }
+
+    /// Readings since a first one, and increases since new of the same growth, say the same.
+    #[test]
+    fn absolute_readings_are_taken_against_their_first() {
+        let k = 1.7;
+        let since = [(3.0, 1.0), (6.0, 1.0), (9.0, 4.0)].map(|(time, first)| Reading {
+            measured: Measured::Since(first),
+            ..reading(time, k * (time - first))
+        });
+        let fit = fit_readings(&straight(&since), &since, RunningInFit::Kept(None), Some(0.1));
+        assert!((fit.law.coefficient / k - 1.0).abs() < 1e-6, "{}", fit.law.coefficient);
+    }
+}

@@ -1,0 +1,243 @@
+"""Validates and runs exported FMUs with FMPy, against `arcmin simulate`.
+
+Usage: check_fmu.py DIR ARCMIN DESIGN. Into DIR go the units and runs; ARCMIN is the command. Every check prints its
+figure; the exit status is 1 if one is not kept.
+"""
+
+import ctypes
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
+
+ARCMIN = math.pi / 180 / 60
+SPEED, RISE = 1500 * math.pi / 30, 0.1
+failures = 0
+
+
+def check(what, value, limit):
+    global failures
+    kept = value <= limit
+    failures += not kept
+    print(f"{'ok  ' if kept else 'FAIL'} {what}: {value:.3g} (limit {limit:.3g})")
+
+
+def motor(t):
+    """The speed law of `arcmin simulate`: rad, rad/s, rad/s2."""
+    x = np.clip(t / RISE, 0, 1)
+    integral = np.where(t < RISE, RISE * x**3 * (1 - 0.5 * x), t - 0.5 * RISE)
+    return SPEED * integral, SPEED * x * x * (3 - 2 * x), SPEED * 6 * x * (1 - x) / RISE
+
+
+def signals(end, interval, torque, acceleration=True):
+    t = np.arange(0, end + 0.5 * interval, interval)
+    phi, w, a = motor(t)
+    names = ["time", "flange_a.phi", "flange_a.w", "flange_b.tau"] + ["flange_a.a"] * acceleration
+    columns = [t, phi, w, np.full_like(t, torque)] + [a] * acceleration
+    return np.array(list(zip(*columns)), dtype=[(name, float) for name in names])
+
+
+def run(file, end, interval, torque, **options):
+    acceleration = options.pop("acceleration", True)
+    return simulate_fmu(
+        str(file),
+        stop_time=end,
+        step_size=interval,
+        output_interval=interval,
+        input=signals(end, interval, torque, acceleration),
+        output=["transmission_error", "flange_b.phi", "flange_a.tau", "energy_balance"],
+        validate=False,
+        **options,
+    )
+
+
+def export(arcmin, design, place, name, *options):
+    out = place / name
+    subprocess.run([arcmin, "export", "fmu", design, "--out", out, *options], check=True, stdout=subprocess.DEVNULL)
+    (file,) = out.glob("*.fmu")
+    target = place / f"{name}.fmu"
+    file.replace(target)
+    return target
+
+
+def check_simulate(arcmin, design, place, units, joints):
+    end, sample, torque = 0.25, 1e-3, 412
+    out = place / f"simulate-{joints}"
+    subprocess.run(
+        [arcmin, "simulate", design, "--joints", joints, "--load", "constant", "--torque-nm", str(torque),
+         "--end-s", str(end), "--sample-s", str(sample), "--out", out, "--quiet"],
+        check=True,
+    )  # fmt: skip
+    table = np.genfromtxt(out / "timeseries.csv", delimiter=",", names=True)
+    errors = {}
+    for unit, interval in [(u, i) for u in units for i in (1e-4, 5e-4)]:
+        result = run(unit, end, interval, -torque)
+        at = np.interp(table["time_s"], result["time"], result["transmission_error"] / ARCMIN)
+        # Only instants that both have: elsewhere the straight line between two samples would be compared.
+        both = np.abs(table["time_s"] / interval - np.round(table["time_s"] / interval)) < 1e-6
+        errors[unit.stem, interval] = np.abs(at - table["te_arcmin"])[both].max()
+    for (name, interval), error in errors.items():
+        check(f"{name}, {joints}, steps of {interval:g} s: off `arcmin simulate`, arcmin", error, 1e-4)
+
+
+def check_steps(unit):
+    runs = {h: run(unit, 0.2, h, -200) for h in (1e-4, 5e-4, 1e-3)}
+    for h, result in list(runs.items())[1:]:
+        at = runs[1e-4]["transmission_error"][:: round(h / 1e-4)] / ARCMIN
+        check(f"{unit.stem}: steps of {h:g} s against 1e-4 s, arcmin",
+              np.abs(at - result["transmission_error"] / ARCMIN)[2:].max(), 2e-3)  # fmt: skip
+    check(f"{unit.stem}: energy balance", np.abs(runs[1e-4]["energy_balance"][-1]), 5e-3)
+
+
+def slave(unit, directory, description, name="x"):
+    kind = FMU3Slave if description.fmiVersion == "3.0" else FMU2Slave
+    one = kind(
+        guid=description.guid,
+        unzipDirectory=str(directory),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName=name,
+    )
+    one.instantiate()
+    if description.fmiVersion == "3.0":
+        one.enterInitializationMode(startTime=0)
+    else:
+        one.setupExperiment(startTime=0)
+        one.enterInitializationMode()
+    one.exitInitializationMode()
+    return one
+
+
+def get(one, reference):
+    return one.getFloat64([reference])[0] if isinstance(one, FMU3Slave) else one.getReal([reference])[0]
+
+
+def put(one, references, values):
+    return one.setFloat64(references, values) if isinstance(one, FMU3Slave) else one.setReal(references, values)
+
+
+def course(one, references, steps, h=1e-3):
+    out = []
+    for k in steps:
+        phi, w, a = motor(np.array(k * h))
+        put(one, references[:4], [float(phi), float(w), float(a), -100.0])
+        one.doStep(currentCommunicationPoint=k * h, communicationStepSize=h)
+        out.append(get(one, references[4]))
+    return out
+
+
+def check_states(unit):
+    """Saved, restored, and serialised into another instance: bit by bit the same."""
+    description = read_model_description(str(unit))
+    directory = extract(str(unit))
+    by_name = {v.name: v.valueReference for v in description.modelVariables}
+    names = ["flange_a.phi", "flange_a.w", "flange_a.a", "flange_b.tau", "transmission_error"]
+    references = [by_name[name] for name in names]
+    one, other = slave(unit, directory, description), slave(unit, directory, description, "y")
+    three = isinstance(one, FMU3Slave)
+    course(one, references, range(20))
+    state = one.getFMUState() if three else one.getFMUstate()
+    truth = course(one, references, range(20, 60))
+    (one.setFMUState if three else one.setFMUstate)(state)
+    check(f"{unit.stem}: bits that differ after restoring", sum(a != b for a, b in zip(course(one, references, range(20, 60)), truth)), 0)
+    data = (one.serializeFMUState if three else one.serializeFMUstate)(state)
+    there = (other.deserializeFMUState if three else other.deSerializeFMUstate)(data)
+    (other.setFMUState if three else other.setFMUstate)(there)
+    check(f"{unit.stem}: bits that differ in another instance", sum(a != b for a, b in zip(course(other, references, range(20, 60)), truth)), 0)
+    (one.freeFMUState if three else one.freeFMUstate)(state)
+    (other.freeFMUState if three else other.freeFMUstate)(there)
+    for s in (one, other):
+        s.terminate()
+        s.freeInstance()
+    shutil.rmtree(directory, ignore_errors=True)
+
+
+def check_instances(unit, count=100):
+    description = read_model_description(str(unit))
+    directory = extract(str(unit))
+    by_name = {v.name: v.valueReference for v in description.modelVariables}
+    references = [by_name[n] for n in ("flange_a.phi", "flange_a.w", "flange_a.a", "flange_b.tau", "transmission_error")]
+    all_of_them = [slave(unit, directory, description, str(k)) for k in range(count)]
+    begin = time.perf_counter()
+    # Turn by turn, so that any state they shared would show.
+    for k in range(10):
+        for one in all_of_them:
+            course(one, references, [k])
+    took = time.perf_counter() - begin
+    values = [get(one, references[4]) for one in all_of_them]
+    check(f"{unit.stem}: {count} instances that differ", sum(v != values[0] for v in values), 0)
+    print(f"     {unit.stem}: {1e6 * took / (10 * count):.0f} us a step of 1 ms, calls from Python included")
+    for one in all_of_them:
+        one.terminate()
+        one.freeInstance()
+    shutil.rmtree(directory, ignore_errors=True)
+
+
+def check_symbols(unit, version):
+    """Every function of the header is there."""
+    directory = Path(extract(str(unit)))
+    (binary,) = [p for p in (directory / "binaries").rglob("*") if p.is_file()]
+    header = (Path(fmpy.__file__).parent / "c-code" / f"fmi{version}FunctionTypes.h").read_text()
+    import re
+
+    names = re.findall(rf"\b(fmi{version}[A-Z]\w*)TYPE\b", header)
+    if version == 2:
+        # Functions of model exchange are asked for only of units that offer it.
+        exchange = "EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates"
+        names = [n for n in names if n[4:] not in exchange.split()]
+        names = [n for n in names if n[4:] not in ("CallbackLogger",)]
+    library = ctypes.CDLL(str(binary))
+    missing = [name for name in sorted(set(names)) if not hasattr(library, name)]
+    check(f"{unit.stem}: functions of the header missing of {len(set(names))} {missing}", len(missing), 0)
+    shutil.rmtree(directory, ignore_errors=True)
+
+
+def main():
+    place, arcmin, design = Path(sys.argv[1]).resolve(), str(Path(sys.argv[2]).resolve()), str(Path(sys.argv[3]).resolve())
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
+    few = ["--positions", "2", "--te-positions", "256"]
+    units = {
+        (version, model): export(arcmin, design, place, f"{model}-fmi{version}", "--fmi", version, "--model", model, *more)
+        for version in ("2", "3")
+        for model, more in (("map", few), ("multibody", ["--joints", "ideal"]))
+    }
+    bearings = export(arcmin, design, place, "bearings-fmi3", "--fmi", "3", "--model", "multibody", "--joints", "bearings")
+    motion = export(arcmin, design, place, "motion-fmi3", "--fmi", "3", "--load-flange", "motion", *few)
+    again = export(arcmin, design, place, "again", "--fmi", "3", "--model", "map", *few)
+    check("bytes of a second export that differ", int(again.read_bytes() != units["3", "map"].read_bytes()), 0)
+    for unit in [*units.values(), bearings, motion]:
+        problems = validate_fmu(str(unit))
+        for problem in problems:
+            print("    ", problem)
+        check(f"{unit.stem}: findings of fmpy validate", len(problems), 0)
+    # From here on in a directory that knows nothing of the sources.
+    with tempfile.TemporaryDirectory() as elsewhere:
+        os.chdir(elsewhere)
+        check_symbols(units["2", "map"], 2)
+        check_symbols(units["3", "map"], 3)
+        check_simulate(arcmin, design, place, [units["2", "multibody"], units["3", "multibody"]], "ideal")
+        check_simulate(arcmin, design, place, [bearings], "bearings")
+        for unit in (units["2", "map"], units["3", "map"]):
+            check_steps(unit)
+        for unit in units.values():
+            check_states(unit)
+        check_instances(units["3", "map"])
+        check_instances(units["2", "multibody"])
+        os.chdir(place)
+    print("all kept" if failures == 0 else f"{failures} not kept")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

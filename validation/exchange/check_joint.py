@@ -1,0 +1,185 @@
+"""Loads an exported joint in MuJoCo, repeats the hysteresis test of the bench there, and reads the other files.
+
+Usage: check_joint.py DIR, where DIR was written by `arcmin export joint DESIGN --hours ...`. Every check prints
+its figure; the exit status is 1 if one is not kept.
+"""
+
+import json
+import math
+import re
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+ARCMIN = math.pi / 180 / 60
+failures = 0
+
+
+def check(what, value, limit):
+    global failures
+    kept = value <= limit
+    failures += not kept
+    print(f"{'ok  ' if kept else 'FAIL'} {what}: {value:.3g} (limit {limit:.3g})")
+
+
+def label(hours):
+    return "h" + f"{hours:.3f}".rstrip("0").rstrip(".").replace(".", "_")
+
+
+def measured(path, hours, rated):
+    """Lost motion and stiffness as the bench defines them, of the body of one age with its input held."""
+    spec = mujoco.MjSpec.from_file(str(path))
+    name = label(hours)
+    # The input is held: the drive hinge goes, the gear hinge alone is left.
+    for motor in list(spec.actuators):
+        spec.delete(motor)
+    for joint in list(spec.joints):
+        if joint.name.startswith("drive_"):
+            spec.delete(joint)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"gear_{name}")
+    place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+
+    def settle(torque, steps=400):
+        data.qfrc_applied[dof] = torque
+        for _ in range(steps):
+            mujoco.mj_step(model, data)
+        return data.qpos[place]
+
+    shares = sorted({*np.linspace(-1, 1, 41), 0.03, -0.03, 0.5, -0.5}, reverse=True)
+    for share in (0.1, 0.4, 0.7, 1.0):
+        settle(share * rated)
+    falling = {share: settle(share * rated) for share in shares}
+    rising = {share: settle(share * rated) for share in reversed(shares)}
+    lost = 0.5 * (falling[0.03] + rising[0.03]) - 0.5 * (falling[-0.03] + rising[-0.03])
+    compliance = []
+    for branch in (falling, rising):
+        for sign in (1, -1):
+            window = [share for share in shares if 0.5 - 1e-9 <= sign * share]
+            torque = np.array([share * rated for share in window])
+            angle = np.array([branch[share] for share in window])
+            # The bench's regression: angle on torque, both about their means.
+            t, a = torque - torque.mean(), angle - angle.mean()
+            compliance.append((t @ a) / (t @ t))
+    return lost, 1 / np.mean(compliance)
+
+
+def check_mujoco(place, joint):
+    rated = joint["rated_torque_n_m"]
+    for state in joint["states"]:
+        lost, stiffness = measured(place / "joint.mjcf.xml", state["hours"], rated)
+        what = f"MuJoCo {mujoco.__version__}, {state['hours']:g} h"
+        print(
+            f"     {what}: lost motion {lost / ARCMIN:.4f}' (bench {state['lost_motion_rad'] / ARCMIN:.4f}'), "
+            f"stiffness {stiffness * ARCMIN:.2f} N m/' (bench {state['stiffness_n_m_per_rad'] * ARCMIN:.2f})"
+        )
+        check(f"{what}: lost motion", abs(lost / state["lost_motion_rad"] - 1), 0.05)
+        check(f"{what}: stiffness", abs(stiffness / state["stiffness_n_m_per_rad"] - 1), 0.05)
+    # The whole model runs at its own time step: a second under a torque that swings stays finite and small.
+    model = mujoco.MjModel.from_xml_path(str(place / "joint.mjcf.xml"))
+    data = mujoco.MjData(model)
+    largest = 0.0
+    for step in range(round(1 / model.opt.timestep)):
+        data.ctrl[:] = rated * math.sin(2 * math.pi * 5 * step * model.opt.timestep)
+        mujoco.mj_step(model, data)
+        largest = max(largest, float(np.abs(data.sensordata).max()))
+    check("free run: largest wind-up over that at rated torque", largest * 0.5 * stiffness / rated, 2)
+    check("free run: warnings", sum(int(w.number) for w in data.warning), 0)
+
+
+URDF = {"robot", "link", "inertial", "mass", "inertia", "joint", "parent", "child", "axis", "limit", "dynamics"}
+URDF |= {"transmission", "type", "hardwareInterface", "actuator", "mechanicalReduction"}
+
+
+def check_texts(place, joint):
+    """URDF, SDF, Modelica and MATLAB as texts: elements, order and numbers; nothing here runs them."""
+    robot = ElementTree.parse(place / "joint.urdf").getroot()
+    check("URDF: unknown elements", sum(e.tag not in URDF for e in robot.iter()), 0)
+    links = {link.get("name") for link in robot.findall("link")}
+    children = [j.find("child").get("link") for j in robot.findall("joint")]
+    parents = [j.find("parent").get("link") for j in robot.findall("joint")]
+    check("URDF: links that are no tree", len(links - set(children)) - 1 + len(children) - len(set(children)), 0)
+    check("URDF: parents that are no links", sum(p not in links for p in parents), 0)
+    reductions = [float(e.text) for e in robot.iter("mechanicalReduction")]
+    check("URDF: reduction", max(abs(r - joint["ratio"]) for r in reductions), 1e-6)
+    for state in joint["states"]:
+        name = label(state["hours"])
+        gear = next(j for j in robot.findall("joint") if j.get("name") == f"gear_{name}")
+        gap = state["hysteresis"]["curve"]["half_gap_rad"]
+        check(f"URDF {name}: dead band", abs(float(gear.find("limit").get("upper")) - gap), 1e-8 * (1 + gap))
+
+    sdf = ElementTree.parse(place / "joint.sdf").getroot()
+    check("SDF: version not 1.10", int(sdf.get("version") != "1.10"), 0)
+    check("SDF: models", abs(len(sdf.findall("world/model")) - len(joint["states"])), 0)
+    for model in sdf.findall("world/model"):
+        links = {link.get("name") for link in model.findall("link")} | {"world"}
+        wrong = [j for j in model.findall("joint") if {j.find("parent").text, j.find("child").text} - links]
+        check(f"SDF {model.get('name')}: joints without links", len(wrong), 0)
+
+    modelica = (place / "joint.mo").read_text()
+    name = re.search(r"^package (\w+)", modelica, re.M)[1]
+    check("Modelica: package not closed", int(not modelica.rstrip().endswith(f"end {name};")), 0)
+    for opening, closing in ("()", "[]", "{}"):
+        check(f"Modelica: {opening}{closing} unbalanced", abs(modelica.count(opening) - modelica.count(closing)), 0)
+    opened = re.findall(r"^\s*(?:record|model|package) (\w+)", modelica, re.M)
+    closed = re.findall(r"^\s*end (\w+);", modelica, re.M)
+    check("Modelica: classes not closed", len(set(opened) ^ set(closed)), 0)
+    for table in re.findall(r"lossTable = \[([^\]]*)\]", modelica):
+        rows = [[float(cell) for cell in row.split(",")] for row in table.split(";")]
+        check("Modelica: rows of a loss table without five columns", sum(len(row) != 5 for row in rows), 0)
+        speeds = [row[0] for row in rows]
+        check("Modelica: loss table does not start at 0 and rise", int(speeds[0] != 0 or speeds != sorted(set(speeds))), 0)
+        check("Modelica: efficiencies outside of 0 to 1", sum(not 0 < eta < 1 for row in rows for eta in row[1:3]), 0)
+    ratio = [float(text) for text in re.findall(r"ratio = ([-0-9.e]+)", modelica)]
+    check("Modelica: ratio", max(abs(r - joint["ratio"]) for r in ratio), 1e-6)
+
+    line = re.compile(r"^(%.*|joint\.h\w+\.\w+ = (\[[-0-9.e, ;]+\]|[-0-9.e]+);)$")
+    script = (place / "joint.simscape.m").read_text().splitlines()
+    check("Simscape: lines of another form", sum(not line.match(text) for text in script), 0)
+
+
+def check_model(joint):
+    """The hysteresis model, written a second time, against the loop that it was fitted to."""
+    for state in joint["states"]:
+        model, loop = state["hysteresis"], state["torsion_loop"]
+        curve, elements = model["curve"], model["elements"]
+        k, (t1, t2), gap = curve["stiffness_n_m_per_rad"], curve["torques_n_m"], curve["half_gap_rad"]
+        corners = [gap, gap + t1 / k[0], gap + t1 / k[0] + (t2 - t1) / k[1]]
+
+        def elastic(x):
+            slopes = [k[0], k[1] - k[0], k[2] - k[1]]
+            return math.copysign(sum(s * max(0, abs(x) - c) for s, c in zip(slopes, corners)), x)
+
+        states, last, left = [0.0] * len(elements), loop[0][1], []
+        for turn in range(2):
+            for torque, angle in loop:
+                states = [
+                    min(1, max(-1, z + (angle - last) / e["slip_rad"])) for z, e in zip(states, elements)
+                ]
+                last = angle
+                g = elastic(angle)
+                slip = sum((e["torque_n_m"] + e["torque_per_load"] * abs(g)) * z for z, e in zip(states, elements))
+                if turn == 1:
+                    left.append(torque - g - slip)
+        rms = math.sqrt(np.mean(np.square(left)))
+        what = f"hysteresis model, {state['hours']:g} h"
+        check(f"{what}: residual against the one stated, N m", abs(rms - model["residual_rms_n_m"]), 1e-6)
+        check(f"{what}: residual over rated torque", rms / joint["rated_torque_n_m"], 0.02)
+
+
+def main():
+    place = Path(sys.argv[1])
+    joint = json.loads((place / "joint.json").read_text())
+    check_model(joint)
+    check_mujoco(place, joint)
+    check_texts(place, joint)
+    print("all kept" if failures == 0 else f"{failures} not kept")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
