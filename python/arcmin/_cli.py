@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import sys
+from pathlib import Path
 
 from arcmin import _arcmin
 
@@ -14,7 +16,10 @@ def main() -> int:
     """Run the command with the words of the command line; its exit status."""
     # Ctrl-C belongs to the command, which stops and cleans up, and not to the interpreter.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    return _arcmin.run_command(["arcmin", *sys.argv[1:]])
+    # The script of this environment, which shards of a study are started with.
+    beside = Path(sys.executable).with_name("arcmin.exe" if sys.platform == "win32" else "arcmin")
+    program = beside if beside.exists() else Path(shutil.which("arcmin") or beside)
+    return _arcmin.run_command(["arcmin", *sys.argv[1:]], program)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ mod failure;
 mod run;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 pub use run::terminal_text;
@@ -14,6 +15,15 @@ pub use run::terminal_text;
 /// What was typed after the name of the program, for summaries and reports. Under Python it is not what the
 /// operating system says.
 static TYPED: OnceLock<Vec<String>> = OnceLock::new();
+/// What starts this command again, where that is not the executable of the process.
+static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+
+/// As [`run_command`], in a process that another program owns; `program` starts the command from outside.
+pub fn run_command_as(program: PathBuf, arguments: Vec<OsString>) -> u8 {
+    // As with the words: the first command of a process is its only one.
+    let _ = PROGRAM.set(program);
+    run_command(arguments)
+}
 
 /// Runs the command with these arguments, the name of the program first; its exit status.
 pub fn run_command(arguments: Vec<OsString>) -> u8 {
@@ -35,6 +45,11 @@ pub fn run_command(arguments: Vec<OsString>) -> u8 {
             failure.exit_status()
         }
     }
+}
+
+/// What starts this command again, for shards of a study.
+pub(crate) fn program() -> std::io::Result<PathBuf> {
+    PROGRAM.get().map_or_else(std::env::current_exe, |program| Ok(program.clone()))
 }
 
 /// What was typed after the name of the program.

@@ -16,13 +16,15 @@ mod table;
 mod work;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use pyo3::prelude::*;
 
-/// Runs the `arcmin` command with these words, the name of the program first; its exit status.
+/// Runs the `arcmin` command with these words, the name of the program first; its exit status. `program` is the
+/// file that starts the command from outside, for what it hands to other processes.
 #[pyfunction]
-fn run_command(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    py.detach(|| arcmin_cli::run_command(words))
+fn run_command(py: Python<'_>, words: Vec<OsString>, program: PathBuf) -> u8 {
+    py.detach(|| arcmin_cli::run_command_as(program, words))
 }
 
 #[pymodule(gil_used = false)]

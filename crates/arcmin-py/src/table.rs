@@ -135,14 +135,11 @@ fn view<'py, T: Element>(owner: &Bound<'py, Table>, values: &[T]) -> Bound<'py, 
 impl Table {
     /// A table of columns, each (name, unit, what it is, array or list of words).
     #[new]
-    fn new(
-        py: Python<'_>,
-        name: String,
-        what: String,
-        columns: Vec<(String, String, String, Bound<'_, PyAny>)>,
-    ) -> PyResult<Table> {
+    fn new(py: Python<'_>, name: String, what: String, columns: &Bound<'_, PyAny>) -> PyResult<Table> {
         let mut all = Vec::new();
-        for (key, unit, what, values) in columns {
+        // One by one: a lazy sequence may claim any length.
+        for column in columns.try_iter()? {
+            let (key, unit, what, values): (String, String, String, Bound<'_, PyAny>) = column?.extract()?;
             let kind: String = match values.getattr("dtype") {
                 Ok(dtype) => dtype.getattr("kind")?.extract()?,
                 Err(_) => String::new(),

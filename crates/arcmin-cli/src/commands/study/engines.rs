@@ -157,7 +157,7 @@ fn local(job: &Job, shards: u64, workers: usize) -> Result<(), Failure> {
 }
 
 fn start(job: &Job, shard: u64, shards: u64, threads: usize) -> Result<Child, Failure> {
-    let program = std::env::current_exe().map_err(broken)?;
+    let program = crate::program().map_err(broken)?;
     let mut process = Process::new(program);
     process.args(["study", "run"]).arg(&job.path).args(["--shard", &format!("{shard}/{shards}")]);
     process.arg("--out").arg(&job.out).args(["--threads", &threads.to_string(), "--quiet"]);
@@ -191,7 +191,7 @@ impl Words {
                 .map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
             Ok(full.display().to_string())
         };
-        let program: PathBuf = std::env::current_exe().map_err(broken)?;
+        let program: PathBuf = crate::program().map_err(broken)?;
         Ok(Words {
             program: whole(&program)?,
             study: whole(&job.path)?,

@@ -307,7 +307,7 @@ impl Job {
         put("arcmin_version", json!(env!("CARGO_PKG_VERSION")));
         put("command", json!("study"));
         put("identity", json!(study.plan.identity()));
-        put("command_line", json!(std::env::args().skip(1).collect::<Vec<_>>()));
+        put("command_line", json!(crate::typed()));
         let design = &study.design;
         put(
             "design",
@@ -338,7 +338,7 @@ fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
 
 /// The command line as typed.
 fn typed() -> String {
-    std::iter::once("arcmin".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
+    std::iter::once("arcmin").chain(crate::typed().iter().map(String::as_str)).collect::<Vec<_>>().join(" ")
 }
 
 /// What is no fault of the study file.
