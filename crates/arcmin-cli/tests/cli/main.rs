@@ -3,6 +3,7 @@
 mod atomic;
 mod common;
 mod errors;
+mod exchange;
 mod messages;
 mod runs;
 mod surface;
