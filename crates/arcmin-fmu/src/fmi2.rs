@@ -18,9 +18,9 @@ type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_c
 #[repr(C)]
 pub struct Callbacks {
     logger: Option<Logger>,
-    allocate_memory: *const c_void,
-    free_memory: *const c_void,
-    step_finished: *const c_void,
+    _allocate_memory: *const c_void,
+    _free_memory: *const c_void,
+    _step_finished: *const c_void,
     environment: *mut c_void,
 }
 
@@ -222,7 +222,9 @@ fn whole(number: Number) -> c_int {
 
 access!(fmi2GetReal, fmi2SetReal, f64, Kind::Real, real, Number::Real);
 access!(fmi2GetInteger, fmi2SetInteger, c_int, Kind::Integer, whole, Number::Integer);
-access!(fmi2GetBoolean, fmi2SetBoolean, c_int, Kind::Boolean, whole, |value| Number::Boolean(value != 0));
+access!(fmi2GetBoolean, fmi2SetBoolean, c_int, Kind::Boolean, whole, |value: c_int| Number::Boolean(
+    value != 0
+));
 
 /// There are no texts: asking for none is fine.
 unsafe fn no_texts(c: Component, n: usize) -> c_int {

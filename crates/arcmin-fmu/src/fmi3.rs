@@ -216,7 +216,14 @@ fn whole(number: Number) -> i32 {
 
 access!(fmi3GetFloat64, fmi3SetFloat64, f64, Kind::Real, real, Number::Real);
 access!(fmi3GetInt32, fmi3SetInt32, i32, Kind::Integer, whole, Number::Integer);
-access!(fmi3GetBoolean, fmi3SetBoolean, bool, Kind::Boolean, |n| n == Number::Boolean(true), Number::Boolean);
+access!(
+    fmi3GetBoolean,
+    fmi3SetBoolean,
+    bool,
+    Kind::Boolean,
+    |n: Number| n == Number::Boolean(true),
+    Number::Boolean
+);
 
 /// Types that no variable has: asking for none is fine.
 macro_rules! types_without_variables {

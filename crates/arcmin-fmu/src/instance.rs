@@ -13,7 +13,6 @@ use crate::plant::{Outputs, Parameters, Plant, Resources, SavedPlant};
 #[repr(i32)]
 pub enum Status {
     Ok = 0,
-    Warning = 1,
     Discard = 2,
     Error = 3,
     Fatal = 4,
@@ -151,7 +150,10 @@ impl Instance {
         match catch_unwind(AssertUnwindSafe(|| call(self))) {
             Ok(Ok(())) => Status::Ok,
             Ok(Err(refusal)) => {
-                (self.log)(refusal.status, &refusal.message);
+                // What an importer can go on from is said only where it wants to hear it.
+                if self.logging || refusal.status >= Status::Error {
+                    (self.log)(refusal.status, &refusal.message);
+                }
                 refusal.status
             }
             Err(_) => {

@@ -261,8 +261,7 @@ fn multibody(resources: &Resources, with: Parameters, inputs: &MapInputs) -> Res
     }
     let worn = worn_after(&machine, &fidelity, with.hours, &host).map_err(said)?;
     if !with.friction {
-        let regularisation_speed = machine.friction.regularisation_speed;
-        machine.friction = Friction { regularisation_speed, ..Friction::default() };
+        machine = machine.with_friction(Friction::default()).map_err(said)?;
     }
     let motion =
         |[angle, speed, acceleration]: [f64; 3]| GivenMotion { since: 0.0, angle, speed, acceleration };

@@ -3,6 +3,7 @@
 mod atomic;
 mod common;
 mod errors;
+mod exchange;
 mod kills;
 mod messages;
 mod runs;

@@ -257,7 +257,7 @@ impl Scaled {
         let Some(path) = line.key.map(|key| key.trim_matches('"').replace("[0]", "")) else {
             return unchanged;
         };
-        let (section, key) = path.rsplit_once('.').unwrap_or(("", &path));
+        let (section, key) = path.rsplit_once('.').unwrap_or(("", path.as_str()));
         let Some(of) = lines(self.template.text).find(|l| l.section == section && l.key == Some(key)) else {
             return unchanged;
         };

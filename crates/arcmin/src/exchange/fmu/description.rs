@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use sha2::{Digest, Sha256};
 
-use super::variables::references;
+use super::variable::references;
 use super::{Depth, Kind, LoadFlange, Role, Variable, variables};
 
 /// What the description says beside the variables.
@@ -54,7 +54,7 @@ const UNITS: &[Unit] = &[
 ];
 
 fn units(tag: &str) -> String {
-    let mut text = "  <UnitDefinitions>\n".to_owned();
+    let mut text = String::from("  <UnitDefinitions>\n");
     for (name, base, displays) in UNITS {
         let _ = write!(text, "    <{tag} name=\"{name}\">\n      <BaseUnit {base}/>\n");
         for (display, factor) in *displays {

@@ -7,14 +7,14 @@ mod description;
 mod map;
 #[cfg(test)]
 mod tests;
-mod variables;
-pub use variables::references;
+mod variable;
+pub use variable::references;
 
 use serde::{Deserialize, Serialize};
 
 pub use description::{ModelDescription, instantiation_token};
 pub use map::{MapInputs, MapModel, MapOutputs, MapState};
-pub use variables::{Kind, Role, Variable, variables};
+pub use variable::{Kind, Role, Variable, variables};
 
 use super::JointExport;
 

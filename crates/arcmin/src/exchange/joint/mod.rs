@@ -117,8 +117,8 @@ pub struct JointState {
     /// At the input, N·m.
     pub no_load_torque_n_m: f64,
     pub starting_torque_n_m: f64,
-    /// At the output, N·m.
-    pub back_driving_torque_n_m: f64,
+    /// At the output, N·m; none where no torque turns the input backwards.
+    pub back_driving_torque_n_m: Option<f64>,
 }
 
 /// Torques of the loop below this share of the rated torque may still be on the way across the gap.
@@ -168,7 +168,7 @@ impl JointState {
             efficiency: measured.efficiency.rated,
             no_load_torque_n_m: measured.torques.no_load,
             starting_torque_n_m: measured.torques.starting,
-            back_driving_torque_n_m: measured.torques.back_driving,
+            back_driving_torque_n_m: Some(measured.torques.back_driving).filter(|torque| torque.is_finite()),
         })
     }
 

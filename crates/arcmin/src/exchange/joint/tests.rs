@@ -172,7 +172,7 @@ pub(in crate::exchange) fn sample() -> JointExport {
             efficiency: 0.87,
             no_load_torque_n_m: 0.07,
             starting_torque_n_m: 0.06,
-            back_driving_torque_n_m: 4.0,
+            back_driving_torque_n_m: Some(4.0),
         }
     };
     JointExport {

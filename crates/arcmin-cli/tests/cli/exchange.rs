@@ -1,0 +1,131 @@
+//! Exports, imports, and designs made from a data sheet.
+
+use crate::common::*;
+
+/// One crank position and few places keep the bench short.
+const SHORT: [&str; 4] = ["--positions", "1", "--te-positions", "64"];
+
+#[test]
+fn a_joint_is_written_for_every_tool_and_repeats_to_the_byte() {
+    let directory = with_design();
+    let d = directory.path();
+    let said = good(d, &[&["export", "joint", "d.toml", "--out", "a"][..], &SHORT].concat());
+    assert!(said.contains("lost motion") && said.contains("friction is assumed"), "{said}");
+    good(d, &[&["export", "joint", "d.toml", "--out", "b"][..], &SHORT].concat());
+    let names = [
+        "joint.mjcf.xml",
+        "joint.urdf",
+        "joint.sdf",
+        "joint.mo",
+        "joint.simscape.m",
+        "joint.json",
+        "joint.wind_up.csv",
+        "joint.te.csv",
+        "joint.loss.csv",
+    ];
+    for name in names {
+        let text = read(d, &format!("a/{name}"));
+        assert!(text == read(d, &format!("b/{name}")), "{name} differs");
+        assert!(!text.contains("NaN") && !text.contains("inf,"), "{name}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&read(d, "a/joint.json")).unwrap();
+    assert_eq!(json["ratio"], 81.0);
+    assert!(json["catalogue"][0]["lost_motion_arcmin"].as_f64().unwrap() > 0.3);
+}
+
+#[test]
+fn ages_that_are_none_are_refused() {
+    let directory = with_design();
+    for hours in ["0,x", "-1", "", "0,,5", "nan", "1e9"] {
+        let said = refused(directory.path(), &["export", "joint", "d.toml", &format!("--hours={hours}")]);
+        assert!(
+            said.contains("is no age in hours") && said.contains("--hours 0,2000,6000"),
+            "{hours}: {said}"
+        );
+    }
+}
+
+/// Any file may stand for the library here: what is packed is what is tested.
+#[test]
+fn a_unit_holds_what_it_needs_and_repeats_to_the_byte() {
+    let directory = with_design();
+    let d = directory.path();
+    write(d, "library.so", "a library");
+    for (fmi, folder) in [("2", "linux64"), ("3", "x86_64-linux")] {
+        let unit = |out: &str| {
+            let options = ["--fmi", fmi, "--model", "multibody", "--library", "library.so", "--out", out];
+            good(d, &[&["export", "fmu", "d.toml"][..], &options].concat());
+            std::fs::read(d.join(out).join("d.fmu")).unwrap()
+        };
+        let (one, two) = (unit("a"), unit("b"));
+        assert!(one == two, "FMI {fmi}: bytes differ");
+        let names = String::from_utf8_lossy(&one).into_owned();
+        for name in [
+            "modelDescription.xml",
+            "resources/design.toml",
+            "resources/unit.json",
+            "documentation/index.html",
+        ] {
+            assert!(names.contains(name), "FMI {fmi}: {name}");
+        }
+        if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+            assert!(names.contains(&format!("binaries/{folder}/arcmin_fmu.so")));
+        }
+    }
+    let said = refused(d, &["export", "fmu", "d.toml", "--library", "nowhere.so"]);
+    assert!(said.contains("nowhere.so"), "{said}");
+}
+
+#[test]
+fn a_data_sheet_that_is_none_is_refused() {
+    let directory = with_design();
+    let d = directory.path();
+    let like = |more: &[&str]| refused(d, &[&["new", "--like", "rv-40e-81"][..], more].concat());
+    assert!(like(&["x.toml"]).contains("--ratio"));
+    assert!(like(&["--ratio", "81", "--torque-nm", "412"]).contains("one file"));
+    assert!(like(&["--ratio", "5", "--torque-nm", "412", "x.toml"]).contains("a ratio of 5"));
+    assert!(like(&["--ratio", "81", "--torque-nm", "nan", "x.toml"]).contains("a torque"));
+    assert!(like(&["--ratio", "81", "--torque-nm", "412", "d.toml"]).contains("exists already"));
+    let said = refused(d, &["new", "--like", "rv-1", "--ratio", "81", "--torque-nm", "412", "x.toml"]);
+    assert!(said.contains("rv-1"), "{said}");
+    assert!(!d.join("x.toml").exists());
+}
+
+/// A hostile file of every format that is read is refused with its line and a remedy, and nothing is written.
+#[test]
+fn hostile_imports_are_refused_with_line_and_remedy() {
+    let directory = with_design();
+    let d = directory.path();
+    let deep = format!("{}\n", "9".repeat(5000));
+    let flanks: [(&str, String); 8] = [
+        ("points.csv", "x_mm,y_mm\n1,2\n3,nan\n".into()),
+        ("points.csv", "x_mm,y_mm\n1,2\n3\n".into()),
+        ("points.csv", "x_mm,y_mm\n1e300,2\n3,4\n".into()),
+        ("points.csv", "x_mm,y_mm\n".into()),
+        ("points.csv", "\u{0}\u{1}\u{2}".into()),
+        ("points.csv", format!("x_mm,y_mm\n{deep}")),
+        ("points.txt", "XYZIJK METRIC\n1 2 3 a b c\n".into()),
+        ("points.vda", "HEADER = HEADER / 1\nP1 = PSET / 3, 1, 2\nEND = END\n".into()),
+    ];
+    for (name, text) in flanks {
+        write(d, name, &text);
+        let said = refused(d, &["import", "flank", "d.toml", name]);
+        assert!(said.contains("help:"), "{name}: {text:.40}: {said}");
+        assert!(!said.contains("panicked"), "{said}");
+    }
+    let logs = [
+        "time_s,torque_n_m,speed_rpm\n0,1,2\n0,1,2\n".to_owned(),
+        "time_s,torque_n_m,speed_rpm\n0,1,2\n1,inf,2\n".to_owned(),
+        "time_s,torque_n_m\n0,1\n1,2\n".to_owned(),
+        "time_s,current_a,speed_rpm\n0,1,2\n1,1,2\n".to_owned(),
+        "nothing".to_owned(),
+        String::new(),
+        deep,
+    ];
+    for text in logs {
+        write(d, "log.csv", &text);
+        let said = refused(d, &["import", "duty", "d.toml", "log.csv"]);
+        assert!(said.contains("help:") && !said.contains("panicked"), "{text:.40}: {said}");
+    }
+    assert!(!d.join("out/d/import/flank.toml").exists() && !d.join("out/d/import/duty.toml").exists());
+}
