@@ -81,6 +81,7 @@ pub struct Body {
     pub regions: Vec<u64>,
     pub material: Material,
     map: DofMap,
+    #[cfg(test)]
     stiffness: SymmetricMatrix,
     mass: SymmetricMatrix,
     factor: Cholesky,
@@ -146,7 +147,16 @@ impl Body {
         let map = DofMap::of_body(&mesh, held);
         let (stiffness, mass) = assemble(&mesh, &material, &map)?;
         let factor = Cholesky::new(&stiffness)?;
-        Ok(Body { mesh, regions, material, map, stiffness, mass, factor })
+        Ok(Body {
+            mesh,
+            regions,
+            material,
+            map,
+            #[cfg(test)]
+            stiffness,
+            mass,
+            factor,
+        })
     }
 
     pub fn quality(&self) -> MeshQuality {
