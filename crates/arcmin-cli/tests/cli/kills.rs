@@ -109,7 +109,7 @@ fn kill_at_random(kills: usize) {
         (&["calibrate", "d.toml", "short.csv", "--joints", "ideal"], &["--reading-error-percent", "5"]),
         (&["simulate", "d.toml", "--end-s", "0.3"], &["--wear-um", "5"]),
         (&["rig", "d.toml", "--positions", "1", "--te-positions", "64"], &["--frictionless"]),
-        (&["export", "profile", "d.toml", "--format", "csv"], &["--wear-um", "5"]),
+        (&["export", "profile", "d.toml", "--format", "csv"], &["--tolerance-um", "0.1"]),
     ];
     let directory = with_design();
     let d = directory.path();
@@ -163,12 +163,6 @@ fn kill_at_random(kills: usize) {
                     found,
                     if is_old { old_tables.clone() } else { new_tables.clone() },
                     "{command:?}: mixed"
-                );
-            } else {
-                assert!(
-                    before.iter().any(|(name, _)| name != "summary.json")
-                        || all.is_empty()
-                        || *command.first().unwrap() == "export"
                 );
             }
         }

@@ -212,3 +212,9 @@ pub const SOFT_STIFFNESS: Quantity = quantity(
 pub const QUANTITY: Quantity = quantity("quantity", PLAIN, "Which quantity the row is about.");
 
 pub const BEARING: Quantity = quantity("bearing", PLAIN, "Which bearing: its kind and its place.");
+
+pub const HOURS_TO_LOST_MOTION_LIMIT: Quantity = quantity(
+    "hours_to_lost_motion_limit",
+    decimals(0),
+    "Hours until the lost motion of the whole machine reaches its limit.",
+);

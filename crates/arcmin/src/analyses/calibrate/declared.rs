@@ -3,17 +3,31 @@
 use super::{Calibrated, CurvePoint, MachineLife, Row};
 use crate::fidelity::Fidelity;
 use crate::results::{
-    DeclaredTable, PLAIN, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q, quantity,
+    DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q,
+    quantity,
 };
 use crate::units::{ARCMIN, HOUR, UM};
 use crate::wear::{CONFIDENCE, Estimate, Parameter};
+
+const MACHINE: Quantity = quantity(
+    "machine",
+    PLAIN,
+    "The machine as the file of readings calls it; empty where it tells none apart.",
+);
+const LIMIT_LOW: Quantity =
+    quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of the 95 % band of these hours.");
+const LIMIT_HIGH: Quantity = quantity(
+    "hours_to_lost_motion_limit_high",
+    decimals(0),
+    "Upper end of the 95 % band of these hours; empty where there is none.",
+);
 
 pub(super) const CALIBRATION: TableOf<Row> = TableOf {
     name: "calibration",
     what: "One reading a row, those of the fit first",
     columns: || {
         vec![
-            quantity("machine", PLAIN, "The machine as the file calls it; empty where it tells none apart.")
+            MACHINE
                 .of(|r: &Row| r.observed.machine.clone().into()),
             q::HOURS.of(|r| (r.observed.reading.time / HOUR).into()),
             q::QUANTITY.of(|r| r.observed.column().0.into()),
@@ -45,10 +59,10 @@ const CURVE: TableOf<CurvePoint> = TableOf {
     columns: || {
         vec![
             q::HOURS.of(|p: &CurvePoint| p.hours.into()),
-            quantity("depth_um", decimals(3), "Largest depth of a flank.").of(|p| (p.depth.0 / UM).into()),
-            quantity("depth_low_um", decimals(3), "Lower end of its band.")
+            q::MAX_DEPTH.of(|p| (p.depth.0 / UM).into()),
+            quantity("max_depth_low_um", decimals(3), "Lower end of its 95 % band.")
                 .of(|p| p.depth.1.map(|(low, _)| low / UM).into()),
-            quantity("depth_high_um", decimals(3), "Upper end of its band.")
+            quantity("max_depth_high_um", decimals(3), "Upper end of its 95 % band.")
                 .of(|p| p.depth.1.map(|(_, high)| high / UM).into()),
             quantity("lost_motion_increase_arcmin", decimals(4), "Increase of the lost motion since new.")
                 .of(|p| (p.increase.0 / ARCMIN).into()),
@@ -65,12 +79,7 @@ pub(super) const LIVES: TableOf<MachineLife> = TableOf {
     what: "How long the limit of lost motion is kept, the design's own prediction first, one machine a row",
     columns: || {
         vec![
-            quantity(
-                "machine",
-                PLAIN,
-                "The machine as the file calls it; empty for the design's prediction.",
-            )
-            .of(|m: &MachineLife| m.name.clone().unwrap_or_default().into()),
+            MACHINE.of(|m: &MachineLife| m.name.clone().unwrap_or_default().into()),
             quantity(
                 "new_lost_motion_arcmin",
                 decimals(3),
@@ -78,20 +87,9 @@ pub(super) const LIVES: TableOf<MachineLife> = TableOf {
             )
             .of(|m| (m.new / ARCMIN).into()),
             quantity("last_reading_h", decimals(0), "Hours of its last reading.").of(|m| m.last_h.into()),
-            quantity(
-                "hours_to_lost_motion_limit",
-                decimals(0),
-                "Hours since new to the limit; empty where it is not reached.",
-            )
-            .of(|m| m.hours.into()),
-            quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of the 95 % band.")
-                .of(|m| m.low.into()),
-            quantity(
-                "hours_to_lost_motion_limit_high",
-                decimals(0),
-                "Upper end of the 95 % band; empty where there is none.",
-            )
-            .of(|m| m.high.into()),
+            q::HOURS_TO_LOST_MOTION_LIMIT.of(|m| m.hours.into()),
+            LIMIT_LOW.of(|m| m.low.into()),
+            LIMIT_HIGH.of(|m| m.high.into()),
             quantity(
                 "remaining_h",
                 decimals(0),
@@ -132,10 +130,18 @@ pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
             q::WEAR_COEFFICIENT.of(|o: &Calibrated| o.fit.law.coefficient.into()),
             quantity("wear_coefficient_mm2_per_n", digits(4), "Wear coefficient in mm²/N.")
                 .of(|o| (o.fit.law.coefficient * 1e6).into()),
-            quantity("wear_coefficient_low_per_pa", digits(4), "Lower end of its 95 % band; absent where the readings set none.")
-                .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.low).into()),
-            quantity("wear_coefficient_high_per_pa", digits(4), "Upper end of its 95 % band; absent where the readings set none.")
-                .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.high).into()),
+            quantity(
+                "wear_coefficient_low_per_pa",
+                digits(4),
+                "Lower end of its 95 % band; absent where the readings set none.",
+            )
+            .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.low).into()),
+            quantity(
+                "wear_coefficient_high_per_pa",
+                digits(4),
+                "Upper end of its 95 % band; absent where the readings set none.",
+            )
+            .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.high).into()),
             quantity("confidence", PLAIN, "Of all bands.").of(|_| CONFIDENCE.into()),
             quantity("running_in_factor", digits(4), "Factor of a running-in that was fitted.")
                 .of(|o| estimate(o, Parameter::Factor).map(|e| e.value).into()),
@@ -143,18 +149,31 @@ pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
                 .of(|o| estimate(o, Parameter::Factor).and_then(|e| e.low).into()),
             quantity("running_in_factor_high", digits(4), "Upper end of its 95 % band.")
                 .of(|o| estimate(o, Parameter::Factor).and_then(|e| e.high).into()),
-            quantity("running_in_duration_h", digits(4), "Time constant of a running-in that was fitted.").of(|o| {
-                let fitted = o.fit.law.running_in.filter(|_| o.fits_running_in());
-                fitted.map(|running_in| running_in.duration / HOUR).into()
-            }),
-            quantity("running_in_duration_low_h", digits(4), "Lower end of its 95 % band, where it was fitted.")
-                .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.low).map(|s| s / HOUR).into()),
-            quantity("running_in_duration_high_h", digits(4), "Upper end of its 95 % band, where it was fitted.")
-                .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.high).map(|s| s / HOUR).into()),
+            quantity("running_in_duration_h", digits(4), "Time constant of a running-in that was fitted.")
+                .of(|o| {
+                    let fitted = o.fit.law.running_in.filter(|_| o.fits_running_in());
+                    fitted.map(|running_in| running_in.duration / HOUR).into()
+                }),
+            quantity(
+                "running_in_duration_low_h",
+                digits(4),
+                "Lower end of its 95 % band, where it was fitted.",
+            )
+            .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.low).map(|s| s / HOUR).into()),
+            quantity(
+                "running_in_duration_high_h",
+                digits(4),
+                "Upper end of its 95 % band, where it was fitted.",
+            )
+            .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.high).map(|s| s / HOUR).into()),
             quantity("fitted", PLAIN, "Readings that took part in the fit.")
                 .of(|o| o.rows.iter().filter(|row| row.fitted).count().into()),
-            quantity("relative_rms", digits(3), "Root mean square of the residuals of the fit over their scale.")
-                .of(|o| o.fit.relative_rms.into()),
+            quantity(
+                "relative_rms",
+                digits(3),
+                "Root mean square of the residuals of the fit over their scale.",
+            )
+            .of(|o| o.fit.relative_rms.into()),
             quantity("correlations", PLAIN, "Correlation of every two fitted parameters.").of(|o| {
                 let record = |(a, b, correlation): &(Parameter, Parameter, f64)| {
                     Value::Record(vec![
@@ -167,23 +186,23 @@ pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
             }),
             quantity("cautions", PLAIN, "What the readings cannot tell, and what of them was not used.")
                 .of(|o| Value::List(o.cautions().into_iter().map(Value::from).collect())),
+            q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| asked(o).hours.into()),
+            LIMIT_LOW.of(|o| asked(o).low.into()),
+            LIMIT_HIGH.of(|o| asked(o).high.into()),
             quantity(
-                "hours_to_lost_motion_limit",
+                "remaining_life_h",
                 decimals(0),
-                "Hours since new to the limit of lost motion: of the machine measured where its lost motion was read, \
-                 else of the design; absent where it is not reached.",
+                "Hours from the last reading to the limit of lost motion.",
             )
-            .of(|o| asked(o).hours.into()),
-            quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of its 95 % band.")
-                .of(|o| asked(o).low.into()),
-            quantity("hours_to_lost_motion_limit_high", decimals(0), "Upper end of its 95 % band; absent where there is none.")
-                .of(|o| asked(o).high.into()),
-            quantity("remaining_life_h", decimals(0), "Hours from the last reading to the limit of lost motion.")
-                .of(|o| asked(o).hours.map(|hours| asked(o).left(hours)).into()),
+            .of(|o| asked(o).hours.map(|hours| asked(o).left(hours)).into()),
             quantity("remaining_life_low_h", decimals(0), "Lower end of its 95 % band.")
                 .of(|o| asked(o).low.map(|hours| asked(o).left(hours)).into()),
-            quantity("remaining_life_high_h", decimals(0), "Upper end of its 95 % band; absent where there is none.")
-                .of(|o| asked(o).high.map(|hours| asked(o).left(hours)).into()),
+            quantity(
+                "remaining_life_high_h",
+                decimals(0),
+                "Upper end of its 95 % band; absent where there is none.",
+            )
+            .of(|o| asked(o).high.map(|hours| asked(o).left(hours)).into()),
             quantity("machines", PLAIN, "The rows of remaining_life.csv.").of(|o| records(&LIVES, &o.lives)),
             quantity("observations", PLAIN, "All readings, with the columns of calibration.csv.")
                 .of(|o| records(&CALIBRATION, &o.rows)),

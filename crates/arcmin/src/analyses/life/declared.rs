@@ -155,12 +155,7 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             .of(|o| o.verdict.value()),
             quantity("hours_to_limit", decimals(0), "Hours until the first of all limits is reached.")
                 .of(|o| o.verdict.hours_to_limit().into()),
-            quantity(
-                "hours_to_lost_motion_limit",
-                decimals(0),
-                "Hours until the lost motion of the whole machine reaches its limit.",
-            )
-            .of(|o| o.prediction.hours_to_limit.into()),
+            q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.prediction.hours_to_limit.into()),
             quantity("searched_h", decimals(0), "Hours up to which the limit of lost motion was looked for.")
                 .of(|o| o.prediction.searched_hours.into()),
             quantity("service_life_h", decimals(0), "Planned service life.")
