@@ -135,7 +135,7 @@ fn a_search_goes_on_from_its_parts() {
     assert!(csv(&whole) == csv(&parts));
 }
 
-/// Least x² + y² against least (x − 1)² + y²: the front is y = 0, x from ½ … (the bound x + y ≥ 1 cuts it).
+/// Least x² + y² against least (x − 1)² + y² with x + y ≥ 1: the front is the bound from (½, ½) to (1, 0).
 #[test]
 fn two_goals_give_a_front() {
     let search = search(1, 2);
