@@ -17,6 +17,7 @@ import psutil
 HERE = Path(__file__).parent
 SHARDS = [2, 7, 50]
 KILLS = 10  # for each number of shards: thirty for each engine
+STALLED_S = 60
 STUDY = """design = "d.toml"
 analysis = "contact"
 results = ["max_force_n", "max_pressure_mpa", "te_loaded_arcmin", "play_arcmin"]
@@ -92,10 +93,12 @@ def on_cluster(engine, arcmin, study, out, shards, killer):
         submissions += 1
         command = [sys.executable, HERE / "cluster.py", engine, arcmin, study, out, str(shards)]
         process = subprocess.Popen(command, start_new_session=True)
-        deadline = time.monotonic() + 600
-        pause = time.monotonic() + 2.0
-        while process.poll() is None and time.monotonic() < deadline:
+        pause = alive = time.monotonic() + 2.0
+        # A cluster that has lost all its workers waits for them for ever.
+        while process.poll() is None and time.monotonic() < alive + STALLED_S:
             time.sleep(0.05)
+            if shard_processes(process):
+                alive = time.monotonic()
             if killer.left and time.monotonic() > pause and shard_processes(process):
                 killer.kill_one(process)
                 pause = time.monotonic() + killer.random.uniform(0.1, 1.0)

@@ -8,7 +8,7 @@ use super::{Rows, Study, StudyFile};
 use crate::analyses::{AnalysisError, Said, identity};
 use crate::analyses::{Host, by_name};
 use crate::design::Design;
-use crate::report::{Block, Page, Section, significant};
+use crate::report::{Block, Page, Section, compact, significant};
 
 /// Machines whose smallest and largest enclose 95 % of all with 95 % confidence (Wilks).
 pub const MACHINES: u64 = 93;
@@ -119,18 +119,14 @@ impl<'a> Band<'a> {
 
     /// The answer in a sentence.
     pub fn sentence(&self) -> String {
-        let limit = significant(self.study.design.machine().limits.lost_motion / crate::units::ARCMIN, 3);
-        let hours = |hours: f64| {
-            if hours.is_finite() {
-                significant(hours, 2)
-            } else {
-                format!("more than {}", significant(self.searched(), 2))
-            }
-        };
+        let limit = compact(self.study.design.machine().limits.lost_motion / crate::units::ARCMIN, 3);
+        let searched = rounded(self.searched());
+        let hours =
+            |hours: f64| if hours.is_finite() { rounded(hours) } else { format!("more than {searched}") };
         let life = match self.ends(LIFE) {
             Some((low, high)) => format!("reaches {limit}′ after {} to {} h", hours(low), hours(high)),
             None if self.searched() > 0.0 => {
-                format!("stays within {limit}′ for more than {} h", significant(self.searched(), 2))
+                format!("stays within {limit}′ for more than {searched} h")
             }
             None => "has no result".to_owned(),
         };
@@ -160,7 +156,7 @@ impl<'a> Band<'a> {
             .and_then(|result| result.spread.as_ref())
             .and_then(|spread| spread.band.as_ref());
         match band {
-            Some(band) => format!("{} %", significant(100.0 * band.confidence, 3)),
+            Some(band) => format!("{} %", compact(100.0 * band.confidence, 3)),
             None => {
                 let count = self.rows.records.len() - self.rows.failed();
                 let attained = super::statistics::attained_confidence(count, 0.95);
@@ -223,6 +219,12 @@ impl<'a> Band<'a> {
     }
 }
 
+/// Hours to two digits: a band is no more exact than that.
+fn rounded(hours: f64) -> String {
+    let unit = 10_f64.powf((hours.max(1.0).log10().floor() - 1.0).max(0.0));
+    format!("{:.0}", (hours / unit).round() * unit)
+}
+
 const LIFE: &str = "hours_to_lost_motion_limit";
 const END: &str = "lost_motion_arcmin";
 
@@ -258,6 +260,12 @@ mod tests {
     }
 
     #[test]
+    fn hours_are_rounded_to_two_digits() {
+        let all = [0.0, 7.4, 96.0, 1249.0, 13_953.0, 30_000.0].map(rounded);
+        assert_eq!(all, ["0", "7", "96", "1200", "14000", "30000"]);
+    }
+
+    #[test]
     fn the_verdict_is_worded_by_the_band() {
         let design = crate::templates::design("rv-40e-81").unwrap();
         let study = study(&design, "points = 6\nquasi_static = true", MACHINES, 1, &NoHost).unwrap();
@@ -269,12 +277,21 @@ mod tests {
             let band = Band::new(&study, &rows, &judged);
             (band.sentence(), band.to_json(), band.said().len())
         };
+        let wear =
+            study.plan.factors().iter().position(|factor| factor.path.contains("wear.coupled")).unwrap();
+        let units = (0..93).map(|row| study.plan.sampling().point(row).unit[wear]);
+        let (least, most) = units.fold((1.0_f64, 0.0_f64), |(a, b), u| (a.min(u), b.max(u)));
         let (sentence, json, said) = told(&|u| Some(6000.0 + 8000.0 * u));
-        assert!(sentence.contains("reaches 1′ after 6") && sentence.contains(" to 14000 h"), "{sentence}");
-        assert!(sentence.contains("`wear.coupled.coefficient_mm2_per_n` makes 9"), "{sentence}");
-        assert!(sentence.contains("with 95") && said == 2, "{sentence}");
+        let expected = [least, most].map(|u| super::rounded(6000.0 + 8000.0 * u));
+        assert!(
+            sentence.contains(&format!("reaches 1′ after {} to {} h", expected[0], expected[1])),
+            "{sentence}"
+        );
+        assert!(sentence.contains("`wear.coupled.coefficient_mm2_per_n` makes 100 % of that"), "{sentence}");
+        assert!(sentence.contains("with 95 % confidence, from 93 machines") && said == 2, "{sentence}");
         let ends = &json["results"]["hours_to_lost_motion_limit"];
-        assert!(ends["low"].as_f64().unwrap() < 6300.0 && ends["high"].as_f64().unwrap() > 13_700.0);
+        assert_eq!(ends["low"].as_f64().unwrap(), 6000.0 + 8000.0 * least);
+        assert_eq!(ends["high"].as_f64().unwrap(), 6000.0 + 8000.0 * most);
         // Some go on beyond the search: the upper end is open.
         let (sentence, json, _) = told(&|u| (u < 0.9).then_some(6000.0 + 8000.0 * u));
         assert!(sentence.contains("to more than 30000 h"), "{sentence}");

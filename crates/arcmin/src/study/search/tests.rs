@@ -38,8 +38,8 @@ fn search(machines: u64, goals: usize) -> Search {
         start: vec![0.9, 0.9],
         machines,
         check_machines: if machines > 1 { 20 } else { 0 },
-        generations: if goals == 1 { 60 } else { 25 },
-        population: None,
+        generations: 60,
+        population: (goals == 2).then_some(40),
         step: 0.3,
         seed: 5,
         factors,
@@ -135,7 +135,7 @@ fn a_search_goes_on_from_its_parts() {
     assert!(csv(&whole) == csv(&parts));
 }
 
-/// Least x² + y² against least (x − 1)² + y²: the front is y = 0, x from ½ … (the bound x + y ≥ 1 cuts it).
+/// Least x² + y² against least (x − 1)² + y² with x + y ≥ 1: the front is the bound from (½, ½) to (1, 0).
 #[test]
 fn two_goals_give_a_front() {
     let search = search(1, 2);
