@@ -11,9 +11,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-import arcmin
 import mujoco
 import numpy as np
+
+import arcmin
 
 folder = Path(tempfile.mkdtemp())
 (folder / "design.toml").write_text(arcmin.Design.template("rv-40e-81").to_toml())
