@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -41,7 +42,10 @@ class _Bar:
         percent = min(max(share, 0.0), 1.0) * 100.0
         if self._bar is None and not self._has_line:
             try:
-                from tqdm.auto import tqdm
+                with warnings.catch_warnings():
+                    # Without widgets the bar is one of text, which is as good.
+                    warnings.simplefilter("ignore")
+                    from tqdm.auto import tqdm
 
                 layout = "{desc}: {percentage:3.0f}% |{bar}| {elapsed}"
                 self._bar = tqdm(total=100.0, leave=False, bar_format=layout)

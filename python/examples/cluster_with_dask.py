@@ -4,8 +4,9 @@
 # Designs and results can be pickled. Thousands of results travel lighter as the figures one needs.
 
 # %%
-import arcmin
 from dask.distributed import Client, LocalCluster
+
+import arcmin
 
 design = arcmin.Design.template("rv-40e-81")
 eccentricities = [1.2, 1.25, 1.3, 1.35]

@@ -4,8 +4,9 @@
 # Columns of a table are NumPy arrays with the unit at the end of their name; any plotting package takes them.
 
 # %%
-import arcmin
 import matplotlib.pyplot as plt
+
+import arcmin
 
 design = arcmin.Design.template("rv-40e-81")
 result = arcmin.contact(design, torque_nm=412, positions=36)

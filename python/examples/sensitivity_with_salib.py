@@ -5,9 +5,10 @@
 # analysis reads. Indices come with the intervals that so many points allow.
 
 # %%
-import arcmin
 import numpy as np
 from SALib.analyze import sobol
+
+import arcmin
 
 design = arcmin.Design.template("rv-40e-81")
 factors = {

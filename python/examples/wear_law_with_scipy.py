@@ -5,10 +5,11 @@
 # fitted by least squares; its variance gives the band of the forecast.
 
 # %%
-import arcmin
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
+
+import arcmin
 
 design = arcmin.Design.template("rv-40e-81")
 hours = np.array([300.0, 600.0, 900.0, 1200.0, 1500.0])

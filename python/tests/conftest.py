@@ -9,8 +9,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import arcmin
 import pytest
+
+import arcmin
 
 #: Three machines: two as shipped, one changed in several places.
 NAMES = ("rv-40e-81", "rv-80e", "changed")

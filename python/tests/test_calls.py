@@ -11,9 +11,10 @@ import threading
 import time
 from pathlib import Path
 
-import arcmin
 import pytest
 from conftest import command
+
+import arcmin
 
 
 def test_wrong_options_help(design: arcmin.Design) -> None:

@@ -6,10 +6,11 @@ import copy
 import pickle
 from pathlib import Path
 
-import arcmin
 import numpy as np
 import pytest
 from conftest import command
+
+import arcmin
 
 
 def test_keys_are_read_and_set(design: arcmin.Design) -> None:

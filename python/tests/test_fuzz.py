@@ -11,8 +11,9 @@ import pathlib
 import random
 from typing import Any
 
-import arcmin
 import numpy as np
+
+import arcmin
 from arcmin._analyses import registry
 
 CALLS = int(os.environ.get("ARCMIN_FUZZ_CALLS", "100000"))

@@ -7,9 +7,10 @@ import json
 import pickle
 from pathlib import Path
 
-import arcmin
 import numpy as np
 import pytest
+
+import arcmin
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-import arcmin
 import numpy as np
 import pytest
 from conftest import command, summary_of
+
+import arcmin
 
 MEASURED = "hours,depth_um\n600,4.1\n1550,7.9\n3000,12.0\n"
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import pickle
 
-import arcmin
 import pytest
+
+import arcmin
 
 
 def test_speed_in_angle_out(design: arcmin.Design) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import arcmin
 import numpy as np
 import pytest
 from conftest import command, make, summary_of
+
+import arcmin
 
 STUDY = """
 design = "design.toml"
