@@ -87,8 +87,10 @@ def check_simulate(arcmin, design, place, units, joints):
         # Only instants that both have: elsewhere the straight line between two samples would be compared.
         both = np.abs(table["time_s"] / interval - np.round(table["time_s"] / interval)) < 1e-6
         errors[unit.stem, interval] = np.abs(at - table["te_arcmin"])[both].max()
+    # In bearings two runs that step differently differ by several of their local tolerances of 5e-5'.
+    limit = 1e-4 if joints == "ideal" else 3e-4
     for (name, interval), error in errors.items():
-        check(f"{name}, {joints}, steps of {interval:g} s: off `arcmin simulate`, arcmin", error, 1e-4)
+        check(f"{name}, {joints}, steps of {interval:g} s: off `arcmin simulate`, arcmin", error, limit)
 
 
 def check_steps(unit):

@@ -102,7 +102,7 @@ def duty(run, out, where):
     numbers = lambda key: np.array([float(v) for v in re.findall(rf"^{key} = ([-0-9.e+]+)", text, re.M)])
     torques, speeds, shares = numbers("torque_n_m"), numbers("input_speed_rpm"), numbers("share")
     figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
-    axes.plot(speed[::10], torque[::10], ".", ms=1.5, alpha=0.3, label="readings")
+    axes.plot(speed[::100], torque[::100], ".", ms=1.5, alpha=0.3, label="readings")
     axes.scatter(speeds / 81, torques, s=20 + 1500 * shares, facecolor="none", edgecolor="tab:red", label="rows, area ∝ share")
     axes.set_xlabel("speed of the output in rpm")
     axes.set_ylabel("torque in N·m")

@@ -9,7 +9,11 @@ fn model(load: LoadFlange, friction: bool) -> MapModel {
 }
 
 fn run(model: &MapModel, communication: f64, end: f64) -> Vec<MapOutputs> {
-    let torque = |t: f64| [-300.0 * (TAU * 5.0 * t).sin(), -300.0 * TAU * 5.0 * (TAU * 5.0 * t).cos()];
+    // Does not cross the dead band: there the instants of touching depend on how the load is held.
+    let torque = |t: f64| {
+        let angle = TAU * 5.0 * t;
+        [-250.0 - 100.0 * angle.sin(), -100.0 * TAU * 5.0 * angle.cos()]
+    };
     let inputs =
         |t: f64| MapInputs { motor: [100.0 * t, 100.0, 0.0], load_torque: torque(t), ..Default::default() };
     let mut state = model.start(&inputs(0.0)).unwrap();
@@ -53,7 +57,9 @@ fn the_map_has_the_loop_of_the_joint() {
     let stiffness = 200.0 / (at[0][1] - at[0][0]);
     // K₃ of the sample is 260 N·m/arcmin at either age; sliders that still stick add to it.
     assert!((stiffness * ARCMIN / 260.0 - 1.0).abs() < 0.1, "{}", stiffness * ARCMIN);
-    assert!((at[0][1] + at[1][1]).abs() < 1e-12);
+    // The wave of the transmission error stands at this place on either side.
+    let wave = 1e-5 * 0.3_f64.cos();
+    assert!((at[0][1] + at[1][1] - 2.0 * wave).abs() < 1e-12);
 }
 
 /// The same motion given at the load flange asks for the torque that made it.
