@@ -1,8 +1,8 @@
 //! Files and terminal: reading designs, writing results, progress, Ctrl-C.
 
 mod output;
-mod parts;
 mod pace;
+mod parts;
 mod terminal;
 mod text;
 

@@ -46,9 +46,7 @@ fn stop() {
     let _nothing_is_written_any_more = withdraw();
     let failure = match CHECKPOINTED.load(Ordering::SeqCst) {
         true => Failure::Ended,
-        false => {
-            Failure::Analysis { error: AnalysisError::Stopped, options: None, finding: None }
-        }
+        false => Failure::Analysis { error: AnalysisError::Stopped, options: None, finding: None },
     };
     // The bar, where there is one, stands on the line of the cursor.
     if std::io::stderr().is_terminal() {

@@ -23,11 +23,11 @@ const ABSURD_VALUE: &str = "  × `pin_radius_mm` is outside of what this program
 ";
 
 const UNKNOWN_SECTION: &str = "  × unknown key `lead` in the design file
-     ╭─[d.toml:100:2]
-  99 │\x20
- 100 │ [lead]
+     ╭─[d.toml:107:2]
+ 106 │\x20
+ 107 │ [lead]
      ·  ────
- 101 │ rated_torque_n_m = 412                # Tao2024, at the output
+ 108 │ rated_torque_n_m = 412                # Tao2024, at the output
      ╰────
   help: did you mean `load`?
 ";

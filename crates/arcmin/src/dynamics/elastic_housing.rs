@@ -221,7 +221,8 @@ mod tests {
         let housing = ElasticHousing::new(&machine, &compliance).unwrap();
         assert_eq!(housing.count(), 1);
         assert!((housing.own / own - 1.0).abs() < 1e-9, "{:e}", housing.own);
-        let forces: Vec<f64> = (0..size).map(|i| if i.is_multiple_of(2) { 100.0 * wave[i] } else { 0.0 }).collect();
+        let forces: Vec<f64> =
+            (0..size).map(|i| if i.is_multiple_of(2) { 100.0 * wave[i] } else { 0.0 }).collect();
         let whole = compliance.displacements(&forces);
         let place = |i: usize| (i / 2 / pins, i / 2 % pins);
         let along = |i: usize| {

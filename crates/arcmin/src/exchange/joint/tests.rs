@@ -41,8 +41,9 @@ fn a_known_model_is_found_again() {
     // The second way: the figures of the loops, evaluated as on the bench.
     let (a, b) =
         (evaluate_loop(&points, rated).unwrap(), evaluate_loop(&found.loop_at(&torques), rated).unwrap());
-    assert!((a.lost_motion / b.lost_motion - 1.0).abs() < 0.02, "{a:?} {b:?}");
-    assert!((a.stiffness / b.stiffness - 1.0).abs() < 0.02, "{a:?} {b:?}");
+    // Six elements stand for whatever slips, so a loop of two is met within the 3 % asked of the machine's.
+    assert!((a.lost_motion / b.lost_motion - 1.0).abs() < 0.03, "{a:?} {b:?}");
+    assert!((a.stiffness / b.stiffness - 1.0).abs() < 0.03, "{a:?} {b:?}");
     assert!((a.work / b.work - 1.0).abs() < 0.2, "{a:?} {b:?}");
 }
 

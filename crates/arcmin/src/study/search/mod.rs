@@ -223,7 +223,8 @@ impl Search {
             feasible: false,
             unusable: Vec::new(),
         };
-        let start = self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map_err(told)?;
+        let start =
+            self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map_err(told)?;
         if self.missing(start, &mut standing, store)? {
             return Ok(standing);
         }
