@@ -11,7 +11,6 @@ use arcmin::load::ShareLoad;
 use arcmin::machine::{CrankAngle, Machine};
 use arcmin::progress::Silent;
 use arcmin::rig;
-use arcmin::units::ARCMIN;
 use arcmin::wear::calibrate::coupled_exposure;
 use arcmin::wear::paper::PaperWear;
 use arcmin::wear::{CoupledOptions, CoupledWear};
@@ -154,7 +153,7 @@ fn preload_wears_off_without_a_jump() {
         assert!(rise > 0.0 && rise < 0.1 * worn + 1e-3, "{rise} {worn}");
         // The pins that stay tight take over from those that wear free: the largest force first rises a little.
         assert!(after.preload < 1.1 * before.preload, "{} {}", after.preload, before.preload);
-        let change = (pair[1].lost_motion() - pair[0].lost_motion()) / ARCMIN;
+        let change = pair[1].lost_motion().arcmin() - pair[0].lost_motion().arcmin();
         assert!(change.abs() < 0.1, "{change}");
     }
     for point in &life.points {
