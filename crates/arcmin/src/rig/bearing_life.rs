@@ -50,8 +50,7 @@ pub fn dynamic_load_rating(bearing: &RollerBearing) -> f64 {
             let groove = (1.04_f64 / 0.04).powf(0.41);
             let fc = 98.0665 * 0.41 * 0.95 * groove * gamma.powf(0.3) * (1.0 - gamma).powf(1.39)
                 / (1.0 + gamma).powf(1.0 / 3.0)
-                * inner_outer
-                / 9.80665;
+                * inner_outer;
             let size = if d <= 25.4 { d.powf(1.8) } else { 3.647 * d.powf(1.4) };
             1.3 * fc * cosine.powf(0.7) * z.powf(2.0 / 3.0) * size
         }
