@@ -14,7 +14,7 @@ use crate::machine::Machine;
 /// The compliance of all grooves, C of [`HousingShape::loads`](crate::fem::HousingShape::loads), is taken
 /// apart: what a groove gives way by itself, c, which sits in series with every contact, and what pins do to
 /// each other, which is smooth along the ring. The smooth part is C − c I on the Fourier orders up to
-/// [`RING_ORDER`] of radial and tangential ways, disc by disc; its eigenvectors are coordinates η with the
+/// `RING_ORDER` of radial and tangential ways, disc by disc; its eigenvectors are coordinates η with the
 /// energy Σ ½ η²/λ that move the pins by φ η. c is the mean compliance of all higher orders, so that the
 /// sum over all forces that vary smoothly from pin to pin is C itself.
 ///

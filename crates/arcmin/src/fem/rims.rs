@@ -129,8 +129,8 @@ mod tests {
     use crate::materials::Material;
 
     /// One bore in the middle of a round disc. A pressure p cos 2φ on it, the edge free (Michell: Airy's
-    /// function (A/r² + B + C r² + D r⁴) cos 2φ, no shear on either circle): E u = 2A (1 + ν)/r³ + 4B/r − 2C (1
-    /// + ν) r − 4ν D r³; p r (5 − ν)/3 in an infinite sheet. Expansion is Lamé's, and by symmetry the bore
+    /// function (A/r² + B + C r² + D r⁴) cos 2φ, no shear on either circle): E u = 2A (1 + ν)/r³ + 4B/r
+    /// − 2C (1 + ν) r − 4ν D r³; p r (5 − ν)/3 in an infinite sheet. Expansion is Lamé's, and by symmetry the bore
     /// stays where it is.
     #[test]
     fn val_a_hole_in_a_plate() {

@@ -272,7 +272,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     ///
     /// # Errors
     /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost a quarter
-    /// of the pin's radius, or more than [`RUN_AWAY`] of it and no load sharing is found any more. The state is
+    /// of the pin's radius, or more than `RUN_AWAY` of it and no load sharing is found any more. The state is
     /// then the last one that held.
     pub fn advance_to(&mut self, target: f64) -> Result<(), WearError> {
         self.advance_until(target, |_| false)

@@ -15,7 +15,7 @@ fn ovalising(machine: &Machine, softness: f64, mean: f64, axes: &[f64]) -> Elast
     let size = 2 * discs * pins;
     let wave = |axis: f64, i: usize| {
         let two = 2.0 * (TAU * (i / 2 % pins) as f64 / pins as f64 - axis);
-        if i % 2 == 0 { mean + two.cos() } else { -0.5 * two.sin() }
+        if i.is_multiple_of(2) { mean + two.cos() } else { -0.5 * two.sin() }
     };
     let at = |i: usize, j: usize| axes.iter().map(|axis| softness * wave(*axis, i) * wave(*axis, j)).sum();
     let values = (0..size * size).map(|k| at(k / size, k % size)).collect();

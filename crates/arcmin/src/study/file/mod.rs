@@ -257,7 +257,7 @@ impl StudyFile {
             .collect()
     }
 
-    /// Options as the analysis reads them, for [`analyses::identity`].
+    /// Options as the analysis reads them, for [`identity`](crate::analyses::identity).
     pub fn options(&self) -> &str {
         &self.options
     }
