@@ -1,8 +1,10 @@
 //! Files appear under their final names complete or not at all.
 
+use std::fs::{File, TryLockError};
+use std::hash::{BuildHasher, RandomState};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use arcmin::design::Design;
 use serde_json::{Map, Value, json};
@@ -24,7 +26,9 @@ fn writing() -> MutexGuard<'static, Vec<PathBuf>> {
 pub fn withdraw() -> MutexGuard<'static, Vec<PathBuf>> {
     let directories = writing();
     for directory in directories.iter() {
-        remove_temporary(directory, |owner| owner == std::process::id());
+        for file in temporary_files(directory, &PREFIX) {
+            let _ = std::fs::remove_file(file);
+        }
     }
     directories
 }
@@ -47,8 +51,8 @@ impl Results {
     pub fn prepare(out: &Path, design: &Design, force: bool) -> Result<Results, Failure> {
         let try_it = || {
             std::fs::create_dir_all(out)?;
-            remove_temporary(out, |owner| owner != std::process::id() && !is_running(owner));
-            tempfile::Builder::new().prefix(&prefix()).tempfile_in(out)?.as_file_mut().write_all(&[0; 4096])
+            remove_forgotten(out);
+            temporary(out)?.as_file_mut().write_all(&[0; 4096])
         };
         try_it().map_err(|cause| Failure::Write { path: out.to_owned(), cause })?;
         let before: Value = std::fs::read(out.join(SUMMARY))
@@ -103,29 +107,43 @@ fn is_plain(name: &str) -> bool {
     Path::new(name).file_name().is_some_and(|file| file.to_str() == Some(name))
 }
 
-/// Temporary names carry the process that owns them.
-fn prefix() -> String {
-    format!(".arcmin-{}-", std::process::id())
+/// All temporary names begin like this, those of this process like [`PREFIX`].
+const HIDDEN: &str = ".arcmin-";
+/// Process numbers would not do: processes of several machines may write to one directory.
+static PREFIX: LazyLock<String> = LazyLock::new(|| format!("{HIDDEN}{:016x}-", RandomState::new().hash_one(())));
+
+fn temporary_files(directory: &Path, prefix: &str) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(directory) else { return Vec::new() };
+    let is_temporary = |name: &std::ffi::OsStr| name.to_str().is_some_and(|name| name.starts_with(prefix));
+    entries.flatten().filter(|entry| is_temporary(&entry.file_name())).map(|entry| entry.path()).collect()
 }
 
-/// Removes temporary files of processes: of those that were killed, or of this one when it is ended.
-fn remove_temporary(directory: &Path, unwanted: impl Fn(u32) -> bool) {
-    let Ok(entries) = std::fs::read_dir(directory) else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let Some(rest) = name.to_str().and_then(|name| name.strip_prefix(".arcmin-")) else { continue };
-        let owner = rest.split_once('-').and_then(|(owner, _)| owner.parse::<u32>().ok());
-        if owner.is_some_and(&unwanted) {
-            // Somebody else may have removed it; that is as good.
-            let _ = std::fs::remove_file(entry.path());
+/// A temporary file, locked while its process lives: that is how others know that it is not forgotten.
+fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
+    loop {
+        let mut named = tempfile::Builder::new();
+        named.prefix(PREFIX.as_str());
+        // Readable by others, as files written in the usual way are; the process's umask still applies.
+        #[cfg(unix)]
+        named.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = named.tempfile_in(directory)?;
+        // Between its birth and its lock somebody may take it for forgotten, and remove it.
+        if !matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock)) && file.path().exists() {
+            return Ok(file);
         }
     }
 }
 
-/// Whether a process is there; where that cannot be told, it is taken to be.
-fn is_running(process: u32) -> bool {
-    let all = Path::new("/proc");
-    !all.join("self").exists() || all.join(process.to_string()).exists()
+/// Removes temporary files of processes that were killed. On file systems without locks they stay.
+pub fn remove_forgotten(directory: &Path) {
+    for path in temporary_files(directory, HIDDEN) {
+        if let Ok(file) = File::open(&path)
+            && file.try_lock().is_ok()
+        {
+            // Somebody else may have removed it; that is as good.
+            let _ = std::fs::remove_file(&path);
+        }
+    }
 }
 
 /// A complete file that still has a temporary name in the directory of its final one.
@@ -141,12 +159,10 @@ impl Staged {
         let write = || {
             let mut directories = writing();
             if !directories.iter().any(|known| known == directory) {
+                remove_forgotten(directory);
                 directories.push(directory.to_owned());
             }
-            let mut file = tempfile::Builder::new()
-                .prefix(&prefix())
-                .permissions(permissions())
-                .tempfile_in(directory)?;
+            let mut file = temporary(directory)?;
             // Through the file itself: the wrapper's errors name the temporary file, which tells the user
             // nothing.
             file.as_file_mut().write_all(bytes)?;
@@ -165,12 +181,6 @@ impl Staged {
         self.file.persist(&path).map_err(|error| Failure::Write { path, cause: error.error })?;
         Ok(())
     }
-}
-
-/// Readable by others, as files written in the usual way are; the process's umask still applies.
-#[cfg(unix)]
-fn permissions() -> std::fs::Permissions {
-    std::os::unix::fs::PermissionsExt::from_mode(0o666)
 }
 
 /// Writes one file atomically.

@@ -3,19 +3,15 @@
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use arcmin::study::Store;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::write_file;
+use super::output::{remove_forgotten, write_file};
 
 /// A killed process loses this much of what it has computed at most.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
-/// Temporary files older than this belong to nobody: writing a part takes a moment. Other machines may write
-/// to the same directory, so their processes cannot be asked for.
-const FORGOTTEN: Duration = Duration::from_secs(600);
-
 /// A directory of parts. Several processes, also on several machines, may write to it at once.
 pub struct Parts {
     directory: PathBuf,
@@ -26,22 +22,9 @@ pub struct Parts {
 
 impl Parts {
     pub fn new(directory: &Path) -> Parts {
+        remove_forgotten(directory);
         let next_keep = AtomicU64::new(KEEP_EVERY.as_millis() as u64);
         Parts { directory: directory.to_owned(), started: Instant::now(), next_keep }
-    }
-
-    /// Removes temporary files of processes that were killed.
-    pub fn remove_leftovers(&self) {
-        let Ok(entries) = std::fs::read_dir(&self.directory) else { return };
-        for entry in entries.flatten() {
-            let is_temporary = entry.file_name().to_str().is_some_and(|name| name.starts_with(".arcmin-"));
-            let changed = entry.metadata().and_then(|metadata| metadata.modified());
-            let age = changed.ok().and_then(|changed| SystemTime::now().duration_since(changed).ok());
-            if is_temporary && age.is_some_and(|age| age > FORGOTTEN) {
-                // Somebody else may have removed it; that is as good.
-                let _ = std::fs::remove_file(entry.path());
-            }
-        }
     }
 }
 

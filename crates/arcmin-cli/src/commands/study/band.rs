@@ -31,7 +31,6 @@ impl Lives {
         let told = |error| Failure::Analysis { error, options: None, finding: None };
         let study = study(design, options, machines, 1, host).map_err(told)?;
         let parts = Parts::new(&out.join("band"));
-        parts.remove_leftovers();
         let bar = SampleBar::new("lives", study.plan.rows(), quiet);
         let compute = |row: &arcmin::study::Row| study.compute(row, &Quietly(host));
         let begun = |found: u64| bar.found(found);

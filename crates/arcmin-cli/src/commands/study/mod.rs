@@ -202,7 +202,6 @@ impl Job {
     fn compute(&self, plan: &Plan, what: &str, shard: Shard) -> Result<bool, Failure> {
         let host = Terminal::new(&self.design_path, &self.out, &self.out.join("cache"), true);
         let parts = self.parts();
-        parts.remove_leftovers();
         let all: u64 = shard.parts(plan).map(|part| plan.rows_of(part).count() as u64).sum();
         let bar = SampleBar::new(what, all, self.quiet);
         let compute = |row: &Row| self.study.compute(row, &Quietly(&host));
