@@ -83,6 +83,8 @@ class ContactResult(Result):
     @property
     def torque_n_m(self) -> Any: ...
     @property
+    def friction(self) -> Any: ...
+    @property
     def hours(self) -> Any: ...
     @property
     def wear_um(self) -> Any: ...
@@ -101,6 +103,10 @@ class ContactResult(Result):
     @property
     def free_travel_arcmin(self) -> Any: ...
     @property
+    def preload_n(self) -> Any: ...
+    @property
+    def preload_friction_n_m(self) -> Any: ...
+    @property
     def torsional_stiffness_n_m_per_arcmin(self) -> Any: ...
     @property
     def disc_torque_shares(self) -> Any: ...
@@ -110,14 +116,19 @@ class ContactResult(Result):
     def joints(self) -> Any: ...
     @property
     def discs(self) -> Any: ...
+    @property
+    def bodies(self) -> Any: ...
 
 def contact(
     design: Design | str | os.PathLike[str],
     *,
     joints: Literal["ideal", "bearings"] = "ideal",
     discs: Literal["rigid", "elastic"] = "rigid",
+    bodies: Literal["rigid", "elastic"] = "rigid",
     errors: Literal["given", "drawn", "none"] | None = None,
     seed: int | None = None,
+    batch_seed: int | None = None,
+    batch_share: float = 0.5,
     element: Literal["plane-stress", "solid"] = "plane-stress",
     bores: Literal["per-bore", "common"] = "per-bore",
     mode_frequency_hz: float = 20000.0,
@@ -127,6 +138,7 @@ def contact(
     torque_nm: float | None = None,
     wear_um: float = 0.0,
     hours: float = 0.0,
+    friction: bool = False,
     positions: int = 360,
     progress: Progress = None,
     threads: int | None = None,
@@ -146,6 +158,10 @@ class WearResult(Result):
     @property
     def play_arcmin(self) -> Any: ...
     @property
+    def preload_n(self) -> Any: ...
+    @property
+    def preload_friction_n_m(self) -> Any: ...
+    @property
     def max_force_n(self) -> Any: ...
     @property
     def loaded_pairs(self) -> Any: ...
@@ -156,6 +172,8 @@ class WearResult(Result):
     @property
     def flank_updates(self) -> Any: ...
     @property
+    def runs_away_h(self) -> Any: ...
+    @property
     def depth_increment_um(self) -> Any: ...
     @property
     def hours_to_50_um(self) -> Any: ...
@@ -163,14 +181,19 @@ class WearResult(Result):
     def joints(self) -> Any: ...
     @property
     def discs(self) -> Any: ...
+    @property
+    def bodies(self) -> Any: ...
 
 def wear(
     design: Design | str | os.PathLike[str],
     *,
     joints: Literal["ideal", "bearings"] = "bearings",
     discs: Literal["rigid", "elastic"] = "rigid",
+    bodies: Literal["rigid", "elastic"] = "rigid",
     errors: Literal["given", "drawn", "none"] | None = None,
     seed: int | None = None,
+    batch_seed: int | None = None,
+    batch_share: float = 0.5,
     element: Literal["plane-stress", "solid"] = "plane-stress",
     bores: Literal["per-bore", "common"] = "per-bore",
     mode_frequency_hz: float = 20000.0,
@@ -190,19 +213,53 @@ class CalibrateResult(Result):
     @property
     def wear_coefficient_mm2_per_n(self) -> Any: ...
     @property
+    def wear_coefficient_low_per_pa(self) -> Any: ...
+    @property
+    def wear_coefficient_high_per_pa(self) -> Any: ...
+    @property
+    def confidence(self) -> Any: ...
+    @property
     def running_in_factor(self) -> Any: ...
     @property
+    def running_in_factor_low(self) -> Any: ...
+    @property
+    def running_in_factor_high(self) -> Any: ...
+    @property
     def running_in_duration_h(self) -> Any: ...
+    @property
+    def running_in_duration_low_h(self) -> Any: ...
+    @property
+    def running_in_duration_high_h(self) -> Any: ...
     @property
     def fitted(self) -> Any: ...
     @property
     def relative_rms(self) -> Any: ...
+    @property
+    def correlations(self) -> Any: ...
+    @property
+    def cautions(self) -> Any: ...
+    @property
+    def hours_to_lost_motion_limit(self) -> Any: ...
+    @property
+    def hours_to_lost_motion_limit_low(self) -> Any: ...
+    @property
+    def hours_to_lost_motion_limit_high(self) -> Any: ...
+    @property
+    def remaining_life_h(self) -> Any: ...
+    @property
+    def remaining_life_low_h(self) -> Any: ...
+    @property
+    def remaining_life_high_h(self) -> Any: ...
+    @property
+    def machines(self) -> Any: ...
     @property
     def observations(self) -> Any: ...
     @property
     def joints(self) -> Any: ...
     @property
     def discs(self) -> Any: ...
+    @property
+    def bodies(self) -> Any: ...
 
 def calibrate(
     design: Design | str | os.PathLike[str],
@@ -210,8 +267,11 @@ def calibrate(
     *,
     joints: Literal["ideal", "bearings"] = "bearings",
     discs: Literal["rigid", "elastic"] = "rigid",
+    bodies: Literal["rigid", "elastic"] = "rigid",
     errors: Literal["given", "drawn", "none"] | None = None,
     seed: int | None = None,
+    batch_seed: int | None = None,
+    batch_share: float = 0.5,
     element: Literal["plane-stress", "solid"] = "plane-stress",
     bores: Literal["per-bore", "common"] = "per-bore",
     mode_frequency_hz: float = 20000.0,
@@ -219,6 +279,8 @@ def calibrate(
     vtu: bool = False,
     fit_until_h: float | None = None,
     running_in_h: float | None = None,
+    fit_running_in: bool = False,
+    reading_error_percent: float | None = None,
     progress: Progress = None,
     threads: int | None = None,
 ) -> CalibrateResult: ...
@@ -248,14 +310,19 @@ class SimulateResult(Result):
     def joints(self) -> Any: ...
     @property
     def discs(self) -> Any: ...
+    @property
+    def bodies(self) -> Any: ...
 
 def simulate(
     design: Design | str | os.PathLike[str],
     *,
     joints: Literal["ideal", "bearings"] = "ideal",
     discs: Literal["rigid", "elastic"] = "rigid",
+    bodies: Literal["rigid", "elastic"] = "rigid",
     errors: Literal["given", "drawn", "none"] | None = None,
     seed: int | None = None,
+    batch_seed: int | None = None,
+    batch_share: float = 0.5,
     element: Literal["plane-stress", "solid"] = "plane-stress",
     bores: Literal["per-bore", "common"] = "per-bore",
     mode_frequency_hz: float = 20000.0,
@@ -324,14 +391,19 @@ class RigResult(Result):
     def joints(self) -> Any: ...
     @property
     def discs(self) -> Any: ...
+    @property
+    def bodies(self) -> Any: ...
 
 def rig(
     design: Design | str | os.PathLike[str],
     *,
     joints: Literal["ideal", "bearings"] = "bearings",
     discs: Literal["rigid", "elastic"] = "rigid",
+    bodies: Literal["rigid", "elastic"] = "rigid",
     errors: Literal["given", "drawn", "none"] | None = None,
     seed: int | None = None,
+    batch_seed: int | None = None,
+    batch_share: float = 0.5,
     element: Literal["plane-stress", "solid"] = "plane-stress",
     bores: Literal["per-bore", "common"] = "per-bore",
     mode_frequency_hz: float = 20000.0,
@@ -341,6 +413,9 @@ def rig(
     measured: Sequence[_File] | None = None,
     positions: int = 4,
     te_positions: int = 1024,
+    moment_nm: float = 0.0,
+    axial_n: float = 0.0,
+    radial_n: float = 0.0,
     frictionless: bool = False,
     progress: Progress = None,
     threads: int | None = None,
@@ -380,6 +455,10 @@ class LifeResult(Result):
     @property
     def te_loaded_peak_to_peak_arcmin(self) -> Any: ...
     @property
+    def preload_n(self) -> Any: ...
+    @property
+    def preload_friction_n_m(self) -> Any: ...
+    @property
     def ste_mean_arcmin(self) -> Any: ...
     @property
     def ste_max_arcmin(self) -> Any: ...
@@ -407,14 +486,19 @@ class LifeResult(Result):
     def joints(self) -> Any: ...
     @property
     def discs(self) -> Any: ...
+    @property
+    def bodies(self) -> Any: ...
 
 def life(
     design: Design | str | os.PathLike[str],
     *,
     joints: Literal["ideal", "bearings"] = "bearings",
     discs: Literal["rigid", "elastic"] = "rigid",
+    bodies: Literal["rigid", "elastic"] = "rigid",
     errors: Literal["given", "drawn", "none"] | None = None,
     seed: int | None = None,
+    batch_seed: int | None = None,
+    batch_share: float = 0.5,
     element: Literal["plane-stress", "solid"] = "plane-stress",
     bores: Literal["per-bore", "common"] = "per-bore",
     mode_frequency_hz: float = 20000.0,
@@ -445,14 +529,19 @@ class Tao2024Result(Result):
     def joints(self) -> Any: ...
     @property
     def discs(self) -> Any: ...
+    @property
+    def bodies(self) -> Any: ...
 
 def tao2024(
     design: Design | str | os.PathLike[str],
     *,
     joints: Literal["ideal", "bearings"] = "ideal",
     discs: Literal["rigid", "elastic"] = "rigid",
+    bodies: Literal["rigid", "elastic"] = "rigid",
     errors: Literal["given", "drawn", "none"] | None = None,
     seed: int | None = None,
+    batch_seed: int | None = None,
+    batch_share: float = 0.5,
     element: Literal["plane-stress", "solid"] = "plane-stress",
     bores: Literal["per-bore", "common"] = "per-bore",
     mode_frequency_hz: float = 20000.0,
