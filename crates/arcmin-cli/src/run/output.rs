@@ -110,7 +110,8 @@ fn is_plain(name: &str) -> bool {
 /// All temporary names begin like this, those of this process like [`PREFIX`].
 const HIDDEN: &str = ".arcmin-";
 /// Process numbers would not do: processes of several machines may write to one directory.
-static PREFIX: LazyLock<String> = LazyLock::new(|| format!("{HIDDEN}{:016x}-", RandomState::new().hash_one(())));
+static PREFIX: LazyLock<String> =
+    LazyLock::new(|| format!("{HIDDEN}{:016x}-", RandomState::new().hash_one(())));
 
 fn temporary_files(directory: &Path, prefix: &str) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(directory) else { return Vec::new() };

@@ -39,6 +39,7 @@ pub use causes::CausesAt;
 pub use error::AnalysisError;
 pub use host::{Host, NoHost, Origin};
 pub use identity::identity;
+pub(crate) use outcome::outcome;
 pub use outcome::{Attachment, Outcome, Said, TextTable};
 
 use crate::design::{Design, InputFile, OptionSet, SectionSchema};

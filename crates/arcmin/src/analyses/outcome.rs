@@ -36,6 +36,47 @@ pub trait Outcome: Debug + Send + Sync {
     fn as_any(&self) -> &dyn std::any::Any;
 }
 
+/// The answer of an analysis in a module that has its declarations in `SUMMARY` and `declared`, its words and report
+/// in `page`, and that was asked for one fidelity; in braces what else it tells.
+macro_rules! outcome {
+    ($answer:ty { $($more:tt)* }) => {
+        impl $crate::fidelity::HasFidelity for $answer {
+            fn fidelity(&self) -> &$crate::fidelity::Fidelity {
+                &self.fidelity
+            }
+        }
+
+        impl $crate::analyses::Outcome for $answer {
+            fn summary(&self) -> $crate::results::Summary {
+                SUMMARY.fill(self)
+            }
+
+            fn tables(&self) -> Vec<$crate::results::Table> {
+                declared::fill(self)
+            }
+
+            fn said(&self) -> Vec<$crate::analyses::Said> {
+                page::said(self)
+            }
+
+            fn page(&self) -> $crate::report::Page {
+                page::page(self)
+            }
+
+            fn seeds(&self) -> Vec<u64> {
+                self.fidelity.seeds()
+            }
+
+            fn as_any(&self) -> &dyn std::any::Any {
+                self
+            }
+
+            $($more)*
+        }
+    };
+}
+pub(crate) use outcome;
+
 /// A file that is neither table nor report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attachment {

@@ -21,6 +21,7 @@ pub(crate) mod options;
 mod path;
 mod reference;
 mod resolve;
+mod resolve_laws;
 pub(crate) mod schema;
 mod sections;
 mod service;

@@ -1,98 +1,10 @@
-use serde::{Deserialize, Serialize};
-
 use super::{Balance, DynamicsError, Linearisation, System, Weights};
 
 mod control;
+mod state;
 
 pub use control::StepControl;
-
-/// State at one end of a step. Vectors have one entry per coordinate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Node {
-    /// s.
-    pub time: f64,
-    /// m or rad.
-    pub position: Vec<f64>,
-    pub velocity: Vec<f64>,
-    /// M⁻¹Q: the equations of motion hold exactly at every node.
-    pub acceleration: Vec<f64>,
-    pub balance: Balance,
-}
-
-/// Time integrals of the powers in J.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct EnergyAccount {
-    pub input: f64,
-    pub load: f64,
-    pub dissipated: f64,
-    /// ∫ Σ|P| dt over input, load and dissipation.
-    pub turnover: f64,
-    /// Kinetic and elastic energy at the start.
-    pub initial: f64,
-    /// Kinetic and elastic energy now.
-    pub current: f64,
-}
-
-impl EnergyAccount {
-    /// Input − load − dissipated − Δ(stored), in J: what the numerics gained or lost.
-    pub fn imbalance(&self) -> f64 {
-        self.input - self.load - self.dissipated - (self.current - self.initial)
-    }
-
-    /// |imbalance| / ∫ Σ|P| dt.
-    pub fn residual(&self) -> f64 {
-        if self.turnover > 0.0 { self.imbalance().abs() / self.turnover } else { 0.0 }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct StepCounts {
-    pub accepted: usize,
-    pub rejected: usize,
-    pub evaluations: usize,
-}
-
-/// Everything that the next step depends on: serialise it, and a resumed run goes on bit by bit as the
-/// uninterrupted one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct IntegratorState {
-    pub current: Node,
-    pub previous: Node,
-    /// The method's own acceleration variable a_n, near q̈(t_n + (α_m − α_f) h).
-    auxiliary: Vec<f64>,
-    /// Slope of the accelerations over the last step, for the predictor.
-    jerk: Vec<f64>,
-    last_step: f64,
-    next_step: f64,
-    pub energy: EnergyAccount,
-    pub counts: StepCounts,
-}
-
-impl IntegratorState {
-    fn check_size(&self, n: usize) -> Result<(), DynamicsError> {
-        let fits =
-            |node: &Node| [&node.position, &node.velocity, &node.acceleration].iter().all(|v| v.len() == n);
-        if fits(&self.current) && fits(&self.previous) && self.auxiliary.len() == n && self.jerk.len() == n {
-            return Ok(());
-        }
-        Err(DynamicsError::ForeignCheckpoint { reason: "its number of coordinates is another one" })
-    }
-
-    /// As `clone_from`, without new memory where lengths agree.
-    pub(super) fn copy_from(&mut self, other: &IntegratorState) {
-        for (own, node) in [(&mut self.current, &other.current), (&mut self.previous, &other.previous)] {
-            own.time = node.time;
-            own.position.clone_from(&node.position);
-            own.velocity.clone_from(&node.velocity);
-            own.acceleration.clone_from(&node.acceleration);
-            own.balance = node.balance;
-        }
-        self.auxiliary.clone_from(&other.auxiliary);
-        self.jerk.clone_from(&other.jerk);
-        (self.last_step, self.next_step) = (other.last_step, other.next_step);
-        (self.energy, self.counts) = (other.energy, other.counts);
-    }
-}
+pub use state::{EnergyAccount, IntegratorState, Node, StepCounts};
 
 /// Generalised-α coefficients (Chung & Hulbert 1993) for a given ρ∞, in the form of Arnold & Brüls 2007:
 /// (1−α_m) a_{n+1} + α_m a_n = (1−α_f) q̈_{n+1} + α_f q̈_n, with M q̈ = Q at the nodes and Newmark's formulas

@@ -8,13 +8,11 @@ pub use declared::{SUMMARY, tables};
 pub use observations::Observed;
 
 use self::observations::Observations;
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Host, outcome};
 use crate::design::{Design, InputFile, optional, options, required};
-use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity};
+use crate::fidelity::{Fidelity, FidelityOptions};
 use crate::life::{WornState, lost_motion_causes};
 use crate::machine::Machine;
-use crate::report::Page;
-use crate::results::{Summary, Table};
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{Beyond, Exposure, Fit, Growth, Measured, Reading, RunningInFit, follow_and_fit};
 
@@ -335,34 +333,4 @@ impl Calibrated {
     }
 }
 
-impl HasFidelity for Calibrated {
-    fn fidelity(&self) -> &Fidelity {
-        &self.fidelity
-    }
-}
-
-impl Outcome for Calibrated {
-    fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
-    }
-
-    fn tables(&self) -> Vec<Table> {
-        declared::fill(self)
-    }
-
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
-    }
-
-    fn page(&self) -> Page {
-        page::page(self)
-    }
-
-    fn seeds(&self) -> Vec<u64> {
-        self.fidelity.seeds()
-    }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
-}
+outcome!(Calibrated {});

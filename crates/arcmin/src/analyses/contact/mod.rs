@@ -7,15 +7,13 @@ mod page;
 pub use declared::{SUMMARY, tables};
 
 use super::rig::with_friction;
-use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
+use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::contact::PinContact;
 use crate::design::{Choice, Design, default, default_word, optional, options};
-use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
+use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{WornState, worn_after};
 use crate::load::{Cycle, HarmonicError, LoadSharing, PinLoad, ShareLoad};
 use crate::machine::{CrankAngle, Friction, Machine};
-use crate::report::Page;
-use crate::results::{Summary, Table};
 use crate::units::UM;
 
 pub const ABOUT: &str = "Share the load among the pins over one turn of the crankshaft";
@@ -236,38 +234,8 @@ impl Contact {
     }
 }
 
-impl HasFidelity for Contact {
-    fn fidelity(&self) -> &Fidelity {
-        &self.fidelity
-    }
-}
-
-impl Outcome for Contact {
-    fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
-    }
-
-    fn tables(&self) -> Vec<Table> {
-        declared::fill(self)
-    }
-
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
-    }
-
-    fn page(&self) -> Page {
-        page::page(self)
-    }
-
-    fn seeds(&self) -> Vec<u64> {
-        self.fidelity.seeds()
-    }
-
+outcome!(Contact {
     fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
         elastic_disc::attachments(&self.machine, &self.fidelity)
     }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
-}
+});

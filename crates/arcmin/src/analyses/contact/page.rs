@@ -1,6 +1,7 @@
 //! Terminal and report of load sharing.
 
-use super::{Answer, Contact, Equilibrium, Outcome};
+use super::{Answer, Contact, Equilibrium};
+use crate::analyses::Outcome;
 use crate::analyses::Said;
 use crate::load::{FlankForce, PinLoad};
 use crate::report::{

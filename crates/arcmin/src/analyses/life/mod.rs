@@ -17,15 +17,14 @@ pub use bearings::{BearingLife, BearingLives, bearing_lives, catalogue_life_at_d
 pub use declared::{SUMMARY, tables};
 pub use verdict::{LifeVerdict, Limit, LimitKind};
 
-use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
+use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::checks::{self, Finding};
 use crate::design::{Design, default, optional, options};
-use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity};
+use crate::fidelity::{Fidelity, FidelityOptions};
 use crate::life::{LifeOptions, LifePoint, Prediction, predict};
 use crate::load::ShareLoad;
 use crate::machine::Machine;
-use crate::report::{Page, Section};
-use crate::results::{Summary, Table};
+use crate::report::Section;
 
 pub const ABOUT: &str = "Predict accuracy over the hours of service, and what ends the life";
 pub const GUIDE: &str = "The main job: how the accuracy of the reducer decays with running hours, which limit \
@@ -192,38 +191,8 @@ impl Life {
     }
 }
 
-impl HasFidelity for Life {
-    fn fidelity(&self) -> &Fidelity {
-        &self.fidelity
-    }
-}
-
-impl Outcome for Life {
-    fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
-    }
-
-    fn tables(&self) -> Vec<Table> {
-        declared::fill(self)
-    }
-
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
-    }
-
-    fn page(&self) -> Page {
-        page::page(self)
-    }
-
-    fn seeds(&self) -> Vec<u64> {
-        self.fidelity.seeds()
-    }
-
+outcome!(Life {
     fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
         elastic_disc::attachments(&self.machine, &self.fidelity)
     }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
-}
+});

@@ -7,13 +7,11 @@ mod page;
 pub use declared::{SUMMARY, tables};
 
 use super::causes::{CausesAt, HasCauses};
-use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
+use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::design::{Design, InputFile, default, optional, options};
-use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
+use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
 use crate::machine::{Friction, Machine};
-use crate::report::Page;
-use crate::results::{Summary, Table};
 use crate::rig::{
     ASSUMED_FRICTION, MainBearingLoad, MeasuredOnBench, OutputForces, RigPlan, RigState, main_bearing_load,
 };
@@ -155,44 +153,14 @@ impl Rig {
     }
 }
 
-impl HasFidelity for Rig {
-    fn fidelity(&self) -> &Fidelity {
-        &self.fidelity
-    }
-}
-
 impl HasCauses for Rig {
     fn causes(&self) -> Option<&PartsPoint> {
         Some(self.worn.as_ref().map_or(&self.new_causes, |(_, point)| point))
     }
 }
 
-impl Outcome for Rig {
-    fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
-    }
-
-    fn tables(&self) -> Vec<Table> {
-        declared::fill(self)
-    }
-
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
-    }
-
-    fn page(&self) -> Page {
-        page::page(self)
-    }
-
-    fn seeds(&self) -> Vec<u64> {
-        self.fidelity.seeds()
-    }
-
+outcome!(Rig {
     fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
         elastic_disc::attachments(&self.machine, &self.fidelity)
     }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
-}
+});

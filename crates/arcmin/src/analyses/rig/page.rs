@@ -1,7 +1,8 @@
 //! Terminal and report of the bench.
 
+use super::Rig;
 use super::declared::{FIGURES, measured};
-use super::{Outcome, Rig};
+use crate::analyses::Outcome;
 use crate::analyses::{Said, TextTable, causes};
 use crate::report::rig::RigPage;
 use crate::report::{Page, Provenance, Section};

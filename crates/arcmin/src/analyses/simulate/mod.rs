@@ -24,17 +24,15 @@ pub use declared::{SUMMARY, tables};
 
 use serde::{Deserialize, Serialize};
 
-use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
+use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::contact::MeshContact;
 use crate::design::{Choice, Design, InputFile, default, default_word, optional, options};
 use crate::dynamics::{
     Checkpoint, DynamicsError, Reducer, Run, RunPlan, RunResult, StartSpread, StepControl, spread_over_starts,
 };
-use crate::fidelity::{Facets, Fidelity, FidelityOptions, HasFidelity};
+use crate::fidelity::{Facets, Fidelity, FidelityOptions};
 use crate::life::{WornState, worn_after};
 use crate::machine::Machine;
-use crate::report::Page;
-use crate::results::{Summary, Table};
 use crate::units::{MM, UM};
 
 pub const ABOUT: &str = "Integrate the equations of motion: transmission error in time";
@@ -286,33 +284,7 @@ pub(crate) fn dynamics(task: &'static str) -> impl FnOnce(DynamicsError) -> Anal
     }
 }
 
-impl HasFidelity for Simulate {
-    fn fidelity(&self) -> &Fidelity {
-        &self.fidelity
-    }
-}
-
-impl Outcome for Simulate {
-    fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
-    }
-
-    fn tables(&self) -> Vec<Table> {
-        declared::fill(self)
-    }
-
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
-    }
-
-    fn page(&self) -> Page {
-        page::page(self)
-    }
-
-    fn seeds(&self) -> Vec<u64> {
-        self.fidelity.seeds()
-    }
-
+outcome!(Simulate {
     fn failure(&self) -> Option<String> {
         self.broke_off.clone()
     }
@@ -320,11 +292,7 @@ impl Outcome for Simulate {
     fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
         elastic_disc::attachments(&self.machine, &self.fidelity)
     }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
-}
+});
 
 #[cfg(test)]
 mod tests {

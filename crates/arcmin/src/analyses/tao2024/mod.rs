@@ -13,19 +13,18 @@ mod tests;
 pub use declared::{SUMMARY, tables};
 
 use super::simulate::dynamics;
-use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
+use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::design::{Design, default, optional, options};
 use crate::dynamics::{
     RunResult, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study,
     transmission_error_study,
 };
-use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
+use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::Relief;
 use crate::life::{Accuracy, PaperStudy, paper_depths, paper_study};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
-use crate::report::{Page, Section};
-use crate::results::{Summary, Table};
+use crate::report::Section;
 use crate::units::{ARCMIN, UM};
 
 pub const ABOUT: &str = "Repeat the study of Tao2024: uniform wear, static and dynamic transmission error";
@@ -187,34 +186,8 @@ fn assemble(
     Tao2024 { machine, fidelity, levels, coefficient, unsettled, elastic }
 }
 
-impl HasFidelity for Tao2024 {
-    fn fidelity(&self) -> &Fidelity {
-        &self.fidelity
-    }
-}
-
-impl Outcome for Tao2024 {
-    fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
-    }
-
-    fn tables(&self) -> Vec<Table> {
-        declared::fill(self)
-    }
-
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
-    }
-
-    fn page(&self) -> Page {
-        page::page(self)
-    }
-
+outcome!(Tao2024 {
     fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
         elastic_disc::attachments(&self.machine, &self.fidelity)
     }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
-}
+});

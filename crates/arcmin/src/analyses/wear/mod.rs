@@ -8,15 +8,13 @@ pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
 
 use super::contact::refuse_beyond_closed_form;
-use super::{AnalysisError, Attachment, Host, Outcome, Said, elastic_disc};
+use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::design::{Choice, Design, default, default_word, optional, options};
-use crate::fidelity::{Fidelity, FidelityOptions, HasFidelity, Joints};
+use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::Relief;
 use crate::life::{Accuracy, Course, RunAway, WornState, accuracy};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
-use crate::report::Page;
-use crate::results::{Summary, Table};
 use crate::units::{HOUR, UM};
 use crate::wear::paper::PaperWear;
 use crate::wear::{CoupledOptions, Exposure, WearError};
@@ -222,38 +220,8 @@ impl Wear {
     }
 }
 
-impl HasFidelity for Wear {
-    fn fidelity(&self) -> &Fidelity {
-        &self.fidelity
-    }
-}
-
-impl Outcome for Wear {
-    fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
-    }
-
-    fn tables(&self) -> Vec<Table> {
-        declared::fill(self)
-    }
-
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
-    }
-
-    fn page(&self) -> Page {
-        page::page(self)
-    }
-
-    fn seeds(&self) -> Vec<u64> {
-        self.fidelity.seeds()
-    }
-
+outcome!(Wear {
     fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
         elastic_disc::attachments(&self.machine, &self.fidelity)
     }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
-}
+});

@@ -1,6 +1,7 @@
 //! Terminal and report of wear.
 
-use super::{Mode, Outcome, Wear};
+use super::{Mode, Wear};
+use crate::analyses::Outcome;
 use crate::analyses::Said;
 use crate::geometry::Relief;
 use crate::report::{
