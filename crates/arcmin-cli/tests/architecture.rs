@@ -130,7 +130,8 @@ fn the_python_package_is_built_with_the_profile_of_the_root() {
     let of = |path: &str| {
         let text = read(path);
         let start = text.find("[profile.release]").unwrap();
-        let lines = text[start..].lines().filter(|line| !line.starts_with('#') && !line.is_empty());
+        let end = text.find("[profile.checked]").unwrap_or(text.len());
+        let lines = text[start..end].lines().filter(|line| !line.starts_with('#') && !line.is_empty());
         lines.filter(|line| !line.starts_with("arcmin-fmu")).map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(of("Cargo.toml"), of("crates/arcmin-py/Cargo.toml"));

@@ -9,6 +9,7 @@ use arcmin::study::Store;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output::{remove_forgotten, write_file};
+use super::terminal::KEEPS_PARTS;
 
 /// A killed process loses this much of what it has computed at most.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
@@ -23,6 +24,7 @@ pub struct Parts {
 impl Parts {
     pub fn new(directory: &Path) -> Parts {
         remove_forgotten(directory);
+        KEEPS_PARTS.store(true, Ordering::SeqCst);
         let next_keep = AtomicU64::new(KEEP_EVERY.as_millis() as u64);
         Parts { directory: directory.to_owned(), started: Instant::now(), next_keep }
     }

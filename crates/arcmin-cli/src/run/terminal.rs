@@ -20,6 +20,8 @@ use crate::failure::{Failure, warn};
 static CANCELLED: AtomicBool = AtomicBool::new(false);
 /// Whether this run has kept a checkpoint, or goes on from one.
 static CHECKPOINTED: AtomicBool = AtomicBool::new(false);
+/// Whether this run keeps what it has computed as parts of a study.
+pub(super) static KEEPS_PARTS: AtomicBool = AtomicBool::new(false);
 /// How long a run that was asked to stop may take to end by itself and keep its last state. Nothing is lost by
 /// ending it then: results appear whole at the end, checkpoints whole on the way.
 const GRACE: Duration = Duration::from_millis(120);
@@ -44,9 +46,12 @@ fn stop() {
     }
     std::thread::sleep(GRACE);
     let _nothing_is_written_any_more = withdraw();
-    let failure = match CHECKPOINTED.load(Ordering::SeqCst) {
-        true => Failure::Ended,
-        false => Failure::Analysis { error: AnalysisError::Stopped, options: None, finding: None },
+    let failure = if CHECKPOINTED.load(Ordering::SeqCst) {
+        Failure::Ended
+    } else if KEEPS_PARTS.load(Ordering::SeqCst) {
+        Failure::Unfinished { reason: "stopped; the same command goes on from there".to_owned() }
+    } else {
+        Failure::Analysis { error: AnalysisError::Stopped, options: None, finding: None }
     };
     // The bar, where there is one, stands on the line of the cursor.
     if std::io::stderr().is_terminal() {
