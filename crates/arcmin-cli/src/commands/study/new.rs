@@ -9,7 +9,7 @@ use crate::run::{say, write_file};
 
 pub fn command() -> Command {
     let list: String =
-        TEMPLATES.iter().map(|template| format!("\n  {:12} {}", template.name, template.summary)).collect();
+        TEMPLATES.iter().map(|template| format!("\n  {:13} {}", template.name, template.summary)).collect();
     Command::new("new")
         .about("Write a commented study file to start from")
         .long_about(format!("Writes a study file that can be run as it is.\n\nTemplates:{list}"))
@@ -35,7 +35,7 @@ pub fn command() -> Command {
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
         for template in TEMPLATES {
-            say(&format!("{:12} {}", template.name, template.summary))?;
+            say(&format!("{:13} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
     }
