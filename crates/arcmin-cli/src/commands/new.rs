@@ -40,6 +40,7 @@ pub fn command() -> Command {
         .arg(
             Arg::new("WHAT")
                 .num_args(0..=2)
+                .action(ArgAction::Append)
                 .value_names(["TEMPLATE", "FILE"])
                 .help("File to write, and before it the template to start from [default: rv-40e-81]"),
         )

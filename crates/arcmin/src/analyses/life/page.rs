@@ -1,9 +1,9 @@
 //! Terminal and report of a life.
 
-#[cfg(test)]
-use super::Outcome;
 use super::verdict::{LifeVerdict, Limit, LimitKind};
 use super::{Life, declared, figures};
+#[cfg(test)]
+use crate::analyses::Outcome;
 use crate::analyses::wear::stations;
 use crate::analyses::{Said, TextTable, causes};
 use crate::checks::{Severity, worst};

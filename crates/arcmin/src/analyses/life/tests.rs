@@ -1,5 +1,5 @@
 use super::*;
-use crate::analyses::NoHost;
+use crate::analyses::{NoHost, Outcome, Said};
 use crate::report::{Block, Plot, Tone};
 
 fn quick(options: &str) -> Life {

@@ -1,6 +1,6 @@
 use super::*;
-use crate::analyses::NoHost;
-use crate::report::{Annotation, Block, Plot};
+use crate::analyses::{NoHost, Outcome, Said};
+use crate::report::{Annotation, Block, Page, Plot};
 
 fn study(design: &Design) -> Tao2024 {
     run(design, &Options::parse("quasi_static = true", "test").unwrap(), &NoHost).unwrap()
