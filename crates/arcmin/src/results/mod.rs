@@ -94,6 +94,18 @@ fn unit_of(key: &str) -> Option<(&str, &'static str)> {
     crate::design::unit_suffix(key).or_else(newtons)
 }
 
+/// A name of a key as words, abbreviations in capitals: `te_rated_peak_to_peak` is "TE rated peak to peak".
+pub fn in_words(stem: &str) -> String {
+    let words = stem.split('_').map(|word| match word {
+        "te" => "TE",
+        "ste" => "STE",
+        "dte" => "DTE",
+        "l10" => "L10",
+        word => word,
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
 impl Quantity {
     /// Unit as a reader writes it; empty for pure numbers, counts and words.
     pub fn unit(&self) -> &'static str {
@@ -103,14 +115,7 @@ impl Quantity {
     /// The key without path and unit, as words: `max_force_n` is "max force".
     pub fn label(&self) -> String {
         let name = self.key.rsplit('.').next().unwrap_or(self.key);
-        let words = unit_of(name).map_or(name, |(stem, _)| stem).split('_').map(|word| match word {
-            "te" => "TE",
-            "ste" => "STE",
-            "dte" => "DTE",
-            "l10" => "L10",
-            word => word,
-        });
-        words.collect::<Vec<_>>().join(" ")
+        in_words(unit_of(name).map_or(name, |(stem, _)| stem))
     }
 
     /// The first sentence of what it is.

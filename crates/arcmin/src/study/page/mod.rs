@@ -17,9 +17,12 @@ use crate::report::{
     Axis, Block, Column, DesignTemplate, KeyFigure, Page, Provenance, SampleColumn, Samples, Section, Table,
     Tone, Verdict, compact, significant,
 };
+use crate::results::in_words;
 
 /// Histograms, empirical distributions and rankings are drawn for so many results.
 const RESULTS_DRAWN: usize = 8;
+/// Columns of results beside each other.
+const RESULTS_ACROSS: usize = 4;
 /// Keys of a ranking.
 const RANKED: usize = 12;
 
@@ -43,7 +46,7 @@ fn named(key: &str) -> (String, &'static str) {
     // Newton is no suffix of keys of a design, whose letter would be too short to tell.
     let (stem, unit) =
         unit_suffix(name).or_else(|| Some((name.strip_suffix("_n")?, "N"))).unwrap_or((name, ""));
-    let stem = stem.replace('_', " ");
+    let stem = in_words(stem);
     (if group.is_empty() { stem } else { format!("{} {stem}", group.replace('_', " ")) }, unit)
 }
 
@@ -99,8 +102,7 @@ impl Study {
 impl StudyReport<'_> {
     /// The page, without provenance.
     pub fn page(&self) -> Page {
-        let mut sections =
-            vec![Section::new("results", "Results", vec![Block::Table(self.results()), self.caveat()])];
+        let mut sections = vec![Section::new("results", "Results", self.results())];
         let drawn: Vec<&JudgedResult> = self.judged.results.iter().take(RESULTS_DRAWN).collect();
         let spread: Vec<Block> = drawn.iter().flat_map(|result| self.distribution(result)).collect();
         if !spread.is_empty() {
@@ -211,58 +213,64 @@ impl StudyReport<'_> {
         verdict
     }
 
-    fn results(&self) -> Table {
-        let mut columns = vec![
-            Column::text("Result"),
-            Column::text("Unit"),
-            Column::number("Values", ""),
-            Column::number("Mean", ""),
-            Column::number("Standard deviation", ""),
-        ];
-        for share in SHARES {
-            columns.push(Column::number(format!("P{:.0}", 100.0 * share), ""));
-        }
-        columns.extend(
-            ["95 % of machines within", "Limits kept by", "Cpk", "B10 life"]
-                .map(|name| Column::number(name, "")),
-        );
-        let row = |result: &JudgedResult| {
+    /// Tables with a column a result, as many as a screen is wide, and what else is to be said of them.
+    fn results(&self) -> Vec<Block> {
+        let tables =
+            self.judged.results.chunks(RESULTS_ACROSS).map(|results| Block::Table(self.table(results)));
+        tables.chain([self.caveat()]).collect()
+    }
+
+    fn table(&self, results: &[JudgedResult]) -> Table {
+        let mut columns = vec![Column::text("")];
+        columns.extend(results.iter().map(|result| {
             let (label, unit) = named(&result.key);
-            let mut row = vec![label, unit.to_owned(), result.count.to_string()];
-            match &result.spread {
-                Some(spread) => {
-                    row.push(significant(spread.mean, 4));
-                    row.push(significant(spread.deviation, 3));
-                    row.extend(
-                        spread
-                            .quantiles
-                            .iter()
-                            .map(|q| format!("{} ({})", shown(q.estimate, 4), ends(&q.interval, 4))),
-                    );
-                    row.push(spread.band.as_ref().map_or("too few".into(), |band| {
-                        ends(&Interval { low: band.low, high: band.high }, 4)
-                    }));
-                }
-                None => row.extend(vec!["–".to_owned(); 3 + SHARES.len()]),
+            Column::number(label, unit)
+        }));
+        let mut rows: Vec<Vec<String>> = Vec::new();
+        let mut row = |name: String, cell: &dyn Fn(&JudgedResult) -> Option<String>| {
+            let cells: Vec<Option<String>> = results.iter().map(cell).collect();
+            if cells.iter().any(Option::is_some) {
+                let cells = cells.into_iter().map(|cell| cell.unwrap_or_else(|| "–".to_owned()));
+                rows.push(std::iter::once(name).chain(cells).collect());
             }
-            row.push(result.kept.map_or("–".into(), |kept| {
-                format!("{} ({} … {})", percent(kept.share), percent(kept.low), percent(kept.high))
-            }));
-            row.push(result.capability.map_or("–".into(), |c| {
-                format!("{} ({})", significant(c.cpk, 3), ends(&c.cpk_interval, 3))
-            }));
-            row.push(result.weibull.as_ref().map_or("–".into(), |fit| {
-                let interval = fit.life_interval(0.1, self.judged.confidence);
-                let interval =
-                    interval.map_or(String::new(), |interval| format!(" ({})", ends(&interval, 3)));
-                format!("{}{interval}", significant(fit.life(0.1), 3))
-            }));
-            row
         };
+        row("values".into(), &|result| Some(result.count.to_string()));
+        row("mean".into(), &|result| Some(significant(result.spread.as_ref()?.mean, 4)));
+        row("standard deviation".into(), &|result| Some(significant(result.spread.as_ref()?.deviation, 3)));
+        for share in SHARES {
+            row(format!("P{:.0}", 100.0 * share), &|result| {
+                let quantile = result.spread.as_ref()?.quantiles.iter().find(|q| q.share == share)?;
+                Some(format!("{} ({})", shown(quantile.estimate, 4), ends(&quantile.interval, 4)))
+            });
+        }
+        row("95 % of machines within".into(), &|result| {
+            Some(
+                result
+                    .spread
+                    .as_ref()?
+                    .band
+                    .as_ref()
+                    .map_or("too few".into(), |band| ends(&Interval { low: band.low, high: band.high }, 4)),
+            )
+        });
+        row("limits kept by".into(), &|result| {
+            let kept = result.kept?;
+            Some(format!("{} ({} … {})", percent(kept.share), percent(kept.low), percent(kept.high)))
+        });
+        row("Cpk".into(), &|result| {
+            let capability = result.capability?;
+            Some(format!("{} ({})", significant(capability.cpk, 3), ends(&capability.cpk_interval, 3)))
+        });
+        row("B10 life".into(), &|result| {
+            let fit = result.weibull.as_ref()?;
+            let interval = fit.life_interval(0.1, self.judged.confidence);
+            let interval = interval.map_or(String::new(), |interval| format!(" ({})", ends(&interval, 3)));
+            Some(format!("{}{interval}", significant(fit.life(0.1), 3)))
+        });
         Table {
             title: "Results with their intervals".into(),
             columns,
-            rows: self.judged.results.iter().map(row).collect(),
+            rows,
             note: format!(
                 "In parentheses: intervals of {} confidence that this number of samples allows; of quantiles \
                  from order statistics whatever the distribution, of shares by Clopper and Pearson, of Cpk by \
