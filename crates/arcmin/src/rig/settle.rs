@@ -146,7 +146,11 @@ pub(super) fn load_slowly(
     let (mut reached, mut step) = (0.0, 1.0_f64);
     while reached < 1.0 {
         // Halves add up without rounding: the last step ends at the torque itself.
-        model.set_load(if reached + step == 1.0 { torque } else { before + (reached + step) * (torque - before) });
+        model.set_load(if reached + step == 1.0 {
+            torque
+        } else {
+            before + (reached + step) * (torque - before)
+        });
         match creep(model, regularisation_speed, &place) {
             Ok(found) => (place, reached) = (found, reached + step),
             Err(_) if step > SMALLEST_STEP => step *= 0.5,

@@ -346,6 +346,12 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             _ => 0.0,
         };
         state.put_on(&self.designed, &mut self.meshing);
+        let reaches: Vec<Vec<f64>> = state
+            .pins
+            .iter()
+            .zip(&state.pins_seen)
+            .map(|(pin, seen)| self.average.within_reach(pin, seen))
+            .collect();
         let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
         let mut pins = vec![vec![0.0; self.options.pin_points]; state.pins.len()];
         let count = self.options.crank_positions;
@@ -384,10 +390,11 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                     let own = machine.ring.pin_count;
                     match pins.chunks_exact_mut(own).nth(disc) {
                         Some(pins) => {
-                            let seen = &state.pins_seen[disc * own..(disc + 1) * own];
+                            let own = disc * own..(disc + 1) * own;
+                            let seen = (&state.pins_seen[own.clone()], &reaches[own]);
                             self.deposit_on_each_pin(passes, duty.share, pins, seen);
                         }
-                        None => self.deposit_on_pins(passes, weight, &mut pins[0]),
+                        None => self.deposit_on_pins(passes, weight, &mut pins[0], &reaches[0]),
                     }
                 }
             }
@@ -456,24 +463,31 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     }
 
     /// The same over the pins, mean of them.
-    fn deposit_on_pins(&self, passes: &[Pass], weight: f64, pin: &mut [f64]) {
+    fn deposit_on_pins(&self, passes: &[Pass], weight: f64, pin: &mut [f64], reach: &[f64]) {
         let machine = self.machine;
         let count = machine.ring.pin_count as f64;
         for (before, pass, after) in neighbours(passes) {
             let ends = (halfway(before.pin_angle, pass.pin_angle), halfway(after.pin_angle, pass.pin_angle));
             let amount = machine.wear.pin_ratio * (weight * pass.removal) / count;
-            spread_on_pin(pin, machine.ring.pin_radius, ends.0, ends.1, pass.half_width, amount);
+            spread_on_pin(pin, reach, machine.ring.pin_radius, ends.0, ends.1, pass.half_width, amount);
         }
     }
 
     /// The same over every pin by itself. One pin is met at few meshing angles, so its removal is read
     /// between them by straight lines, and the contact goes on the way that it takes on a nominal pin.
-    fn deposit_on_each_pin(&self, passes: &[Pass], weight: f64, pins: &mut [Vec<f64>], seen: &[Relief]) {
+    /// `seen` is what the contact sees of each pin, and what it reaches.
+    fn deposit_on_each_pin(
+        &self,
+        passes: &[Pass],
+        weight: f64,
+        pins: &mut [Vec<f64>],
+        seen: (&[Relief], &[Vec<f64>]),
+    ) {
         let machine = self.machine;
         let profile = self.meshing.contacts().profile();
         let mut own: Vec<Vec<&Pass>> = vec![Vec::new(); pins.len()];
         passes.iter().for_each(|pass| own[pass.pin].push(pass));
-        for ((pin, own), seen) in pins.iter_mut().zip(&own).zip(seen) {
+        for ((pin, own), (seen, reach)) in pins.iter_mut().zip(&own).zip(seen.0.iter().zip(seen.1)) {
             for (index, pass) in own.iter().enumerate() {
                 let next = own[(index + 1) % own.len()];
                 if pass.removal <= 0.0 && next.removal <= 0.0 {
@@ -494,7 +508,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                         machine.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
                     let touching = |share| self.average.touching(seen, profile.pin_angle(at(share)));
                     let (from, to) = (touching(0.0), touching(1.0));
-                    spread_on_pin(pin, machine.ring.pin_radius, from, to, half_width, amount);
+                    spread_on_pin(pin, reach, machine.ring.pin_radius, from, to, half_width, amount);
                 }
             }
         }
