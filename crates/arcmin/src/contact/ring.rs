@@ -77,6 +77,8 @@ pub struct PinContact {
     pub relative_curvature: f64,
     /// ∂(gap)/∂(x, y, θ) of the disc.
     pub gradient: [f64; 3],
+    /// d²w/dψ² in m/rad² of the worn pin where the contact stands on it.
+    pub(super) pin_bend: f64,
     /// Displacement of the disc's point of contact along the flank, per (x, y, θ).
     pub along: [f64; 3],
     /// e(φ) of the meshing angle.
@@ -85,7 +87,8 @@ pub struct PinContact {
 
 impl PinContact {
     /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, D the distance of the pin centre from the flank and T = (t_x,
-    /// t_y, t·(k × arm)) its motion along the flank, plus the turning of the arm.
+    /// t_y, t·(k × arm)) its motion along the flank, plus the turning of the arm; of a worn pin the bend of what
+    /// it has lost, by the turn of the normal on it.
     #[inline]
     pub(crate) fn gap_hessian(&self, pin_radius: f64) -> [[f64; 3]; 3] {
         let (n, arm) = (self.normal, self.arm);
@@ -96,6 +99,14 @@ impl PinContact {
         for i in 0..3 {
             for j in 0..3 {
                 hessian[i][j] = turning * along[i] * along[j];
+            }
+        }
+        if self.pin_bend != 0.0 {
+            let turn = [-turning * along[0], -turning * along[1], 1.0 - turning * along[2]];
+            for i in 0..3 {
+                for j in 0..3 {
+                    hessian[i][j] += self.pin_bend * turn[i] * turn[j];
+                }
             }
         }
         hessian[0][2] += n.y;
@@ -117,7 +128,9 @@ impl PinContact {
     pub(crate) fn gap_bend(&self, pin_radius: f64, motion: Vec2) -> f64 {
         let n = self.normal;
         let along = self.along[0] * motion.x + self.along[1] * motion.y + self.along[2] + pin_radius;
-        self.turning(pin_radius) * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm)
+        let turning = self.turning(pin_radius);
+        turning * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm)
+            + self.pin_bend * (1.0 - turning * along).powi(2)
     }
 }
 

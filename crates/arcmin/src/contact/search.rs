@@ -186,7 +186,9 @@ impl PinContacts {
         let normal = turned(flank_normal, rotation);
         let t = quarter_turn(normal);
         let mut gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
+        let mut pin_bend = 0.0;
         if let Some(worn) = self.worn_pin(pin, normal) {
+            pin_bend = worn.bend;
             let turn = turn_on_pin(t, arm, flank_curvature, closest.gap + radius);
             gap += worn.depth;
             gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
@@ -216,6 +218,7 @@ impl PinContacts {
             flank_curvature,
             relative_curvature,
             gradient,
+            pin_bend,
             along,
             meshing_unit,
         }

@@ -1,5 +1,5 @@
 use super::RigError;
-use super::settle::{creep, tangent};
+use super::settle::{load_slowly, tangent};
 use crate::dynamics::{BearingJoints, JointSettings, Part};
 use crate::load::LOST_MOTION_SHARE;
 use crate::machine::Machine;
@@ -87,8 +87,7 @@ pub fn hysteresis_loop(
     let mut q = model.nominal_position_at(sun);
     // First loading, not recorded: in steps, so that friction points the right way.
     for share in [0.05, 0.3, 0.6, 1.0] {
-        model.set_load(-share * rated);
-        q = creep(&model, speed, &q)?;
+        q = load_slowly(&mut model, speed, &q, -share * rated)?;
     }
     let mut points = Vec::new();
     let falling = shares();
@@ -96,8 +95,7 @@ pub fn hysteresis_loop(
     for (branch, shares) in [(Branch::Falling, falling), (Branch::Rising, rising)] {
         for share in shares {
             // The load of the model opposes positive motion.
-            model.set_load(-share * rated);
-            q = creep(&model, speed, &q)?;
+            q = load_slowly(&mut model, speed, &q, -share * rated)?;
             points.push(LoopPoint { torque: share * rated, angle: model.output_error(&q), branch });
         }
     }
@@ -228,19 +226,16 @@ pub fn stiffness_split(
     for sign in [1.0, -1.0] {
         let mut q = model.nominal_position_at(sun);
         let mut ends = [0.0; 2];
-        model.set_load(-sign * 0.5 * rated);
-        q = creep(&model, speed, &q)?;
+        q = load_slowly(&mut model, speed, &q, -sign * 0.5 * rated)?;
         ends[0] = model.output_error(&q);
         for (place, weight) in gauss {
-            model.set_load(-sign * (0.5 + 0.5 * place) * rated);
-            q = creep(&model, speed, &q)?;
+            q = load_slowly(&mut model, speed, &q, -sign * (0.5 + 0.5 * place) * rated)?;
             let motion = tangent(&model, &q)?;
             for (sum, part) in parts.iter_mut().zip(model.split(&q, &motion)) {
                 *sum += 0.5 * weight * part;
             }
         }
-        model.set_load(-sign * rated);
-        q = creep(&model, speed, &q)?;
+        q = load_slowly(&mut model, speed, &q, -sign * rated)?;
         ends[1] = model.output_error(&q);
         whole += 0.5 * sign * (ends[1] - ends[0]) / (0.5 * rated);
     }

@@ -130,6 +130,36 @@ pub(super) fn creep(
     settle(model, from, || Motion::Creeping { from, interval })
 }
 
+/// Smallest step of the load as a share of the step asked for.
+const SMALLEST_STEP: f64 = 1.0 / 64.0;
+
+/// Balance after the load has gone slowly from what it is to `torque` (N·m), from the balance `from`. Friction
+/// remembers the way: where one step leads to no balance, the load goes there in smaller ones.
+pub(super) fn load_slowly(
+    model: &mut BearingJoints,
+    regularisation_speed: f64,
+    from: &[f64],
+    torque: f64,
+) -> Result<Vec<f64>, RigError> {
+    let before = model.constant_load();
+    let mut place = from.to_vec();
+    let (mut reached, mut step) = (0.0, 1.0_f64);
+    while reached < 1.0 {
+        // Halves add up without rounding: the last step ends at the torque itself.
+        model.set_load(if reached + step == 1.0 {
+            torque
+        } else {
+            before + (reached + step) * (torque - before)
+        });
+        match creep(model, regularisation_speed, &place) {
+            Ok(found) => (place, reached) = (found, reached + step),
+            Err(_) if step > SMALLEST_STEP => step *= 0.5,
+            Err(failure) => return Err(failure),
+        }
+    }
+    Ok(place)
+}
+
 /// Balance in steady running with the given velocities, near `start`.
 pub(super) fn run(model: &BearingJoints, start: &[f64], velocity: Vec<f64>) -> Result<Vec<f64>, RigError> {
     settle(model, start, || Motion::Running(velocity.clone()))

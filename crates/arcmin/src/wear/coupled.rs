@@ -136,6 +136,11 @@ impl WearSnapshot {
         &self.pins_seen[0]
     }
 
+    /// What the contact sees of one pin of a ring of `count` as it meets a disc.
+    fn pin_seen(&self, disc: usize, pin: usize, count: usize) -> &Relief {
+        &self.pins_seen[if self.pins_seen.len() == 1 { 0 } else { disc * count + pin }]
+    }
+
     /// Puts the worn surfaces, as the contact sees them, on top of the designed relief.
     pub fn put_on<S: ShareLoad>(&self, designed: &Relief, meshing: &mut S) {
         let flanks = self.flanks_seen.iter().map(|flank| designed.plus(flank)).collect();
@@ -341,6 +346,12 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             _ => 0.0,
         };
         state.put_on(&self.designed, &mut self.meshing);
+        let reaches: Vec<Vec<f64>> = state
+            .pins
+            .iter()
+            .zip(&state.pins_seen)
+            .map(|(pin, seen)| self.average.within_reach(pin, seen))
+            .collect();
         let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
         let mut pins = vec![vec![0.0; self.options.pin_points]; state.pins.len()];
         let count = self.options.crank_positions;
@@ -362,7 +373,10 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                 *start = Some(found);
                 for (disc, (contacts, passes)) in sharing.discs.iter().zip(&mut passes).enumerate() {
                     let flank = &state.flanks[disc % state.flanks.len()];
-                    passes.extend(contacts.iter().map(|contact| self.pass(contact, duty, flank, time)));
+                    passes.extend(contacts.iter().map(|contact| {
+                        let pin = state.pin_seen(disc, contact.pin, machine.ring.pin_count);
+                        self.pass(contact, duty, flank, pin, time)
+                    }));
                 }
             }
             // One flank for all discs takes the mean of them.
@@ -375,8 +389,12 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                 if machine.wear.pin_ratio > 0.0 {
                     let own = machine.ring.pin_count;
                     match pins.chunks_exact_mut(own).nth(disc) {
-                        Some(pins) => self.deposit_on_each_pin(passes, duty.share, pins),
-                        None => self.deposit_on_pins(passes, weight, &mut pins[0]),
+                        Some(pins) => {
+                            let own = disc * own..(disc + 1) * own;
+                            let seen = (&state.pins_seen[own.clone()], &reaches[own]);
+                            self.deposit_on_each_pin(passes, duty.share, pins, seen);
+                        }
+                        None => self.deposit_on_pins(passes, weight, &mut pins[0], &reaches[0]),
                     }
                 }
             }
@@ -397,9 +415,9 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         Ok(Rates { flanks, pins })
     }
 
-    /// What one contact removes per unit of time from a flank that has lost the depths `flank`. Pins wear in
-    /// proportion to the flank that they meet.
-    fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, time: f64) -> Pass {
+    /// What one contact removes per unit of time from a flank that has lost the depths `flank`, on a pin of
+    /// which it sees `pin`. Pins wear in proportion to the flank that they meet.
+    fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, pin: &Relief, time: f64) -> Pass {
         let machine = self.machine;
         let profile = self.meshing.contacts().profile();
         let contact = self.meshing.contacts().contact();
@@ -426,7 +444,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         Pass {
             pin: c.pin,
             meshing_angle: c.meshing_angle,
-            pin_angle: self.meshing.contacts().pin_angle(c),
+            pin_angle: self.average.touching(pin, self.meshing.contacts().pin_angle(c)),
             half_width,
             removal,
         }
@@ -445,24 +463,31 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     }
 
     /// The same over the pins, mean of them.
-    fn deposit_on_pins(&self, passes: &[Pass], weight: f64, pin: &mut [f64]) {
+    fn deposit_on_pins(&self, passes: &[Pass], weight: f64, pin: &mut [f64], reach: &[f64]) {
         let machine = self.machine;
         let count = machine.ring.pin_count as f64;
         for (before, pass, after) in neighbours(passes) {
             let ends = (halfway(before.pin_angle, pass.pin_angle), halfway(after.pin_angle, pass.pin_angle));
             let amount = machine.wear.pin_ratio * (weight * pass.removal) / count;
-            spread_on_pin(pin, machine.ring.pin_radius, ends.0, ends.1, pass.half_width, amount);
+            spread_on_pin(pin, reach, machine.ring.pin_radius, ends.0, ends.1, pass.half_width, amount);
         }
     }
 
     /// The same over every pin by itself. One pin is met at few meshing angles, so its removal is read
     /// between them by straight lines, and the contact goes on the way that it takes on a nominal pin.
-    fn deposit_on_each_pin(&self, passes: &[Pass], weight: f64, pins: &mut [Vec<f64>]) {
+    /// `seen` is what the contact sees of each pin, and what it reaches.
+    fn deposit_on_each_pin(
+        &self,
+        passes: &[Pass],
+        weight: f64,
+        pins: &mut [Vec<f64>],
+        seen: (&[Relief], &[Vec<f64>]),
+    ) {
         let machine = self.machine;
         let profile = self.meshing.contacts().profile();
         let mut own: Vec<Vec<&Pass>> = vec![Vec::new(); pins.len()];
         passes.iter().for_each(|pass| own[pass.pin].push(pass));
-        for (pin, own) in pins.iter_mut().zip(&own) {
+        for ((pin, own), (seen, reach)) in pins.iter_mut().zip(&own).zip(seen.0.iter().zip(seen.1)) {
             for (index, pass) in own.iter().enumerate() {
                 let next = own[(index + 1) % own.len()];
                 if pass.removal <= 0.0 && next.removal <= 0.0 {
@@ -481,8 +506,9 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                     let half_width = blend(pass.half_width, next.half_width).max(1e-9);
                     let amount =
                         machine.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
-                    let (from, to) = (profile.pin_angle(at(0.0)), profile.pin_angle(at(1.0)));
-                    spread_on_pin(pin, machine.ring.pin_radius, from, to, half_width, amount);
+                    let touching = |share| self.average.touching(seen, profile.pin_angle(at(share)));
+                    let (from, to) = (touching(0.0), touching(1.0));
+                    spread_on_pin(pin, reach, machine.ring.pin_radius, from, to, half_width, amount);
                 }
             }
         }

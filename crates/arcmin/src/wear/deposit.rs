@@ -135,9 +135,12 @@ fn triangle_share_integral(x: f64) -> f64 {
     (1.0 - x.abs()).max(0.0).powi(3) / 6.0 + x.max(0.0)
 }
 
-/// The same on a pin: `section` on equal cells of its circumference, centred on ψ_i = −π + 2π i/cells.
+/// The same on a pin: `section` on equal cells of its circumference, centred on ψ_i = −π + 2π i/cells. `reach` is
+/// how much of each cell the flank reaches, empty where it reaches everything: what would fall on metal out of reach
+/// is taken off the rest of the contact's width.
 pub(super) fn spread_on_pin(
     section: &mut [f64],
+    reach: &[f64],
     pin_radius: f64,
     from: f64,
     to: f64,
@@ -152,11 +155,19 @@ pub(super) fn spread_on_pin(
     let path = Path { start: start.min(end), end: start.max(end), half_width };
     let first = ((path.start - half_width) / cell).floor() as isize;
     let last = ((path.end + half_width) / cell).floor() as isize;
+    let share = |index: isize| path.share(index as f64 * cell, (index + 1) as f64 * cell);
+    let reached = |index: isize| reach.get(index.rem_euclid(n) as usize).copied().unwrap_or(1.0);
+    let mut amount = amount;
+    if !reach.is_empty() {
+        amount /= (first..=last).map(|index| reached(index) * share(index)).sum::<f64>().max(LEAST_REACH);
+    }
     for index in first..=last {
-        section[index.rem_euclid(n) as usize] +=
-            amount * path.share(index as f64 * cell, (index + 1) as f64 * cell);
+        section[index.rem_euclid(n) as usize] += amount * reached(index) * share(index);
     }
 }
+
+/// Share of a contact's width that is within reach at least.
+const LEAST_REACH: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
@@ -190,8 +201,13 @@ mod tests {
                 assert!((section.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{phi} {width}");
                 assert!(section.iter().all(|share| *share >= 0.0));
                 let mut pin = vec![0.0; 720];
-                spread_on_pin(&mut pin, 3e-3, phi, phi + travel, width, 1.0);
+                spread_on_pin(&mut pin, &[], 3e-3, phi, phi + travel, width, 1.0);
                 assert!((pin.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+                // Beside a groove the rest of the width gives all of it.
+                let mut half = vec![0.0; 720];
+                let reach: Vec<f64> = (0..720).map(|i| if i % 3 == 0 { 1.0 } else { 0.3 }).collect();
+                spread_on_pin(&mut half, &reach, 3e-3, phi, phi + travel, width, 1.0);
+                assert!((half.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             }
         }
     }

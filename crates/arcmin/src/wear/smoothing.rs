@@ -12,12 +12,23 @@ use crate::machine::Machine;
 /// waves of the flank would grow (see [`FlankArc::spread`]); a B-spline has both and ends somewhere. b is that of
 /// the largest torque of the duty; towards the root it shrinks so that the average stays
 /// on its flank.
+///
+/// Pins wear deepest where the contact turns back on them, beside a land that no contact reaches. A flank, blunt
+/// as it is, does not follow such a groove to its ground but stands on its shoulders, and takes them off: of the
+/// averaged depth d the contact sees w(s₀) = min over s of [d(s) + ½ κ (s − s₀)²], s along the pin, κ the relative
+/// curvature of the bluntest flank that meets the place. No gap then bends more than the bodies do, which keeps
+/// the place of a pin on its flank unique.
 #[derive(Debug, Clone)]
 pub(super) struct ContactAverage {
     /// Per grid point: first cell and the weights from there on.
     flank: Vec<(usize, Vec<f64>)>,
     /// Weights on the pin, centred.
     pin: Vec<f64>,
+    /// κ in 1/m on the pin's grid.
+    pin_curvature: Vec<f64>,
+    pin_radius: f64,
+    /// b in m of the contact at the turning point.
+    pin_half_width: f64,
 }
 
 /// Support of the kernel in half-widths: four boxes of width b √3/2 in all.
@@ -51,7 +62,13 @@ impl ContactAverage {
         // Pins wear where the contact turns back on them, at cos φ = K1.
         let pin_width = half_width(profile.short_width_coefficient().min(1.0).acos()).max(pin_cell);
         let (_, pin) = weights(0.5 * pin_cell, pin_width, |index| index as f64 * pin_cell);
-        ContactAverage { flank, pin }
+        ContactAverage {
+            flank,
+            pin,
+            pin_curvature: pin_curvature(profile, machine.ring.pin_radius, pin_points),
+            pin_radius: machine.ring.pin_radius,
+            pin_half_width: pin_width,
+        }
     }
 
     pub fn flank(&self, depth: &Relief) -> Relief {
@@ -71,16 +88,106 @@ impl ContactAverage {
         if depth.is_zero() {
             return depth.clone();
         }
+        Relief::from_samples(self.reached(&self.averaged(depth)))
+    }
+
+    /// Depth of a pin averaged over the width of the contact, at its grid points.
+    fn averaged(&self, depth: &Relief) -> Vec<f64> {
         let depths = depth.samples();
         let n = depths.len();
         let reach = self.pin.len() / 2;
-        Relief::from_samples(
-            (0..n)
-                .map(|i| self.pin.iter().enumerate().map(|(k, w)| w * depths[(i + n + k - reach) % n]).sum())
-                .collect(),
-        )
+        (0..n)
+            .map(|i| self.pin.iter().enumerate().map(|(k, w)| w * depths[(i + n + k - reach) % n]).sum())
+            .collect()
+    }
+
+    /// min over s of [d(s) + ½ κ (s − s₀)²] at the grid points of the pin.
+    fn reached(&self, depths: &[f64]) -> Vec<f64> {
+        let n = depths.len();
+        let cell = std::f64::consts::TAU * self.pin_radius / n as f64;
+        let least_from = |i: usize| {
+            let bow = 0.5 * self.pin_curvature[i] * cell * cell;
+            let mut least = depths[i];
+            for away in 1..n / 2 {
+                let rise = bow * (away * away) as f64;
+                if rise >= least {
+                    break;
+                }
+                least = least.min(rise + depths[(i + away) % n].min(depths[(i + n - away) % n]));
+            }
+            least
+        };
+        (0..n).map(least_from).collect()
+    }
+
+    /// What a flank reaches of the pin's surface, from 1 where it does to 0 in the ground of a groove, on the pin's
+    /// grid: exp(−(d − o)/ε) with the averaged depth d, the deepest place o(s) = max over s₀ of [w(s₀) − ½ κ (s −
+    /// s₀)²] of any flank that stands there, and ε the height ½ κ b² that the contact presses flat. Empty for a pin
+    /// that is reached everywhere by construction. Metal out of reach does not wear.
+    pub fn within_reach(&self, pin: &Relief, seen: &Relief) -> Vec<f64> {
+        if pin.is_zero() || pin.is_uniform() {
+            return Vec::new();
+        }
+        let (depths, seen) = (self.averaged(pin), seen.samples());
+        let n = depths.len();
+        let cell = std::f64::consts::TAU * self.pin_radius / n as f64;
+        let mut deepest_stand: Vec<f64> = seen.to_vec();
+        for (i, stand) in seen.iter().enumerate() {
+            let bow = 0.5 * self.pin_curvature[i] * cell * cell;
+            for away in 1..n / 2 {
+                let left = stand - bow * (away * away) as f64;
+                if left <= 0.0 {
+                    break;
+                }
+                for place in [(i + away) % n, (i + n - away) % n] {
+                    deepest_stand[place] = deepest_stand[place].max(left);
+                }
+            }
+        }
+        let flat = |i: usize| 0.5 * self.pin_curvature[i] * self.pin_half_width.powi(2);
+        (0..n).map(|i| (-(depths[i] - deepest_stand[i]).max(0.0) / flat(i)).exp()).collect()
+    }
+
+    /// Where on the pin a flank touches whose normal leaves it at the angle ψ (rad), `seen` being what the
+    /// contact sees of that pin: s₀ − w′/κ, where d(s) + ½ κ (s − s₀)² is least; so far away that ½ κ (s − s₀)²
+    /// is w at most.
+    pub fn touching(&self, seen: &Relief, angle: f64) -> f64 {
+        if seen.is_uniform() {
+            return angle;
+        }
+        let n = self.pin_curvature.len();
+        let cell = ((angle + std::f64::consts::PI) / std::f64::consts::TAU * n as f64).round() as usize % n;
+        let curvature = self.pin_curvature[cell];
+        let at = seen.at(angle);
+        let most = (2.0 * at.depth.max(0.0) / curvature).sqrt() / self.pin_radius;
+        angle - (at.slope / (curvature * self.pin_radius.powi(2))).clamp(-most, most)
     }
 }
+
+/// Relative curvature in 1/m of the flank that meets each grid point of a pin. A place within the zone is met
+/// twice, between root and turning point and beyond it; the flank near the root is the blunter of the two.
+fn pin_curvature(profile: &Profile, pin_radius: f64, pin_points: usize) -> Vec<f64> {
+    const PLACES: usize = 256;
+    let turning = profile.short_width_coefficient().min(1.0).acos();
+    let met: Vec<(f64, f64)> = (0..=PLACES)
+        .map(|i| {
+            let phi = turning * i as f64 / PLACES as f64;
+            let curvature = profile.relative_curvature(phi.cos(), pin_radius);
+            (profile.pin_angle(phi).abs(), curvature.max(NEARLY_CONFORMAL / pin_radius))
+        })
+        .collect();
+    Relief::grid(pin_points)
+        .map(|angle| {
+            let right = met.partition_point(|(psi, _)| *psi < angle.abs()).clamp(1, PLACES);
+            let ((a, at_a), (b, at_b)) = (met[right - 1], met[right]);
+            let share = if b > a { ((angle.abs() - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
+            at_a + share * (at_b - at_a)
+        })
+        .collect()
+}
+
+/// Relative curvature times pin radius below which a flank counts as fitting the pin.
+const NEARLY_CONFORMAL: f64 = 1e-3;
 
 /// Weights of the cells around `centre`: integrals of the B-spline over each cell. `face(i)` is the left end
 /// of cell i on the unrolled line.
@@ -122,6 +229,7 @@ fn cubic_spline_share(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::UM;
 
     #[test]
     fn averaging_keeps_a_uniform_depth() {
@@ -134,6 +242,75 @@ mod tests {
             average.pin(&Relief::from_samples(vec![1e-5; 1440])),
         ] {
             assert!(relief.samples().iter().all(|depth| (depth - 1e-5).abs() < 1e-17));
+        }
+    }
+
+    fn average_of_the_rv_40e() -> ContactAverage {
+        let machine = crate::templates::rv_40e_81();
+        let profile = machine.profile();
+        ContactAverage::new(&machine, &profile, &FlankArc::new(&profile, 720), 1440)
+    }
+
+    /// A deep notch looks like two parabolas that stand on its shoulders: w = ½ κ (distance to the nearer one)²,
+    /// and the flank touches there; a dent flatter than the flank is seen as it is, and touched where its slope
+    /// moves the closest point to.
+    #[test]
+    fn a_flank_stands_on_the_shoulders_of_a_groove() {
+        let average = average_of_the_rv_40e();
+        let (n, r) = (1440, 3e-3);
+        let cell = std::f64::consts::TAU / n as f64;
+        let middle = n / 2 + 217;
+        let kappa = average.pin_curvature[middle];
+        let notch: Vec<f64> = (0..n).map(|i| if i.abs_diff(middle) < 6 { 30.0 * UM } else { 0.0 }).collect();
+        let seen = average.reached(&notch);
+        for off in 0..6 {
+            let curvature = average.pin_curvature[middle + off];
+            let expected = 0.5 * curvature * ((6 - off) as f64 * cell * r).powi(2);
+            assert!((seen[middle + off] / expected - 1.0).abs() < 1e-9, "{off}");
+        }
+        assert_eq!(seen[middle + 6], 0.0);
+        // Averaging rounds the notch off, but its ground stays out of reach, the land within.
+        let reach = average.within_reach(&Relief::from_samples(notch), &Relief::from_samples(seen.clone()));
+        assert!(
+            reach[middle] < 1e-3 && reach[middle + 20] > 0.99,
+            "{} {}",
+            reach[middle],
+            reach[middle + 20]
+        );
+        let relief = Relief::from_samples(seen);
+        let psi = |i: usize| -std::f64::consts::PI + i as f64 * cell;
+        for off in 2..5 {
+            let touched = average.touching(&relief, psi(middle + off));
+            assert!((touched - psi(middle + 6)).abs() < 0.7 * cell, "{off}: {touched}");
+        }
+        // d = w₀ exp(−½ (s/σ)²) with d″ ≤ w₀/σ² far below κ: the envelope moves the touch by −d′/(κ + d″).
+        let (depth, sigma) = (0.2 * UM, 0.5e-3);
+        assert!(depth / (sigma * sigma) < 0.01 * kappa);
+        let d = |s: f64| depth * (-0.5 * (s / sigma).powi(2)).exp();
+        let dent: Vec<f64> = (0..n).map(|i| d((psi(i) - psi(middle)) * r)).collect();
+        let seen = Relief::from_samples(average.reached(&dent));
+        for off in [5, 20, 40] {
+            let s = off as f64 * cell * r;
+            assert!((seen.at(psi(middle + off)).depth - d(s)).abs() < 0.01 * depth);
+        }
+        assert!(average.within_reach(&Relief::from_samples(dent), &seen).iter().all(|share| *share > 0.95));
+    }
+
+    /// Never deeper than what was lost, never bent against the flank by more than the flank itself bends.
+    #[test]
+    fn what_a_flank_reaches_bends_no_more_than_it() {
+        let average = average_of_the_rv_40e();
+        let n = 1440;
+        let waves = |x: f64| (0.5 + 0.5 * (0.7 * x).sin()) * (0.031 * x).cos().abs();
+        let rough: Vec<f64> = (0..n).map(|i| 20.0 * UM * waves(i as f64)).collect();
+        let seen = average.reached(&rough);
+        let cell = std::f64::consts::TAU * 3e-3 / n as f64;
+        for i in 0..n {
+            assert!(seen[i] <= rough[i] && seen[i] >= 0.0);
+            let bend = (seen[(i + 1) % n] - 2.0 * seen[i] + seen[(i + n - 1) % n]) / (cell * cell);
+            // κ itself changes from place to place, fast where it is small: where a pin lies in a root.
+            let kappa = average.pin_curvature[i].max(average.pin_curvature[(i + 1) % n]);
+            assert!(kappa < 50.0 || bend <= 1.5 * kappa, "{i}: {bend} {kappa}");
         }
     }
 

@@ -129,6 +129,40 @@ fn culling_never_drops_a_pin_that_carries() {
     }
 }
 
+/// A pin worn in fine waves, w = A cos(100 ψ): the second derivative of the gap is that of the waves, by the square
+/// of the turn of the normal; what the waves' slope adds as the turn changes is a few per cent of it.
+#[test]
+fn gaps_bend_with_what_the_pin_has_lost() {
+    let machine = machine();
+    let kinematics = machine.kinematics();
+    let mut contacts = machine.pin_contacts(&Relief::uniform(0.0));
+    let waves = Relief::grid(7200).map(|psi| 1e-7 * (1.0 + (100.0 * psi).cos())).collect();
+    contacts.set_pin_relief(Relief::from_samples(waves));
+    let motion = Vec2::new(0.04, -0.03);
+    let at = |x: f64| {
+        let mut pose = kinematics.disc_pose(0, 0.3, kinematics.nominal_output_angle(0.3) - 5e-5);
+        pose.centre += x * motion;
+        pose.angle += x;
+        contacts.contacts(pose, DiscVelocity::REST)
+    };
+    let h = 1e-6;
+    let (before, here, after) = (at(-h), at(0.0), at(h));
+    let mut largest = 0.0_f64;
+    for ((a, m), b) in before.iter().zip(&here).zip(&after) {
+        if m.meshing_angle.abs() < 0.4 {
+            continue;
+        }
+        let along = m.along[0] * motion.x + m.along[1] * motion.y + m.along[2] + 3e-3;
+        let turn = 1.0 - m.turning(3e-3) * along;
+        let difference = (b.gap - 2.0 * m.gap + a.gap) / (h * h);
+        let bend = m.gap_bend(3e-3, motion);
+        let waves = 1e-3 * turn * turn;
+        assert!((difference - bend).abs() < 0.2 * waves + 1e-3, "{}: {difference} {bend}", m.meshing_angle);
+        largest = largest.max(m.pin_bend.abs() * turn * turn);
+    }
+    assert!(largest > 0.05, "{largest}");
+}
+
 /// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the
 /// gradient and `gap_bend`, the relative curvature with `relative_curvature_slope`, on even and uneven
 /// flanks.
