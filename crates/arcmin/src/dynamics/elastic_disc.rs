@@ -6,7 +6,7 @@ use std::sync::Arc;
 pub(super) use split::DiscSplit;
 
 use super::{DynamicsError, ElasticHousing};
-use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
+use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, PinContacts, TOLERABLE_DEPTH};
 use crate::fem::{CoupledContact, CoupledForces, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::Machine;
@@ -53,6 +53,16 @@ struct Body {
     bores: Vec<Vec2>,
     /// Static compliance of the flank beyond the modes, the bores held.
     residual: FlankCompliance,
+    /// At most so far the flank comes out: per unit of each mode, and in m/N by the residual compliance.
+    peaks: Vec<f64>,
+    largest_lift: f64,
+}
+
+impl Body {
+    fn new(modes: FlankModes, bores: Vec<Vec2>, residual: FlankCompliance) -> Body {
+        let peaks = (0..modes.count()).map(|mode| modes.peak(mode)).collect();
+        Body { peaks, largest_lift: residual.largest_lift(), modes, bores, residual }
+    }
 }
 
 /// Elastic discs as their pins and bearings meet them.
@@ -113,6 +123,7 @@ impl HousingMotion<'_> {
 }
 
 /// Contacts of one disc at one state.
+#[derive(Default)]
 pub(super) struct DiscContacts {
     /// As on the rigid disc; force and stiffness are not theirs.
     pub contacts: Vec<PinContact>,
@@ -122,6 +133,26 @@ pub(super) struct DiscContacts {
     pub shape: Vec<f64>,
     pub coupled: Vec<CoupledContact>,
     pub forces: CoupledForces,
+}
+
+impl DiscContacts {
+    fn push(&mut self, contact: PinContact, rate: f64, shape: &[f64], coupled: CoupledContact) {
+        self.contacts.push(contact);
+        self.rate.push(rate);
+        self.shape.extend_from_slice(shape);
+        self.coupled.push(coupled);
+    }
+
+    fn shape_of(&self, contact: usize) -> &[f64] {
+        let count = self.shape.len() / self.contacts.len();
+        &self.shape[contact * count..(contact + 1) * count]
+    }
+
+    /// Displacement (m) of a place under the forces of the first `count` contacts.
+    fn bent(&self, compliance: &FlankCompliance, count: usize, at: &CoupledContact) -> f64 {
+        let forces = self.forces.force[..count].iter().zip(&self.coupled);
+        forces.map(|(force, contact)| force * compliance.cross(&at.place, &contact.place)).sum()
+    }
 }
 
 /// Rows of three columns from three rows.
@@ -141,11 +172,11 @@ pub(super) struct ElasticReaction {
     pub onset_rate: f64,
 }
 
-/// A pin farther off than this (m) is not reached by a flank that its neighbours' forces and the modes of a
-/// held disc lift by a fraction of a micrometre.
-const HELD_REACH: f64 = 1e-6;
-/// Bores that move lift it by some micrometres more.
-const FREE_REACH: f64 = 5e-6;
+/// A pin that is farther off than this (m) once the modes have lifted the flank is looked at again when the
+/// forces are known that may lift it further.
+const NEAR: f64 = 1e-6;
+/// Beyond what the modes may lift the flank, pins are sought within this first.
+const REACH: f64 = 5e-6;
 
 impl ElasticDiscs {
     /// Discs held at their bores.
@@ -204,8 +235,7 @@ impl ElasticDiscs {
     pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {
         let mut law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
         law.damping = ring.contact().damping;
-        let reach = if self.bores.iter().all(Vec::is_empty) { HELD_REACH } else { FREE_REACH };
-        ring.set_elastic(law, reach);
+        ring.set_elastic(law, REACH);
     }
 
     pub fn count(&self) -> usize {
@@ -234,49 +264,73 @@ impl ElasticDiscs {
         machine.ring.pin_circle_radius * crate::units::ARCMIN * machine.disc.mass.sqrt()
     }
 
-    /// Contacts within reach with their coupled forces; `ring` has been [taken
-    /// over](ElasticDiscs::take_over).
+    /// Contacts that carry, or nearly so, with their coupled forces; `ring` has been [taken
+    /// over](ElasticDiscs::take_over). No pin that carries is left out, however far modes and forces lift the
+    /// flank.
     pub(super) fn contacts(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> DiscContacts {
         let body = &self.bodies[disc];
-        let mut state = DiscContacts {
-            contacts: Vec::new(),
-            rate: Vec::new(),
-            shape: Vec::new(),
-            coupled: Vec::new(),
-            forces: CoupledForces::default(),
-        };
+        let by_modes: f64 = motion.modes.iter().zip(&body.peaks).map(|(q, peak)| q.abs() * peak).sum();
+        let mut by_forces = 0.0;
+        loop {
+            let state = self.contacts_within(disc, ring, motion, by_modes + by_forces);
+            let needed = body.largest_lift * state.forces.force.iter().sum::<f64>();
+            // Forces that are no numbers are for the caller to reject.
+            if !(needed > by_forces + REACH) {
+                return state;
+            }
+            by_forces = 2.0 * needed;
+        }
+    }
+
+    /// The same among the pins that a flank lifted by at most `lift` (m) and `REACH` may meet.
+    fn contacts_within(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        motion: DiscMotion<'_>,
+        lift: f64,
+    ) -> DiscContacts {
+        let body = &self.bodies[disc];
+        let (mut state, mut waiting) = (DiscContacts::default(), DiscContacts::default());
         let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
             (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
         });
-        ring.visit_moved(motion.pose, motion.velocity, false, &shifts, |contact| {
+        let moved = Moved { shifts: &shifts, lift };
+        let mut shape = vec![0.0; motion.modes.len()];
+        ring.visit_moved(motion.pose, motion.velocity, false, moved, |contact| {
             let place = self.discs.stencil(disc, contact.tau);
             let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
             if let Some(speed) = speeds.get(contact.pin) {
                 rate += contact.gradient[0] * speed.x + contact.gradient[1] * speed.y;
             }
-            let first = state.shape.len();
-            for m in 0..motion.modes.len() {
-                let phi = body.modes.at(m, &place);
-                approach -= phi * motion.modes[m];
-                rate -= phi * motion.rates[m];
-                state.shape.push(phi);
+            for (m, phi) in shape.iter_mut().enumerate() {
+                *phi = body.modes.at(m, &place);
+                approach -= *phi * motion.modes[m];
+                rate -= *phi * motion.rates[m];
             }
-            if approach < -HELD_REACH {
-                state.shape.truncate(first);
-                return;
-            }
-            state.coupled.push(CoupledContact {
-                place,
-                approach,
-                equivalent_radius: 1.0 / contact.relative_curvature,
-            });
-            state.rate.push(rate);
-            state.contacts.push(*contact);
+            let equivalent_radius = 1.0 / contact.relative_curvature;
+            let near = if approach < -NEAR { &mut waiting } else { &mut state };
+            near.push(*contact, rate, &shape, CoupledContact { place, approach, equivalent_radius });
         });
-        // An iteration that does not settle leaves a residual that the step's own Newton iteration sees and
-        // rejects.
-        state.forces.solve(ring.contact(), &body.residual, &state.coupled);
-        state
+        loop {
+            // An iteration that does not settle leaves a residual that the step's own Newton iteration sees
+            // and rejects.
+            state.forces.solve(ring.contact(), &body.residual, &state.coupled);
+            let lift = body.largest_lift * state.forces.force.iter().sum::<f64>();
+            let before = state.contacts.len();
+            for (i, contact) in waiting.coupled.iter().enumerate() {
+                let known = || state.contacts.iter().any(|c| c.pin == waiting.contacts[i].pin);
+                if contact.approach + lift > 0.0
+                    && contact.approach > state.bent(&body.residual, before, contact)
+                    && !known()
+                {
+                    state.push(waiting.contacts[i], waiting.rate[i], waiting.shape_of(i), *contact);
+                }
+            }
+            if state.contacts.len() == before {
+                return state;
+            }
+        }
     }
 
     /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank
@@ -443,7 +497,7 @@ fn bodies(
                 let reduced = discs.reduced(disc);
                 let count = reduced.modes_up_to(options.mode_frequency);
                 let (modes, bores) = modes(reduced, count)?;
-                Arc::new(Body { modes, bores, residual: reduced.residual_compliance(count) })
+                Arc::new(Body::new(modes, bores, reduced.residual_compliance(count)))
             }
         });
     }
