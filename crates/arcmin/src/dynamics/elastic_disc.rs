@@ -1,13 +1,15 @@
+mod contacts;
 mod rolling;
 mod split;
 
 use std::sync::Arc;
 
+use contacts::{DiscContacts, REACH};
 pub(super) use split::DiscSplit;
 
 use super::{DynamicsError, ElasticHousing};
-use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, PinContacts, TOLERABLE_DEPTH};
-use crate::fem::{CoupledContact, CoupledForces, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
+use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
+use crate::fem::{DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::Machine;
 
@@ -122,39 +124,6 @@ impl HousingMotion<'_> {
     }
 }
 
-/// Contacts of one disc at one state.
-#[derive(Default)]
-pub(super) struct DiscContacts {
-    /// As on the rigid disc; force and stiffness are not theirs.
-    pub contacts: Vec<PinContact>,
-    /// Rate of s in m/s.
-    pub rate: Vec<f64>,
-    /// φ_i of the modes, contact by contact.
-    pub shape: Vec<f64>,
-    pub coupled: Vec<CoupledContact>,
-    pub forces: CoupledForces,
-}
-
-impl DiscContacts {
-    fn push(&mut self, contact: PinContact, rate: f64, shape: &[f64], coupled: CoupledContact) {
-        self.contacts.push(contact);
-        self.rate.push(rate);
-        self.shape.extend_from_slice(shape);
-        self.coupled.push(coupled);
-    }
-
-    fn shape_of(&self, contact: usize) -> &[f64] {
-        let count = self.shape.len() / self.contacts.len();
-        &self.shape[contact * count..(contact + 1) * count]
-    }
-
-    /// Displacement (m) of a place under the forces of the first `count` contacts.
-    fn bent(&self, compliance: &FlankCompliance, count: usize, at: &CoupledContact) -> f64 {
-        let forces = self.forces.force[..count].iter().zip(&self.coupled);
-        forces.map(|(force, contact)| force * compliance.cross(&at.place, &contact.place)).sum()
-    }
-}
-
 /// Rows of three columns from three rows.
 fn transposed(lines: [Vec<f64>; 3]) -> Vec<[f64; 3]> {
     (0..lines[0].len()).map(|m| [lines[0][m], lines[1][m], lines[2][m]]).collect()
@@ -171,12 +140,6 @@ pub(super) struct ElasticReaction {
     pub dissipation: f64,
     pub onset_rate: f64,
 }
-
-/// A pin that is farther off than this (m) once the modes have lifted the flank is looked at again when the
-/// forces are known that may lift it further.
-const NEAR: f64 = 1e-6;
-/// Beyond what the modes may lift the flank, pins are sought within this first.
-const REACH: f64 = 5e-6;
 
 impl ElasticDiscs {
     /// Discs held at their bores.
@@ -262,75 +225,6 @@ impl ElasticDiscs {
     /// order 1/√(disc mass).
     pub(super) fn scale(machine: &Machine) -> f64 {
         machine.ring.pin_circle_radius * crate::units::ARCMIN * machine.disc.mass.sqrt()
-    }
-
-    /// Contacts that carry, or nearly so, with their coupled forces; `ring` has been [taken
-    /// over](ElasticDiscs::take_over). No pin that carries is left out, however far modes and forces lift the
-    /// flank.
-    pub(super) fn contacts(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> DiscContacts {
-        let body = &self.bodies[disc];
-        let by_modes: f64 = motion.modes.iter().zip(&body.peaks).map(|(q, peak)| q.abs() * peak).sum();
-        let mut by_forces = 0.0;
-        loop {
-            let state = self.contacts_within(disc, ring, motion, by_modes + by_forces);
-            let needed = body.largest_lift * state.forces.force.iter().sum::<f64>();
-            // Forces that are no numbers are for the caller to reject.
-            if !(needed > by_forces + REACH) {
-                return state;
-            }
-            by_forces = 2.0 * needed;
-        }
-    }
-
-    /// The same among the pins that a flank lifted by at most `lift` (m) and `REACH` may meet.
-    fn contacts_within(
-        &self,
-        disc: usize,
-        ring: &PinContacts,
-        motion: DiscMotion<'_>,
-        lift: f64,
-    ) -> DiscContacts {
-        let body = &self.bodies[disc];
-        let (mut state, mut waiting) = (DiscContacts::default(), DiscContacts::default());
-        let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
-            (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
-        });
-        let moved = Moved { shifts: &shifts, lift };
-        let mut shape = vec![0.0; motion.modes.len()];
-        ring.visit_moved(motion.pose, motion.velocity, false, moved, |contact| {
-            let place = self.discs.stencil(disc, contact.tau);
-            let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
-            if let Some(speed) = speeds.get(contact.pin) {
-                rate += contact.gradient[0] * speed.x + contact.gradient[1] * speed.y;
-            }
-            for (m, phi) in shape.iter_mut().enumerate() {
-                *phi = body.modes.at(m, &place);
-                approach -= *phi * motion.modes[m];
-                rate -= *phi * motion.rates[m];
-            }
-            let equivalent_radius = 1.0 / contact.relative_curvature;
-            let near = if approach < -NEAR { &mut waiting } else { &mut state };
-            near.push(*contact, rate, &shape, CoupledContact { place, approach, equivalent_radius });
-        });
-        loop {
-            // An iteration that does not settle leaves a residual that the step's own Newton iteration sees
-            // and rejects.
-            state.forces.solve(ring.contact(), &body.residual, &state.coupled);
-            let lift = body.largest_lift * state.forces.force.iter().sum::<f64>();
-            let before = state.contacts.len();
-            for (i, contact) in waiting.coupled.iter().enumerate() {
-                let known = || state.contacts.iter().any(|c| c.pin == waiting.contacts[i].pin);
-                if contact.approach + lift > 0.0
-                    && contact.approach > state.bent(&body.residual, before, contact)
-                    && !known()
-                {
-                    state.push(waiting.contacts[i], waiting.rate[i], waiting.shape_of(i), *contact);
-                }
-            }
-            if state.contacts.len() == before {
-                return state;
-            }
-        }
     }
 
     /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank
