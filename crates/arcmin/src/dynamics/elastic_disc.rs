@@ -308,8 +308,10 @@ impl ElasticDiscs {
             let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
             for a in 0..width {
                 reaction.force[a] += here.force * push[a];
-                for b in 0..width {
-                    reaction.damping[a * width + b] += here.damping * push[a] * row[b];
+            }
+            if here.damping != 0.0 {
+                for (line, push) in reaction.damping.chunks_exact_mut(width).zip(&*push) {
+                    line.iter_mut().zip(&*row).for_each(|(entry, row)| *entry += here.damping * push * row);
                 }
             }
             for a in 0..3 {
@@ -343,13 +345,13 @@ impl ElasticDiscs {
         for b in 0..width {
             (0..n).for_each(|i| response[i] = rows[i * width + b]);
             state.forces.respond(&mut response, &mut scratch);
-            for i in 0..n {
-                let response = gain[i] * response[i];
-                if response != 0.0 {
-                    for a in 0..width {
-                        reaction.stiffness[a * width + b] += pushes[i * width + a] * response;
-                    }
-                }
+            (0..n).for_each(|i| rows[i * width + b] = gain[i] * response[i]);
+        }
+        // Row by row, so that the compiler takes several entries at once.
+        for i in (0..n).filter(|i| gain[*i] != 0.0) {
+            let (push, response) = (&pushes[i * width..][..width], &rows[i * width..][..width]);
+            for (line, push) in reaction.stiffness.chunks_exact_mut(width).zip(push) {
+                line.iter_mut().zip(response).for_each(|(entry, response)| *entry += push * response);
             }
         }
         self.add_modal_forces(disc, motion, &mut reaction);
