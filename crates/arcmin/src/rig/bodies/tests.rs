@@ -148,7 +148,7 @@ fn elastic(machine: &Machine, bodies: &ElasticBodies) -> JointSettings {
 /// Coarse meshes of the shipped design's bodies.
 fn coarse(machine: &Machine) -> ElasticBodies {
     let mut shapes = BodyShapes::of(machine);
-    shapes.carrier.size *= 1.6;
+    shapes.carrier.size *= 1.28;
     shapes.carrier.layers = [1, 2];
     shapes.housing.sizes = shapes.housing.sizes.map(|size| 1.3 * size);
     shapes.housing.layers = [1, 1];
