@@ -14,4 +14,5 @@ pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, ContactLawName, Damping, LineContact};
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, TOLERABLE_DEPTH};
 pub use rolling::Rolling;
+pub use search::Moved;
 pub use sliding::Sliding;

@@ -1,6 +1,6 @@
 use super::facets::{Facets, MeshContact};
 use super::sliding::Sliding;
-use super::{Damping, LineContact};
+use super::{Damping, LineContact, Moved};
 use crate::geometry::{FlankError, Profile, Relief, Vec2, cross, quarter_turn, unit};
 
 /// Sectors of the meshing angle with a bound of their own for the relief.
@@ -265,7 +265,7 @@ impl PinContacts {
     }
 
     /// Hands the contacts to an elastic disc: the law of its surface, and how far (m) its flank may come out
-    /// to meet a pin.
+    /// to meet a pin beyond what [`Moved::lift`](super::Moved) says.
     pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
         (self.contact, self.reach) = (law, reach);
     }
@@ -350,7 +350,8 @@ impl PinContacts {
     /// As [`PinContacts::contacts`], with the pins moved as in [`PinContacts::visit_moved`].
     pub fn contacts_moved(&self, pose: DiscPose, velocity: DiscVelocity, shifts: &[Vec2]) -> Vec<PinContact> {
         let mut all = Vec::with_capacity(self.pins.len());
-        self.visit_moved(pose, velocity, true, shifts, |contact| all.push(*contact));
+        let moved = Moved { shifts, lift: 0.0 };
+        self.visit_moved(pose, velocity, true, moved, |contact| all.push(*contact));
         all
     }
 }

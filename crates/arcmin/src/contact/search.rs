@@ -31,20 +31,28 @@ impl Batch {
     }
 }
 
+/// How elastic bodies move pins and flank before contacts are sought.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Moved<'a> {
+    /// Way of every pin in m, in the frame of the ring; none in a rigid ring.
+    pub shifts: &'a [Vec2],
+    /// At most so far (m) the flank comes out to meet a pin.
+    pub lift: f64,
+}
+
 impl PinContacts {
     /// Calls `visit` for every pin (`all`) or for every pin that may touch.
     pub fn visit(&self, pose: DiscPose, velocity: DiscVelocity, all: bool, visit: impl FnMut(&PinContact)) {
-        self.visit_moved(pose, velocity, all, &[], visit);
+        self.visit_moved(pose, velocity, all, Moved::default(), visit);
     }
 
-    /// As [`PinContacts::visit`], every pin moved by its shift (m, in the frame of the ring); none without
-    /// shifts. Approach rates are those of pins at rest.
+    /// As [`PinContacts::visit`], pins and flank moved. Approach rates are those of pins at rest.
     pub fn visit_moved(
         &self,
         pose: DiscPose,
         velocity: DiscVelocity,
         all: bool,
-        shifts: &[Vec2],
+        moved: Moved<'_>,
         mut visit: impl FnMut(&PinContact),
     ) {
         let rotation = unit(pose.angle);
@@ -55,7 +63,7 @@ impl PinContacts {
         let mut next = Batch::default();
         for (index, pin) in self.pins.iter().enumerate() {
             let mut arm = pin.centre - pose.centre;
-            if let Some(shift) = shifts.get(index) {
+            if let Some(shift) = moved.shifts.get(index) {
                 arm += shift;
             }
             let p = turned(arm, back);
@@ -70,7 +78,8 @@ impl PinContacts {
                 };
                 let extra = self.profile.pin_radius - pin.radius
                     + self.relief_floors[sector]
-                    + self.shallowest_elsewhere;
+                    + self.shallowest_elsewhere
+                    - moved.lift;
                 if self.is_clear(p, e, ez, extra) {
                     continue;
                 }

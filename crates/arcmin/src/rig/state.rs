@@ -110,7 +110,14 @@ impl RigState {
         let Some(loops) = loops else { return Ok(None) };
         let figures =
             loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>()?;
-        let split = stiffness_split(machine, settings, suns[0])?;
+        // Discs with windows give way differently from one crank position to the next.
+        let places = if settings.housing.is_some() { &suns[..] } else { &suns[..suns.len().min(1)] };
+        let splits = places
+            .par_iter()
+            .map(|sun| stiffness_split(machine, settings, *sun))
+            .collect::<Result<Vec<_>, _>>()?;
+        let split = StiffnessSplit::mean(&splits)
+            .ok_or(RigError::BadLoop("a bench needs one crank position at least"))?;
         if progress.is_cancelled() {
             return Ok(None);
         }

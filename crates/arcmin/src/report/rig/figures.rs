@@ -140,12 +140,16 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
         format!(" Rigid or without effect here: {}.", rigid.join(", "))
     };
     let sum: f64 = split.parts.iter().map(|part| part.1).sum();
+    let at = match split.positions {
+        1 => "at the first crank position".to_owned(),
+        count => format!("in the mean of {count} crank positions"),
+    };
     Block::Shares(Shares {
         title: "Where the compliance sits, 50 to 100 % of rated torque".into(),
         unit: "arcmin per kN·m".into(),
         rows,
         note: format!(
-            "Energy split gᵀKg along the motion per unit torque at the first crank position, friction aside. The parts add up to {} % of the compliance read \
+            "Energy split gᵀKg along the motion per unit torque {at}, friction aside. The parts add up to {} % of the compliance read \
              from two balances, {} N·m/arcmin.{rigid}",
             significant(100.0 * sum / split.whole, 4),
             significant(ARCMIN / split.whole, 4)

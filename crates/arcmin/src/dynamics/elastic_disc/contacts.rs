@@ -1,0 +1,120 @@
+//! Which pins carry on a flank that modes and forces lift.
+
+use super::{DiscMotion, ElasticDiscs};
+use crate::contact::{Moved, PinContact, PinContacts};
+use crate::fem::{CoupledContact, CoupledForces, FlankCompliance};
+
+/// Contacts of one disc at one state.
+#[derive(Default)]
+pub(in crate::dynamics) struct DiscContacts {
+    /// As on the rigid disc; force and stiffness are not theirs.
+    pub contacts: Vec<PinContact>,
+    /// Rate of s in m/s.
+    pub rate: Vec<f64>,
+    /// φ_i of the modes, contact by contact.
+    pub shape: Vec<f64>,
+    pub coupled: Vec<CoupledContact>,
+    pub forces: CoupledForces,
+}
+
+impl DiscContacts {
+    fn push(&mut self, contact: PinContact, rate: f64, shape: &[f64], coupled: CoupledContact) {
+        self.contacts.push(contact);
+        self.rate.push(rate);
+        self.shape.extend_from_slice(shape);
+        self.coupled.push(coupled);
+    }
+
+    fn shape_of(&self, contact: usize) -> &[f64] {
+        let count = self.shape.len() / self.contacts.len();
+        &self.shape[contact * count..(contact + 1) * count]
+    }
+
+    /// Displacement (m) of a place under the forces of the first `count` contacts.
+    fn bent(&self, compliance: &FlankCompliance, count: usize, at: &CoupledContact) -> f64 {
+        let forces = self.forces.force[..count].iter().zip(&self.coupled);
+        forces.map(|(force, contact)| force * compliance.cross(&at.place, &contact.place)).sum()
+    }
+}
+
+/// A pin that is farther off than this (m) once the modes have lifted the flank is looked at again when the
+/// forces are known that may lift it further.
+const NEAR: f64 = 1e-6;
+/// Beyond what the modes may lift the flank, pins are sought within this first.
+pub(super) const REACH: f64 = 5e-6;
+
+impl ElasticDiscs {
+    /// Contacts that carry, or nearly so, with their coupled forces; `ring` has been [taken
+    /// over](ElasticDiscs::take_over). No pin that carries is left out, however far modes and forces lift the
+    /// flank.
+    pub(in crate::dynamics) fn contacts(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        motion: DiscMotion<'_>,
+    ) -> DiscContacts {
+        let body = &self.bodies[disc];
+        let by_modes: f64 = motion.modes.iter().zip(&body.peaks).map(|(q, peak)| q.abs() * peak).sum();
+        let mut by_forces = 0.0;
+        loop {
+            let state = self.contacts_within(disc, ring, motion, by_modes + by_forces);
+            let needed = body.largest_lift * state.forces.force.iter().sum::<f64>();
+            // Forces that are no numbers are for the caller to reject.
+            if !(needed > by_forces + REACH) {
+                return state;
+            }
+            by_forces = 2.0 * needed;
+        }
+    }
+
+    /// The same among the pins that a flank lifted by at most `lift` (m) and `REACH` may meet.
+    fn contacts_within(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        motion: DiscMotion<'_>,
+        lift: f64,
+    ) -> DiscContacts {
+        let body = &self.bodies[disc];
+        let (mut state, mut waiting) = (DiscContacts::default(), DiscContacts::default());
+        let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
+            (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
+        });
+        let moved = Moved { shifts: &shifts, lift };
+        let mut shape = vec![0.0; motion.modes.len()];
+        ring.visit_moved(motion.pose, motion.velocity, false, moved, |contact| {
+            let place = self.discs.stencil(disc, contact.tau);
+            let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
+            if let Some(speed) = speeds.get(contact.pin) {
+                rate += contact.gradient[0] * speed.x + contact.gradient[1] * speed.y;
+            }
+            for (m, phi) in shape.iter_mut().enumerate() {
+                *phi = body.modes.at(m, &place);
+                approach -= *phi * motion.modes[m];
+                rate -= *phi * motion.rates[m];
+            }
+            let equivalent_radius = 1.0 / contact.relative_curvature;
+            let near = if approach < -NEAR { &mut waiting } else { &mut state };
+            near.push(*contact, rate, &shape, CoupledContact { place, approach, equivalent_radius });
+        });
+        loop {
+            // An iteration that does not settle leaves a residual that the step's own Newton iteration sees
+            // and rejects.
+            state.forces.solve(ring.contact(), &body.residual, &state.coupled);
+            let lift = body.largest_lift * state.forces.force.iter().sum::<f64>();
+            let before = state.contacts.len();
+            for (i, contact) in waiting.coupled.iter().enumerate() {
+                let known = || state.contacts.iter().any(|c| c.pin == waiting.contacts[i].pin);
+                if contact.approach + lift > 0.0
+                    && contact.approach > state.bent(&body.residual, before, contact)
+                    && !known()
+                {
+                    state.push(waiting.contacts[i], waiting.rate[i], waiting.shape_of(i), *contact);
+                }
+            }
+            if state.contacts.len() == before {
+                return state;
+            }
+        }
+    }
+}
