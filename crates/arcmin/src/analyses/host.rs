@@ -26,6 +26,11 @@ pub trait Host: Progress {
         })
     }
 
+    /// Whether anybody reads this result; what nobody does need not be worked out.
+    fn wants(&self, _result: &str) -> bool {
+        true
+    }
+
     /// Seconds since some moment; 0 where there is no clock.
     fn seconds(&self) -> f64 {
         0.0

@@ -1,7 +1,9 @@
 use super::facets::{Facets, MeshContact};
 use super::sliding::Sliding;
 use super::{Damping, LineContact, Moved};
-use crate::geometry::{FlankError, Profile, Relief, Vec2, cross, quarter_turn, unit};
+use crate::geometry::{
+    FlankError, FlankErrorReader, Profile, Relief, Vec2, WornCourse, cross, quarter_turn, unit,
+};
 
 /// Sectors of the meshing angle with a bound of their own for the relief.
 pub(super) const FLOOR_SECTORS: usize = 72;
@@ -83,6 +85,12 @@ pub struct PinContact {
     pub along: [f64; 3],
     /// e(φ) of the meshing angle.
     pub(super) meshing_unit: Vec2,
+    /// How the flank goes on, where it was found on the way.
+    pub(super) course: Option<WornCourse>,
+    /// e(τ) of the foot.
+    pub(super) direction: Vec2,
+    /// What errors of the flank and the worn pin add to the gap, in m.
+    pub(super) read: f64,
 }
 
 impl PinContact {
@@ -167,6 +175,8 @@ pub struct PinContacts {
     pub(super) pin_reliefs: Vec<Relief>,
     /// Errors of this disc's flank around its circumference, if any.
     pub(super) flank_error: Option<FlankError>,
+    /// The same, ready to be read.
+    pub(super) error_reader: Option<FlankErrorReader>,
     /// Bound from below of what pins and flank errors take off, in m.
     pub(super) shallowest_elsewhere: f64,
     /// Bound from below of the flank's relief within ±20° of each sector of the meshing angle, in m.
@@ -191,6 +201,7 @@ impl PinContacts {
             relief: Relief::uniform(0.0),
             pin_reliefs: Vec::new(),
             flank_error: None,
+            error_reader: None,
             shallowest_elsewhere: 0.0,
             relief_floors: [0.0; FLOOR_SECTORS],
             contact,
@@ -256,6 +267,7 @@ impl PinContacts {
     /// gap.
     pub fn set_flank_error(&mut self, error: FlankError) {
         self.flank_error = (!error.is_zero()).then_some(error);
+        self.error_reader = self.flank_error.as_ref().map(FlankErrorReader::new);
         self.update_bounds();
     }
 
@@ -275,10 +287,6 @@ impl PinContacts {
     /// gains or loses energy every turn.
     pub fn set_conservative(&mut self, conservative: bool) {
         self.conservative = conservative;
-    }
-
-    pub(super) fn flank_error(&self) -> Option<&FlankError> {
-        self.flank_error.as_ref()
     }
 
     #[inline]

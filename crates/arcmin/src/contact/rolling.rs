@@ -1,5 +1,5 @@
 use super::{PinContact, PinContacts};
-use crate::geometry::{cross, quarter_turn};
+use crate::geometry::{Vec2, cross, quarter_turn, turned};
 
 /// How a contact travels on flank and pin while the disc moves: what the forces need beyond F ∂g/∂q to derive
 /// from the stored energy.
@@ -28,30 +28,33 @@ impl Rolling {
 impl PinContacts {
     /// What the flank's error takes off where a contact is, in m.
     pub fn flank_error_depth(&self, contact: &PinContact) -> f64 {
-        self.flank_error()
-            .map_or(0.0, |error| error.depth(contact.tau, self.profile().outward_normal(contact.tau)))
+        self.error_reader.as_ref().map_or(0.0, |error| {
+            error.depth(contact.tau, contact.direction, self.profile().outward_normal(contact.tau))
+        })
     }
 
     /// Travel of the foot of `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
         let pin_radius = self.pins()[contact.pin].radius;
         let profile = self.profile();
-        let course = profile.worn_course(contact.tau, contact.meshing_unit, self.relief(), pin_radius);
+        let course = contact.course.unwrap_or_else(|| {
+            profile.worn_course(contact.tau, contact.meshing_unit, self.relief(), pin_radius)
+        });
         // Facets leave the radius of the pin.
         let log_radius_slope = if self.is_faceted() {
             0.0
         } else {
             -course.relative_curvature_rate / contact.relative_curvature
         };
-
-        let (mut read, mut error_slope) = (self.pin_depth(contact), 0.0);
-        if let Some(error) = self.flank_error() {
-            read += self.flank_error_depth(contact);
-            error_slope = error.slope(contact.tau, profile);
-        }
+        let error_slope = self.error_reader.as_ref().map_or(0.0, |error| {
+            let (x, y) = (contact.meshing_unit.x, contact.meshing_unit.y);
+            // e(zτ) from e(τ) and e(−φ).
+            let ez = turned(contact.direction, Vec2::new(x, -y));
+            error.slope_on(contact.tau, contact.direction, ez, profile)
+        });
         // The pin centre moves by −T dz past the flank, and the closest point by 1/(1 − κ D) of that, D being
         // the distance between the two.
-        let reach = 1.0 - course.curvature * (contact.gap - read + pin_radius);
+        let reach = 1.0 - course.curvature * (contact.gap - contact.read + pin_radius);
         let t = quarter_turn(contact.normal);
         let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along / (reach * course.length));
         Rolling { by_pose, log_radius_slope, gap_slope: by_pose.map(|travel| error_slope * travel) }

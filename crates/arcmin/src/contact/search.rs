@@ -163,6 +163,7 @@ impl PinContacts {
                 normal: nearest.normal,
                 flank_curvature: nearest.curvature,
                 relative_curvature: 1.0 / radius,
+                course: None,
             }
         } else if self.relief.is_uniform() {
             let depth = self.relief.samples()[0];
@@ -176,6 +177,7 @@ impl PinContacts {
                 normal: foot.normal,
                 flank_curvature: curvature,
                 relative_curvature: 1.0 / radius - curvature,
+                course: None,
             }
         } else {
             self.profile.closest_on_worn(p, foot, &self.relief, radius)
@@ -188,9 +190,12 @@ impl PinContacts {
             normal: flank_normal,
             flank_curvature,
             relative_curvature,
+            course,
         } = closest;
-        if let Some(error) = &self.flank_error {
-            gap += error.depth(tau, flank_normal);
+        let mut read = 0.0;
+        let direction = foot.direction_at(tau);
+        if let Some(error) = &self.error_reader {
+            read += error.depth(tau, direction, flank_normal);
         }
         let normal = turned(flank_normal, rotation);
         let t = quarter_turn(normal);
@@ -199,9 +204,10 @@ impl PinContacts {
         if let Some(worn) = self.worn_pin(pin, normal) {
             pin_bend = worn.bend;
             let turn = turn_on_pin(t, arm, flank_curvature, closest.gap + radius);
-            gap += worn.depth;
+            read += worn.depth;
             gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
         }
+        gap += read;
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
@@ -230,6 +236,9 @@ impl PinContacts {
             pin_bend,
             along,
             meshing_unit,
+            course,
+            direction,
+            read,
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::descent::descend;
+use super::haste::hasten;
 use super::{Balance, DynamicsError, Linearisation, System, Weights};
 
 /// A state of rest.
@@ -57,8 +58,9 @@ const CREEPING: usize = 60;
 /// Newton's method with a mass term that vanishes as the forces do (pseudo-transient continuation): (μ M + K)
 /// Δq = Q. Bodies that hang free in a clearance have no stiffness; the mass term then drives them along the
 /// force until a contact stops them. A state whose forces vanish already is an equilibrium, wherever in the
-/// clearance it is. Where this does not get there, descent in energy starts anew: slower, but sure wherever
-/// the forces derive from an energy.
+/// clearance it is. Where the start is so good that a few steps of Newton's method by itself do, these are all;
+/// where the mass term does not get there, descent in energy starts anew: slower, but sure wherever the forces
+/// derive from an energy.
 ///
 /// # Errors
 /// [`DynamicsError::NoEquilibrium`] with the residual reached if the iterations are used up.
@@ -82,6 +84,9 @@ pub fn solve_equilibrium_unless<S: System>(
     control: EquilibriumControl,
     cancelled: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, DynamicsError> {
+    if let Some(found) = hasten(system, time, start, control) {
+        return Ok(found);
+    }
     let failure = match newton(system, time, start, control, cancelled) {
         Err(failure @ DynamicsError::NoEquilibrium { .. }) => failure,
         result => return result,

@@ -9,6 +9,7 @@ mod elastic_housing;
 mod equilibrium;
 mod error;
 mod gear_mesh;
+mod haste;
 mod ideal_joints;
 mod inputs;
 mod integrator;

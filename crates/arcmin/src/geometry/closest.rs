@@ -18,47 +18,42 @@ pub struct Closest {
     pub flank_curvature: f64,
     /// Relative curvature 1/R_eq of the worn surfaces in 1/m.
     pub relative_curvature: f64,
+    /// How the flank goes on from there, where it was found on the way.
+    pub(crate) course: Option<WornCourse>,
 }
 
-/// Everything at one place of the worn flank.
-struct Station {
-    /// Vector from the worn flank point to the pin centre.
-    reach: Vec2,
-    /// Half derivative of the squared distance along the flank, over the distance: zero at the closest point;
-    /// in m per m.
-    slope: f64,
-    /// Its derivative with respect to τ in 1/rad.
-    slope_by_tau: f64,
-    course: Course,
-}
-
-/// The last step (rad of φ) when the iteration stops: convergence is quadratic, so that the error left is of
-/// order 1e-12.
-const LAST_STEP: f64 = 1e-6;
+/// A step (rad of φ) after which the place is taken: convergence is quadratic, so that the error left is some
+/// 1e-8, which the distance feels in its square and the normal in its last digits.
+const LAST_STEP: f64 = 2e-4;
 
 impl Profile {
     /// Closest point of the flank f(τ) − w(τ) n(τ) to a pin of radius `pin_radius` at `p`, started at the
     /// foot on the unworn flank.
     ///
     /// With q = c − (r + w) n the distance |p − q| is stationary where off·t = w_s (off·n + r + w), off = p −
-    /// c, t the tangent and w_s the slope of the depth along the flank. Newton's method; where the depth is
-    /// so wavy that it does not settle, golden section within ±0.3 rad of φ.
+    /// c, t the tangent and w_s the slope of the depth along the flank. Newton's method, whose first step
+    /// needs nothing but the foot and the depth there, and whose last is carried out by the Taylor series of
+    /// the trace; where the depth is so wavy that it does not settle, golden section within ±0.3 rad of φ.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
-        let mut place = foot.place;
+        let unworn = |flank_curvature: f64| 1.0 / pin_radius - flank_curvature;
+        // Never trust a hollow: a quarter of the unworn curvature keeps the step finite.
+        let newton = |station: &Station| {
+            let bend = station.slope_by_tau.min(-0.25 * unworn(station.flank_curvature) * station.length);
+            (-station.slope / bend).clamp(-0.1 / lobes, 0.1 / lobes)
+        };
+        let mut place = foot.place.moved(newton(&self.station_at_foot(foot, relief)), z);
         for _ in 0..20 {
-            let here = self.station(p, place, relief);
-            // Never trust a hollow: a quarter of the unworn curvature keeps the step finite.
-            let unworn_curvature = 1.0 / pin_radius - here.course.flank_curvature;
-            let bend = here.slope_by_tau.min(-0.25 * unworn_curvature * here.course.length);
-            let step = (-here.slope / bend).clamp(-0.1 / lobes, 0.1 / lobes);
-            place = place.moved(step, z);
+            let here = self.worn_at(place, relief);
+            let step = newton(&Station::new(p, &here));
             if (step * lobes).abs() < LAST_STEP {
-                return self.station(p, place, relief).closest(place, pin_radius);
+                return self.closest_at(p, place.moved(step, z), &here.trace.moved(step), relief, pin_radius);
             }
+            place = place.moved(step, z);
         }
         let at = |tau: f64| Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
-        let gap = |tau: f64| self.station(p, at(tau), relief).gap(pin_radius);
+        let station = |tau: f64| Station::new(p, &self.worn_at(at(tau), relief));
+        let gap = |tau: f64| station(tau).reach.norm();
         let (mut a, mut b) = (foot.tau - 0.3 / lobes, foot.tau + 0.3 / lobes);
         while b - a > 1e-6 / lobes {
             let (c, d) = (b - 0.618_033_988_75 * (b - a), a + 0.618_033_988_75 * (b - a));
@@ -72,14 +67,14 @@ impl Profile {
         (a, b) = (a - 1e-5 / lobes, b + 1e-5 / lobes);
         for _ in 0..45 {
             let middle = 0.5 * (a + b);
-            if self.station(p, at(middle), relief).slope > 0.0 {
+            if station(middle).slope > 0.0 {
                 a = middle;
             } else {
                 b = middle;
             }
         }
         let place = at(0.5 * (a + b));
-        self.station(p, place, relief).closest(place, pin_radius)
+        self.closest_at(p, place, &self.trace_course(place), relief, pin_radius)
     }
 
     /// How the worn flank runs at τ, where `meshing` is e(φ).
@@ -99,64 +94,291 @@ impl Profile {
             let trace_rate = self.lobe_count() as f64 * k1 * meshing.y * ((1.0 + z) / speed + 3.0 * trace)
                 / (factor * factor);
             return WornCourse {
-                curvature: trace / stretch,
                 length: speed * stretch.abs(),
+                curvature: trace / stretch,
                 relative_curvature_rate: -trace_rate / (stretch * stretch),
             };
         }
         let z = self.pin_count as f64;
-        let here = Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
-        let course = self.course(here, relief);
-        // So short that it seldom leaves a cell of the depth's spline, whose third derivative jumps between
-        // cells.
-        let step = 1e-5 / self.lobe_count() as f64;
-        let relative = |step: f64| self.course(here.moved(step, z), relief).relative_curvature(pin_radius);
-        WornCourse {
-            curvature: 1.0 / pin_radius - course.relative_curvature(pin_radius),
-            length: course.length.hypot(course.depth_rate),
-            relative_curvature_rate: (relative(step) - relative(-step)) / (2.0 * step),
+        let place = Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
+        self.worn_at(place, relief).course(pin_radius)
+    }
+
+    /// Slope and bend of the distance at the foot on the unworn flank, in closed form: the pin stands on the
+    /// normal there.
+    #[inline]
+    fn station_at_foot(&self, foot: &Foot, relief: &Relief) -> Station {
+        let (z, lobes, k1) =
+            (self.pin_count as f64, self.lobe_count() as f64, self.short_width_coefficient());
+        let factor = self.speed_factor(foot.cos_meshing);
+        let speed = self.pin_circle_radius * factor;
+        let speed_rate = -self.pin_circle_radius * lobes * k1 * foot.sin_meshing / factor;
+        let curvature = foot.trace_curvature;
+        let curvature_rate =
+            lobes * k1 * foot.sin_meshing * ((1.0 + z) / speed + 3.0 * curvature) / (factor * factor);
+        let turning = curvature * speed;
+        let worn = relief.at(self.meshing_angle(foot.tau));
+        let depth = self.pin_radius + worn.depth;
+        let (depth_rate, depth_bend) = (-lobes * worn.slope, lobes * lobes * worn.bend);
+        let length = speed + depth * turning;
+        let length_rate =
+            speed_rate + depth_rate * turning + depth * (curvature_rate * speed + curvature * speed_rate);
+        let (length, length_rate) = (length.abs(), length_rate * length.signum());
+        let slope = -depth_rate / length;
+        Station {
+            reach: (foot.distance + depth) * foot.normal,
+            slope,
+            slope_by_tau: (turning * foot.distance - speed) / (foot.distance + depth)
+                - (depth_bend + slope * length_rate) / length,
+            flank_curvature: turning / (speed + depth * turning),
+            length,
         }
     }
 
-    /// The worn flank f = c − (r + w) n and how it goes on: f′ = A t − w′ n with A = |c′| (1 + (r + w) κ0).
-    fn course(&self, place: Place, relief: &Relief) -> Course {
+    /// The trace at a place and how it goes on.
+    #[inline]
+    fn trace_course(&self, place: Place) -> Trace {
         let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
         let c3 = self.trace_third_derivative(place.e, place.ez);
+        let z2 = (self.pin_count * self.pin_count) as f64;
+        let c4 = self.pin_circle_radius * place.e - self.eccentricity * z2 * z2 * place.ez;
         let speed = c1.norm();
         let per_speed = 1.0 / speed;
-        let per_speed3 = per_speed * per_speed * per_speed;
-        let trace_curvature = -cross(c1, c2) * per_speed3;
+        let per_square = per_speed * per_speed;
         let speed_rate = c1.dot(&c2) * per_speed;
-        let trace_curvature_rate =
-            -cross(c1, c3) * per_speed3 - 3.0 * trace_curvature * speed_rate * per_speed;
-        let lobes = self.lobe_count() as f64;
-        let meshing_angle = self.meshing_angle(place.tau);
-        let worn = relief.at(meshing_angle);
-        // φ falls with τ.
-        let depth_rate = -lobes * worn.slope;
-        let depth_below_trace = self.pin_radius + worn.depth;
-        let stretch = 1.0 + depth_below_trace * trace_curvature;
-        let stretch_rate = depth_rate * trace_curvature + depth_below_trace * trace_curvature_rate;
-        Course {
-            trace: c,
+        let speed_bend = (c2.norm_squared() + c1.dot(&c3) - speed_rate * speed_rate) * per_speed;
+        // N = −c′ × c″ = κ0 |c′|³, N′ and N″.
+        let (n, n1, n2) = (-cross(c1, c2), -cross(c1, c3), -(cross(c2, c3) + cross(c1, c4)));
+        let growth = speed_rate * per_speed;
+        let turning = n * per_square;
+        let turning_rate = n1 * per_square - 2.0 * turning * growth;
+        let turning_bend = n2 * per_square
+            - 4.0 * n1 * per_square * growth
+            - 2.0 * turning * (speed_bend * per_speed - 3.0 * growth * growth);
+        Trace {
+            c,
             tangent: c1 * per_speed,
             speed,
-            turning: trace_curvature * speed,
-            flank_curvature: trace_curvature / stretch,
-            depth_below_trace,
-            depth_rate,
-            depth_bend: lobes * lobes * worn.bend,
-            length: speed * stretch.abs(),
-            length_rate: (speed_rate * stretch + speed * stretch_rate) * stretch.signum(),
+            speed_rate,
+            speed_bend,
+            turning,
+            turning_rate,
+            turning_bend,
+        }
+    }
+
+    /// The worn flank at a place.
+    #[inline]
+    fn worn_at(&self, place: Place, relief: &Relief) -> Worn {
+        self.worn_on(self.trace_course(place), place.tau, relief)
+    }
+
+    /// f = c − (r + w) n and how it goes on: f′ = A t − w′ n with A = |c′| (1 + (r + w) κ0).
+    #[inline]
+    fn worn_on(&self, trace: Trace, tau: f64, relief: &Relief) -> Worn {
+        let lobes = self.lobe_count() as f64;
+        let meshing_angle = self.meshing_angle(tau);
+        let (worn, third) = relief.with_third(meshing_angle);
+        // φ falls with τ.
+        let (d, d1, d2, d3) = (
+            self.pin_radius + worn.depth,
+            -lobes * worn.slope,
+            lobes * lobes * worn.bend,
+            -lobes * lobes * lobes * third,
+        );
+        let Trace { speed, speed_rate, speed_bend, turning, turning_rate, turning_bend, .. } = trace;
+        let length = speed + d * turning;
+        let length_rate = speed_rate + d1 * turning + d * turning_rate;
+        let length_bend = speed_bend + d2 * turning + 2.0 * d1 * turning_rate + d * turning_bend;
+        let sign = length.signum();
+        Worn {
+            trace,
+            depth_below_trace: d,
+            depth_rate: d1,
+            depth_bend: d2,
+            depth_third: d3,
+            sign,
+            length: sign * length,
+            length_rate: sign * length_rate,
+            length_bend: sign * length_bend,
             meshing_angle,
         }
     }
 
-    fn station(&self, p: Vec2, place: Place, relief: &Relief) -> Station {
-        let course = self.course(place, relief);
-        let Course { tangent, speed, turning, depth_below_trace, depth_rate, length, .. } = course;
-        let normal = -quarter_turn(tangent);
-        let off = p - course.trace;
+    #[inline]
+    fn closest_at(&self, p: Vec2, place: Place, trace: &Trace, relief: &Relief, pin_radius: f64) -> Closest {
+        let worn = self.worn_on(*trace, place.tau, relief);
+        let reach = worn.reach(p);
+        let distance = reach.norm();
+        let course = worn.course(pin_radius);
+        let (cos, sin) = Profile::meshing_cos_sin(place.e, place.ez);
+        Closest {
+            tau: place.tau,
+            meshing_angle: worn.meshing_angle,
+            meshing_unit: Vec2::new(cos, sin),
+            gap: distance - pin_radius,
+            normal: reach / distance,
+            flank_curvature: course.curvature,
+            relative_curvature: 1.0 / pin_radius - course.curvature,
+            course: Some(course),
+        }
+    }
+}
+
+/// The worn flank at one place as the contact sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WornCourse {
+    /// κ in 1/m, positive where concave.
+    pub curvature: f64,
+    /// Arc length in m/rad of τ.
+    pub length: f64,
+    /// d(1/R_eq)/dτ in 1/(m·rad).
+    pub relative_curvature_rate: f64,
+}
+
+/// The trace at one place, per radian of τ.
+#[derive(Debug, Clone, Copy)]
+struct Trace {
+    c: Vec2,
+    tangent: Vec2,
+    /// |c′| in m/rad with its derivatives.
+    speed: f64,
+    speed_rate: f64,
+    speed_bend: f64,
+    /// κ0 |c′|, by which the tangent turns towards the normal, with its derivatives.
+    turning: f64,
+    turning_rate: f64,
+    turning_bend: f64,
+}
+
+impl Trace {
+    #[inline]
+    fn normal(&self) -> Vec2 {
+        -quarter_turn(self.tangent)
+    }
+
+    /// A short way (rad of τ) on, by the series: c to the third order, the rest to the second. Their errors
+    /// are below 1e-10 of each for [`LAST_STEP`].
+    #[inline]
+    fn moved(&self, way: f64) -> Trace {
+        let Trace { c, tangent, speed, speed_rate, speed_bend, turning, turning_rate, turning_bend } = *self;
+        let half = 0.5 * way * way;
+        let third = half * way / 3.0;
+        let along = speed * way + speed_rate * half + (speed_bend - speed * turning * turning) * third;
+        let across = speed * turning * half + (2.0 * speed_rate * turning + speed * turning_rate) * third;
+        let turn = turning * way + turning_rate * half + turning_bend * third;
+        let (cos, sin) = (1.0 - 0.5 * turn * turn, turn - turn * turn * turn / 6.0);
+        Trace {
+            c: c + along * tangent + across * self.normal(),
+            tangent: cos * tangent + sin * self.normal(),
+            speed: speed + speed_rate * way + speed_bend * half,
+            speed_rate: speed_rate + speed_bend * way,
+            turning: turning + turning_rate * way + turning_bend * half,
+            turning_rate: turning_rate + turning_bend * way,
+            ..*self
+        }
+    }
+}
+
+/// The worn flank at one place, per radian of τ.
+struct Worn {
+    trace: Trace,
+    /// r + w in m, w′ in m/rad, w″ in m/rad², w‴ in m/rad³.
+    depth_below_trace: f64,
+    depth_rate: f64,
+    depth_bend: f64,
+    depth_third: f64,
+    /// −1 where the flank turns back on itself.
+    sign: f64,
+    /// |A| in m/rad with its derivatives.
+    length: f64,
+    length_rate: f64,
+    length_bend: f64,
+    meshing_angle: f64,
+}
+
+impl Worn {
+    /// Curvature of the trace's offset by r + w, without the waves of the depth, in 1/m.
+    #[inline]
+    fn flank_curvature(&self) -> f64 {
+        self.sign * self.trace.turning / self.length
+    }
+
+    /// |f′| in m/rad.
+    #[inline]
+    fn width(&self) -> f64 {
+        (self.length * self.length + self.depth_rate * self.depth_rate).sqrt()
+    }
+
+    /// Vector from the worn flank point to `p`.
+    #[inline]
+    fn reach(&self, p: Vec2) -> Vec2 {
+        let off = p - self.trace.c;
+        off + self.depth_below_trace * self.trace.normal()
+    }
+
+    /// 1/R_eq in 1/m against a pin, and its rate in 1/(m·rad). A hollow sharper than the pin would touch at
+    /// two places; a tenth of the relative curvature without the waves of the depth keeps the single contact
+    /// that this model has (it enters the force only under a logarithm).
+    #[inline]
+    fn relative_curvature(&self, pin_radius: f64) -> (f64, f64) {
+        let Worn { length, length_rate, length_bend, depth_rate, depth_bend, depth_third, .. } = self;
+        let Trace { turning, turning_rate, .. } = self.trace;
+        let across = length * turning - depth_bend;
+        let across_rate = length_rate * turning + length * turning_rate - depth_third;
+        let ahead = length_rate + depth_rate * turning;
+        let ahead_rate = length_bend + depth_bend * turning + depth_rate * turning_rate;
+        let bends = length * across + depth_rate * ahead;
+        let bends_rate =
+            length_rate * across + length * across_rate + depth_bend * ahead + depth_rate * ahead_rate;
+        let square = length * length + depth_rate * depth_rate;
+        let square_rate = 2.0 * (length * length_rate + depth_rate * depth_bend);
+        let per_square = 1.0 / square;
+        let per_cube = per_square * per_square * square.sqrt();
+        let curvature = bends * per_cube;
+        let rate = bends_rate * per_cube - 1.5 * curvature * square_rate * per_square;
+        let here = 1.0 / pin_radius - curvature;
+        let smooth = self.flank_curvature();
+        let least = 0.1 * (1.0 / pin_radius - smooth);
+        if here >= least {
+            return (here, -rate);
+        }
+        let smooth_rate = (self.sign * turning_rate - smooth * length_rate) / length;
+        (least, -0.1 * smooth_rate)
+    }
+
+    #[inline]
+    fn course(&self, pin_radius: f64) -> WornCourse {
+        let (relative_curvature, rate) = self.relative_curvature(pin_radius);
+        WornCourse {
+            curvature: 1.0 / pin_radius - relative_curvature,
+            length: self.width(),
+            relative_curvature_rate: rate,
+        }
+    }
+}
+
+/// How the distance of a pin centre from the worn flank changes at one place.
+struct Station {
+    /// Vector from the worn flank point to the pin centre.
+    reach: Vec2,
+    /// Half derivative of the squared distance along the flank, over the distance: zero at the closest point;
+    /// in m per m.
+    slope: f64,
+    /// Its derivative with respect to τ in 1/rad.
+    slope_by_tau: f64,
+    /// As in [`Worn`].
+    flank_curvature: f64,
+    length: f64,
+}
+
+impl Station {
+    #[inline]
+    fn new(p: Vec2, worn: &Worn) -> Station {
+        let Worn { depth_below_trace, depth_rate, depth_bend, length, length_rate, .. } = *worn;
+        let Trace { c, tangent, speed, turning, .. } = worn.trace;
+        let normal = worn.trace.normal();
+        let off = p - c;
         let per_length = 1.0 / length;
         let height = off.dot(&normal) + depth_below_trace;
         let per_height = 1.0 / height;
@@ -167,73 +389,9 @@ impl Profile {
         let along_rate = turning * (height - depth_below_trace) - speed;
         let height_rate = depth_rate - turning * along;
         let slope_by_tau = (along_rate - along * per_height * height_rate) * per_height
-            - (course.depth_bend - depth_slope * course.length_rate) * per_length;
-        Station { reach: height * normal + along * tangent, slope, slope_by_tau, course }
-    }
-}
-
-/// The worn flank at one place as the contact sees it.
-pub(crate) struct WornCourse {
-    /// κ in 1/m, positive where concave.
-    pub curvature: f64,
-    /// Arc length in m/rad of τ.
-    pub length: f64,
-    /// d(1/R_eq)/dτ in 1/(m·rad).
-    pub relative_curvature_rate: f64,
-}
-
-impl Course {
-    /// 1/R_eq in 1/m against a pin. A hollow sharper than the pin would touch at two places; a tenth of the
-    /// relative curvature without the waves of the depth keeps the single contact that this model has (it
-    /// enters the force only under a logarithm).
-    fn relative_curvature(&self, pin_radius: f64) -> f64 {
-        let Course { turning, length, length_rate, depth_rate, depth_bend, .. } = self;
-        let square = length * length + depth_rate * depth_rate;
-        let bends =
-            length * (length * turning - depth_bend) + depth_rate * (length_rate + depth_rate * turning);
-        let curvature = bends / (square * square.sqrt());
-        (1.0 / pin_radius - curvature).max(0.1 * (1.0 / pin_radius - self.flank_curvature))
-    }
-}
-
-/// The worn flank at one place, per radian of τ.
-struct Course {
-    /// c, and the unit tangent t of trace and unworn flank.
-    trace: Vec2,
-    tangent: Vec2,
-    /// |c′| in m/rad, and κ0 |c′| by which the tangent turns.
-    speed: f64,
-    turning: f64,
-    /// Curvature of the trace's offset by r + w, without the waves of the depth, in 1/m.
-    flank_curvature: f64,
-    /// r + w in m, w′ in m/rad, w″ in m/rad².
-    depth_below_trace: f64,
-    depth_rate: f64,
-    depth_bend: f64,
-    /// A in m/rad and A′ in m/rad².
-    length: f64,
-    length_rate: f64,
-    meshing_angle: f64,
-}
-
-impl Station {
-    fn gap(&self, pin_radius: f64) -> f64 {
-        self.reach.norm() - pin_radius
-    }
-
-    fn closest(&self, place: Place, pin_radius: f64) -> Closest {
-        let distance = self.reach.norm();
-        let relative_curvature = self.course.relative_curvature(pin_radius);
-        let (cos, sin) = Profile::meshing_cos_sin(place.e, place.ez);
-        Closest {
-            tau: place.tau,
-            meshing_angle: self.course.meshing_angle,
-            meshing_unit: Vec2::new(cos, sin),
-            gap: distance - pin_radius,
-            normal: self.reach / distance,
-            flank_curvature: 1.0 / pin_radius - relative_curvature,
-            relative_curvature,
-        }
+            - (depth_bend - depth_slope * length_rate) * per_length;
+        let reach = height * normal + along * tangent;
+        Station { reach, slope, slope_by_tau, flank_curvature: worn.flank_curvature(), length }
     }
 }
 
@@ -253,12 +411,53 @@ mod tests {
         for i in 0..60 {
             let tau = 0.4 + 0.0027 * i as f64;
             let p = profile.trace(tau) + crate::geometry::Vec2::new(2e-5, -1e-5);
-            let slope = |tau: f64| profile.station(p, at(tau), &relief).slope;
+            let station = |tau: f64| Station::new(p, &profile.worn_at(at(tau), &relief));
+            let slope = |tau: f64| station(tau).slope;
             let h = 1e-7;
             let difference = (slope(tau + h) - slope(tau - h)) / (2.0 * h);
-            let exact = profile.station(p, at(tau), &relief).slope_by_tau;
+            let exact = station(tau).slope_by_tau;
             // The difference quotient has rounding of 1e-16/h and the third derivative's h².
             assert!((difference / exact - 1.0).abs() < 1e-5, "{tau}: {difference} {exact}");
+        }
+    }
+
+    /// Along the flank, between the samples of the depth: curvature against three points of the worn flank,
+    /// its rate against differences of it, and a course carried on by a short way against that found there.
+    #[test]
+    fn course_of_the_worn_flank_agrees_with_its_points() {
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let relief = Relief::from_samples(
+            Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect(),
+        );
+        let at = |tau: f64| profile.worn_at(Place { tau, e: unit(tau), ez: unit(40.0 * tau) }, &relief);
+        let point = |tau: f64| {
+            let here = at(tau);
+            here.trace.c - here.depth_below_trace * here.trace.normal()
+        };
+        let curvature = |tau: f64| 1.0 / 3e-3 - at(tau).relative_curvature(3e-3).0;
+        for i in 0..120 {
+            let tau = 0.41 + 0.0027 * f64::from(i);
+            let h = 2e-6;
+            let (a, m, b) = (point(tau - h), point(tau), point(tau + h));
+            let (first, second) = ((b - a) / (2.0 * h), (b - 2.0 * m + a) / (h * h));
+            let expected = -cross(first, second) / first.norm().powi(3);
+            let here = at(tau);
+            let scale = expected.abs().max(50.0);
+            assert!((curvature(tau) - expected).abs() < 2e-3 * scale, "{tau}: {expected}");
+            assert!((here.width() / first.norm() - 1.0).abs() < 1e-5, "{tau}");
+            let step = 1e-7;
+            let rate = -(curvature(tau + step) - curvature(tau - step)) / (2.0 * step);
+            let exact = here.relative_curvature(3e-3).1;
+            // The rate itself bends between two samples, and jumps at one.
+            assert!((exact - rate).abs() < 1e-2 * rate.abs() + 2e3, "{tau}: {exact} {rate}");
+            let way = 4e-6;
+            let (carried, there) = (here.trace.moved(way), at(tau + way).trace);
+            assert!((carried.c - there.c).norm() < 1e-16, "{tau}");
+            assert!((carried.tangent - there.tangent).norm() < 1e-10, "{tau}");
+            let size = there.turning.abs() + 40.0;
+            assert!((carried.turning - there.turning).abs() < 1e-7 * size, "{tau}");
+            assert!((carried.speed / there.speed - 1.0).abs() < 1e-11, "{tau}");
         }
     }
 }

@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use super::{Profile, Relief, Vec2, cross, unit};
+use super::{DepthSample, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
 /// Metal missing on one disc's flank: harmonics of the angle τ on the disc, and what was measured around it.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -102,29 +102,13 @@ impl FlankError {
 
     /// Missing metal in m at the angle τ (rad) on the disc, along the outward normal of the flank there.
     pub fn depth(&self, tau: f64, normal: Vec2) -> f64 {
-        let mut depth = 0.0;
-        for h in &self.harmonics {
-            let along = match h.direction {
-                FlankDirection::Normal => 1.0,
-                FlankDirection::Inwards => normal.dot(&unit(tau)),
-                FlankDirection::Around => -cross(unit(tau), normal),
-            };
-            depth += along * h.amplitude * (h.order as f64 * (tau - h.phase)).cos();
-        }
-        depth
-            + self
-                .measured
-                .as_ref()
-                .map_or(0.0, |measured| measured.at((tau + PI).rem_euclid(TAU) - PI).depth)
+        FlankErrorReader::new(self).depth(tau, unit(tau), normal)
     }
 
     /// Derivative of the depth along the flank, m/rad.
     pub fn slope(&self, tau: f64, profile: &Profile) -> f64 {
-        // A central difference: the normal turns with τ as well. Harmonics stay below some hundred waves, so
-        // 1e-5 rad is exact to 1e-6.
-        const STEP: f64 = 1e-5;
-        let at = |tau: f64| self.depth(tau, profile.outward_normal(tau));
-        (at(tau + STEP) - at(tau - STEP)) / (2.0 * STEP)
+        let (e, ez) = (unit(tau), unit(profile.pin_count as f64 * tau));
+        FlankErrorReader::new(self).slope_on(tau, e, ez, profile)
     }
 
     /// A bound from below in m.
@@ -144,6 +128,112 @@ impl FlankError {
         self.harmonics.iter().all(|h| h.amplitude == 0.0)
             && self.measured.as_ref().is_none_or(Relief::is_zero)
     }
+}
+
+/// A [`FlankError`] made ready to be read often: no sine or cosine is left but that of the place itself.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FlankErrorReader {
+    terms: Vec<Term>,
+    measured: Option<Relief>,
+}
+
+/// Re(amplitude e(order τ)) along a direction; the amplitude holds the phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Term {
+    order: usize,
+    amplitude: Vec2,
+    direction: FlankDirection,
+}
+
+impl FlankErrorReader {
+    pub fn new(error: &FlankError) -> FlankErrorReader {
+        let mut terms: Vec<Term> = error
+            .harmonics
+            .iter()
+            .map(|h| Term {
+                order: h.order,
+                amplitude: h.amplitude * unit(-(h.order as f64) * h.phase),
+                direction: h.direction,
+            })
+            .collect();
+        terms.sort_by_key(|term| term.order);
+        FlankErrorReader { terms, measured: error.measured.clone() }
+    }
+
+    /// Calls `add` for every term with e(order τ).
+    #[inline]
+    fn visit(&self, e: Vec2, mut add: impl FnMut(&Term, Vec2)) {
+        let (mut order, mut wave) = (0, Vec2::new(1.0, 0.0));
+        for term in &self.terms {
+            wave = turned(wave, power(e, term.order - order));
+            order = term.order;
+            add(term, wave);
+        }
+    }
+
+    fn measured_at(&self, tau: f64) -> DepthSample {
+        self.measured
+            .as_ref()
+            .map_or_else(DepthSample::default, |measured| measured.at((tau + PI).rem_euclid(TAU) - PI))
+    }
+
+    /// Missing metal in m at τ, where `e` is e(τ), along the outward normal there.
+    #[inline]
+    pub fn depth(&self, tau: f64, e: Vec2, normal: Vec2) -> f64 {
+        let (inwards, around) = (normal.dot(&e), -cross(e, normal));
+        let mut depth = self.measured_at(tau).depth;
+        self.visit(e, |term, wave| {
+            let along = match term.direction {
+                FlankDirection::Normal => 1.0,
+                FlankDirection::Inwards => inwards,
+                FlankDirection::Around => around,
+            };
+            depth += along * (term.amplitude.x * wave.x - term.amplitude.y * wave.y);
+        });
+        depth
+    }
+
+    /// Its derivative along the flank in m/rad, where `ez` is e(zτ).
+    #[inline]
+    pub fn slope_on(&self, tau: f64, e: Vec2, ez: Vec2, profile: &Profile) -> f64 {
+        let (_, c1, c2) = profile.trace_derivatives(e, ez);
+        let per_speed = 1.0 / c1.norm();
+        let tangent = c1 * per_speed;
+        // By so much per rad the tangent turns towards the normal.
+        let turning = -cross(c1, c2) * per_speed * per_speed;
+        let normal = Vec2::new(tangent.y, -tangent.x);
+        let (ahead, normal_rate) = (quarter_turn(e), -turning * tangent);
+        let inwards = (normal.dot(&e), normal_rate.dot(&e) + normal.dot(&ahead));
+        let around = (-cross(e, normal), -cross(ahead, normal) - cross(e, normal_rate));
+        let mut slope = self.measured_at(tau).slope;
+        self.visit(e, |term, wave| {
+            let (along, rate) = match term.direction {
+                FlankDirection::Normal => (1.0, 0.0),
+                FlankDirection::Inwards => inwards,
+                FlankDirection::Around => around,
+            };
+            let value = term.amplitude.x * wave.x - term.amplitude.y * wave.y;
+            let by_tau = -(term.order as f64) * (term.amplitude.x * wave.y + term.amplitude.y * wave.x);
+            slope += rate * value + along * by_tau;
+        });
+        slope
+    }
+}
+
+/// e(n x) from e(x): powers of a complex number.
+#[inline]
+fn power(e: Vec2, mut n: usize) -> Vec2 {
+    let (mut square, mut result) = (e, Vec2::new(1.0, 0.0));
+    while n > 0 {
+        if n & 1 == 1 {
+            result = turned(result, square);
+        }
+        n >>= 1;
+        if n > 0 {
+            square = turned(square, square);
+        }
+    }
+    result
 }
 
 #[cfg(test)]
@@ -187,6 +277,46 @@ mod tests {
         assert!(FlankError::from_measured(&points, 39).is_ok());
         points.push((TAU + 0.1, 1e-6));
         assert_eq!(FlankError::from_measured(&points, 39), Err(FlankDataError::MoreThanATurn(401)));
+    }
+
+    /// All kinds of terms, orders out of order: the sum of cosines as it is defined, and its slope against
+    /// differences of the depth.
+    #[test]
+    fn reading_agrees_with_the_definition() {
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let directions = [FlankDirection::Around, FlankDirection::Normal, FlankDirection::Inwards];
+        let harmonics: Vec<FlankHarmonic> = [39, 1, 117, 5, 5, 0]
+            .into_iter()
+            .enumerate()
+            .map(|(i, order)| FlankHarmonic {
+                order,
+                amplitude: 1e-6 * (i + 1) as f64,
+                phase: 0.7 * i as f64 - 1.0,
+                direction: directions[i % 3],
+            })
+            .collect();
+        let error = FlankError { harmonics: harmonics.clone(), measured: None };
+        for i in 0..300 {
+            let tau = -3.0 + 0.0417 * f64::from(i);
+            let normal = profile.outward_normal(tau);
+            let expected: f64 = harmonics
+                .iter()
+                .map(|h| {
+                    let along = match h.direction {
+                        FlankDirection::Normal => 1.0,
+                        FlankDirection::Inwards => normal.dot(&unit(tau)),
+                        FlankDirection::Around => -cross(unit(tau), normal),
+                    };
+                    along * h.amplitude * (h.order as f64 * (tau - h.phase)).cos()
+                })
+                .sum();
+            assert!((error.depth(tau, normal) - expected).abs() < 1e-18, "{tau}");
+            let h = 1e-5;
+            let at = |tau: f64| error.depth(tau, profile.outward_normal(tau));
+            let difference = (at(tau + h) - at(tau - h)) / (2.0 * h);
+            assert!((error.slope(tau, &profile) - difference).abs() < 1e-9, "{tau}");
+        }
     }
 
     /// A flank that is off its centre by d: inwards −d·e(τ), around d·e'(τ) together are the translation,

@@ -18,6 +18,14 @@ pub struct Foot {
     pub(super) place: Place,
 }
 
+impl Foot {
+    /// e(τ) at a place near the foot.
+    #[inline]
+    pub(crate) fn direction_at(&self, tau: f64) -> Vec2 {
+        super::turned(self.place.e, small_unit(tau - self.place.tau))
+    }
+}
+
 /// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10
 /// µm off its nominal place sees two flanks, and Newton's method may settle on the far one. There the search
 /// brackets.

@@ -13,7 +13,9 @@ mod profile;
 mod relief;
 
 pub use closest::Closest;
+pub(crate) use closest::WornCourse;
 pub(crate) use feet::LANES;
+pub(crate) use flank_error::FlankErrorReader;
 pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};
 pub use foot::Foot;
 pub use outline::{Outline, Sector, Segment};

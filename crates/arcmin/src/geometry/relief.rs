@@ -83,6 +83,9 @@ impl Relief {
     pub fn plus(&self, other: &Relief) -> Relief {
         let (fine, coarse) =
             if self.values.len() >= other.values.len() { (self, other) } else { (other, self) };
+        if coarse.is_uniform() && coarse.is_zero() {
+            return fine.clone();
+        }
         let sum = Relief::grid(fine.values.len())
             .zip(&fine.values)
             .map(|(phi, depth)| depth + coarse.at(phi).depth)
@@ -93,9 +96,15 @@ impl Relief {
     /// Depth, slope and bend at the meshing angle φ in (−π, π].
     #[inline]
     pub fn at(&self, meshing_angle: f64) -> DepthSample {
+        self.with_third(meshing_angle).0
+    }
+
+    /// The same with d³w/dφ³ in m/rad³, which jumps at the grid points.
+    #[inline]
+    pub(crate) fn with_third(&self, meshing_angle: f64) -> (DepthSample, f64) {
         let n = self.values.len();
         if n == 1 {
-            return DepthSample { depth: self.values[0], ..DepthSample::default() };
+            return (DepthSample { depth: self.values[0], ..DepthSample::default() }, 0.0);
         }
         let h = self.step;
         // Truncation, not `floor` and a remainder: this is the innermost loop, and φ lies within one turn.
@@ -106,12 +115,13 @@ impl Relief {
         let right = if left + 1 == n { 0 } else { left + 1 };
         let (y0, y1, m0, m1) = (self.values[left], self.values[right], self.bends[left], self.bends[right]);
         let s = 1.0 - t;
-        DepthSample {
+        let sample = DepthSample {
             depth: s * y0 + t * y1 + h * h / 6.0 * ((s * s * s - s) * m0 + (t * t * t - t) * m1),
             slope: (y1 - y0) * self.per_step
                 + h / 6.0 * ((3.0 * t * t - 1.0) * m1 - (3.0 * s * s - 1.0) * m0),
             bend: s * m0 + t * m1,
-        }
+        };
+        (sample, (m1 - m0) * self.per_step)
     }
 }
 

@@ -139,6 +139,10 @@ impl<'a> Course<'a> {
         self.wear.meshing_mut()
     }
 
+    pub(super) fn machine(&self) -> &'a Machine {
+        self.machine
+    }
+
     /// The whole machine in its bearings beside it.
     pub fn parts(&self) -> &PartsFollower<'a> {
         &self.parts

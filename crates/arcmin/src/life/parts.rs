@@ -61,10 +61,24 @@ impl<'a> PartsFollower<'a> {
         surfaces: &WearSnapshot,
         wear: PartWear,
     ) -> Result<PartsPoint, WearError> {
-        let mut meshing = self.meshing.clone();
-        surfaces.put_on(&self.designed, &mut meshing);
+        self.lost_motion_causes_on(&mut self.meshing.clone(), surfaces, wear)
+    }
+
+    /// The whole machine in its bearings, for [`PartsFollower::lost_motion_causes_on`].
+    pub(super) fn meshing(&self) -> &BearingMeshing {
+        &self.meshing
+    }
+
+    /// [`PartsFollower::lost_motion_causes`] on joints that keep what they have found for the next state.
+    pub(super) fn lost_motion_causes_on(
+        &self,
+        meshing: &mut BearingMeshing,
+        surfaces: &WearSnapshot,
+        wear: PartWear,
+    ) -> Result<PartsPoint, WearError> {
+        surfaces.put_on(&self.designed, meshing);
         meshing.set_part_wear(&wear);
-        let positions = lost_motion_positions(&meshing);
+        let positions = lost_motion_positions(meshing);
         Ok(PartsPoint { wear, lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())? })
     }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::parts::{PartsPoint, lost_motion_positions};
 use super::{Accuracy, Course, WornState, accuracy};
 use crate::analyses::AnalysisError;
-use crate::fidelity::Fidelity;
+use crate::fidelity::{Fidelity, MachineMeshing};
 use crate::load::lost_motion;
 use crate::machine::{Machine, OutputAngle};
 use crate::progress::Progress;
@@ -116,21 +116,11 @@ pub fn predict(
     }
     let joints = course.meshing().clone();
     let points = states
-        .into_par_iter()
-        .map(|state| {
-            if progress.is_cancelled() {
-                return Err(WearError::Stopped);
-            }
-            let mut joints = joints.clone();
-            state.put_on(machine, &mut joints);
-            let flank = state.surfaces.flank();
-            let accuracy = accuracy(machine, &mut joints, flank, state.hours, options.crank_positions)?;
-            let parts = course.parts().lost_motion_causes(&state.surfaces, state.part_wear)?;
-            let contact_lost_motion = of_contacts(machine, &state)?;
-            Ok(LifePoint { accuracy, contact_lost_motion, parts, state })
-        })
-        .collect::<Result<Vec<LifePoint>, WearError>>()
-        .map_err(failed())?;
+        .par_chunks(STATES_IN_A_ROW)
+        .map(|states| follow(&course, &joints, states, options, progress))
+        .collect::<Result<Vec<Vec<LifePoint>>, WearError>>()
+        .map_err(failed())?
+        .concat();
     let (updates, exposure) = (course.updates(), *course.exposure());
     let history: Vec<(f64, f64)> =
         points.iter().map(|point| (point.hours(), point.lost_motion().radians())).collect();
@@ -139,6 +129,37 @@ pub fn predict(
         Some(RunAway { hours, .. }) => (crossing(&history, machine.limits.lost_motion), hours),
     };
     Ok(Prediction { points, exposure, updates, hours_to_limit, searched_hours, runs_away })
+}
+
+/// States evaluated one after the other, each from the balances of the one before: a multiple of what it takes to
+/// make up for the first, and few enough for the processors of a desk.
+const STATES_IN_A_ROW: usize = 16;
+
+/// Evaluates some states in a row.
+fn follow(
+    course: &Course<'_>,
+    joints: &MachineMeshing,
+    states: &[WornState],
+    options: LifeOptions,
+    progress: &dyn Progress,
+) -> Result<Vec<LifePoint>, WearError> {
+    let machine = course.machine();
+    let mut joints = joints.clone();
+    let mut in_bearings = course.parts().meshing().clone();
+    let mut points = Vec::with_capacity(states.len());
+    for state in states {
+        if progress.is_cancelled() {
+            return Err(WearError::Stopped);
+        }
+        state.put_on(machine, &mut joints);
+        let flank = state.surfaces.flank();
+        let accuracy = accuracy(machine, &mut joints, flank, state.hours, options.crank_positions)?;
+        let parts =
+            course.parts().lost_motion_causes_on(&mut in_bearings, &state.surfaces, state.part_wear)?;
+        let contact_lost_motion = of_contacts(machine, state)?;
+        points.push(LifePoint { accuracy, contact_lost_motion, parts, state: state.clone() });
+    }
+    Ok(points)
 }
 
 /// Lost motion of the tooth contacts alone.
@@ -162,11 +183,14 @@ fn search_limit(
     let furthest = options.search_factor.max(1.0) * service_hours;
     let mut hours_to_limit = crossing(&history, limit);
     let mut searched_hours = service_hours;
+    let mut in_bearings = course.parts().meshing().clone();
     while hours_to_limit.is_none() && searched_hours < furthest {
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
         let lost = course.advance_to(hours, progress).and_then(|()| {
             let state = course.state();
-            Ok(course.parts().lost_motion_causes(&state.surfaces, state.part_wear)?.lost_motion.whole)
+            let parts =
+                course.parts().lost_motion_causes_on(&mut in_bearings, &state.surfaces, state.part_wear)?;
+            Ok(parts.lost_motion.whole)
         });
         match lost {
             Ok(lost) => history.push((hours, lost)),
@@ -195,6 +219,7 @@ pub(crate) fn crossing(history: &[(f64, f64)], limit: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::ManufacturingErrors;
     use crate::progress::Silent;
 
     #[test]
@@ -211,7 +236,7 @@ mod tests {
                 && p[1].accuracy.max_depth > p[0].accuracy.max_depth
         };
         assert!(prediction.points.windows(2).all(grows));
-        assert!(prediction.updates >= 100);
+        assert!(prediction.updates >= 30);
     }
 
     #[test]
@@ -244,5 +269,37 @@ mod tests {
         let hours = prediction.points[2].hours();
         let state = super::super::worn_after(&machine, &Fidelity::ideal(), hours, &Silent).unwrap();
         assert_eq!(state.surfaces.flanks, prediction.points[2].state.surfaces.flanks);
+    }
+
+    /// A drawn machine over its life: steps a hundred times more exact, each no longer than 0.1 µm, move lost
+    /// motion and hours by less than 0.2 %.
+    #[test]
+    fn finer_steps_leave_lost_motion_and_hours_of_a_drawn_machine() {
+        let design = crate::templates::design("rv-40e-81").unwrap();
+        let mut machine = design.machine();
+        // A short life within which the limit is reached.
+        machine.limits.service_life = 3000.0 * HOUR;
+        machine.limits.lost_motion = 0.6 * crate::units::ARCMIN;
+        let tolerances = design.drawing_tolerances().unwrap();
+        let errors = ManufacturingErrors::draw(&machine, &tolerances, 1);
+        let fidelity = Fidelity { joints: crate::fidelity::Joints::Bearings, ..Fidelity::ideal() }
+            .with_errors(errors, 1);
+        let of = |wear: CoupledOptions| {
+            let options = LifeOptions { wear, intervals: 4, crank_positions: 3, search_factor: 1.0 };
+            predict(&machine, &fidelity, options, &Silent, |_| ()).unwrap()
+        };
+        let usual = CoupledOptions::default();
+        let (coarse, fine) = (
+            of(usual),
+            of(CoupledOptions { tolerance: 0.01 * usual.tolerance, depth_increment: 0.1 * UM, ..usual }),
+        );
+        assert!(fine.updates > 2 * coarse.updates, "{} {}", fine.updates, coarse.updates);
+        for (a, b) in coarse.points.iter().zip(&fine.points) {
+            let share = a.lost_motion().radians() / b.lost_motion().radians() - 1.0;
+            assert!(share.abs() < 2e-3, "{} h: {share:e}", a.hours());
+        }
+        if let (Some(a), Some(b)) = (coarse.hours_to_limit, fine.hours_to_limit) {
+            assert!((a / b - 1.0).abs() < 5e-3 || a == b, "{a} {b}");
+        }
     }
 }

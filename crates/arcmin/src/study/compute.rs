@@ -2,11 +2,50 @@ use serde_json::{Map, Value as Json};
 
 use super::file::Study;
 use super::list_place::ListPlace;
-use super::plan::{Kind, Row, Setting};
+use super::plan::{Kept, Kind, Row, Setting};
 use super::run::RowError;
 use super::stream::{Purpose, hash};
-use crate::analyses::{AnalysisError, Host};
-use crate::design::{Design, DesignError, Value};
+use crate::analyses::{AnalysisError, Host, Origin};
+use crate::design::{Design, DesignError, InputFile, Value};
+use crate::progress::Progress;
+
+/// The host of a row, which knows what is kept of it.
+struct Keeping<'a> {
+    host: &'a dyn Host,
+    kept: &'a [Kept],
+}
+
+impl Progress for Keeping<'_> {
+    fn report(&self, stage: &str, share: f64) {
+        self.host.report(stage, share);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.host.is_cancelled()
+    }
+}
+
+impl Host for Keeping<'_> {
+    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        self.host.read(file, origin)
+    }
+
+    fn wants(&self, result: &str) -> bool {
+        self.kept.iter().any(|kept| kept.key.split('.').next() == Some(result))
+    }
+
+    fn seconds(&self) -> f64 {
+        self.host.seconds()
+    }
+
+    fn cached(&self, name: &str) -> Option<Vec<u8>> {
+        self.host.cached(name)
+    }
+
+    fn cache(&self, name: &str, bytes: &[u8]) {
+        self.host.cache(name, bytes);
+    }
+}
 
 impl Study {
     /// The design of a row, without the errors of a drawn machine.
@@ -79,6 +118,7 @@ impl Study {
     /// [`RowError::Failed`] for a machine that cannot be or cannot be computed, [`RowError::Cancelled`] if
     /// the host asked to stop.
     pub fn compute(&self, row: &Row, host: &dyn Host) -> Result<Json, RowError> {
+        let host = &Keeping { host, kept: self.plan.kept() };
         let design = self.design_of(row).map_err(|error| RowError::Failed(error.kind.to_string()))?;
         let outcome =
             self.analysis.run(&design, &self.options_of(row), self.origin(), host).map_err(|error| {

@@ -58,7 +58,7 @@ impl WearCurve {
         clock: &Exposure,
         mut enough: impl FnMut(f64, f64, f64) -> bool,
     ) -> Result<WearCurve, WearError> {
-        let mut wear = CoupledWear::with(machine, meshing, options).on_clock(clock);
+        let mut wear = CoupledWear::with(machine, meshing, options.for_curves()).on_clock(clock);
         let new = lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians();
         let mut curve = WearCurve { exposures: vec![0.0], depths: vec![0.0], lost_motions: vec![0.0] };
         loop {

@@ -58,8 +58,11 @@ pub struct CoupledOptions {
     pub pin_points: usize,
     /// Crank positions per pin pitch at each update of the flank.
     pub crank_positions: usize,
-    /// Largest increment of the depth per update in m.
+    /// Largest increment of the depth per update in m, in place of a longer one that the tolerance allows.
     pub depth_increment: f64,
+    /// By how much Euler's and Heun's method may differ after an update, anywhere, in m. It is the error of the
+    /// former; that of the latter, which is taken, is smaller.
+    pub tolerance: f64,
 }
 
 impl Default for CoupledOptions {
@@ -68,8 +71,17 @@ impl Default for CoupledOptions {
             flank_points: 720,
             pin_points: 1440,
             crank_positions: 15,
-            depth_increment: 0.08 * UM,
+            depth_increment: UM,
+            tolerance: 0.05 * UM,
         }
+    }
+}
+
+impl CoupledOptions {
+    /// For a computation whose updates are the points of a curve that is read by straight lines: so close that
+    /// the lines leave less than the updates.
+    pub(super) fn for_curves(self) -> CoupledOptions {
+        CoupledOptions { depth_increment: self.depth_increment.min(0.08 * UM), ..self }
     }
 }
 
@@ -163,9 +175,15 @@ fn runs_away(exposure: f64, depth: f64) -> WearError {
 pub(crate) const WORN_OUT: f64 = 0.25;
 /// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
 const RUN_AWAY: f64 = 0.02;
-/// Largest increment of the depth per update as a share of the depth reached: it takes over from the
-/// increment of [`CoupledOptions`] beyond 40 µm.
-const STEP_SHARE: f64 = 2e-3;
+/// Largest increment of the depth per update, and its tolerance, as shares of the depth reached: they take over
+/// from those of [`CoupledOptions`] beyond 50 and 25 µm.
+const STEP_SHARE: f64 = 2e-2;
+const TOLERANCE_SHARE: f64 = 2e-3;
+/// Sets of crank positions: 13 is a Fibonacci number, so that the golden section spreads them evenly.
+const ROUNDS: usize = 13;
+/// The first update takes off this much at most, in m, and no step that fails is made smaller.
+const FIRST_INCREMENT: f64 = 0.08 * UM;
+const LEAST_INCREMENT: f64 = 0.01 * UM;
 
 /// Of several with the same depth the first.
 fn deepest(reliefs: &[Relief]) -> &Relief {
@@ -188,6 +206,8 @@ pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
     designed: Relief,
     state: WearSnapshot,
     updates: usize,
+    /// Exposure of the next update as the last one would have it.
+    step: Option<f64>,
     /// Last solution per duty row and crank position: where the next one starts.
     starts: Vec<Option<S::Start>>,
 }
@@ -201,6 +221,12 @@ struct Rates {
 impl Rates {
     fn largest(&self) -> f64 {
         self.flanks.iter().chain(&self.pins).flatten().copied().fold(0.0, f64::max)
+    }
+
+    /// Largest difference of two rates anywhere.
+    fn largest_difference(&self, other: &Rates) -> f64 {
+        let pairs = self.flanks.iter().chain(&self.pins).zip(other.flanks.iter().chain(&other.pins));
+        pairs.flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 }
 
@@ -236,6 +262,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             options,
             state,
             updates: 0,
+            step: None,
         }
     }
 
@@ -272,8 +299,8 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         self.updates
     }
 
-    /// Advances to the exposure `target` (s/Pa) by Heun's method, the steps bounded by the depth increment or
-    /// a share of the depth reached. Where nothing wears (no torque, no speed), the surfaces stay as they are.
+    /// Advances to the exposure `target` (s/Pa) by Heun's method, each step as long as its difference from
+    /// Euler's lets it be. Where nothing wears (no torque, no speed), the surfaces stay as they are.
     ///
     /// # Errors
     /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost a quarter
@@ -319,11 +346,31 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             }
             let left = target - before.exposure;
             let most = self.options.depth_increment.max(STEP_SHARE * depth) / largest;
+            let wanted = self.step.unwrap_or(FIRST_INCREMENT / largest).min(most);
             // Equal last steps instead of one tiny one.
-            let step = if left > 2.0 * most { most } else { (left / (left / most).ceil()).min(left) };
-            let predicted = self.advanced(&before, &[(&first, step)]);
-            let second = self.rates(&predicted).map_err(&lost)?;
+            let planned =
+                if left > 2.0 * wanted { wanted } else { (left / (left / wanted).ceil()).min(left) };
+            let mut step = planned;
+            let tolerance = self.options.tolerance.max(TOLERANCE_SHARE * depth);
+            let (second, error) = loop {
+                let predicted = self.advanced(&before, &[(&first, step)]);
+                let may_shrink = step * largest > LEAST_INCREMENT;
+                match self.rates(&predicted) {
+                    Err(WearError::Load(_)) if may_shrink => step *= 0.25,
+                    Err(error) => return Err(lost(error)),
+                    Ok(second) => {
+                        let error = 0.5 * step * first.largest_difference(&second);
+                        if !(error > 2.0 * tolerance && may_shrink) {
+                            break (second, error);
+                        }
+                        step *= (0.9 * (tolerance / error).sqrt()).max(0.2);
+                    }
+                }
+            };
             self.state = self.advanced(&before, &[(&first, 0.5 * step), (&second, 0.5 * step)]);
+            let next = step * (0.9 * (tolerance / error).sqrt()).clamp(0.3, 2.0);
+            // A step cut short by the target says nothing against a longer one.
+            self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
             if left - step < 1e-12 * target {
                 self.state.exposure = target;
             }
@@ -357,9 +404,11 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         let count = self.options.crank_positions;
         // The crank positions shift from update to update by the golden section, so that no place of the
         // flank is favoured.
-        let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
+        // After a while they come round again, so that each balance starts from one that it knows.
+        let round = self.updates % ROUNDS;
+        let offset = (round as f64 * 0.618_033_988_749_894_9).fract();
         // Each fraction of a pitch meets all places of the period within `count` updates.
-        let shift = if self.meshing.pitches() > 1 { self.updates % count } else { 0 };
+        let shift = if self.meshing.pitches() > 1 { round % count } else { 0 };
         for (row, duty) in machine.duty.iter().enumerate() {
             if duty.torque == 0.0 || duty.share == 0.0 {
                 continue;

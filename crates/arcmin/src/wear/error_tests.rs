@@ -13,8 +13,13 @@ fn meshing(machine: &Machine, errors: &ManufacturingErrors) -> BearingMeshing {
 }
 
 /// Coarser steps than the default: these tests compare like with like.
-const COARSE: CoupledOptions =
-    CoupledOptions { flank_points: 720, pin_points: 1440, crank_positions: 15, depth_increment: 0.2e-6 };
+const COARSE: CoupledOptions = CoupledOptions {
+    flank_points: 720,
+    pin_points: 1440,
+    crank_positions: 15,
+    depth_increment: 0.2e-6,
+    tolerance: 0.05e-6,
+};
 
 fn worn(
     machine: &Machine,

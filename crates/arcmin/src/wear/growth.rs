@@ -48,7 +48,8 @@ impl Growth {
         beyond: Beyond,
         progress: &dyn Progress,
     ) -> Result<Growth, WearError> {
-        let mut wear = CoupledWear::with(machine, meshing, CoupledOptions::default()).on_clock(clock);
+        let mut wear =
+            CoupledWear::with(machine, meshing, CoupledOptions::default().for_curves()).on_clock(clock);
         let torque = machine.rated.torque;
         let lost = |wear: &mut CoupledWear<'_, S>| -> Result<f64, WearError> {
             Ok(lost_motion(wear.meshing_mut(), torque, LOST_MOTION_POSITIONS)?.radians())

@@ -97,8 +97,12 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     }
     .verdict();
     clock.stage("bearings");
-    host.report("advice", 0.0);
-    let advice = advice::advise(design, &fidelity, &prediction, &verdict, host)?;
+    let advice = if host.wants("advice") {
+        host.report("advice", 0.0);
+        advice::advise(design, &fidelity, &prediction, &verdict, host)?
+    } else {
+        Vec::new()
+    };
     clock.stage("advice");
     let elastic = elastic_disc::section(&machine, &fidelity)?;
     Ok(Life {

@@ -11,6 +11,8 @@ const NO_PRELOAD: f64 = 1e-2;
 const RELIEF_TOLERANCE: f64 = 1e-3;
 /// Force of line contact grows about as the 1.1th power of the approach: its 0.9th is nearly a straight line.
 const STRAIGHT: f64 = 0.9;
+/// Share of the way to where the secant vanishes.
+const MOST_OF_THE_WAY: f64 = 0.9;
 const LARGEST_ITERATION_COUNT: usize = 30;
 
 impl BearingMeshing {
@@ -30,7 +32,7 @@ impl BearingMeshing {
         if self.preload(&place).force <= least {
             return Ok(None);
         }
-        let (position, _) = self.balance_from_afar(crank, 0.0, Some(&middle))?;
+        let (position, _) = self.balance_again(crank, 0.0, Some(&middle))?;
         let preload = self.preload(&position);
         Ok((preload.force > least).then_some((position, preload)))
     }
@@ -42,8 +44,9 @@ impl BearingMeshing {
     }
 
     /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from
-    /// the balance as it is (`deviation`). Secants of the force's 0.9th power, kept between the last relief that
-    /// pressed and the first that did not.
+    /// the balance as it is (`deviation`). Secants of the force's 0.9th power: each goes most of the way to where
+    /// the one before says that nothing presses, so that pins still hold the bodies, until two agree. Where a
+    /// trial finds them free, the place is enclosed.
     pub(super) fn freeing_relief(
         &mut self,
         crank: CrankAngle,
@@ -72,7 +75,7 @@ impl BearingMeshing {
         let first = contact.approach(preload.force, contact.pin_radius);
         let (mut pressing, mut force) = (0.0, straight(preload.force));
         let whole = force;
-        let mut free = f64::INFINITY;
+        let (mut free, mut vanishes) = (f64::INFINITY, f64::NAN);
         let mut relief = first;
         for _ in 0..LARGEST_ITERATION_COUNT {
             for (ring, base) in self.model.rings.iter_mut().zip(base) {
@@ -80,23 +83,26 @@ impl BearingMeshing {
             }
             let (position, _) = self.balance_from_afar(crank, 0.0, Some(&start))?;
             let left = straight(self.preload(&position).force);
-            let next = if left <= RELIEF_TOLERANCE * whole {
+            if left <= RELIEF_TOLERANCE * whole {
                 free = relief;
-                0.5 * (pressing + free)
             } else {
                 start = self.deviation(crank, &position);
                 let secant = if left < force {
-                    relief + left * (relief - pressing) / (force - left)
+                    (relief + left * (relief - pressing) / (force - left)).min(4.0 * relief)
                 } else {
                     2.0 * relief
                 };
-                (pressing, force) = (relief, left);
-                if secant < free { secant.min(4.0 * relief) } else { 0.5 * (pressing + free) }
-            };
-            if (next - relief).abs() <= RELIEF_TOLERANCE * next {
-                return Ok(next);
+                let agrees = (secant - vanishes).abs() <= RELIEF_TOLERANCE * secant;
+                (pressing, force, vanishes) = (relief, left, secant);
+                if agrees && secant <= free {
+                    return Ok(secant);
+                }
             }
-            relief = next;
+            if free - pressing <= RELIEF_TOLERANCE * free {
+                return Ok(0.5 * (pressing + free));
+            }
+            let next = pressing + MOST_OF_THE_WAY * (vanishes - pressing);
+            relief = if next < free { next } else { 0.5 * (pressing + free) };
         }
         Ok(relief)
     }

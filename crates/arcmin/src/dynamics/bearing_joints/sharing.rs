@@ -1,5 +1,7 @@
 //! Load sharing with bearings: the static balance of the very model that `simulate` integrates.
 
+use std::collections::HashMap;
+
 use super::running::Running;
 use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
@@ -31,6 +33,9 @@ pub struct BearingMeshing {
     loose: [Option<Vec<f64>>; 2],
     /// Speed of the sun in rad/s that friction sees; `None` with friction aside.
     running: Option<f64>,
+    /// Deviations of balances found before, by crank angle and torque: where those of a machine that has worn
+    /// a little since start.
+    known: HashMap<[u64; 2], Vec<f64>>,
 }
 
 /// Lost motion and what makes it up, in rad.
@@ -59,6 +64,8 @@ impl LostMotionSplit {
 /// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would
 /// lie anywhere in their clearance.
 const ZERO_SHARE: f64 = 1e-4;
+/// Balances kept.
+const MOST_KNOWN: usize = 4096;
 /// 1/ρ with ρ³ = ρ + 1.
 const SPREAD: f64 = 0.754_877_666_246_692_8;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
@@ -109,6 +116,7 @@ impl BearingMeshing {
             has_errors,
             loose: [None, None],
             running,
+            known: HashMap::new(),
         })
     }
 
@@ -210,6 +218,24 @@ impl BearingMeshing {
         self.balance(crank, torque, place.as_deref()).map_err(|_| failure)
     }
 
+    /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
+    /// same torque, or from `start` where there is none.
+    pub(super) fn balance_again(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<(Vec<f64>, f64), LoadError> {
+        let key = [crank.radians().to_bits(), torque.to_bits()];
+        let known = self.known.remove(&key);
+        let found = self.balance_from_afar(crank, torque, known.as_deref().or(start))?;
+        if known.is_some() || self.known.len() < MOST_KNOWN {
+            let deviation = self.deviation(crank, &found.0);
+            self.known.insert(key, deviation);
+        }
+        Ok(found)
+    }
+
     /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.
     fn sun(&self, crank: CrankAngle) -> f64 {
         let kinematics = self.model.kinematics();
@@ -246,7 +272,7 @@ impl BearingMeshing {
                 let slot = side * positions + index;
                 let start =
                     starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
-                let (position, _) = self.balance_from_afar(crank, sign * small, start.map(Vec::as_slice))?;
+                let (position, _) = self.balance_again(crank, sign * small, start.map(Vec::as_slice))?;
                 split.whole -= sign * self.model.output_error(&position) / positions as f64;
                 split.add(&self.model.causes(&position), per_position);
                 let deviation = self.deviation(crank, &position);
@@ -285,7 +311,7 @@ impl BearingMeshing {
             let mut start: Option<Vec<f64>> = None;
             for index in 0..positions {
                 let crank = self.crank_position(index, positions, 0.0, 0);
-                let (position, _) = self.balance_from_afar(crank, duty.torque, start.as_deref())?;
+                let (position, _) = self.balance_again(crank, duty.torque, start.as_deref())?;
                 let loads = self.model.part_loads(&position);
                 rates = rates
                     .plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
@@ -402,7 +428,7 @@ impl ShareLoad for BearingMeshing {
         torque: f64,
         start: Option<&Vec<f64>>,
     ) -> Result<(LoadSharing, Vec<f64>), LoadError> {
-        let (position, residual) = self.balance_from_afar(crank, torque, start.map(Vec::as_slice))?;
+        let (position, residual) = self.balance_again(crank, torque, start.map(Vec::as_slice))?;
         let discs =
             (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, &position)).collect();
         let stiffness = self.stiffness(&position).unwrap_or(0.0);
@@ -433,7 +459,7 @@ impl ShareLoad for BearingMeshing {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let start = self.loose[side].take();
             let small = sign * ZERO_SHARE * self.rated;
-            let (position, _) = match self.balance_from_afar(crank, small, start.as_deref()) {
+            let (position, _) = match self.balance_again(crank, small, start.as_deref()) {
                 Err(_) if self.has_errors => self
                     .balance_from_afar(crank, 10.0 * small, start.as_deref())
                     .or_else(|_| self.balance_within(TIGHT_JUMP, crank, 10.0 * small, None))?,
