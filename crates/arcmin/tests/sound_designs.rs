@@ -87,7 +87,31 @@ fn val_bearings_and_ideal_joints_agree_on_interference() {
     assert!((real.mean_play().arcmin() / ideal - 1.0).abs() < 0.02, "{} {ideal}", real.mean_play().arcmin());
 }
 
-/// Pins that lose tens of micrometres beside a land that no contact reaches: balances are found all the way, and
+/// The bench from a twentieth of a micrometre of interference to as much gap, by either offset: lost motion rises
+/// without a jump; half a micrometre of interference takes the clearance of the bearings up.
+#[test]
+fn lost_motion_on_the_bench_passes_through_zero_without_a_jump() {
+    for template in ["rv-40e-81", "rv-80e"] {
+        let design = arcmin::templates::design(template).unwrap();
+        for (key, sign) in [("equidistant_offset_um", 1.0), ("radial_offset_um", -1.0)] {
+            let lost_motion = |gap_um: f64| {
+                let key = format!("disc.modification.{key}");
+                let machine = design.with(&key, sign * gap_um).unwrap().machine();
+                let machine = machine.with_friction(rig::ASSUMED_FRICTION).unwrap();
+                let points = rig::hysteresis_loop(&machine, &JointSettings::default(), 0.0).unwrap();
+                let figures = rig::evaluate_loop(&points, machine.rated().torque.abs()).unwrap();
+                figures.lost_motion * 180.0 * 60.0 / std::f64::consts::PI
+            };
+            let all: Vec<f64> = [-0.5, -0.05, 0.0, 0.05].map(lost_motion).to_vec();
+            assert!(all[0] < all[1] - 0.1, "{template} {key}: {all:?}");
+            for pair in all[1..].windows(2) {
+                assert!(pair[1] > pair[0] && pair[1] - pair[0] < 0.012, "{template} {key}: {all:?}");
+            }
+        }
+    }
+}
+
+/// Pins that wear in grooves beside a land that no contact reaches: balances are found all the way, and
 /// over a turn of the crankshafts at its end to 1e-6 of the torque.
 #[test]
 fn deep_grooves_of_the_pins_leave_every_balance() {
@@ -97,7 +121,7 @@ fn deep_grooves_of_the_pins_leave_every_balance() {
     let exposure = coupled_exposure(&machine, joints.clone(), options).unwrap();
     let mut wear = CoupledWear::with(&machine, joints, options);
     wear.advance_to(exposure.at(machine.limits().service_life)).unwrap();
-    assert!(wear.state().pin().deepest().0 > 20e-6, "{:?}", wear.state().pin().deepest());
+    assert!(wear.state().pin().deepest().0 > 10e-6, "{:?}", wear.state().pin().deepest());
     // What a flank reaches of the groove is less than its depth.
     assert!(wear.state().pin_seen_by_contact().deepest().0 < wear.state().pin().deepest().0);
     let cycle = wear.meshing_mut().whole_cycle(machine.rated().torque, 24).unwrap();

@@ -16,7 +16,7 @@ use crate::machine::Machine;
 /// Pins wear deepest where the contact turns back on them, beside a land that no contact reaches. A flank, blunt
 /// as it is, does not follow such a groove to its ground but stands on its shoulders, and takes them off: of the
 /// averaged depth d the contact sees w(s₀) = min over s of [d(s) + ½ κ (s − s₀)²], s along the pin, κ the relative
-/// curvature of the bluntest flank that meets the place. No gap then bends more than the bodies do, which keeps
+/// curvature of the bluntest flank that meets the place. Gaps then bend hardly more than the bodies do, which keeps
 /// the place of a pin on its flank unique.
 #[derive(Debug, Clone)]
 pub(super) struct ContactAverage {
@@ -296,11 +296,12 @@ mod tests {
         assert!(average.within_reach(&Relief::from_samples(dent), &seen).iter().all(|share| *share > 0.95));
     }
 
-    /// Never deeper than what was lost, never bent against the flank by more than the flank itself bends.
+    /// Never deeper than what was lost; by a flank of one curvature never bent against it by more than that.
     #[test]
     fn what_a_flank_reaches_bends_no_more_than_it() {
-        let average = average_of_the_rv_40e();
-        let n = 1440;
+        let mut average = average_of_the_rv_40e();
+        let (n, kappa) = (1440, 300.0);
+        average.pin_curvature.fill(kappa);
         let waves = |x: f64| (0.5 + 0.5 * (0.7 * x).sin()) * (0.031 * x).cos().abs();
         let rough: Vec<f64> = (0..n).map(|i| 20.0 * UM * waves(i as f64)).collect();
         let seen = average.reached(&rough);
@@ -308,10 +309,9 @@ mod tests {
         for i in 0..n {
             assert!(seen[i] <= rough[i] && seen[i] >= 0.0);
             let bend = (seen[(i + 1) % n] - 2.0 * seen[i] + seen[(i + n - 1) % n]) / (cell * cell);
-            // κ itself changes from place to place, fast where it is small: where a pin lies in a root.
-            let kappa = average.pin_curvature[i].max(average.pin_curvature[(i + 1) % n]);
-            assert!(kappa < 50.0 || bend <= 1.5 * kappa, "{i}: {bend} {kappa}");
+            assert!(bend <= kappa * (1.0 + 1e-6), "{i}: {bend}");
         }
+        assert!(seen.iter().zip(&rough).any(|(seen, rough)| *seen < 0.5 * rough));
     }
 
     #[test]

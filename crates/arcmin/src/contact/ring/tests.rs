@@ -157,10 +157,10 @@ fn gaps_bend_with_what_the_pin_has_lost() {
         let difference = (b.gap - 2.0 * m.gap + a.gap) / (h * h);
         let bend = m.gap_bend(3e-3, motion);
         let waves = 1e-3 * turn * turn;
-        assert!((difference - bend).abs() < 0.2 * waves + 1e-3, "{}: {difference} {bend}", m.meshing_angle);
+        assert!((difference - bend).abs() < 0.2 * waves + 1e-2, "{}: {difference} {bend}", m.meshing_angle);
         largest = largest.max(m.pin_bend.abs() * turn * turn);
     }
-    assert!(largest > 0.05, "{largest}");
+    assert!(largest > 0.1, "{largest}");
 }
 
 /// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the
