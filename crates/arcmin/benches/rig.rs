@@ -1,8 +1,11 @@
-//! Wall time of the model with bearings: one evaluation, the 0.8 s run, one hysteresis loop, one output turn.
+//! Wall time of the model with bearings: one evaluation, the 0.8 s run, one hysteresis loop, one output turn, and
+//! what a study asks of a drawn machine: its new state and its life.
 
+use arcmin::analyses::{self, NoHost};
 use arcmin::dynamics::{BearingJoints, Drive, JointSettings, OutputLoad, Run, RunPlan, System};
 use arcmin::progress::Silent;
 use arcmin::rig::{TransmissionSettings, hysteresis_loop, transmission_error_curves};
+use arcmin::templates;
 use arcmin::units::RPM;
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -43,5 +46,30 @@ fn bearings(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, bearings);
+/// One sample each of the studies `yield` and `unknowns`, on one thread.
+fn samples(criterion: &mut Criterion) {
+    let design = templates::design("rv-40e-81").unwrap_or_else(|| panic!("the design is shipped"));
+    let threads =
+        rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap_or_else(|error| panic!("{error}"));
+    let mut group = criterion.benchmark_group("sample");
+    group.sample_size(10);
+    let drawn = "joints = \"bearings\"\nerrors = \"drawn\"\nseed = 1";
+    for (name, analysis, options) in [
+        ("new_state", "rig", "positions = 1\nte_positions = 512\nfrictionless = true"),
+        ("life", "life", "quasi_static = true\npoints = 12"),
+    ] {
+        let options = format!("{drawn}\n{options}");
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                threads.install(|| {
+                    let analysis = analyses::by_name(analysis)?;
+                    analysis.run(&design, &options, "bench", &NoHost).ok().map(|outcome| outcome.summary())
+                })
+            })
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, bearings, samples);
 criterion_main!(benches);

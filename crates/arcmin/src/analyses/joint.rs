@@ -44,7 +44,12 @@ pub fn joint(design: &Design, options: &JointOptions, host: &dyn Host) -> Result
     hours.sort_by(f64::total_cmp);
     hours.dedup();
     let rated = machine.rated.torque.abs();
-    let plan = RigPlan { loop_positions: options.positions, error_positions: options.error_positions };
+    let plan = RigPlan {
+        loop_positions: options.positions,
+        error_positions: options.error_positions,
+        backward: true,
+        running: true,
+    };
     let bench = |error| AnalysisError::compute("run the test bench")(error);
     let mut states = Vec::with_capacity(hours.len());
     for age in hours {

@@ -312,7 +312,7 @@ mod tests {
                 })
                 .sum();
             assert!((error.depth(tau, normal) - expected).abs() < 1e-18, "{tau}");
-            let h = 1e-5;
+            let h = 1e-6;
             let at = |tau: f64| error.depth(tau, profile.outward_normal(tau));
             let difference = (at(tau + h) - at(tau - h)) / (2.0 * h);
             assert!((error.slope(tau, &profile) - difference).abs() < 1e-9, "{tau}");

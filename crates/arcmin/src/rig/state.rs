@@ -20,13 +20,15 @@ pub struct RigState {
     pub loops: Vec<Vec<LoopPoint>>,
     pub figures: Vec<LoopFigures>,
     pub split: StiffnessSplit,
-    /// Forward and backward held lightly, forward and backward at rated torque.
+    /// Forward and backward held lightly, forward and backward at rated torque; without the backward ones if
+    /// not asked for.
     pub curves: Vec<ErrorCurve>,
     /// At rated torque, forward.
     pub spectrum: Vec<SpectrumLine>,
     pub orders: Vec<NamedOrder>,
-    pub efficiency: EfficiencyMap,
-    pub torques: RunningTorques,
+    /// What was found of the running machine; nothing if not asked for.
+    pub efficiency: Option<EfficiencyMap>,
+    pub torques: Option<RunningTorques>,
     /// Where the design gives a temperature.
     pub heat: Option<HeatBalance>,
     pub bearings: Vec<BearingLoad>,
@@ -53,6 +55,15 @@ impl RigState {
     pub fn soft_stiffness(&self) -> f64 {
         self.mean(|f| f.soft_stiffness)
     }
+
+    /// The transmission error forward at rated torque.
+    pub fn forward_at_rated(&self) -> Option<&ErrorCurve> {
+        forward_at_rated(&self.curves)
+    }
+}
+
+fn forward_at_rated(curves: &[ErrorCurve]) -> Option<&ErrorCurve> {
+    curves.iter().rfind(|curve| curve.direction > 0.0)
 }
 
 /// What was measured on a real bench, evaluated like ours.
@@ -74,6 +85,10 @@ pub struct RigPlan {
     pub loop_positions: usize,
     /// Positions over the output turn of the transmission error.
     pub error_positions: usize,
+    /// Whether the transmission error is measured backward as well.
+    pub backward: bool,
+    /// Whether the running machine is tested: efficiency, torques, heat, bearings.
+    pub running: bool,
 }
 
 /// Crank positions of the bearing loads.
@@ -123,17 +138,27 @@ impl RigState {
         }
         let test =
             TransmissionSettings { positions: plan.error_positions, ..TransmissionSettings::new(machine) };
-        let Some(curves) = watched_error_curves(machine, settings, test, progress)? else { return Ok(None) };
-        let spectrum = curves.get(2).and_then(|curve| order_spectrum(&curve.points)).unwrap_or_default();
+        let Some(curves) = watched_error_curves(machine, settings, test, plan.backward, progress)? else {
+            return Ok(None);
+        };
+        let spectrum =
+            forward_at_rated(&curves).and_then(|curve| order_spectrum(&curve.points)).unwrap_or_default();
         progress.report("efficiency", 0.0);
         if progress.is_cancelled() {
             return Ok(None);
         }
+        let (mut efficiency, mut torques, mut heat, mut bearings) = (None, None, None, Vec::new());
+        if plan.running {
+            efficiency = Some(efficiency_map(machine, settings)?);
+            torques = Some(running_torques(machine, settings)?);
+            heat = heat_balance(machine, settings)?;
+            bearings = bearing_loads(machine, settings, BEARING_POSITIONS)?;
+        }
         Ok(Some(RigState {
-            efficiency: efficiency_map(machine, settings)?,
-            torques: running_torques(machine, settings)?,
-            heat: heat_balance(machine, settings)?,
-            bearings: bearing_loads(machine, settings, BEARING_POSITIONS)?,
+            efficiency,
+            torques,
+            heat,
+            bearings,
             orders: name_orders(&spectrum, machine, test.positions, 8),
             hours,
             loops,

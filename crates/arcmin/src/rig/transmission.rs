@@ -94,7 +94,9 @@ fn error_curve_until(
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
     let speed = direction * ratio.signum() * machine.rated.input_speed.abs();
-    let mut deviation: Option<Vec<f64>> = None;
+    // One turn of the crankshafts before, the same pins carried: a better start than the place before.
+    let per_turn = (positions as f64 / model.kinematics().lobe_count).round().max(1.0) as usize;
+    let mut deviations: Vec<Vec<f64>> = Vec::with_capacity(positions + 2);
     let mut points = Vec::with_capacity(positions + 1);
     for i in 0..=positions {
         if stops() {
@@ -105,17 +107,20 @@ fn error_curve_until(
         model.hold_sun(sun, speed);
         let nominal = model.nominal_position_at(sun);
         let velocity = model.nominal_velocity_at(sun, speed);
-        if deviation.is_none() {
+        let deviation = |q: &[f64]| -> Vec<f64> { q.iter().zip(&nominal).map(|(q, n)| q - n).collect() };
+        if deviations.is_empty() {
             // Into the flank with a good part of the load first.
             model.set_load(direction * machine.rated.torque.abs().max(torque));
             let q = run(&model, &nominal, velocity.clone())?;
-            deviation = Some(q.iter().zip(&nominal).map(|(q, n)| q - n).collect());
+            deviations.push(deviation(&q));
         }
         model.set_load(direction * torque);
-        let start: Vec<f64> = nominal.iter().zip(deviation.iter().flatten()).map(|(n, d)| n + d).collect();
+        let back = if deviations.len() > per_turn { per_turn } else { 1 };
+        let near = &deviations[deviations.len() - back];
+        let start: Vec<f64> = nominal.iter().zip(near).map(|(n, d)| n + d).collect();
         let q = run(&model, &start, velocity)?;
         points.push((output, model.output_error(&q)));
-        deviation = Some(q.iter().zip(&nominal).map(|(q, n)| q - n).collect());
+        deviations.push(deviation(&q));
     }
     Ok(Some(ErrorCurve { direction, torque, points }))
 }
@@ -130,20 +135,23 @@ pub fn transmission_error_curves(
     settings: &JointSettings,
     test: TransmissionSettings,
 ) -> Result<Vec<ErrorCurve>, RigError> {
-    let curves = watched_error_curves(machine, settings, test, &Silent)?;
+    let curves = watched_error_curves(machine, settings, test, true, &Silent)?;
     curves.ok_or(RigError::BadCurve("it was stopped"))
 }
 
-/// [`transmission_error_curves`]; `None` when `progress` was cancelled.
+/// [`transmission_error_curves`], backward ones if asked for; `None` when `progress` was cancelled.
 pub(super) fn watched_error_curves(
     machine: &Machine,
     settings: &JointSettings,
     test: TransmissionSettings,
+    backward: bool,
     progress: &dyn Progress,
 ) -> Result<Option<Vec<ErrorCurve>>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
-    let cases = [(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
+    let mut cases =
+        vec![(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
+    cases.retain(|(direction, _)| backward || *direction > 0.0);
     let done = AtomicUsize::new(0);
     let whole = (cases.len() * (test.positions + 1)) as f64;
     cases

@@ -71,8 +71,8 @@ impl Default for CoupledOptions {
             flank_points: 720,
             pin_points: 1440,
             crank_positions: 15,
-            depth_increment: UM,
-            tolerance: 0.05 * UM,
+            depth_increment: 0.25 * UM,
+            tolerance: 0.01 * UM,
         }
     }
 }
@@ -176,9 +176,9 @@ pub(crate) const WORN_OUT: f64 = 0.25;
 /// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
 const RUN_AWAY: f64 = 0.02;
 /// Largest increment of the depth per update, and its tolerance, as shares of the depth reached: they take over
-/// from those of [`CoupledOptions`] beyond 50 and 25 µm.
-const STEP_SHARE: f64 = 2e-2;
-const TOLERANCE_SHARE: f64 = 2e-3;
+/// from those of [`CoupledOptions`] beyond 25 and 20 µm.
+const STEP_SHARE: f64 = 1e-2;
+const TOLERANCE_SHARE: f64 = 5e-4;
 /// Sets of crank positions: 13 is a Fibonacci number, so that the golden section spreads them evenly.
 const ROUNDS: usize = 13;
 /// The first update takes off this much at most, in m, and no step that fails is made smaller.

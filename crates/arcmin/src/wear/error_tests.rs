@@ -18,7 +18,7 @@ const COARSE: CoupledOptions = CoupledOptions {
     pin_points: 1440,
     crank_positions: 15,
     depth_increment: 0.2e-6,
-    tolerance: 0.05e-6,
+    tolerance: 0.01e-6,
 };
 
 fn worn(

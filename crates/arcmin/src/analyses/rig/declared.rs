@@ -10,7 +10,9 @@ use crate::results::{
     Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits,
     quantities as q, quantity,
 };
-use crate::rig::{BearingLoad, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, RigState};
+use crate::rig::{
+    BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, RigState, RunningTorques,
+};
 use crate::units::{ARCMIN, DEG, RPM, UM};
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
@@ -167,13 +169,14 @@ pub(super) fn fill(rig: &Rig) -> Vec<Table> {
             b.forces.iter().enumerate().map(move |(i, force)| (angle(i), b.name.clone(), *force))
         })
         .collect();
-    let map = &state.efficiency;
-    let efficiency: Vec<EfficiencyAt> = map
-        .speeds
-        .iter()
-        .zip(&map.efficiency)
-        .flat_map(|(speed, row)| map.torques.iter().zip(row).map(move |(torque, e)| (*speed, *torque, *e)))
-        .collect();
+    let row = |map: &EfficiencyMap| -> Vec<EfficiencyAt> {
+        let rows = map.speeds.iter().zip(&map.efficiency);
+        rows.flat_map(|(speed, row)| {
+            map.torques.iter().zip(row).map(move |(torque, e)| (*speed, *torque, *e))
+        })
+        .collect()
+    };
+    let efficiency = state.efficiency.as_ref().map_or_else(Vec::new, row);
     let mut tables = vec![
         LOOP.fill(&loops),
         SPECTRUM.fill(&state.spectrum),
@@ -248,6 +251,10 @@ fn curves_value(curves: &[ErrorCurve]) -> Value {
     Value::List(curves.iter().map(one).collect())
 }
 
+fn torque(rig: &Rig, of: fn(&RunningTorques) -> f64) -> Value {
+    Value::from(rig.state().torques.as_ref().map(of))
+}
+
 fn heat(rig: &Rig, of: fn(&HeatBalance) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().map(of))
 }
@@ -264,8 +271,8 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
         }
         entries.extend([
             q::HOURS.of(|o: &Rig| o.state().hours.into()),
-            q::EFFICIENCY.of(|o| o.state().efficiency.rated.into()),
-            q::EFFICIENCY.named("new.efficiency").of(|o| o.new.efficiency.rated.into()),
+            q::EFFICIENCY.of(|o| Value::from(o.state().efficiency.as_ref().map(|map| map.rated))),
+            q::EFFICIENCY.named("new.efficiency").of(|o| Value::from(o.new.efficiency.as_ref().map(|map| map.rated))),
             quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
                 .of(|o| o.friction_assumed.into()),
             quantity(
@@ -273,25 +280,25 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 digits(3),
                 "Torque at the input that turns the machine unloaded.",
             )
-            .of(|o| o.state().torques.no_load.into()),
+            .of(|o| torque(o, |torques| torques.no_load)),
             quantity(
                 "starting_torque_n_m",
                 digits(3),
                 "Torque at the input that starts the machine unloaded.",
             )
-            .of(|o| o.state().torques.starting.into()),
+            .of(|o| torque(o, |torques| torques.starting)),
             quantity(
                 "back_driving_torque_n_m",
                 digits(3),
                 "Torque at the output that turns the machine backwards.",
             )
-            .of(|o| o.state().torques.back_driving.into()),
+            .of(|o| torque(o, |torques| torques.back_driving)),
             quantity(
                 "te_rated_peak_to_peak_arcmin",
                 decimals(3),
                 "Peak to peak of the transmission error at rated torque, forward.",
             )
-            .of(|o| Value::from(o.state().curves.get(2).map(|curve| curve.peak_to_peak() / ARCMIN))),
+            .of(|o| Value::from(o.state().forward_at_rated().map(|curve| curve.peak_to_peak() / ARCMIN))),
             quantity("transmission_error", PLAIN, "Mean and peak to peak of every transmission error.")
                 .of(|o| curves_value(&o.state().curves)),
             quantity("measured.transmission_error", PLAIN, "The same of measured curves.")
@@ -301,9 +308,7 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| orders_value(&bench.orders))),
             quantity("shortest_bearing_life_h", decimals(0), "Least basic rating life L10 of all bearings.")
                 .of(|o| {
-                    let least =
-                        o.state().bearings.iter().map(BearingLoad::life_h).fold(f64::INFINITY, f64::min);
-                    least.into()
+                    Value::from(o.state().bearings.iter().map(BearingLoad::life_h).reduce(f64::min))
                 }),
             quantity(
                 "main_bearings.moment_stiffness_n_m_per_arcmin",

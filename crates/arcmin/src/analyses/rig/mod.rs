@@ -56,6 +56,21 @@ options! {
     }
 }
 
+/// Results and tables that rest on transmission errors backward.
+const BACKWARD: &[&str] = &["transmission_error", "te"];
+/// Results and tables that rest on the running machine; "new" holds its efficiency.
+const RUNNING: &[&str] = &[
+    "efficiency",
+    "new",
+    "no_load_running_torque_n_m",
+    "starting_torque_n_m",
+    "back_driving_torque_n_m",
+    "shortest_bearing_life_h",
+    "thermal",
+    "bearings",
+    "bearing_forces",
+];
+
 /// What the bench finds.
 #[derive(Debug, Clone)]
 pub struct Rig {
@@ -64,9 +79,10 @@ pub struct Rig {
     pub fidelity: Fidelity,
     pub friction_assumed: bool,
     pub new: RigState,
-    pub new_causes: PartsPoint,
+    /// Where somebody wants them.
+    pub new_causes: Option<PartsPoint>,
     /// After the hours asked for.
-    pub worn: Option<(RigState, PartsPoint)>,
+    pub worn: Option<(RigState, Option<PartsPoint>)>,
     pub measured: Option<MeasuredOnBench>,
     /// The main bearings under the forces asked for.
     pub main_bearings: MainBearingLoad,
@@ -94,15 +110,24 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
         main_bearing_load(&machine, forces).map_err(AnalysisError::compute("load the main bearings"))?;
     let mut fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     fidelity.errors = machine.thermal.on(fidelity.errors, &machine);
-    let plan = RigPlan { loop_positions: options.positions, error_positions: options.te_positions };
-    let test = |state: &WornState| -> Result<(RigState, PartsPoint), AnalysisError> {
+    let wanted = |results: &[&str]| results.iter().any(|result| host.wants(result));
+    let plan = RigPlan {
+        loop_positions: options.positions,
+        error_positions: options.te_positions,
+        backward: wanted(BACKWARD),
+        running: wanted(RUNNING),
+    };
+    let test = |state: &WornState| -> Result<(RigState, Option<PartsPoint>), AnalysisError> {
         let settings = state.on(fidelity.joint_settings()?);
         let tested = RigState::measure(&machine, &settings, state.hours, plan, host)
             .map_err(AnalysisError::compute("run the test bench"))?
             .ok_or(AnalysisError::Stopped)?;
+        if !wanted(&["lost_motion_causes"]) {
+            return Ok((tested, None));
+        }
         let causes = lost_motion_causes(&machine, fidelity.in_bearings(&machine)?, state)
             .map_err(AnalysisError::wear("split the lost motion"))?;
-        Ok((tested, causes))
+        Ok((tested, Some(causes)))
     };
     let (new, new_causes) = test(&WornState::new())?;
     let worn = if options.hours > 0.0 {
@@ -147,15 +172,15 @@ impl Rig {
     }
 
     fn causes_at(&self) -> Vec<CausesAt> {
-        let new = CausesAt { hours: 0.0, point: self.new_causes };
-        let worn = self.worn.as_ref().map(|(state, point)| CausesAt { hours: state.hours, point: *point });
-        std::iter::once(new).chain(worn).collect()
+        let new = self.new_causes.map(|point| CausesAt { hours: 0.0, point });
+        let worn = self.worn.as_ref().and_then(|(state, point)| Some((state.hours, (*point)?)));
+        new.into_iter().chain(worn.map(|(hours, point)| CausesAt { hours, point })).collect()
     }
 }
 
 impl HasCauses for Rig {
     fn causes(&self) -> Option<&PartsPoint> {
-        Some(self.worn.as_ref().map_or(&self.new_causes, |(_, point)| point))
+        self.worn.as_ref().map_or(&self.new_causes, |(_, point)| point).as_ref()
     }
 }
 

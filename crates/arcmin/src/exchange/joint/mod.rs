@@ -139,6 +139,9 @@ impl JointState {
             message: format!("the hysteresis loop at {} h cannot be fitted: {message}", measured.hours),
             remedy: "look at it with `arcmin rig`".into(),
         };
+        let (Some(efficiency), Some(torques)) = (&measured.efficiency, &measured.torques) else {
+            return Err(no_fit("the running machine was not tested"));
+        };
         let points = mean_loop(&measured.loops).ok_or_else(|| no_fit("its loops differ in their torques"))?;
         let figures = evaluate_loop(&points, rated).map_err(|error| no_fit(&error.to_string()))?;
         let hysteresis =
@@ -165,10 +168,10 @@ impl JointState {
             torsion_loop: points.iter().map(|p| (p.torque, p.angle)).collect(),
             transmission_error: curves,
             losses,
-            efficiency: measured.efficiency.rated,
-            no_load_torque_n_m: measured.torques.no_load,
-            starting_torque_n_m: measured.torques.starting,
-            back_driving_torque_n_m: Some(measured.torques.back_driving).filter(|torque| torque.is_finite()),
+            efficiency: efficiency.rated,
+            no_load_torque_n_m: torques.no_load,
+            starting_torque_n_m: torques.starting,
+            back_driving_torque_n_m: Some(torques.back_driving).filter(|torque| torque.is_finite()),
         })
     }
 

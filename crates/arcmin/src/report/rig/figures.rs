@@ -158,7 +158,7 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
 }
 
 pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
-    let map = &state.efficiency;
+    let (Some(map), Some(t)) = (&state.efficiency, &state.torques) else { return Vec::new() };
     let heat = HeatMap {
         title: "Efficiency".into(),
         x: Axis::new("Output torque", "N·m"),
@@ -185,7 +185,6 @@ pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
                 .coloured(Colour::Ordered(index as f64 / count)),
         );
     }
-    let t = &state.torques;
     let row = |name: &str, value: f64| {
         vec![name.to_owned(), if value.is_finite() { significant(value, 3) } else { "self-locking".into() }]
     };

@@ -68,8 +68,9 @@ impl RigPage<'_> {
                 "N·m/arcmin",
                 "slope between 50 and 100 % of rated torque",
             ),
-            figure("Efficiency", 100.0 * state.efficiency.rated, "%", "at rated torque and speed"),
         ];
+        let efficiency = state.efficiency.as_ref().map(|map| 100.0 * map.rated);
+        verdict.figures.extend(efficiency.map(|e| figure("Efficiency", e, "%", "at rated torque and speed")));
         let softest = state.split.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         verdict.answers.extend(softest.map(|(part, c)| {
             (
