@@ -1,7 +1,7 @@
 """Reads the exports with ezdxf and OpenCascade and compares them with the exact flank and closed forms.
 
-Usage: check.py DIR, where DIR was written by the example `exchange_files`. Every check prints its figure; the
-exit status is 1 if one is not kept.
+Usage: check.py DIR drawings|solids, where DIR was written by the example `exchange_files`: drawings and tables with
+ezdxf, or solids with OpenCascade. Every check prints its figure; the exit status is 1 if one is not kept.
 """
 
 import json
@@ -9,16 +9,22 @@ import math
 import sys
 from pathlib import Path
 
-import ezdxf
 import numpy as np
-from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepGProp import BRepGProp
-from OCP.GProp import GProp_GProps
-from OCP.IFSelect import IFSelect_RetDone
-from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
-from OCP.TopExp import TopExp_Explorer
+
+DRAWINGS, SOLIDS = sys.argv[2] == "drawings", sys.argv[2] == "solids"
+if not (DRAWINGS or SOLIDS):
+    raise SystemExit("usage: check.py DIR drawings|solids")
+if DRAWINGS:
+    import ezdxf
+else:
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.STEPControl import STEPControl_Reader
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
+    from OCP.TopExp import TopExp_Explorer
 
 failures = 0
 
@@ -163,25 +169,35 @@ def check_assembly(path, figures, touching):
     check(f"{path.name}: largest overlap, mm3", worst, touching)
 
 
+def check_drawings(place, figures):
+    edge = Edge(figures)
+    check_dxf(place, edge, figures)
+    rows = [row for row in (place / "profile.csv").read_text().splitlines() if not row.startswith("#")]
+    table = np.genfromtxt(rows, delimiter=",", names=True)
+    corners = np.column_stack([table["x_mm"], table["y_mm"]])
+    check("corners of the table off the exact flank, mm", edge.distance(corners).max(), 2e-9)
+
+
+def check_parts(place, figures):
+    parts = figures["parts"]
+    discs = [part for part in parts if part["name"].startswith("cycloid")]
+    check_solids(place / "discs.step", discs)
+    check_solids(place / "pin.step", [part for part in parts if part["name"] == "pin"])
+    check_solids(place / "crankshaft.step", [part for part in parts if part["name"] == "crankshaft"])
+    if not place.name.endswith("wire"):
+        # A lens of depth d between radii of 1.6 and 3 mm is 2 sqrt(2 R d) wide: under 0.1 mm for 1 µm.
+        width = discs[0]["volume_mm3"] ** (1 / 3)
+        check_assembly(place / "assembly.step", figures, 0.2 * figures["spline_deviation_mm"] * width)
+
+
 def main():
     for place in sorted(Path(sys.argv[1]).iterdir()):
         print(place.name)
         figures = json.loads((place / "figures.json").read_text())
-        edge = Edge(figures)
-        check_dxf(place, edge, figures)
-        rows = [row for row in (place / "profile.csv").read_text().splitlines() if not row.startswith("#")]
-        table = np.genfromtxt(rows, delimiter=",", names=True)
-        corners = np.column_stack([table["x_mm"], table["y_mm"]])
-        check("corners of the table off the exact flank, mm", edge.distance(corners).max(), 2e-9)
-        parts = figures["parts"]
-        discs = [part for part in parts if part["name"].startswith("cycloid")]
-        check_solids(place / "discs.step", discs)
-        check_solids(place / "pin.step", [part for part in parts if part["name"] == "pin"])
-        check_solids(place / "crankshaft.step", [part for part in parts if part["name"] == "crankshaft"])
-        if not place.name.endswith("wire"):
-            # A lens of depth d between radii of 1.6 and 3 mm is 2 sqrt(2 R d) wide: under 0.1 mm for 1 µm.
-            width = discs[0]["volume_mm3"] ** (1 / 3)
-            check_assembly(place / "assembly.step", figures, 0.2 * figures["spline_deviation_mm"] * width)
+        if DRAWINGS:
+            check_drawings(place, figures)
+        else:
+            check_parts(place, figures)
     print("all kept" if failures == 0 else f"{failures} not kept")
     return 1 if failures else 0
 

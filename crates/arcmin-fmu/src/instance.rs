@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use arcmin::exchange::fmu::{Kind, MapInputs, Role, Variable, references as r, variables};
+use arcmin::exchange::fmu::{Kind, MapInputs, Role, START_LOCAL_ERROR, Variable, references as r, variables};
 use serde::{Deserialize, Serialize};
 
 use crate::plant::{Outputs, Parameters, Plant, Resources, SavedPlant};
@@ -133,7 +133,12 @@ impl Instance {
     fn fresh(resources: &Resources) -> Given {
         let unit = &resources.unit;
         Given {
-            parameters: Parameters { hours: unit.start_hours, seed: unit.start_seed, friction: true },
+            parameters: Parameters {
+                hours: unit.start_hours,
+                seed: unit.start_seed,
+                friction: true,
+                local_error: START_LOCAL_ERROR,
+            },
             motor: [0.0; 3],
             acceleration_is_given: false,
             load_torque: [0.0; 2],
@@ -301,6 +306,7 @@ impl Instance {
             r::SEED => return Ok(Number::Integer(given.parameters.seed)),
             r::FRICTION => return Ok(Number::Boolean(given.parameters.friction)),
             r::HOURS => given.parameters.hours,
+            r::LOCAL_ERROR => given.parameters.local_error,
             r::A_PHI => given.motor[0],
             r::A_W => given.motor[1],
             r::A_A => given.motor[2],
@@ -357,6 +363,7 @@ impl Instance {
         let given = &mut self.given;
         match (reference, value) {
             (r::HOURS, Number::Real(hours)) => given.parameters.hours = hours,
+            (r::LOCAL_ERROR, Number::Real(error)) => given.parameters.local_error = error,
             (r::SEED, Number::Integer(seed)) if seed >= 0 => given.parameters.seed = seed,
             (r::SEED, _) => return Err(Refusal::error("a seed is not negative")),
             (r::FRICTION, Number::Boolean(friction)) => given.parameters.friction = friction,

@@ -13,6 +13,7 @@ use arcmin::fidelity::{Fidelity, FidelityOptions};
 use arcmin::life::worn_after;
 use arcmin::machine::Friction;
 use arcmin::progress::{Progress, Silent};
+use arcmin::units::ARCMIN;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a unit.
@@ -21,6 +22,8 @@ pub struct Parameters {
     pub hours: f64,
     pub seed: i32,
     pub friction: bool,
+    /// Local error of a step at the output in rad; multibody units only.
+    pub local_error: f64,
 }
 
 /// What the outside asks for.
@@ -113,8 +116,8 @@ impl Plant {
             }
             Depth::Multibody => {
                 let model = multibody(resources, with, inputs)?;
-                let simulation =
-                    Simulation::from_rest(model, StepControl::default(), &Silent).map_err(said)?;
+                let control = StepControl { tolerance: with.local_error / ARCMIN, ..StepControl::default() };
+                let simulation = Simulation::from_rest(model, control, &Silent).map_err(said)?;
                 let load = resources.unit.load_flange;
                 Ok(Plant::Multibody { simulation: Box::new(simulation), load, acceleration: 0.0 })
             }

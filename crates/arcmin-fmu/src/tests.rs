@@ -176,3 +176,19 @@ fn locations_become_paths() {
         assert_eq!(fmi2::path_of(location), PathBuf::from(path), "{location}");
     }
 }
+
+/// The local error starts as that of the command, and one without meaning is refused when the model is built.
+#[test]
+fn the_local_error_is_that_of_the_command() {
+    let directory = resources("error");
+    let instance = instantiate(&directory, TOKEN);
+    let start = 5e-5 * std::f64::consts::PI / 180.0 / 60.0;
+    assert!((get(instance, r::LOCAL_ERROR) / start - 1.0).abs() < 1e-12);
+    assert_eq!(set(instance, r::LOCAL_ERROR, 1.0), 0);
+    unsafe {
+        assert_eq!(fmi3EnterInitializationMode(instance, false, 0.0, 0.0, false, 0.0), 0);
+        assert_eq!(fmi3ExitInitializationMode(instance), 3);
+        fmi3FreeInstance(instance);
+    }
+    std::fs::remove_dir_all(directory).unwrap();
+}

@@ -131,8 +131,12 @@ fn told(found: &JointExport) -> String {
     lines.push(row("backlash ′", &|s| arcmin(s.backlash_rad)));
     lines.push(row("stiffness N·m/′", &|s| stiffness(s.stiffness_n_m_per_rad)));
     lines.push(row("dead band ′", &|s| arcmin(2.0 * s.hysteresis.curve.half_gap_rad)));
+    lines.push(row("   its middle ′", &|s| arcmin(s.hysteresis.zero_rad)));
     for (index, name) in ["K1 N·m/′", "K2 N·m/′", "K3 N·m/′"].into_iter().enumerate() {
         lines.push(row(name, &|s| stiffness(s.hysteresis.curve.stiffness_n_m_per_rad[index])));
+        for (side, name) in ["   positive torque", "   negative torque"].into_iter().enumerate() {
+            lines.push(row(name, &|s| stiffness(s.hysteresis.sides[side].stiffness_n_m_per_rad[index])));
+        }
     }
     for (index, name) in ["T1 N·m", "T2 N·m"].into_iter().enumerate() {
         lines.push(row(name, &|s| format!("{:.1}", s.hysteresis.curve.torques_n_m[index])));

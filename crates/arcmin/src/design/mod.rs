@@ -48,7 +48,7 @@ pub(crate) use options::options;
 pub use options::{OptionReader, OptionSet};
 pub use reference::markdown as reference_of_keys;
 pub use resolve::StaleMass;
-pub(crate) use schema::unit_suffix;
+pub(crate) use schema::unit_of;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub(crate) use schema::{default, default_word, optional, required, word};
 pub use sections::*;

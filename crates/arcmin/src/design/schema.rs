@@ -127,7 +127,7 @@ pub struct SectionSchema {
 impl Key {
     /// Unit of the key from its suffix, as a reader writes it.
     pub fn unit(&self) -> &'static str {
-        unit_suffix(self.name).map_or("", |(_, unit)| unit)
+        unit_of(self.name).map_or("", |(_, unit)| unit)
     }
 }
 
@@ -171,6 +171,18 @@ pub(super) const UNIT_SUFFIXES: [(&str, &str); 33] = [
 /// Splits a key into its stem and unit.
 pub(crate) fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
     UNIT_SUFFIXES.iter().find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit)))
+}
+
+/// Units that options and results have besides. In a design file, whose misspelt keys are guessed at, such short
+/// endings would tell too little.
+const SHORT_SUFFIXES: [(&str, &str); 6] =
+    [("_n", "N"), ("_j", "J"), ("_w", "W"), ("_hz", "Hz"), ("_nm", "N·m"), ("_percent", "%")];
+
+/// Splits the key of an option or a result into its stem and unit.
+pub(crate) fn unit_of(key: &str) -> Option<(&str, &'static str)> {
+    let short = |(suffix, unit): &(&str, &'static str)| Some((key.strip_suffix(suffix)?, *unit));
+    let is_whole = |(stem, _): &(&str, &str)| !stem.ends_with("_per");
+    unit_suffix(key).or_else(|| SHORT_SUFFIXES.iter().find_map(short).filter(is_whole))
 }
 
 /// Declares a section: a struct whose fields are the keys of the file, read, documented and hashed alike.

@@ -33,6 +33,8 @@ pub use reference::{Declared, DeclaredTable, markdown as reference_of_results};
 pub use summary::{Summary, SummaryOf};
 pub use table::{Cells, Column, Table, TableColumn, TableOf};
 
+use crate::design::unit_of;
+
 /// One value of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
@@ -85,13 +87,6 @@ pub const PLAIN: Format = Format::Plain;
 /// Declares a quantity.
 pub const fn quantity(key: &'static str, format: Format, what: &'static str) -> Quantity {
     Quantity { key, format, what }
-}
-
-/// Stem and unit of a key. Newtons stand in results only: a key of the design that ends in `_n` would be a
-/// count.
-fn unit_of(key: &str) -> Option<(&str, &'static str)> {
-    let newtons = || key.strip_suffix("_n").filter(|stem| !stem.ends_with("_per")).map(|stem| (stem, "N"));
-    crate::design::unit_suffix(key).or_else(newtons)
 }
 
 /// A name of a key as words, abbreviations in capitals: `te_rated_peak_to_peak` is "TE rated peak to peak".

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use sha2::{Digest, Sha256};
 
-use super::variable::references;
+use super::variable::{LOCAL_ERRORS, START_LOCAL_ERROR, references};
 use super::{Depth, Kind, LoadFlange, Role, Variable, variables};
 
 /// What the description says beside the variables.
@@ -80,6 +80,7 @@ impl ModelDescription {
             references::HOURS => format!("{:?}", self.start_hours),
             references::SEED => self.start_seed.to_string(),
             references::FRICTION => "true".into(),
+            references::LOCAL_ERROR => format!("{START_LOCAL_ERROR:?}"),
             _ => "0.0".into(),
         }
     }
@@ -89,6 +90,10 @@ impl ModelDescription {
         match variable.reference {
             references::HOURS => format!(" min=\"{:?}\" max=\"{:?}\"", self.hours[0], self.hours[1]),
             references::SEED => " min=\"0\"".into(),
+            references::LOCAL_ERROR => {
+                let [low, high] = LOCAL_ERRORS;
+                format!(" min=\"{low:?}\" max=\"{high:?}\"")
+            }
             _ => String::new(),
         }
     }

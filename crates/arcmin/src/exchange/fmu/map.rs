@@ -115,7 +115,7 @@ impl MapModel {
         let none = Vec::new();
         let of = |index: usize| pins.get(index).unwrap_or(&none);
         let hysteresis = between(a, b, share);
-        let stiffness = hysteresis.curve.stiffness_n_m_per_rad[2];
+        let stiffness = hysteresis.stiffest();
         Ok(MapModel {
             ratio: joint.ratio,
             rated: joint.rated_torque_n_m,
@@ -173,7 +173,7 @@ impl MapModel {
 
     /// Torque in N·m of the gear on its flange at a wind-up, and the slips there.
     fn gear(&self, state: &MapState, wind_up: f64) -> (f64, Vec<f64>) {
-        let elastic = self.hysteresis.curve.torque(wind_up);
+        let elastic = self.hysteresis.elastic(wind_up);
         if !self.friction {
             return (elastic, state.slips.clone());
         }
@@ -237,8 +237,7 @@ impl MapModel {
             LoadFlange::Torque => {
                 let needed = -inputs.load_torque[0];
                 // The gear carries the load: the wind-up at which it gives that torque.
-                let reach = self.hysteresis.curve.half_gap_rad
-                    + 2.0 * (needed.abs() + 1.0) / self.hysteresis.curve.stiffness_n_m_per_rad[0];
+                let reach = self.hysteresis.reach(needed.abs() + 1.0);
                 let (mut low, mut high) = (-reach, reach);
                 for _ in 0..ITERATIONS {
                     let middle = 0.5 * (low + high);
@@ -274,7 +273,7 @@ impl MapModel {
     /// Elastic and kinetic energy in J; a stuck slider holds half of its torque times its way.
     fn stored(&self, state: &MapState) -> f64 {
         let elements = self.hysteresis.elements.iter().zip(&state.slips);
-        let elastic = self.hysteresis.curve.torque(state.wind_up).abs();
+        let elastic = self.hysteresis.elastic(state.wind_up).abs();
         let sliders: f64 = if self.friction {
             elements
                 .map(|(e, z)| 0.5 * (e.torque_n_m + e.torque_per_load * elastic) * e.slip_rad * z * z)
@@ -282,7 +281,7 @@ impl MapModel {
         } else {
             0.0
         };
-        self.hysteresis.curve.energy(state.wind_up)
+        self.hysteresis.energy(state.wind_up)
             + sliders
             + 0.5 * self.flange_inertia * state.flange[1].powi(2)
             + 0.5 * self.input_inertia * state.motor[1].powi(2)
@@ -361,9 +360,8 @@ impl MapModel {
     /// Work in J that sliders lost between two states: torque times the way beyond what they bent.
     fn slid(&self, before: &MapState, after: &MapState) -> f64 {
         let change = after.wind_up - before.wind_up;
-        let elastic = 0.5
-            * (self.hysteresis.curve.torque(after.wind_up).abs()
-                + self.hysteresis.curve.torque(before.wind_up).abs());
+        let size = |state: &MapState| self.hysteresis.elastic(state.wind_up).abs();
+        let elastic = 0.5 * (size(after) + size(before));
         let one = |(index, element): (usize, &SlipElement)| {
             let bent = (after.slips[index] - before.slips[index]) * element.slip_rad;
             let size = element.torque_n_m + element.torque_per_load * elastic;
@@ -384,7 +382,7 @@ impl MapModel {
             let after = gear + load + self.damping * (motor[1] / self.ratio - w);
             self.flange_inertia * (w - speed) / h - 0.5 * (before + after)
         };
-        let stiffest = self.hysteresis.curve.stiffness_n_m_per_rad[2];
+        let stiffest = self.hysteresis.stiffest();
         let slope = self.flange_inertia / h + 0.5 * self.damping + 0.25 * h * stiffest;
         // The residual grows at least with J/h, so its root lies within this of the start.
         let reach = residual(speed).abs() / (self.flange_inertia / h) * 1.001 + 1e-12;
@@ -445,16 +443,18 @@ impl MapModel {
 
 fn between(a: &JointState, b: &JointState, share: f64) -> Hysteresis {
     let (first, second) = (&a.hysteresis, &b.hysteresis);
-    let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0], share), mix(a[1], b[1], share)];
-    let (k, l) = (first.curve.stiffness_n_m_per_rad, second.curve.stiffness_n_m_per_rad);
+    let curve = |a: &TorsionCurve, b: &TorsionCurve| TorsionCurve {
+        half_gap_rad: mix(a.half_gap_rad, b.half_gap_rad, share),
+        torques_n_m: [0, 1].map(|i| mix(a.torques_n_m[i], b.torques_n_m[i], share)),
+        // Compliances add up, so they are what is mixed.
+        stiffness_n_m_per_rad: [0, 1, 2]
+            .map(|i| 1.0 / mix(1.0 / a.stiffness_n_m_per_rad[i], 1.0 / b.stiffness_n_m_per_rad[i], share)),
+        residual_rad: a.residual_rad.max(b.residual_rad),
+    };
     Hysteresis {
-        curve: TorsionCurve {
-            half_gap_rad: mix(first.curve.half_gap_rad, second.curve.half_gap_rad, share),
-            torques_n_m: pair(first.curve.torques_n_m, second.curve.torques_n_m),
-            // Compliances add up, so they are what is mixed.
-            stiffness_n_m_per_rad: [0, 1, 2].map(|i| 1.0 / mix(1.0 / k[i], 1.0 / l[i], share)),
-            residual_rad: first.curve.residual_rad.max(second.curve.residual_rad),
-        },
+        curve: curve(&first.curve, &second.curve),
+        zero_rad: mix(first.zero_rad, second.zero_rad, share),
+        sides: [0, 1].map(|side| curve(&first.sides[side], &second.sides[side])),
         elements: first
             .elements
             .iter()

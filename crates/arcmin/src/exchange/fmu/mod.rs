@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use description::{ModelDescription, instantiation_token};
 pub use map::{MapInputs, MapModel, MapOutputs, MapState};
-pub use variable::{Kind, Role, Variable, variables};
+pub use variable::{Kind, Role, START_LOCAL_ERROR, Variable, variables};
 
 use super::JointExport;
 

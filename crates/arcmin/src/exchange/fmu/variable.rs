@@ -1,6 +1,7 @@
 //! The variables of a unit.
 
 use super::{Depth, LoadFlange};
+use crate::units::ARCMIN;
 
 /// Type of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +52,12 @@ pub mod references {
     pub const HOURS: u32 = 20;
     pub const SEED: u32 = 21;
     pub const FRICTION: u32 = 22;
+    pub const LOCAL_ERROR: u32 = 23;
 }
+
+/// Local error of a step in rad that a multibody unit starts with, that of `arcmin simulate`, and its limits.
+pub const START_LOCAL_ERROR: f64 = 5e-5 * ARCMIN;
+pub(super) const LOCAL_ERRORS: [f64; 2] = [1e-9 * ARCMIN, 0.1 * ARCMIN];
 
 /// All variables of a unit but the independent one.
 pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
@@ -102,7 +108,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
         display_unit: "",
         description: "Whether there is friction",
     };
-    vec![
+    let mut all = vec![
         real(r::A_PHI, "flange_a.phi", Role::Input, "rad", "deg", "Angle of the motor flange"),
         real(r::A_W, "flange_a.w", Role::Input, "rad/s", "rpm", "Speed of the motor flange"),
         real(
@@ -165,5 +171,16 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
         real(r::HOURS, "operating_hours", Role::Parameter, "h", "", "Hours at the design's duty"),
         seed,
         friction,
-    ]
+    ];
+    if depth == Depth::Multibody {
+        all.push(real(
+            r::LOCAL_ERROR,
+            "local_error",
+            Role::Parameter,
+            "rad",
+            "arcmin",
+            "Local error of a step of the time integration, at the output: --tolerance of `arcmin simulate`",
+        ));
+    }
+    all
 }

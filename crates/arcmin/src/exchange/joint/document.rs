@@ -33,6 +33,7 @@ impl JointExport {
     fn catalogue(&self, state: &JointState) -> Value {
         let Hysteresis { curve, .. } = &state.hysteresis;
         let per_arcmin = curve.stiffness_n_m_per_rad.map(|k| k * ARCMIN);
+        let stiffness = |side: usize| state.hysteresis.sides[side].stiffness_n_m_per_rad.map(|k| k * ARCMIN);
         json!({
             "hours": state.hours,
             "lost_motion_arcmin": state.lost_motion_rad / ARCMIN,
@@ -46,6 +47,9 @@ impl JointExport {
             "t1_n_m": curve.torques_n_m[0],
             "t2_n_m": curve.torques_n_m[1],
             "dead_band_arcmin": 2.0 * curve.half_gap_rad / ARCMIN,
+            "middle_of_dead_band_arcmin": state.hysteresis.zero_rad / ARCMIN,
+            "k1_k2_k3_positive_torque_n_m_per_arcmin": stiffness(0),
+            "k1_k2_k3_negative_torque_n_m_per_arcmin": stiffness(1),
             "fit_residual_arcmin": curve.residual_rad / ARCMIN,
             "hysteresis_residual_rms_n_m": state.hysteresis.residual_rms_n_m,
             "hysteresis_residual_max_n_m": state.hysteresis.residual_max_n_m,
@@ -125,8 +129,9 @@ fn meaning() -> Value {
         "units": "SI in keys that end in _rad, _n_m, _kg_m2, _s; arcmin and degrees where the key says so",
         "wind_up": "turn of the output flange against input/ratio, input held; positive along positive torque",
         "hysteresis": "T = G(phi) + sum_j (torque_n_m + torque_per_load |G(phi)|) z_j; z_j += d phi / slip_rad, kept \
-                       within -1 and 1; G is the torsion curve: 0 within half_gap_rad, then K1 up to T1, K2 up to T2, \
-                       K3 beyond",
+                       within -1 and 1; G is the torsion curve of the side (the first of sides where phi is above \
+                       zero_rad, else the second) at phi - zero_rad: 0 within half_gap_rad, then K1 up to T1, K2 up \
+                       to T2, K3 beyond; curve is the mean of both sides",
         "transmission_error": "theta_out - theta_in/ratio = mean + sum amplitude cos(order theta_out + phase)",
         "losses": "input torque = torque / (ratio efficiency) + friction where the motor drives, torque efficiency / \
                    ratio - friction where the load drives; straight lines through the bench's efficiencies",

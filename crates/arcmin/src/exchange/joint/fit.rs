@@ -24,7 +24,8 @@ impl TorsionCurve {
     /// may still hang) and the largest torque. T₁ and T₂ are those of a grid that leave least; only stiffening
     /// curves are taken. `None` for a loop without enough points.
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<TorsionCurve> {
-        let line = mid_line(points, rated, low);
+        let line: Vec<(f64, f64)> =
+            mid_line(points, rated, low).into_iter().map(|(t, [up, down])| (t, 0.5 * (up + down))).collect();
         if line.len() < 6 {
             return None;
         }
@@ -33,7 +34,7 @@ impl TorsionCurve {
             for second in first + 1..20 {
                 let at = [f64::from(first) * 0.05 * rated, f64::from(second) * 0.05 * rated];
                 for pieces in [1, 2, 3] {
-                    let Some(curve) = TorsionCurve::through(&line, at, pieces) else { continue };
+                    let Some(curve) = TorsionCurve::through(&line, at, pieces, None) else { continue };
                     if best.is_none_or(|best| curve.residual_rad < best.residual_rad * (1.0 - 1e-9)) {
                         best = Some(curve);
                     }
@@ -43,45 +44,24 @@ impl TorsionCurve {
         best
     }
 
-    /// With the corners given and so many different stiffnesses; `None` if it does not stiffen.
-    fn through(line: &[(f64, f64)], at: [f64; 2], pieces: usize) -> Option<TorsionCurve> {
-        let limits = [at[0], at[1], f64::INFINITY];
-        let length = |torque: f64, piece: usize| {
-            let from = if piece == 0 { 0.0 } else { limits[piece - 1] };
-            (torque.min(limits[piece]) - from).max(0.0)
-        };
-        // Pieces beyond the last different one go on with its stiffness.
-        let group = |piece: usize| piece.min(pieces - 1);
-        let solve = |with_gap: bool| {
-            let offset = usize::from(with_gap);
-            let matrix = DMatrix::from_fn(line.len(), pieces + offset, |row, column| {
-                if with_gap && column == 0 {
-                    1.0
-                } else {
-                    (0..3).filter(|p| group(*p) == column - offset).map(|p| length(line[row].0, p)).sum()
-                }
-            });
-            let angles = DVector::from_iterator(line.len(), line.iter().map(|point| point.1));
-            let solution = (matrix.transpose() * &matrix).lu().solve(&(matrix.transpose() * &angles))?;
-            let left = (&matrix * &solution - &angles).norm() / (line.len() as f64).sqrt();
-            Some((solution, left))
-        };
-        let (mut solution, mut left) = solve(true)?;
-        let mut gap = solution[0];
-        let mut first = 1;
-        if gap < 0.0 {
+    /// With the corners given and so many different stiffnesses, and half of a dead band (rad) or the best one;
+    /// `None` if it does not stiffen.
+    fn through(
+        line: &[(f64, f64)],
+        at: [f64; 2],
+        pieces: usize,
+        half_gap: Option<f64>,
+    ) -> Option<TorsionCurve> {
+        let mut straight = Straight::through(line, at, pieces, half_gap)?;
+        if straight.offset < 0.0 {
             // Preloaded: no dead band, and the line goes through zero.
-            (solution, left) = solve(false)?;
-            (gap, first) = (0.0, 0);
+            straight = Straight::through(line, at, pieces, Some(0.0))?;
         }
-        let compliance = [0, 1, 2].map(|piece| solution[first + group(piece)]);
-        let stiffens =
-            compliance[2] > 0.0 && compliance[0] >= compliance[1] && compliance[1] >= compliance[2];
-        stiffens.then(|| TorsionCurve {
-            half_gap_rad: gap,
+        straight.stiffens().then(|| TorsionCurve {
+            half_gap_rad: straight.offset,
             torques_n_m: at,
-            stiffness_n_m_per_rad: compliance.map(|c| 1.0 / c),
-            residual_rad: left,
+            stiffness_n_m_per_rad: straight.compliance.map(|c| 1.0 / c),
+            residual_rad: straight.left,
         })
     }
 
@@ -128,19 +108,63 @@ impl TorsionCurve {
     }
 }
 
-/// (torque, angle) of the mean of both branches and both signs, for torques from `low` × rated.
-fn mid_line(points: &[LoopPoint], rated: f64, low: f64) -> Vec<(f64, f64)> {
+/// Least squares by pieces of a straight line between given corners; whatever sign its figures have.
+struct Straight {
+    /// Angle in rad that is left towards no torque.
+    offset: f64,
+    /// rad/(N·m), piece by piece.
+    compliance: [f64; 3],
+    /// Root mean square of what is left, rad.
+    left: f64,
+}
+
+impl Straight {
+    /// With so many different compliances, and an offset or the best one.
+    fn through(line: &[(f64, f64)], at: [f64; 2], pieces: usize, offset: Option<f64>) -> Option<Straight> {
+        let limits = [at[0], at[1], f64::INFINITY];
+        let length = |torque: f64, piece: usize| {
+            let from = if piece == 0 { 0.0 } else { limits[piece - 1] };
+            (torque.min(limits[piece]) - from).max(0.0)
+        };
+        // Pieces beyond the last different one go on with its stiffness.
+        let group = |piece: usize| piece.min(pieces - 1);
+        let free = usize::from(offset.is_none());
+        let matrix = DMatrix::from_fn(line.len(), pieces + free, |row, column| {
+            if column < free {
+                1.0
+            } else {
+                (0..3).filter(|p| group(*p) == column - free).map(|p| length(line[row].0, p)).sum()
+            }
+        });
+        let given = offset.unwrap_or(0.0);
+        let angles = DVector::from_iterator(line.len(), line.iter().map(|point| point.1 - given));
+        let solution = (matrix.transpose() * &matrix).lu().solve(&(matrix.transpose() * &angles))?;
+        Some(Straight {
+            offset: offset.unwrap_or(solution[0]),
+            compliance: [0, 1, 2].map(|piece| solution[free + group(piece)]),
+            left: (&matrix * &solution - &angles).norm() / (line.len() as f64).sqrt(),
+        })
+    }
+
+    fn stiffens(&self) -> bool {
+        let [c1, c2, c3] = self.compliance;
+        c3 > 0.0 && c1 >= c2 && c2 >= c3
+    }
+}
+
+/// (torque, angle on the side of positive and of negative torque) of the mean of both branches, for torques from
+/// `low` × rated; all of them positive where a side winds up as its torque pushes.
+fn mid_line(points: &[LoopPoint], rated: f64, low: f64) -> Vec<(f64, [f64; 2])> {
     let of = |branch: Branch, torque: f64| {
         points.iter().find(|p| p.branch == branch && p.torque == torque).map(|p| p.angle)
     };
-    let mut line: Vec<(f64, f64)> = points
+    let mut line: Vec<(f64, [f64; 2])> = points
         .iter()
         .filter(|p| p.branch == Branch::Falling && p.torque >= low * rated * (1.0 - 1e-9))
         .filter_map(|p| {
-            let sum = of(Branch::Falling, p.torque)? + of(Branch::Rising, p.torque)?
-                - of(Branch::Falling, -p.torque)?
-                - of(Branch::Rising, -p.torque)?;
-            Some((p.torque, 0.25 * sum))
+            let up = of(Branch::Falling, p.torque)? + of(Branch::Rising, p.torque)?;
+            let down = of(Branch::Falling, -p.torque)? + of(Branch::Rising, -p.torque)?;
+            Some((p.torque, [0.5 * up, -0.5 * down]))
         })
         .collect();
     line.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -158,11 +182,18 @@ pub struct SlipElement {
     pub torque_per_load: f64,
 }
 
-/// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve, and each z_j follows
-/// φ/d_j but stays within ±1. It does not depend on rate, closes after every reversal and remembers them.
+/// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve of the side that φ is on,
+/// and each z_j follows φ/d_j but stays within ±1. It does not depend on rate, closes after every reversal and
+/// remembers them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hysteresis {
+    /// The mean of both sides, as catalogues give it.
     pub curve: TorsionCurve,
+    /// Middle of the dead band in rad: away from 0 where one side is more worn than the other.
+    pub zero_rad: f64,
+    /// Torsion curves of positive and of negative torque, counted from that middle; corners and dead band are those
+    /// of the mean.
+    pub sides: [TorsionCurve; 2],
     pub elements: Vec<SlipElement>,
     /// What the model leaves of the loop's torque at its angles: root mean square and largest, N·m.
     pub residual_rms_n_m: f64,
@@ -183,6 +214,7 @@ impl Hysteresis {
     /// of slip elements on a grid of slips by non-negative least squares.
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<Hysteresis> {
         let curve = TorsionCurve::fit(points, rated, low)?;
+        let (zero, sides) = sides(&mid_line(points, rated, low), &curve)?;
         let elastic = curve.corners()[1] - curve.half_gap_rad
             + (rated - curve.torques_n_m[1]).max(0.0) / curve.stiffness_n_m_per_rad[2];
         let step = (SMALLEST_SLIP / LARGEST_SLIP).powf(1.0 / (ELEMENTS - 1) as f64);
@@ -202,7 +234,16 @@ impl Hysteresis {
                 }
             }
         }
-        let elastic: Vec<f64> = points.iter().map(|p| curve.torque(p.angle)).collect();
+        let mut model = Hysteresis {
+            curve,
+            zero_rad: zero,
+            sides,
+            elements: Vec::new(),
+            residual_rms_n_m: 0.0,
+            residual_max_n_m: 0.0,
+            residual_rms_rad: 0.0,
+        };
+        let elastic: Vec<f64> = points.iter().map(|p| model.elastic(p.angle)).collect();
         let target: Vec<f64> = points.iter().zip(&elastic).map(|(p, g)| p.torque - g).collect();
         let columns: Vec<Vec<f64>> = (0..2 * slips.len())
             .map(|c| {
@@ -220,12 +261,12 @@ impl Hysteresis {
         let angles: Vec<f64> = points
             .iter()
             .zip(&left)
-            .filter_map(|(p, left)| match curve.slope(p.angle) {
+            .filter_map(|(p, left)| match model.slope(p.angle) {
                 0.0 => None,
                 slope => Some(left / slope),
             })
             .collect();
-        let elements = slips
+        model.elements = slips
             .iter()
             .zip(weights.chunks(2))
             .map(|(slip, pair)| SlipElement {
@@ -234,18 +275,45 @@ impl Hysteresis {
                 torque_per_load: pair[1] / rated,
             })
             .collect();
-        Some(Hysteresis {
-            curve,
-            elements,
-            residual_rms_n_m: rms(&left),
-            residual_max_n_m: left.iter().fold(0.0, |most: f64, x| most.max(x.abs())),
-            residual_rms_rad: rms(&angles),
-        })
+        model.residual_rms_n_m = rms(&left);
+        model.residual_max_n_m = left.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        model.residual_rms_rad = rms(&angles);
+        Some(model)
+    }
+
+    /// The torsion curve of the side that a wind-up in rad is on.
+    fn side(&self, wind_up: f64) -> &TorsionCurve {
+        &self.sides[usize::from(wind_up < self.zero_rad)]
+    }
+
+    /// Torque in N·m of the torsion curves alone at a wind-up in rad.
+    pub fn elastic(&self, wind_up: f64) -> f64 {
+        self.side(wind_up).torque(wind_up - self.zero_rad)
+    }
+
+    /// Elastic energy in J at a wind-up in rad, without what sliders store.
+    pub fn energy(&self, wind_up: f64) -> f64 {
+        self.side(wind_up).energy(wind_up - self.zero_rad)
+    }
+
+    /// Stiffness in N·m/rad of the torsion curves at a wind-up in rad; 0 inside the dead band.
+    pub fn slope(&self, wind_up: f64) -> f64 {
+        self.side(wind_up).slope(wind_up - self.zero_rad)
+    }
+
+    /// Ends of the dead band, wind-up in rad.
+    pub fn dead_band(&self) -> [f64; 2] {
+        [-1.0, 1.0].map(|side| self.zero_rad + side * self.curve.half_gap_rad)
+    }
+
+    /// Largest stiffness in N·m/rad of the torsion curves.
+    pub fn stiffest(&self) -> f64 {
+        self.sides.iter().map(|side| side.stiffness_n_m_per_rad[2]).fold(0.0, f64::max)
     }
 
     /// Torque in N·m at a wind-up (rad) with the elements in these states.
     pub fn torque(&self, wind_up: f64, states: &[f64]) -> f64 {
-        let elastic = self.curve.torque(wind_up);
+        let elastic = self.elastic(wind_up);
         elastic + self.slip_torque(elastic, states)
     }
 
@@ -294,12 +362,36 @@ impl Hysteresis {
         points.iter().map(|p| LoopPoint { angle: run(p.torque), ..*p }).collect()
     }
 
-    /// A wind-up at which the model passes more than this torque.
-    fn reach(&self, torque: f64) -> f64 {
+    /// A wind-up at which the model passes more than this torque (N·m), and whose opposite passes less than its
+    /// negative.
+    pub fn reach(&self, torque: f64) -> f64 {
         let all = torque + 2.0 * self.friction_torque();
         let slips: f64 = self.elements.iter().map(|element| element.slip_rad).sum();
-        self.curve.half_gap_rad + all / self.curve.stiffness_n_m_per_rad[0] * 1.5 + slips
+        let softest =
+            self.sides.iter().map(|side| side.stiffness_n_m_per_rad[0]).fold(f64::INFINITY, f64::min);
+        self.zero_rad.abs() + self.curve.half_gap_rad + all / softest * 1.5 + slips
     }
+}
+
+/// The middle between both sides, and the curve of each from there on with dead band and corners of the mean; where
+/// a side does not stiffen at these corners, with fewer pieces.
+fn sides(line: &[(f64, [f64; 2])], mean: &TorsionCurve) -> Option<(f64, [TorsionCurve; 2])> {
+    let of = |side: usize, from: f64| -> Vec<(f64, f64)> {
+        line.iter().map(|(torque, angles)| (*torque, angles[side] - from)).collect()
+    };
+    let offset = |side: usize| {
+        let line = of(side, 0.0);
+        let fits = |pieces: &usize| Straight::through(&line, mean.torques_n_m, *pieces, None);
+        let straight = [3, 2, 1].iter().filter_map(fits).find(Straight::stiffens)?;
+        Some(straight.offset)
+    };
+    let zero = 0.5 * (offset(0)? - offset(1)?);
+    let curve = |side: usize| {
+        let line = of(side, if side == 0 { zero } else { -zero });
+        let fit = |pieces| TorsionCurve::through(&line, mean.torques_n_m, pieces, Some(mean.half_gap_rad));
+        [3, 2, 1].into_iter().find_map(fit)
+    };
+    Some((zero, [curve(0)?, curve(1)?]))
 }
 
 /// min |A w − b| with w ≥ 0, one weight at a time (the matrix is small, and each step only ever helps).

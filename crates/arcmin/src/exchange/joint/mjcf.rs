@@ -8,8 +8,8 @@ use crate::units::ARCMIN;
 impl JointExport {
     /// A model for MuJoCo 4 that holds one body for each age. Each body has two hinges at one place: `drive`
     /// with what turns before the elastic part as armature, and `gear` for wind-up and backlash. Fixed tendons
-    /// over the gear hinge are its springs: one with a dead band (`springlength`) for each piece of the torsion
-    /// curve, and one that yields (`springyield`) for each slip element.
+    /// over the gear hinge are its springs: one that pulls beyond a length (`springlength`) for each piece of the
+    /// torsion curve of either side, and one that yields (`springyield`) for each slip element.
     pub fn mjcf(&self) -> String {
         let mut text = String::new();
         let name = self.identifier();
@@ -38,7 +38,7 @@ impl JointExport {
         }
         text.push_str("  </worldbody>\n  <tendon>\n");
         for state in &self.states {
-            tendons(&mut text, state);
+            self.tendons(&mut text, state);
         }
         text.push_str("  </tendon>\n  <actuator>\n");
         for state in &self.states {
@@ -80,7 +80,7 @@ impl JointExport {
             number(state.efficiency),
             number(state.running_friction(self.ratio)),
         );
-        let reach = 4.0 * curve.corners()[1] + 2.0 * self.rated_torque_n_m / curve.stiffness_n_m_per_rad[2];
+        let reach = self.reach(state);
         let radius = 0.5;
         // A flange of the given mass and inertia; the other two moments are those of a flat disc.
         let across = 0.5 * self.inertia.output_kg_m2;
@@ -113,35 +113,48 @@ impl JointExport {
             "      <geom type=\"cylinder\" size=\"0.1 0.02\" mass=\"0\" contype=\"0\" conaffinity=\"0\"/>\n    </body>"
         );
     }
-}
 
-/// Springs of one age. The springs of a torsion curve that stiffens add up.
-fn tendons(text: &mut String, state: &JointState) {
-    let label = state.label();
-    let curve = &state.hysteresis.curve;
-    let [k1, k2, k3] = curve.stiffness_n_m_per_rad;
-    let [first, second] = curve.corners();
-    let pieces = [(curve.half_gap_rad, k1), (first, k2 - k1), (second, k3 - k2)];
-    for (index, (from, stiffness)) in pieces.into_iter().enumerate().filter(|(_, (_, k))| *k > 0.0) {
-        let _ = writeln!(
-            text,
-            "    <fixed name=\"spring{}_{label}\" springlength=\"{} {}\" stiffness=\"{}\"><joint \
-             joint=\"gear_{label}\" coef=\"1\"/></fixed>",
-            index + 1,
-            number(-from),
-            number(from),
-            number(stiffness)
-        );
+    /// Range in rad of the gear hinge, which no sensible load leaves.
+    fn reach(&self, state: &JointState) -> f64 {
+        let curve = &state.hysteresis.curve;
+        state.hysteresis.zero_rad.abs()
+            + 4.0 * curve.corners()[1]
+            + 2.0 * self.rated_torque_n_m / curve.stiffness_n_m_per_rad[2]
     }
-    let elements = state.hysteresis.elements.iter().map(|element| (element, state.slip_torque(element)));
-    for (index, (element, torque)) in elements.filter(|(_, torque)| *torque > 0.0).enumerate() {
-        let _ = writeln!(
-            text,
-            "    <fixed name=\"slip{}_{label}\" springlength=\"0 0\" stiffness=\"{}\" springyield=\"{}\"><joint \
-             joint=\"gear_{label}\" coef=\"1\"/></fixed>",
-            index + 1,
-            number(torque / element.slip_rad),
-            number(element.slip_rad)
-        );
+
+    /// Springs of one age. The springs of a torsion curve that stiffens add up; each is slack up to its corner, and
+    /// on the whole other side.
+    fn tendons(&self, text: &mut String, state: &JointState) {
+        let label = state.label();
+        let slack = 2.0 * self.reach(state);
+        let zero = state.hysteresis.zero_rad;
+        for (curve, side) in state.hysteresis.sides.iter().zip(["up", "down"]) {
+            let [k1, k2, k3] = curve.stiffness_n_m_per_rad;
+            let [first, second] = curve.corners();
+            let pieces = [(curve.half_gap_rad, k1), (first, k2 - k1), (second, k3 - k2)];
+            for (index, (from, stiffness)) in pieces.into_iter().enumerate().filter(|(_, (_, k))| *k > 0.0) {
+                let [low, high] = if side == "up" { [-slack, zero + from] } else { [zero - from, slack] };
+                let _ = writeln!(
+                    text,
+                    "    <fixed name=\"{side}{}_{label}\" springlength=\"{} {}\" stiffness=\"{}\"><joint \
+                     joint=\"gear_{label}\" coef=\"1\"/></fixed>",
+                    index + 1,
+                    number(low),
+                    number(high),
+                    number(stiffness)
+                );
+            }
+        }
+        let elements = state.hysteresis.elements.iter().map(|element| (element, state.slip_torque(element)));
+        for (index, (element, torque)) in elements.filter(|(_, torque)| *torque > 0.0).enumerate() {
+            let _ = writeln!(
+                text,
+                "    <fixed name=\"slip{}_{label}\" springlength=\"0 0\" stiffness=\"{}\" springyield=\"{}\"><joint \
+                 joint=\"gear_{label}\" coef=\"1\"/></fixed>",
+                index + 1,
+                number(torque / element.slip_rad),
+                number(element.slip_rad)
+            );
+        }
     }
 }

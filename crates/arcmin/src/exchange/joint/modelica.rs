@@ -89,6 +89,7 @@ impl JointExport {
         for state in &self.states {
             let label = state.label();
             let curve = &state.hysteresis.curve;
+            let [low, high] = state.hysteresis.dead_band();
             let list = |values: &[f64]| values.iter().map(|v| number(*v)).collect::<Vec<_>>().join(", ");
             let rows: Vec<String> = self.loss_rows(state).iter().map(|row| list(row)).collect();
             let values = [
@@ -98,8 +99,8 @@ impl JointExport {
                 ("efficiency", number(state.efficiency)),
                 ("viscous_friction_base", number(self.viscous(state) / (self.ratio * self.ratio))),
                 ("no_load_torque_base", number(state.no_load_torque_n_m)),
-                ("dead_band_upper", number(curve.half_gap_rad)),
-                ("dead_band_lower", number(-curve.half_gap_rad)),
+                ("dead_band_upper", number(high)),
+                ("dead_band_lower", number(low)),
                 ("stiffness", number(curve.stiffness_n_m_per_rad[2])),
                 ("damping", number(state.damping(self.timestep_s))),
                 ("stiffness_pieces", format!("[{}]", list(&curve.stiffness_n_m_per_rad))),

@@ -29,7 +29,7 @@ impl JointExport {
         };
         let speed = number(self.rated_input_speed_rad_per_s / self.ratio.abs());
         for state in &self.states {
-            let (label, gap) = (state.label(), state.hysteresis.curve.half_gap_rad);
+            let (label, [low, high]) = (state.label(), state.hysteresis.dead_band());
             let _ = writeln!(text, "  <!-- {} -->", self.told(state));
             link(&mut text, &format!("rotor_{label}"), inertia.output_kg, self.reflected_inertia());
             link(&mut text, &format!("flange_{label}"), inertia.output_kg, inertia.output_kg_m2);
@@ -47,8 +47,8 @@ impl JointExport {
                 "  <joint name=\"gear_{label}\" type=\"revolute\">\n    <parent link=\"rotor_{label}\"/>\n    <child \
                  link=\"flange_{label}\"/>\n    <axis xyz=\"0 0 1\"/>\n    <limit lower=\"{}\" upper=\"{}\" effort=\"{}\" \
                  velocity=\"{speed}\"/>\n    <dynamics damping=\"0\" friction=\"{}\"/>\n  </joint>",
-                number(-gap),
-                number(gap),
+                number(low),
+                number(high),
                 number(self.rated_torque_n_m),
                 number(state.hysteresis.friction_torque())
             );
@@ -84,7 +84,7 @@ impl JointExport {
     fn sdf_model(&self, text: &mut String, state: &JointState) {
         let (name, label) = (self.identifier(), state.label());
         let inertia = &self.inertia;
-        let gap = state.hysteresis.curve.half_gap_rad;
+        let [low, high] = state.hysteresis.dead_band();
         let link = |name: &str, about_axis: f64| {
             let across = number(0.5 * about_axis);
             format!(
@@ -121,8 +121,8 @@ impl JointExport {
              <velocity>{speed}</velocity><stiffness>{}</stiffness><dissipation>{}</dissipation></limit>\n          \
              <dynamics><damping>0</damping><friction>{}</friction></dynamics>\n        </axis>\n      </joint>\n    \
              </model>\n",
-            number(-gap),
-            number(gap),
+            number(low),
+            number(high),
             number(self.rated_torque_n_m),
             number(state.hysteresis.curve.stiffness_n_m_per_rad[2]),
             number(state.damping(self.timestep_s)),

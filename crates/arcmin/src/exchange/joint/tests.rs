@@ -22,8 +22,18 @@ fn a_known_model_is_found_again() {
         SlipElement { slip_rad: 0.02 * ARCMIN, torque_n_m: 3.0, torque_per_load: 0.01 },
         SlipElement { slip_rad: 0.1 * ARCMIN, torque_n_m: 2.0, torque_per_load: 0.0 },
     ];
-    let truth =
-        Hysteresis { curve, elements, residual_rms_n_m: 0.0, residual_max_n_m: 0.0, residual_rms_rad: 0.0 };
+    // The side of negative torque is worn: softer, and the middle has moved there.
+    let worn =
+        TorsionCurve { stiffness_n_m_per_rad: [140.0 / ARCMIN, 200.0 / ARCMIN, 250.0 / ARCMIN], ..curve };
+    let truth = Hysteresis {
+        curve,
+        zero_rad: -0.1 * ARCMIN,
+        sides: [curve, worn],
+        elements,
+        residual_rms_n_m: 0.0,
+        residual_max_n_m: 0.0,
+        residual_rms_rad: 0.0,
+    };
     let shares: Vec<f64> = (-40..=40).rev().map(|i| f64::from(i) / 40.0).collect();
     let branch = |branch, shares: Vec<f64>| {
         shares.into_iter().map(move |s| LoopPoint { torque: s * rated, angle: 0.0, branch })
@@ -34,8 +44,16 @@ fn a_known_model_is_found_again() {
     let points = truth.loop_at(&torques);
     let found = Hysteresis::fit(&points, rated, 0.03).unwrap();
     assert!((found.curve.half_gap_rad / curve.half_gap_rad - 1.0).abs() < 0.05, "{:?}", found.curve);
-    for (k, truth) in found.curve.stiffness_n_m_per_rad.iter().zip(curve.stiffness_n_m_per_rad) {
-        assert!((k / truth - 1.0).abs() < 0.05, "{:?}", found.curve);
+    for (found, truth) in found.sides.iter().zip([curve, worn]) {
+        for (k, truth) in found.stiffness_n_m_per_rad.iter().zip(truth.stiffness_n_m_per_rad) {
+            assert!((k / truth - 1.0).abs() < 0.05, "{found:?}");
+        }
+    }
+    assert!((found.zero_rad / ARCMIN + 0.1).abs() < 0.01, "{}", found.zero_rad / ARCMIN);
+    // Compliances of the mean are the means of the compliances.
+    for (index, k) in found.curve.stiffness_n_m_per_rad.iter().enumerate() {
+        let mean = 0.5 * found.sides.iter().map(|side| 1.0 / side.stiffness_n_m_per_rad[index]).sum::<f64>();
+        assert!((k * mean - 1.0).abs() < 0.02, "{found:?}");
     }
     assert!(found.residual_rms_n_m < 0.01 * rated, "{}", found.residual_rms_n_m);
     // The second way: the figures of the loops, evaluated as on the bench.
@@ -134,6 +152,8 @@ pub(in crate::exchange) fn sample() -> JointExport {
         let elements = vec![SlipElement { slip_rad: 0.03 * ARCMIN, torque_n_m: 4.0, torque_per_load: 0.005 }];
         let hysteresis = Hysteresis {
             curve,
+            zero_rad: 0.0,
+            sides: [curve, curve],
             elements,
             residual_rms_n_m: 0.0,
             residual_max_n_m: 0.0,

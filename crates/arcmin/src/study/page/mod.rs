@@ -12,7 +12,7 @@ use super::judge::{Judged, JudgedResult, SHARES};
 use super::part::Cell;
 use super::statistics::{Interval, Yield};
 use super::{Distribution, Kind, Plan, Rows, Setting, StudyError};
-use crate::design::{Choice, unit_suffix};
+use crate::design::{Choice, unit_of};
 use crate::report::{
     Axis, Block, Column, DesignTemplate, KeyFigure, Page, Provenance, SampleColumn, Samples, Section, Table,
     Tone, Verdict, compact, significant,
@@ -43,9 +43,7 @@ pub struct StudyReport<'a> {
 /// Name and unit of a key.
 fn named(key: &str) -> (String, &'static str) {
     let (group, name) = key.rsplit_once('.').map_or(("", key), |(group, name)| (group, name));
-    // Newton is no suffix of keys of a design, whose letter would be too short to tell.
-    let (stem, unit) =
-        unit_suffix(name).or_else(|| Some((name.strip_suffix("_n")?, "N"))).unwrap_or((name, ""));
+    let (stem, unit) = unit_of(name).unwrap_or((name, ""));
     let stem = in_words(stem);
     (if group.is_empty() { stem } else { format!("{} {stem}", group.replace('_', " ")) }, unit)
 }
