@@ -71,7 +71,7 @@ impl Default for CoupledOptions {
             flank_points: 720,
             pin_points: 1440,
             crank_positions: 15,
-            depth_increment: 0.25 * UM,
+            depth_increment: 0.2 * UM,
             tolerance: 0.01 * UM,
         }
     }

@@ -145,7 +145,7 @@ fn gaps_bend_with_what_the_pin_has_lost() {
         pose.angle += x;
         contacts.contacts(pose, DiscVelocity::REST)
     };
-    let h = 1e-6;
+    let h = 1e-5;
     let (before, here, after) = (at(-h), at(0.0), at(h));
     let mut largest = 0.0_f64;
     for ((a, m), b) in before.iter().zip(&here).zip(&after) {

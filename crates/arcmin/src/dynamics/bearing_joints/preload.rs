@@ -98,7 +98,7 @@ impl BearingMeshing {
                     return Ok(secant);
                 }
             }
-            if free - pressing <= RELIEF_TOLERANCE * free {
+            if free.is_finite() && free - pressing <= RELIEF_TOLERANCE * free {
                 return Ok(0.5 * (pressing + free));
             }
             let next = pressing + MOST_OF_THE_WAY * (vanishes - pressing);
