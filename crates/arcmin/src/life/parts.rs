@@ -315,7 +315,7 @@ mod tests {
             wear.advance_to(exposure.at(time * f64::from(step))).unwrap();
         }
         assert!(
-            wear.state().pin().deepest().0 > 8.0 * UM && parts.wear().turning_arm > UM,
+            wear.state().pin().deepest().0 > 6.0 * UM && parts.wear().turning_arm > UM,
             "{:?}",
             parts.wear()
         );
