@@ -153,7 +153,7 @@ impl Nominal<'_> {
                 ("0.5 %", groove(0.005)),
                 ("0.03 %", groove(0.0003)),
             ),
-            of("outer radius of the ring around the pins", ("1.2 R_p", ring(1.2)), ("1.3 R_p", ring(1.3))),
+            of("outer radius of the ring around the pins", ("1.2 R_p", ring(1.2)), ("1.28 R_p", ring(1.28))),
             of(
                 "what holds the housing (16 bolts)",
                 ("8 bolts", one("housing.solid.bolt_count", 8_usize.into())),
