@@ -120,3 +120,15 @@ def test_columns_can_be_given_as_data() -> None:
     )
     with pytest.raises(arcmin.OptionError, match="equal lengths"):
         arcmin.calibrate(design, {"hours": [1, 2], "depth_um": [1]}, joints="ideal")
+
+
+def test_every_unit_at_the_end_of_a_name_is_known() -> None:
+    from arcmin._analyses import registry
+
+    endings = "n j w hz n_m nm mm um m deg rad rpm kg pa mpa s h percent arcmin".split()
+    for entry in registry:
+        quantities = [*entry["summary"], *(column for table in entry["tables"] for column in table["columns"])]
+        for one in (*quantities, *entry["options"]):
+            key = one.get("key", one.get("name"))
+            if any(key.endswith(f"_{ending}") for ending in endings):
+                assert one["unit"], f"{entry['name']}: {key}"
