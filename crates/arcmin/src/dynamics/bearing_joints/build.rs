@@ -67,7 +67,8 @@ impl BearingJoints {
             )?;
         }
         let discs_as_asked = settings.discs.clone();
-        let elastic = if settings.damped { discs_as_asked } else { discs_as_asked.map(ElasticDiscs::undamped) };
+        let elastic =
+            if settings.damped { discs_as_asked } else { discs_as_asked.map(ElasticDiscs::undamped) };
         let modes = (0..discs).map(|j| elastic.as_ref().map_or(0, |elastic| elastic.mode_count(j))).collect();
         let layout = Layout::new(
             machine,
