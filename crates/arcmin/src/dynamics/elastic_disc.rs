@@ -193,6 +193,11 @@ impl ElasticDiscs {
         Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
     }
 
+    /// The same discs without damping of their modes, for slow tests: there it would be a force that lags.
+    pub(super) fn undamped(self) -> ElasticDiscs {
+        ElasticDiscs { damping_ratio: 0.0, ..self }
+    }
+
     /// Hands the pins to these discs: flanks that read their displacement at a depth have a contact law of
     /// their own.
     pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {

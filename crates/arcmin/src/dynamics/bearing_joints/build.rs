@@ -66,7 +66,9 @@ impl BearingJoints {
                 "must be positive behind an elastic input shaft",
             )?;
         }
-        let elastic = settings.discs.clone();
+        let discs_as_asked = settings.discs.clone();
+        let elastic =
+            if settings.damped { discs_as_asked } else { discs_as_asked.map(ElasticDiscs::undamped) };
         let modes = (0..discs).map(|j| elastic.as_ref().map_or(0, |elastic| elastic.mode_count(j))).collect();
         let layout = Layout::new(
             machine,
