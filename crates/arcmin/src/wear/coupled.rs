@@ -179,6 +179,9 @@ const RUN_AWAY: f64 = 0.02;
 /// from those of [`CoupledOptions`] beyond 25 and 20 µm.
 const STEP_SHARE: f64 = 1e-2;
 const TOLERANCE_SHARE: f64 = 5e-4;
+/// Largest increment, in m, where it takes many pitches to repeat: an update then sees few of the places, and larger
+/// ones leave them uneven (the need of more positions is tested).
+const FEW_PLACES_INCREMENT: f64 = 0.12 * UM;
 /// Sets of crank positions: 13 is a Fibonacci number, so that the golden section spreads them evenly.
 const ROUNDS: usize = 13;
 /// The first update takes off this much at most, in m, and no step that fails is made smaller.
@@ -345,7 +348,11 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
                 break;
             }
             let left = target - before.exposure;
-            let most = self.options.depth_increment.max(STEP_SHARE * depth) / largest;
+            let mut most = self.options.depth_increment;
+            if self.meshing.pitches() > 1 {
+                most = most.min(FEW_PLACES_INCREMENT);
+            }
+            let most = most.max(STEP_SHARE * depth) / largest;
             let wanted = self.step.unwrap_or(FIRST_INCREMENT / largest).min(most);
             // Equal last steps instead of one tiny one.
             let planned =
