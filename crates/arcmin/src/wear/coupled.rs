@@ -180,10 +180,11 @@ const RUN_AWAY: f64 = 0.02;
 const STEP_SHARE: f64 = 1e-2;
 const TOLERANCE_SHARE: f64 = 5e-4;
 /// Largest increment, in m, where it takes many pitches to repeat: an update then sees few of the places, and larger
-/// ones leave them uneven (the need of more positions is tested).
-const FEW_PLACES_INCREMENT: f64 = 0.12 * UM;
-/// Sets of crank positions: 13 is a Fibonacci number, so that the golden section spreads them evenly.
-const ROUNDS: usize = 13;
+/// ones leave waves on the flank (their least curvature and the need of more positions are tested).
+const FEW_PLACES_INCREMENT: f64 = 0.08 * UM;
+/// Sets of crank positions: a Fibonacci number, so that the golden section spreads them evenly. Thirteen of them are
+/// too few for machines with errors of single pins.
+const ROUNDS: usize = 987;
 /// The first update takes off this much at most, in m, and no step that fails is made smaller.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
 const LEAST_INCREMENT: f64 = 0.01 * UM;
