@@ -163,7 +163,8 @@ proptest! {
                 last = state.clone();
             }
             let deepest = last.flank().deepest().0.max(last.pin().deepest().0);
-            prop_assert!(deepest > 0.5 * UM, "{law:?} {deepest}");
+            // Steps follow their error: some updates are short, none is nothing.
+            prop_assert!(deepest > 0.05 * UM, "{law:?} {deepest}");
         }
     }
 }
