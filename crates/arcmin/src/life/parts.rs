@@ -308,14 +308,14 @@ mod tests {
             options,
         );
         for step in 1..=4 {
-            let time = 1250.0 * HOUR;
+            let time = 1400.0 * HOUR;
             parts.see(wear.state());
             parts.advance(time).unwrap();
             wear.set_part_wear(parts.wear());
             wear.advance_to(exposure.at(time * f64::from(step))).unwrap();
         }
         assert!(
-            wear.state().pin().deepest().0 > 6.0 * UM && parts.wear().turning_arm > UM,
+            wear.state().pin().deepest().0 > 8.0 * UM && parts.wear().turning_arm > UM,
             "{:?}",
             parts.wear()
         );

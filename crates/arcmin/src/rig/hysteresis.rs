@@ -215,13 +215,13 @@ impl StiffnessSplit {
     }
 }
 
-/// Parts add up to the whole within this share of it.
+/// Parts add up to the whole within this share of it, where up to so many pieces of the window let them.
 const SPLIT_TOLERANCE: f64 = 9e-4;
 const MOST_PIECES: usize = 16;
 
 /// Splits the compliance of the machine, friction aside: dφ/dT = gᵀ K g with g = dq/dT, and K is the sum of
-/// the parts' tangents. The mean over the window is Gauss's three-point rule in torque; where pins come in or
-/// leave on the way, as on the thin rims of discs with windows, in as many pieces as it takes for the parts
+/// the parts' tangents. The mean over the window is Gauss's three-point rule in torque. Tangents jump where pins
+/// or rollers come in or leave on the way: the window is then taken in as many pieces as it takes for the parts
 /// to add up to the whole within 0.09 % (sixteen at most).
 ///
 /// # Errors

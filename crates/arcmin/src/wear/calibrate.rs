@@ -1,7 +1,8 @@
 //! Calibration of the wear coefficient on observed depths or lost motion.
 
 use super::Exposure;
-use super::coupled::{CoupledOptions, CoupledWear, WearError};
+use super::WearError;
+use super::coupled::{CoupledOptions, CoupledWear};
 use crate::geometry::Relief;
 use crate::load::{ShareLoad, lost_motion};
 use crate::machine::{Machine, RunningIn, WearCoefficient};

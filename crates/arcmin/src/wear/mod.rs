@@ -8,6 +8,7 @@
 pub mod calibrate;
 pub mod coupled;
 mod deposit;
+mod error;
 mod exposure;
 mod growth;
 pub mod paper;
@@ -16,8 +17,9 @@ mod readings;
 mod smoothing;
 
 pub(crate) use coupled::WORN_OUT;
-pub use coupled::{CoupledOptions, CoupledWear, WearError, WearSnapshot};
+pub use coupled::{CoupledOptions, CoupledWear, WearSnapshot};
 pub use deposit::FlankArc;
+pub use error::WearError;
 pub use exposure::Exposure;
 pub use growth::{Beyond, Growth};
 pub use parts::PartLoads;
