@@ -60,6 +60,10 @@ impl PinContacts {
         // z_p β_i is a whole number of turns, so all pins share e(z τ) at the start of their search.
         let ez = unit(-(self.profile.pin_count as f64) * pose.angle);
         let pitch = std::f64::consts::TAU / self.pins.len() as f64;
+        // Gaps from which on a pin is passed over at its foot. Of a machine at rest no contact is about to close,
+        // so that wider ones do not matter.
+        let skim = !all && self.facets.is_none() && velocity == DiscVelocity::REST;
+        let open = if skim { self.reach + moved.lift } else { f64::INFINITY };
         let mut next = Batch::default();
         for (index, pin) in self.pins.iter().enumerate() {
             let mut arm = pin.centre - pose.centre;
@@ -86,10 +90,10 @@ impl PinContacts {
             }
             next.push(index, arm, p, tau0, e);
             if next.count == LANES {
-                self.visit_batch(&mut next, ez, rotation, velocity, &mut visit);
+                self.visit_batch(&mut next, ez, rotation, velocity, open, &mut visit);
             }
         }
-        self.visit_batch(&mut next, ez, rotation, velocity, &mut visit);
+        self.visit_batch(&mut next, ez, rotation, velocity, open, &mut visit);
     }
 
     #[inline]
@@ -99,6 +103,7 @@ impl PinContacts {
         ez: Vec2,
         rotation: Vec2,
         velocity: DiscVelocity,
+        open: f64,
         visit: &mut impl FnMut(&PinContact),
     ) {
         if batch.count == 0 {
@@ -114,6 +119,9 @@ impl PinContacts {
             ez,
             batch.count,
             |lane, foot| {
+                if open < f64::INFINITY && self.gap_floor(batch.pin[lane], foot) > open {
+                    return;
+                }
                 visit(&self.contact_of(
                     batch.pin[lane],
                     batch.arm[lane],
@@ -140,6 +148,18 @@ impl PinContacts {
         // Only where the curvature cannot change its size on the way to the foot.
         curvature * (height.abs() + along.abs()) < 0.3
             && height + extra > 2.0 * curvature * along * along + self.reach
+    }
+
+    /// A bound of the gap from below in m, from what is known at the foot. Errors of the flank hardly change from
+    /// there to the closest point, and the pin can only have lost metal.
+    #[inline]
+    fn gap_floor(&self, pin: usize, foot: &Foot) -> f64 {
+        let radius = self.pins[pin].radius;
+        let error = self
+            .error_reader
+            .as_ref()
+            .map_or(0.0, |error| error.depth(foot.tau, foot.direction_at(foot.tau), foot.normal));
+        self.profile.gap_floor_on_worn(foot, &self.relief, radius) + error
     }
 
     #[inline]

@@ -30,6 +30,9 @@ pub struct EquilibriumControl {
     pub jump_tolerance: f64,
     /// A coordinate that does not move, whatever pulls at it.
     pub held: Option<usize>,
+    /// Descent in energy where Newton's method fails: sure, but long. Whoever knows other places to start from
+    /// tries those first.
+    pub descent: bool,
 }
 
 impl Default for EquilibriumControl {
@@ -41,6 +44,7 @@ impl Default for EquilibriumControl {
             trust: 1.0,
             jump_tolerance: 0.0,
             held: None,
+            descent: true,
         }
     }
 }
@@ -88,7 +92,7 @@ pub fn solve_equilibrium_unless<S: System>(
         return Ok(found);
     }
     let failure = match newton(system, time, start, control, cancelled) {
-        Err(failure @ DynamicsError::NoEquilibrium { .. }) => failure,
+        Err(failure @ DynamicsError::NoEquilibrium { .. }) if control.descent => failure,
         result => return result,
     };
     let patient =

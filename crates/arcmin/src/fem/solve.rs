@@ -115,7 +115,8 @@ pub fn lowest_modes(
         ModeRange::Count(count) => count.min(n),
         ModeRange::UpTo { limit, .. } => limit.min(n),
     };
-    let most = (4 * wanted + 10 * BLOCK).min(n);
+    // Modes that lie close together, as a ring's pairs, take more vectors.
+    let most = (4 * wanted + 20 * BLOCK).min(n);
     // The basis V, and M V beside it, which saves all but one product with M per step.
     let mut basis: Mat<f64> = Mat::zeros(n, most);
     let mut weighted_basis: Mat<f64> = Mat::zeros(n, most);

@@ -36,12 +36,7 @@ impl Profile {
     /// the trace; where the depth is so wavy that it does not settle, golden section within ±0.3 rad of φ.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
-        let unworn = |flank_curvature: f64| 1.0 / pin_radius - flank_curvature;
-        // Never trust a hollow: a quarter of the unworn curvature keeps the step finite.
-        let newton = |station: &Station| {
-            let bend = station.slope_by_tau.min(-0.25 * unworn(station.flank_curvature) * station.length);
-            (-station.slope / bend).clamp(-0.1 / lobes, 0.1 / lobes)
-        };
+        let newton = |station: &Station| station.step(pin_radius).clamp(-0.1 / lobes, 0.1 / lobes);
         let mut place = foot.place.moved(newton(&self.station_at_foot(foot, relief)), z);
         for _ in 0..20 {
             let here = self.worn_at(place, relief);
@@ -55,7 +50,8 @@ impl Profile {
         let station = |tau: f64| Station::new(p, &self.worn_at(at(tau), relief));
         let gap = |tau: f64| station(tau).reach.norm();
         let (mut a, mut b) = (foot.tau - 0.3 / lobes, foot.tau + 0.3 / lobes);
-        while b - a > 1e-6 / lobes {
+        // Down to a millionth of a lobe, for τ of any size.
+        for _ in 0..28 {
             let (c, d) = (b - 0.618_033_988_75 * (b - a), a + 0.618_033_988_75 * (b - a));
             if gap(c) < gap(d) {
                 b = d;
@@ -75,6 +71,19 @@ impl Profile {
         }
         let place = at(0.5 * (a + b));
         self.closest_at(p, place, &self.trace_course(place), relief, pin_radius)
+    }
+
+    /// A bound of the gap to the worn flank from below in m: what it is at the foot on the unworn flank, less
+    /// four times what the first step of [`Profile::closest_on_worn`] takes off, s²/(2κ) for the slope s and the
+    /// relative curvature κ.
+    #[inline]
+    pub(crate) fn gap_floor_on_worn(&self, foot: &Foot, relief: &Relief, pin_radius: f64) -> f64 {
+        if relief.is_uniform() {
+            return foot.distance + (self.pin_radius - pin_radius) + relief.samples()[0];
+        }
+        let station = self.station_at_foot(foot, relief);
+        let gap = station.reach.dot(&foot.normal) - pin_radius;
+        gap - 2.0 * station.slope * station.length * station.step(pin_radius)
     }
 
     /// How the worn flank runs at τ, where `meshing` is e(φ).
@@ -373,6 +382,14 @@ struct Station {
 }
 
 impl Station {
+    /// The step of Newton's method in rad of τ.
+    #[inline]
+    fn step(&self, pin_radius: f64) -> f64 {
+        // Never trust a hollow: a quarter of the unworn curvature keeps the step finite.
+        let unworn = 1.0 / pin_radius - self.flank_curvature;
+        -self.slope / self.slope_by_tau.min(-0.25 * unworn * self.length)
+    }
+
     #[inline]
     fn new(p: Vec2, worn: &Worn) -> Station {
         let Worn { depth_below_trace, depth_rate, depth_bend, length, length_rate, .. } = *worn;

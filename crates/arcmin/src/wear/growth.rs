@@ -1,7 +1,7 @@
 //! What a machine loses with its wear, followed once; every coefficient reads from it.
 
-use super::calibrate::LOST_MOTION_POSITIONS;
 use super::WearError;
+use super::calibrate::LOST_MOTION_POSITIONS;
 use super::coupled::{CoupledOptions, CoupledWear};
 use super::{Exposure, Reading};
 use crate::load::{ShareLoad, lost_motion};

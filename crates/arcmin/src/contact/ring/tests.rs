@@ -113,20 +113,46 @@ fn gap_on_an_unevenly_worn_flank_agrees_with_the_exact_distance() {
     assert!(worst < 1e-13, "{worst:e}");
 }
 
+/// New, evenly, unevenly and wavily worn flanks, with errors of the flank and without, of two machines: discs up to
+/// 30 µm off their places, so that pins touch, nearly touch and stand clear.
 #[test]
 fn culling_never_drops_a_pin_that_carries() {
-    let machine = machine();
-    let contacts = machine.pin_contacts(&Relief::uniform(10.0 * UM));
-    let kinematics = machine.kinematics();
-    for step in 0..400 {
-        let crank = 0.011 * step as f64;
-        let turn = (step as f64 * 0.7).sin() * ARCMIN;
-        let pose = kinematics.disc_pose(1, crank, kinematics.nominal_output_angle(crank) + turn);
-        let all: f64 = contacts.contacts(pose, DiscVelocity::REST).iter().map(|c| c.force).sum();
-        let mut culled = 0.0;
-        contacts.visit(pose, DiscVelocity::REST, false, |c| culled += c.force);
-        assert_eq!(all, culled);
+    use crate::geometry::{FlankDirection, FlankHarmonic};
+    let wavy = |phi: f64| worn(phi) + 0.3 * UM * (40.0 * phi).sin();
+    let depths = |depth: &dyn Fn(f64) -> f64| Relief::from_samples(Relief::grid(720).map(depth).collect());
+    let reliefs = [Relief::uniform(0.0), Relief::uniform(10.0 * UM), depths(&worn), depths(&wavy)];
+    let harmonic = |order, direction| FlankHarmonic { order, amplitude: 4.0 * UM, phase: 0.3, direction };
+    let errors = FlankError {
+        harmonics: vec![harmonic(1, FlankDirection::Inwards), harmonic(37, FlankDirection::Normal)],
+        measured: None,
+    };
+    let (mut carried, mut passed_over) = (0, 0);
+    for machine in [machine(), crate::templates::design("rv-80e").unwrap().machine()] {
+        let kinematics = machine.kinematics();
+        for (relief, errors) in reliefs.iter().flat_map(|r| [(r, FlankError::default()), (r, errors.clone())])
+        {
+            let mut contacts = machine.pin_contacts(relief);
+            contacts.set_flank_error(errors);
+            for step in 0..200 {
+                let crank = 0.011 * f64::from(step);
+                let turn = (f64::from(step) * 0.7).sin() * ARCMIN;
+                let mut pose = kinematics.disc_pose(1, crank, kinematics.nominal_output_angle(crank) + turn);
+                pose.centre += 30.0 * UM * crate::geometry::unit(1.3 * f64::from(step));
+                let all = contacts.contacts(pose, DiscVelocity::REST);
+                let mut seen = vec![false; all.len()];
+                contacts.visit(pose, DiscVelocity::REST, false, |c| {
+                    assert_eq!(c.force, all[c.pin].force);
+                    seen[c.pin] = true;
+                });
+                for (contact, seen) in all.iter().zip(seen) {
+                    assert!(seen || contact.gap > 0.0, "{contact:?}");
+                    carried += usize::from(contact.force > 0.0);
+                    passed_over += usize::from(!seen);
+                }
+            }
+        }
     }
+    assert!(carried > 10_000 && passed_over > 10_000, "{carried} {passed_over}");
 }
 
 /// A pin worn in fine waves, w = A cos(100 ψ): the second derivative of the gap is that of the waves, by the square

@@ -7,12 +7,16 @@ use crate::machine::CrankAngle;
 
 /// Share of the pin forces under a small torque below which those without load are none.
 const NO_PRELOAD: f64 = 1e-2;
-/// The relief that frees is known when a step changes it by less than this share; force that is left likewise.
+/// The relief that frees is known when two secants differ by no more than this share of it, or no more is missing.
 const RELIEF_TOLERANCE: f64 = 1e-3;
+/// Share of the force (its 0.9th power) that is none: what the balances leave of it.
+const NOTHING: f64 = 1e-4;
+/// Share of the way to where the secant vanishes.
+const MOST_OF_THE_WAY: f64 = 0.97;
+/// The first trial, as a share of what the contact that presses most has given way by.
+const FIRST_SHARE: f64 = 0.5;
 /// Force of line contact grows about as the 1.1th power of the approach: its 0.9th is nearly a straight line.
 const STRAIGHT: f64 = 0.9;
-/// Share of the way to where the secant vanishes.
-const MOST_OF_THE_WAY: f64 = 0.9;
 const LARGEST_ITERATION_COUNT: usize = 30;
 
 impl BearingMeshing {
@@ -25,8 +29,7 @@ impl BearingMeshing {
         ends: [&Vec<f64>; 2],
         torque: f64,
     ) -> Result<Option<(Vec<f64>, Preload)>, LoadError> {
-        let kinematics = self.model.kinematics();
-        let least = NO_PRELOAD * torque / (kinematics.eccentricity * kinematics.lobe_count);
+        let least = self.least_preload(torque);
         let middle: Vec<f64> = ends[0].iter().zip(ends[1]).map(|(a, b)| 0.5 * (a + b)).collect();
         let place = self.place(crank, &middle);
         if self.preload(&place).force <= least {
@@ -37,6 +40,27 @@ impl BearingMeshing {
         Ok((preload.force > least).then_some((position, preload)))
     }
 
+    /// The load-free balance where pins pressed without load as the machine stood a little earlier, if they still
+    /// do.
+    pub(super) fn still_pressed(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+    ) -> Result<Option<(Vec<f64>, Preload)>, LoadError> {
+        if !self.knows(crank, 0.0) {
+            return Ok(None);
+        }
+        let (position, _) = self.balance_again(crank, 0.0, None)?;
+        let preload = self.preload(&position);
+        Ok((preload.force > self.least_preload(torque)).then_some((position, preload)))
+    }
+
+    /// Force of a pin in N below which it does not press, as `torque` (N·m) is small.
+    fn least_preload(&self, torque: f64) -> f64 {
+        let kinematics = self.model.kinematics();
+        NO_PRELOAD * torque / (kinematics.eccentricity * kinematics.lobe_count)
+    }
+
     fn preload(&self, position: &[f64]) -> Preload {
         let discs: Vec<_> =
             (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, position)).collect();
@@ -45,16 +69,18 @@ impl BearingMeshing {
 
     /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from
     /// the balance as it is (`deviation`). Secants of the force's 0.9th power: each goes most of the way to where
-    /// the one before says that nothing presses, so that pins still hold the bodies, until two agree. Where a
-    /// trial finds them free, the place is enclosed.
+    /// the one before says that nothing presses, so that pins still hold the bodies, until two agree or next to
+    /// nothing is missing. Where a trial finds them free, the place is enclosed.
     pub(super) fn freeing_relief(
         &mut self,
         crank: CrankAngle,
         deviation: &[f64],
         preload: Preload,
+        torque: f64,
     ) -> Result<f64, LoadError> {
+        let least = self.least_preload(torque);
         let base: Vec<Relief> = self.model.rings.iter().map(|ring| ring.relief().clone()).collect();
-        let found = self.seek_freeing_relief(&base, crank, deviation, preload);
+        let found = self.seek_freeing_relief(&base, crank, deviation, preload, least);
         for (ring, relief) in self.model.rings.iter_mut().zip(base) {
             ring.set_relief(relief);
         }
@@ -67,34 +93,40 @@ impl BearingMeshing {
         crank: CrankAngle,
         deviation: &[f64],
         preload: Preload,
+        least: f64,
     ) -> Result<f64, LoadError> {
-        let mut start = deviation.to_vec();
+        // The last two balances in which pins press: the bodies move in proportion to the relief as long as the
+        // same contacts bear, so the next balance lies on the straight line through them.
+        let mut path = [(0.0, deviation.to_vec()), (0.0, deviation.to_vec())];
         let straight = |force: f64| force.powf(STRAIGHT);
         // The contact alone gives way by this much; bearings and shafts give way besides.
         let contact = self.model.rings[0].contact();
         let first = contact.approach(preload.force, contact.pin_radius);
-        let (mut pressing, mut force) = (0.0, straight(preload.force));
-        let whole = force;
+        let whole = straight(preload.force);
+        let nothing = straight(least).max(NOTHING * whole);
+        let (mut pressing, mut force) = (0.0, whole);
         let (mut free, mut vanishes) = (f64::INFINITY, f64::NAN);
-        let mut relief = first;
+        let mut relief = FIRST_SHARE * first;
         for _ in 0..LARGEST_ITERATION_COUNT {
             for (ring, base) in self.model.rings.iter_mut().zip(base) {
                 ring.set_relief(base.plus(&Relief::uniform(relief)));
             }
-            let (position, _) = self.balance_from_afar(crank, 0.0, Some(&start))?;
+            let (position, _) = self.balance_from_afar(crank, 0.0, Some(&along(&path, relief)))?;
             let left = straight(self.preload(&position).force);
-            if left <= RELIEF_TOLERANCE * whole {
+            if left <= nothing {
                 free = relief;
             } else {
-                start = self.deviation(crank, &position);
+                path.swap(0, 1);
+                path[1] = (relief, self.deviation(crank, &position));
                 let secant = if left < force {
                     (relief + left * (relief - pressing) / (force - left)).min(4.0 * relief)
                 } else {
                     2.0 * relief
                 };
                 let agrees = (secant - vanishes).abs() <= RELIEF_TOLERANCE * secant;
+                let near = secant - relief <= RELIEF_TOLERANCE * secant;
                 (pressing, force, vanishes) = (relief, left, secant);
-                if agrees && secant <= free {
+                if (agrees || near) && secant <= free {
                     return Ok(secant);
                 }
             }
@@ -106,4 +138,10 @@ impl BearingMeshing {
         }
         Ok(relief)
     }
+}
+
+/// Straight line through two deviations at their reliefs, at another one.
+fn along([(r0, q0), (r1, q1)]: &[(f64, Vec<f64>); 2], relief: f64) -> Vec<f64> {
+    let share = if r1 > r0 { (relief - r1) / (r1 - r0) } else { 0.0 };
+    q0.iter().zip(q1).map(|(a, b)| b + share * (b - a)).collect()
 }

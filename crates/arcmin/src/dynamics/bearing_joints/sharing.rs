@@ -65,7 +65,7 @@ impl LostMotionSplit {
 /// lie anywhere in their clearance.
 const ZERO_SHARE: f64 = 1e-4;
 /// Balances kept.
-const MOST_KNOWN: usize = 4096;
+const MOST_KNOWN: usize = 32_768;
 /// 1/ρ with ρ³ = ρ + 1.
 const SPREAD: f64 = 0.754_877_666_246_692_8;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
@@ -137,13 +137,15 @@ impl BearingMeshing {
         torque: f64,
         start: Option<&[f64]>,
     ) -> Result<(Vec<f64>, f64), LoadError> {
-        self.balance_within(JUMP.1, crank, torque, start)
+        self.balance_within(JUMP.1, true, crank, torque, start)
     }
 
-    /// `jump` is the share of the rated torque that a jump of the contact forces may leave.
+    /// `jump` is the share of the rated torque that a jump of the contact forces may leave; `descent` as in
+    /// [`EquilibriumControl`].
     fn balance_within(
         &mut self,
         jump: f64,
+        descent: bool,
         crank: CrankAngle,
         torque: f64,
         start: Option<&[f64]>,
@@ -166,6 +168,7 @@ impl BearingMeshing {
             } else {
                 0.0
             },
+            descent,
             ..EquilibriumControl::default()
         };
         let found = match self.running {
@@ -193,14 +196,17 @@ impl BearingMeshing {
         }
     }
 
-    /// [`BearingMeshing::balance`]; where it is not found from a place that was right for other pins, again
-    /// from the nominal place, and then by way of larger torques, under which more contacts hold the bodies.
+    /// [`BearingMeshing::balance_nearby`], and where it finds nothing, by descent in energy.
     pub(super) fn balance_from_afar(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&[f64]>,
     ) -> Result<(Vec<f64>, f64), LoadError> {
+        let place = match self.balance_nearby(crank, torque, start) {
+            Ok(found) => return Ok(found),
+            Err(place) => place,
+        };
         let failure = match self.balance(crank, torque, start) {
             Ok(found) => return Ok(found),
             Err(failure) => failure,
@@ -208,14 +214,37 @@ impl BearingMeshing {
         if let (true, Ok(found)) = (start.is_some(), self.balance(crank, torque, None)) {
             return Ok(found);
         }
+        self.balance(crank, torque, place.as_deref()).map_err(|_| failure)
+    }
+
+    /// [`BearingMeshing::balance`] by Newton's method alone; where it does not find it from a place that was
+    /// right for other pins, again from the nominal place, and then by way of larger torques, under which more
+    /// contacts hold the bodies. Else the deviation reached on that way.
+    fn balance_nearby(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<(Vec<f64>, f64), Option<Vec<f64>>> {
+        let mut newton =
+            |torque: f64, start: Option<&[f64]>| self.balance_within(JUMP.1, false, crank, torque, start);
+        if let Ok(found) = newton(torque, start) {
+            return Ok(found);
+        }
+        if let (true, Ok(found)) = (start.is_some(), newton(torque, None)) {
+            return Ok(found);
+        }
+        let least = torque.abs().max(ZERO_SHARE * self.rated);
         let mut step = self.rated.max(3.0 * torque.abs()).copysign(torque);
         let mut place: Option<Vec<f64>> = None;
-        while step.abs() > torque.abs().max(ZERO_SHARE * self.rated) {
-            let (position, _) = self.balance(crank, step, place.as_deref()).map_err(|_| failure.clone())?;
+        while step.abs() > least {
+            let Ok((position, _)) = self.balance_within(JUMP.1, false, crank, step, place.as_deref()) else {
+                return Err(place);
+            };
             place = Some(self.deviation(crank, &position));
             step /= 3.0;
         }
-        self.balance(crank, torque, place.as_deref()).map_err(|_| failure)
+        self.balance_within(JUMP.1, false, crank, torque, place.as_deref()).map_err(|_| place)
     }
 
     /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
@@ -229,10 +258,43 @@ impl BearingMeshing {
         let key = [crank.radians().to_bits(), torque.to_bits()];
         let known = self.known.remove(&key);
         let found = self.balance_from_afar(crank, torque, known.as_deref().or(start))?;
-        if known.is_some() || self.known.len() < MOST_KNOWN {
-            let deviation = self.deviation(crank, &found.0);
+        self.remember(key, &found.0, crank);
+        Ok(found)
+    }
+
+    fn remember(&mut self, key: [u64; 2], position: &[f64], crank: CrankAngle) {
+        if self.known.len() < MOST_KNOWN {
+            let deviation = self.deviation(crank, position);
             self.known.insert(key, deviation);
         }
+    }
+
+    /// Whether a balance was found at this place under this torque before.
+    pub(super) fn knows(&self, crank: CrankAngle, torque: f64) -> bool {
+        self.known.contains_key(&[crank.radians().to_bits(), torque.to_bits()])
+    }
+
+    /// Balance under the small torque at which play is read, from the last one at this place or from `start`.
+    /// Pins that press without load may jump under it: then the balance under ten times as much, and with what
+    /// the jump leaves, if need be.
+    fn end_of_travel(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<(Vec<f64>, f64), LoadError> {
+        if !self.has_errors {
+            return self.balance_again(crank, torque, start);
+        }
+        let key = [crank.radians().to_bits(), torque.to_bits()];
+        let known = self.known.remove(&key);
+        let start = known.as_deref().or(start);
+        let found = self
+            .balance_nearby(crank, torque, start)
+            .or_else(|_| self.balance_nearby(crank, 10.0 * torque, start))
+            .or_else(|_| self.balance_within(TIGHT_JUMP, true, crank, 10.0 * torque, None))
+            .or_else(|_| self.balance_from_afar(crank, torque, start))?;
+        self.remember(key, &found.0, crank);
         Ok(found)
     }
 
@@ -454,26 +516,29 @@ impl ShareLoad for BearingMeshing {
             (self.model, self.running) = (rough, Some(speed));
             return travel;
         }
+        let small = ZERO_SHARE * self.rated;
         let mut ends = [0.0; 2];
         let mut deviations = [Vec::new(), Vec::new()];
+        let pressed = self.still_pressed(crank, small)?;
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
-            let start = self.loose[side].take();
-            let small = sign * ZERO_SHARE * self.rated;
-            let (position, _) = match self.balance_again(crank, small, start.as_deref()) {
-                Err(_) if self.has_errors => self
-                    .balance_from_afar(crank, 10.0 * small, start.as_deref())
-                    .or_else(|_| self.balance_within(TIGHT_JUMP, crank, 10.0 * small, None))?,
-                found => found?,
+            let start = match &pressed {
+                Some((position, _)) => Some(self.deviation(crank, position)),
+                None => self.loose[side].take(),
             };
+            let (position, _) = self.end_of_travel(crank, sign * small, start.as_deref())?;
             ends[side] = self.model.output_error(&position);
             deviations[side] = self.deviation(crank, &position);
         }
         let mut missing = 0.0;
         let mut preload = Preload::default();
         let [lag, lead] = &deviations;
-        if let Some((position, found)) = self.load_free(crank, [lag, lead], ZERO_SHARE * self.rated)? {
+        let pressed = match pressed {
+            None => self.load_free(crank, [lag, lead], small)?,
+            pressed => pressed,
+        };
+        if let Some((position, found)) = pressed {
             let deviation = self.deviation(crank, &position);
-            (missing, preload) = (self.freeing_relief(crank, &deviation, found)?, found);
+            (missing, preload) = (self.freeing_relief(crank, &deviation, found, small)?, found);
         }
         self.loose = deviations.map(Some);
         let kinematics = self.model.kinematics();
