@@ -249,7 +249,7 @@ impl Question<'_> {
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue => {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
-                let cycle = self.cycle(machine, point, POSITIONS)?;
+                let cycle = self.cycle(machine, point, self.ring_positions(machine)?)?;
                 Some(cycle.max_pressure(&machine.line_contact()) / MPA)
             }
             LimitKind::TransmissionError => {
@@ -259,15 +259,17 @@ impl Question<'_> {
                 let end = self.prediction.points.last()?;
                 let (point, rest) =
                     if std::ptr::eq(worst, end) { self.worn(rate, value)? } else { (worst, 0.0) };
-                let alike = self.fidelity.meshing(machine).ok()?.discs_alike();
-                let positions = if alike { POSITIONS } else { RING_POSITIONS * POSITIONS };
-                Some(self.cycle(machine, point, positions)?.peak_to_peak_error().arcmin() + rest)
+                Some(
+                    self.cycle(machine, point, self.ring_positions(machine)?)?.peak_to_peak_error().arcmin()
+                        + rest,
+                )
             }
             LimitKind::Backlash => {
                 let (point, rest) = self.worn(rate, |point| point.accuracy.free_travel.arcmin())?;
-                let alike = self.fidelity.meshing(machine).ok()?.discs_alike();
-                let positions = if alike { POSITIONS } else { RING_POSITIONS * POSITIONS };
-                Some(self.cycle(machine, point, positions)?.mean_free_travel().arcmin() + rest)
+                Some(
+                    self.cycle(machine, point, self.ring_positions(machine)?)?.mean_free_travel().arcmin()
+                        + rest,
+                )
             }
             _ => {
                 let joints = self.fidelity.in_bearings(machine).ok()?;
@@ -276,6 +278,12 @@ impl Question<'_> {
                 Some(lost + rest)
             }
         }
+    }
+
+    /// Crank positions over what repeats, as many as the prediction takes.
+    fn ring_positions(&self, machine: &Machine) -> Option<usize> {
+        let alike = self.fidelity.meshing(machine).ok()?.discs_alike();
+        Some(if alike { POSITIONS } else { RING_POSITIONS * POSITIONS })
     }
 
     /// The point of the prediction at which a value is largest.

@@ -141,3 +141,19 @@ fn advice_is_about_the_limit_that_is_reached() {
         }
     }
 }
+
+/// Advice on the pressure of a drawn machine starts from the pressure that the verdict names.
+#[test]
+fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
+    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = design.with("limits.service_life_h", 100.0).unwrap();
+    let options =
+        Options::parse("points = 4\nquasi_static = true\nerrors = \"drawn\"\nseed = 3", "test").unwrap();
+    let life = run(&design, &options, &NoHost).unwrap();
+    let limit = life.verdict.limited_by().unwrap();
+    assert_eq!(limit.kind.name(), "contact pressure");
+    assert!(!life.advice.is_empty());
+    for advice in &life.advice {
+        assert!((advice.before / limit.value - 1.0).abs() < 1e-6, "{advice:?} {}", limit.value);
+    }
+}
