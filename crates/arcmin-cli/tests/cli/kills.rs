@@ -20,7 +20,7 @@ fn spawn(directory: &Path, arguments: &[&str]) -> Child {
 /// Commands that take their time, elastic discs and calibration among them.
 const LONG: &[&[&str]] = &[
     &["contact", "d.toml", "--discs", "elastic", "--element", "solid"],
-    &["contact", "d.toml", "--joints", "bearings", "--positions", "3600"],
+    &["contact", "d.toml", "--joints", "bearings", "--positions", "36000"],
     &["wear", "d.toml", "--points", "400"],
     &["calibrate", "d.toml", "readings.csv", "--fit-running-in"],
     &["simulate", "d.toml", "--joints", "bearings", "--end-s", "30"],
@@ -77,7 +77,7 @@ fn measured_stops() {
         let arguments = [command, &["--out", "o", "--force"][..]].concat();
         let mut worst = 0.0_f64;
         for signal in ["-INT", "-TERM"] {
-            for after in [400, 1100, 2700] {
+            for after in [300, 900, 1800] {
                 worst = worst.max(seconds_to_stop(d, &arguments, signal, Duration::from_millis(after)));
             }
         }

@@ -63,7 +63,7 @@ impl PinContacts {
         // Gaps from which on a pin is passed over at its foot. Of a machine at rest no contact is about to close,
         // so that wider ones do not matter.
         let skim = !all && self.facets.is_none() && velocity == DiscVelocity::REST;
-        let open = if skim { self.reach + moved.lift } else { f64::INFINITY };
+        let open = skim.then(|| self.reach + moved.lift);
         let mut next = Batch::default();
         for (index, pin) in self.pins.iter().enumerate() {
             let mut arm = pin.centre - pose.centre;
@@ -103,7 +103,7 @@ impl PinContacts {
         ez: Vec2,
         rotation: Vec2,
         velocity: DiscVelocity,
-        open: f64,
+        open: Option<f64>,
         visit: &mut impl FnMut(&PinContact),
     ) {
         if batch.count == 0 {
@@ -119,7 +119,7 @@ impl PinContacts {
             ez,
             batch.count,
             |lane, foot| {
-                if open < f64::INFINITY && self.gap_floor(batch.pin[lane], foot) > open {
+                if open.is_some_and(|open| self.gap_floor(batch.pin[lane], foot) > open) {
                     return;
                 }
                 visit(&self.contact_of(

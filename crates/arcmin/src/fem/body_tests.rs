@@ -259,9 +259,23 @@ fn assert_near(quantity: &str, found: f64, scale: f64, tolerance: f64) {
     assert!(apart < tolerance, "{quantity}: {found:e}, reference {expected:e}, apart {apart}");
 }
 
-/// Compliance between the crank seats within 1 % (of the geometric mean of their own), the first ten
-/// frequencies within 0.5 % on a mesh with elements 0.7 times as wide (with those of the model the seventh is 0.51 %
-/// too high).
+/// The first ten frequencies of the carrier within 0.5 %.
+fn assert_carrier_frequencies(shape: &CarrierShape) {
+    for (k, found) in shape.body().unwrap().frequencies(10).unwrap().into_iter().enumerate() {
+        let quantity = format!("carrier_frequency_{}", k + 1);
+        assert_near(&quantity, found, reference(&quantity), 0.005);
+    }
+}
+
+/// On the mesh that the model takes.
+#[test]
+#[ignore = "open: the seventh frequency is 0.51 % above that of the reference, for its mesh"]
+fn val_carrier_rings_like_that_of_calculix() {
+    assert_carrier_frequencies(&CarrierShape::of(&rv_40e_81()));
+}
+
+/// Compliance between the crank seats within 1 % (of the geometric mean of their own); frequencies on elements 0.7
+/// times as wide as those of the model.
 #[test]
 #[ignore = "half a minute; the solver of the reference is not run"]
 fn val_carrier_is_that_of_calculix() {
@@ -285,11 +299,7 @@ fn val_carrier_is_that_of_calculix() {
             assert_near(&format!("carrier_{under}_{other}"), c.at(i, j), scale, 0.01);
         }
     }
-    let body = CarrierShape { size: 0.7 * shape.size, ..shape }.body().unwrap();
-    for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
-        let quantity = format!("carrier_frequency_{}", k + 1);
-        assert_near(&quantity, found, reference(&quantity), 0.005);
-    }
+    assert_carrier_frequencies(&CarrierShape { size: 0.7 * shape.size, ..shape });
 }
 
 /// Compliances of the housing within 1 %: pins loaded over their whole length, both discs' shares alike.

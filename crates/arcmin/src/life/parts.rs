@@ -308,7 +308,7 @@ mod tests {
             options,
         );
         for step in 1..=4 {
-            let time = 1400.0 * HOUR;
+            let time = 1250.0 * HOUR;
             parts.see(wear.state());
             parts.advance(time).unwrap();
             wear.set_part_wear(parts.wear());

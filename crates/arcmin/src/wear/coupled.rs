@@ -65,8 +65,9 @@ const TOLERANCE_SHARE: f64 = 5e-4;
 /// Largest increment, in m, where it takes many pitches to repeat: an update then sees few of the places, and larger
 /// ones leave waves on the flank (their least curvature and the need of more positions are tested).
 const FEW_PLACES_INCREMENT: f64 = 0.08 * UM;
-/// The first update takes off this much at most, in m, and no step that fails is made smaller.
+/// The first update takes off this much at most, in m: no error of a step is known yet.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
+/// A step that takes off less than this, in m, is not made smaller where its error is too large.
 const LEAST_INCREMENT: f64 = 0.01 * UM;
 
 /// The running computation: advance it in exposure and read snapshots.

@@ -249,7 +249,7 @@ impl Question<'_> {
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue => {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
-                let cycle = self.cycle(machine, point, self.ring_positions(machine)?)?;
+                let cycle = self.cycle(machine, point)?;
                 Some(cycle.max_pressure(&machine.line_contact()) / MPA)
             }
             LimitKind::TransmissionError => {
@@ -259,17 +259,11 @@ impl Question<'_> {
                 let end = self.prediction.points.last()?;
                 let (point, rest) =
                     if std::ptr::eq(worst, end) { self.worn(rate, value)? } else { (worst, 0.0) };
-                Some(
-                    self.cycle(machine, point, self.ring_positions(machine)?)?.peak_to_peak_error().arcmin()
-                        + rest,
-                )
+                Some(self.cycle(machine, point)?.peak_to_peak_error().arcmin() + rest)
             }
             LimitKind::Backlash => {
                 let (point, rest) = self.worn(rate, |point| point.accuracy.free_travel.arcmin())?;
-                Some(
-                    self.cycle(machine, point, self.ring_positions(machine)?)?.mean_free_travel().arcmin()
-                        + rest,
-                )
+                Some(self.cycle(machine, point)?.mean_free_travel().arcmin() + rest)
             }
             _ => {
                 let joints = self.fidelity.in_bearings(machine).ok()?;
@@ -280,21 +274,17 @@ impl Question<'_> {
         }
     }
 
-    /// Crank positions over what repeats, as many as the prediction takes.
-    fn ring_positions(&self, machine: &Machine) -> Option<usize> {
-        let alike = self.fidelity.meshing(machine).ok()?.discs_alike();
-        Some(if alike { POSITIONS } else { RING_POSITIONS * POSITIONS })
-    }
-
     /// The point of the prediction at which a value is largest.
     fn worst(&self, value: impl Fn(&LifePoint) -> f64) -> Option<&LifePoint> {
         self.prediction.points.iter().max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
-    /// Everything that repeats at rated torque, of a changed machine with the surfaces of a point.
-    fn cycle(&self, machine: &Machine, point: &LifePoint, positions: usize) -> Option<Cycle> {
+    /// Everything that repeats at rated torque, of a changed machine with the surfaces of a point, at as many
+    /// crank positions as the prediction takes.
+    fn cycle(&self, machine: &Machine, point: &LifePoint) -> Option<Cycle> {
         let mut meshing = self.fidelity.meshing(machine).ok()?;
         point.state.put_on(machine, &mut meshing);
+        let positions = if meshing.discs_alike() { POSITIONS } else { RING_POSITIONS * POSITIONS };
         meshing.whole_cycle(machine.rated.torque, positions).ok()
     }
 

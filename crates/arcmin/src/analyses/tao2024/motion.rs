@@ -152,8 +152,14 @@ fn error(title: &str, figures: &str, run: &Trace, kind: RunKind, papers: bool) -
     if papers && (run.wear_um - 10.0).abs() < 1e-6 {
         plot.note.push_str(&match kind {
             RunKind::Static => format!(" The paper: mean {STE_MEAN_AT_10_UM} arcmin."),
-            RunKind::Dynamic => format!(" The paper: mean {DTE_MEAN_AT_10_UM} arcmin, excursions of about {DTE_EXCURSION_AT_10_UM} arcmin."),
-            RunKind::Flexible => format!(" The paper: mean {FLEXIBLE_MEAN_AT_10_UM} arcmin, largest about {FLEXIBLE_MAX_AT_10_UM} arcmin."),
+            RunKind::Dynamic => format!(
+                " The paper: mean {DTE_MEAN_AT_10_UM} arcmin, excursions of about \
+            {DTE_EXCURSION_AT_10_UM} arcmin."
+            ),
+            RunKind::Flexible => format!(
+                " The paper: mean {FLEXIBLE_MEAN_AT_10_UM} arcmin, largest about \
+            {FLEXIBLE_MAX_AT_10_UM} arcmin."
+            ),
             RunKind::FlexibleDynamic => String::new(),
         });
     }
@@ -199,7 +205,10 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
         places(life),
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
-    .noted("[Tao2024] shows it in Figure 18. Without load the output floats in the clearance: the shaded band is what uniform wear geometrically allows.");
+    .noted(
+        "[Tao2024] shows it in Figure 18. Without load the output floats in the clearance: the shaded \
+    band is what uniform wear geometrically allows.",
+    );
     plot.series.push(
         Series::band(
             "geometric clearance",
@@ -237,7 +246,8 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
     if !starts.is_empty() {
         plot.series.push(Series::band("STE means of other starts", starts).coloured(Colour::Palette(3)));
         plot.note.push_str(
-            " The other band holds the means of runs that start elsewhere in the clearance: undamped rattling is chaotic, so that no single mean is a result.",
+            " The other band holds the means of runs that start elsewhere in the clearance: undamped \
+             rattling is chaotic, so that no single mean is a result.",
         );
     }
     if is_its_machine(&life.machine) {
@@ -260,7 +270,8 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of the two models lie on one another but for the chance of undamped rattling.",
+        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of the two models \
+         lie on one another but for the chance of undamped rattling.",
     );
     plot.series.push(
         Series::new("rigid, mean", Style::LineMarkers, over_hours(life, |row| row.ste_rigid(), |v| v.mean))
@@ -368,9 +379,11 @@ fn comparison(life: &Tao2024) -> Table {
             Column::number("Clearance allows", "arcmin"),
         ],
         rows,
-        note: "Means and maxima of |TE| here; the paper does not say which mean it takes. Its curves are not digitised: only values printed in its \
+        note:
+            "Means and maxima of |TE| here; the paper does not say which mean it takes. Its curves are not \
+        digitised: only values printed in its \
                text are compared. Values here at 6450 h are interpolated between the levels."
-            .into(),
+                .into(),
     }
 }
 
@@ -380,8 +393,10 @@ fn differences(life: &Tao2024) -> Vec<String> {
     let mut texts = Vec::new();
     if let Some(row) = at(10.0).filter(|row| row.ste_rigid().is_some()) {
         texts.push(format!(
-            "Without load, rigid: uniform wear of 10 µm lets the output float by ±{} arcmin. Where in this band it rattles depends on the \
-             smallest disturbance when nothing damps it, so a mean inside the band, the paper's {STE_MEAN_AT_10_UM} arcmin as well as ours, \
+            "Without load, rigid: uniform wear of 10 µm lets the output float by ±{} arcmin. Where in this \
+             band it rattles depends on the \
+             smallest disturbance when nothing damps it, so a mean inside the band, the paper's \
+             {STE_MEAN_AT_10_UM} arcmin as well as ours, \
              is not a property of the machine; the band is.",
             significant(row.accuracy.play.arcmin(), 3)
         ));
@@ -390,8 +405,10 @@ fn differences(life: &Tao2024) -> Vec<String> {
         at(50.0).filter(|row| row.ste_rigid().is_some() && row.accuracy.play.arcmin() < STE_LARGEST.1)
     {
         texts.push(format!(
-            "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows between rigid teeth. It must contain \
-             something other than the worn shape: penetration of a soft contact, the spline or the mesh of the contact curve, or a search that \
+            "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows \
+             between rigid teeth. It must contain \
+             something other than the worn shape: penetration of a soft contact, the spline or the mesh of \
+             the contact curve, or a search that \
              jumps between the two flanks of the root.",
             STE_LARGEST.1,
             STE_LARGEST.0,
@@ -404,27 +421,39 @@ fn differences(life: &Tao2024) -> Vec<String> {
     {
         let (row, dte) = row;
         texts.push(format!(
-            "With the sinusoidal load the teeth are pressed to one flank and then to the other, so that |TE| swings to the clearance plus the \
-             contact deflection: {} arcmin here. The paper's excursions of about {DTE_EXCURSION_AT_10_UM} arcmin at 10 µm (clearance \
-             ±{} arcmin) would need teeth about {} times softer; its small mean of {DTE_MEAN_AT_10_UM} arcmin is what remains when \
+            "With the sinusoidal load the teeth are pressed to one flank and then to the other, so that |TE| \
+             swings to the clearance plus the \
+             contact deflection: {} arcmin here. The paper's excursions of about {DTE_EXCURSION_AT_10_UM} \
+             arcmin at 10 µm (clearance \
+             ±{} arcmin) would need teeth about {} times softer; its small mean of {DTE_MEAN_AT_10_UM} \
+             arcmin is what remains when \
              swings of both signs cancel.",
             significant(dte.max, 3),
             significant(row.accuracy.play.arcmin(), 3),
-            significant((DTE_EXCURSION_AT_10_UM - row.accuracy.play.arcmin()) / (dte.max - row.accuracy.play.arcmin()), 2)
+            significant(
+                (DTE_EXCURSION_AT_10_UM - row.accuracy.play.arcmin())
+                    / (dte.max - row.accuracy.play.arcmin()),
+                2
+            )
         ));
     }
     if let Some(flexible) = at(10.0).and_then(|row| row.ste_flexible()) {
         texts.push(format!(
-            "Elastic discs: without load nothing deforms it, so that its clearance is that of the rigid disc and the mean here is {} arcmin. The \
-             paper finds {FLEXIBLE_MEAN_AT_10_UM} arcmin and explains it by elasticity. A mesh of linear elements changes the play by as much as \
-             the wear studied: contact with its edges takes play away (1 mm jams), contact at its nodes alone adds some (1.3 arcmin at 60 µm and \
-             2 mm). `arcmin simulate --flank faceted` and `--flank nodes` show it; neither reaches the paper's figure.",
+            "Elastic discs: without load nothing deforms it, so that its clearance is that of the rigid disc \
+             and the mean here is {} arcmin. The \
+             paper finds {FLEXIBLE_MEAN_AT_10_UM} arcmin and explains it by elasticity. A mesh of linear \
+             elements changes the play by as much as \
+             the wear studied: contact with its edges takes play away (1 mm jams), contact at its nodes \
+             alone adds some (1.3 arcmin at 60 µm and \
+             2 mm). `arcmin simulate --flank faceted` and `--flank nodes` show it; neither reaches the \
+             paper's figure.",
             significant(flexible.mean, 3)
         ));
     }
     if let Some((rigid, flexible)) = at(10.0).and_then(|row| Some((row.dte_rigid()?, row.dte_flexible()?))) {
         texts.push(format!(
-            "Under the sinusoidal load the elastic disc swings to {} arcmin instead of {}: the difference is the static compliance of its teeth and body.",
+            "Under the sinusoidal load the elastic disc swings to {} arcmin instead of {}: the difference is \
+             the static compliance of its teeth and body.",
             significant(flexible.max, 3),
             significant(rigid.max, 3)
         ));

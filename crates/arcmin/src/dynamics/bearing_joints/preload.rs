@@ -145,3 +145,69 @@ fn along([(r0, q0), (r1, q1)]: &[(f64, Vec<f64>); 2], relief: f64) -> Vec<f64> {
     let share = if r1 > r0 { (relief - r1) / (r1 - r0) } else { 0.0 };
     q0.iter().zip(q1).map(|(a, b)| b + share * (b - a)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::JointSettings;
+    use crate::dynamics::BearingMeshing;
+    use crate::geometry::Relief;
+    use crate::load::ShareLoad;
+    use crate::machine::ManufacturingErrors;
+
+    /// What [`BearingMeshing::travel`] finds by secants, held against balances on either side: relieved by 1 % more
+    /// nothing presses without load, by 2 % less some pin does. Both shipped designs, tight by either offset, as drawn
+    /// and with errors of manufacture.
+    #[test]
+    fn a_little_more_relief_frees_and_a_little_less_does_not() {
+        let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+        for (name, key) in [
+            ("rv-40e-81", "equidistant_offset_um"),
+            ("rv-40e-81", "radial_offset_um"),
+            ("rv-80e", "equidistant_offset_um"),
+        ] {
+            // Interference is a negative equidistant and a positive radial offset.
+            let tight = if key == "radial_offset_um" { 12.0 } else { -12.0 };
+            let design = crate::templates::design(name).unwrap();
+            let machine = design.with(&format!("disc.modification.{key}"), tight).unwrap().machine();
+            for seed in [None, Some(3)] {
+                let errors = seed.map_or_else(ManufacturingErrors::default, |seed| {
+                    ManufacturingErrors::draw(&machine, &tolerances, seed)
+                });
+                let settings = JointSettings { errors, ..JointSettings::default() };
+                let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
+                let small = 1e-4 * machine.rated.torque;
+                let base: Vec<Relief> =
+                    meshing.model.rings.iter().map(|ring| ring.relief().clone()).collect();
+                for index in 0..3 {
+                    let crank = meshing.crank_position(index, 3, 0.0, 0);
+                    let ends = [1.0, -1.0].map(|sign| {
+                        let (position, _) = meshing.balance(crank, sign * small, None).unwrap();
+                        meshing.deviation(crank, &position)
+                    });
+                    let (position, preload) =
+                        meshing.load_free(crank, [&ends[0], &ends[1]], small).unwrap().unwrap();
+                    let deviation = meshing.deviation(crank, &position);
+                    let relief = meshing.freeing_relief(crank, &deviation, preload, small).unwrap();
+                    let mut left = |share: f64| {
+                        for (ring, base) in meshing.model.rings.iter_mut().zip(&base) {
+                            ring.set_relief(base.plus(&Relief::uniform(share * relief)));
+                        }
+                        let (position, _) = meshing.balance(crank, 0.0, Some(&deviation)).unwrap();
+                        let left = meshing.preload(&position).force;
+                        for (ring, base) in meshing.model.rings.iter_mut().zip(&base) {
+                            ring.set_relief(base.clone());
+                        }
+                        left
+                    };
+                    let (less, more) = (left(0.98), left(1.01));
+                    let place = format!("{name} {key} {seed:?} {index}: {relief:e} m, {} N", preload.force);
+                    let nothing = 1e-4 * preload.force;
+                    assert!(
+                        less > nothing && more < nothing,
+                        "{place}: {less} N with less, {more} N with more"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,15 +1,14 @@
 //! Load sharing with bearings: the static balance of the very model that `simulate` integrates.
 
-use std::collections::HashMap;
+mod balance;
 
-use super::running::Running;
+use self::balance::Balances;
 use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
-use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
+use crate::dynamics::DynamicsError;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
-use crate::units::ARCMIN;
 use crate::wear::parts;
 
 /// Discs and pins with the whole machine free in its bearings, input locked, friction aside.
@@ -33,9 +32,7 @@ pub struct BearingMeshing {
     loose: [Option<Vec<f64>>; 2],
     /// Speed of the sun in rad/s that friction sees; `None` with friction aside.
     running: Option<f64>,
-    /// Deviations of balances found before, by crank angle and torque: where those of a machine that has worn
-    /// a little since start.
-    known: HashMap<[u64; 2], Vec<f64>>,
+    known: Balances,
 }
 
 /// Lost motion and what makes it up, in rad.
@@ -64,22 +61,8 @@ impl LostMotionSplit {
 /// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would
 /// lie anywhere in their clearance.
 const ZERO_SHARE: f64 = 1e-4;
-/// Balances kept.
-const MOST_KNOWN: usize = 32_768;
 /// 1/ρ with ρ³ = ρ + 1.
 const SPREAD: f64 = 0.754_877_666_246_692_8;
-/// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
-/// all contacts.
-const TOLERANCE: f64 = 1e-7;
-const FORCE_TOLERANCE: f64 = 1e-6;
-/// Of the load, and of the rated torque, that may be left unbalanced in a machine with errors: 1e-4 of the
-/// rated torque wind the machine up by some 2e-4'.
-const JUMP: (f64, f64) = (1e-2, 1e-4);
-
-/// The same at no load in a machine that errors have made so tight that its pins jump from flank to flank
-/// under some 100 N.
-const TIGHT_JUMP: f64 = 2e-3;
-
 impl BearingMeshing {
     /// # Errors
     /// [`DynamicsError`] for a machine with a fixed carrier or values without meaning.
@@ -116,186 +99,13 @@ impl BearingMeshing {
             has_errors,
             loose: [None, None],
             running,
-            known: HashMap::new(),
+            known: Balances::default(),
         })
     }
 
     /// The balances of this model hold the loads of the bearings as well.
     pub fn model(&self) -> &BearingJoints {
         &self.model
-    }
-
-    /// Balance under an output torque (N·m, positive against positive motion): all coordinates, and the
-    /// largest force left. `start` is the deviation of an earlier one from the nominal machine, seen from its
-    /// carrier.
-    ///
-    /// # Errors
-    /// [`LoadError`] where no balance is found.
-    pub fn balance(
-        &mut self,
-        crank: CrankAngle,
-        torque: f64,
-        start: Option<&[f64]>,
-    ) -> Result<(Vec<f64>, f64), LoadError> {
-        self.balance_within(JUMP.1, true, crank, torque, start)
-    }
-
-    /// `jump` is the share of the rated torque that a jump of the contact forces may leave; `descent` as in
-    /// [`EquilibriumControl`].
-    fn balance_within(
-        &mut self,
-        jump: f64,
-        descent: bool,
-        crank: CrankAngle,
-        torque: f64,
-        start: Option<&[f64]>,
-    ) -> Result<(Vec<f64>, f64), LoadError> {
-        if !torque.is_finite() {
-            return Err(LoadError::BadTorque(torque));
-        }
-        let sun = self.sun(crank);
-        self.model.hold_sun(sun, 0.0);
-        self.model.set_load(torque);
-        let place = match start {
-            Some(start) => self.place(crank, start),
-            None => self.model.nominal_position_at(sun),
-        };
-        let control = EquilibriumControl {
-            tolerance: TOLERANCE,
-            force_tolerance: FORCE_TOLERANCE,
-            jump_tolerance: if self.has_errors {
-                (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN
-            } else {
-                0.0
-            },
-            descent,
-            ..EquilibriumControl::default()
-        };
-        let found = match self.running {
-            None => solve_equilibrium(&self.model, 0.0, &place, control),
-            Some(speed) => {
-                self.model.hold_sun(sun, speed);
-                solve_equilibrium(&Running::new(&self.model, sun, speed), 0.0, &place, control)
-            }
-        };
-        match found {
-            Ok(found) => Ok((found.position, found.residual)),
-            Err(DynamicsError::NoEquilibrium { residual, iterations, .. }) => Err(LoadError::NotConverged {
-                crank_angle_deg: crank.degrees(),
-                torque,
-                residual,
-                iterations,
-            }),
-            // The static solver has no other way to fail.
-            Err(_) => Err(LoadError::NotConverged {
-                crank_angle_deg: crank.degrees(),
-                torque,
-                residual: f64::NAN,
-                iterations: 0,
-            }),
-        }
-    }
-
-    /// [`BearingMeshing::balance_nearby`], and where it finds nothing, by descent in energy.
-    pub(super) fn balance_from_afar(
-        &mut self,
-        crank: CrankAngle,
-        torque: f64,
-        start: Option<&[f64]>,
-    ) -> Result<(Vec<f64>, f64), LoadError> {
-        let place = match self.balance_nearby(crank, torque, start) {
-            Ok(found) => return Ok(found),
-            Err(place) => place,
-        };
-        let failure = match self.balance(crank, torque, start) {
-            Ok(found) => return Ok(found),
-            Err(failure) => failure,
-        };
-        if let (true, Ok(found)) = (start.is_some(), self.balance(crank, torque, None)) {
-            return Ok(found);
-        }
-        self.balance(crank, torque, place.as_deref()).map_err(|_| failure)
-    }
-
-    /// [`BearingMeshing::balance`] by Newton's method alone; where it does not find it from a place that was
-    /// right for other pins, again from the nominal place, and then by way of larger torques, under which more
-    /// contacts hold the bodies. Else the deviation reached on that way.
-    fn balance_nearby(
-        &mut self,
-        crank: CrankAngle,
-        torque: f64,
-        start: Option<&[f64]>,
-    ) -> Result<(Vec<f64>, f64), Option<Vec<f64>>> {
-        let mut newton =
-            |torque: f64, start: Option<&[f64]>| self.balance_within(JUMP.1, false, crank, torque, start);
-        if let Ok(found) = newton(torque, start) {
-            return Ok(found);
-        }
-        if let (true, Ok(found)) = (start.is_some(), newton(torque, None)) {
-            return Ok(found);
-        }
-        let least = torque.abs().max(ZERO_SHARE * self.rated);
-        let mut step = self.rated.max(3.0 * torque.abs()).copysign(torque);
-        let mut place: Option<Vec<f64>> = None;
-        while step.abs() > least {
-            let Ok((position, _)) = self.balance_within(JUMP.1, false, crank, step, place.as_deref()) else {
-                return Err(place);
-            };
-            place = Some(self.deviation(crank, &position));
-            step /= 3.0;
-        }
-        self.balance_within(JUMP.1, false, crank, torque, place.as_deref()).map_err(|_| place)
-    }
-
-    /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
-    /// same torque, or from `start` where there is none.
-    pub(super) fn balance_again(
-        &mut self,
-        crank: CrankAngle,
-        torque: f64,
-        start: Option<&[f64]>,
-    ) -> Result<(Vec<f64>, f64), LoadError> {
-        let key = [crank.radians().to_bits(), torque.to_bits()];
-        let known = self.known.remove(&key);
-        let found = self.balance_from_afar(crank, torque, known.as_deref().or(start))?;
-        self.remember(key, &found.0, crank);
-        Ok(found)
-    }
-
-    fn remember(&mut self, key: [u64; 2], position: &[f64], crank: CrankAngle) {
-        if self.known.len() < MOST_KNOWN {
-            let deviation = self.deviation(crank, position);
-            self.known.insert(key, deviation);
-        }
-    }
-
-    /// Whether a balance was found at this place under this torque before.
-    pub(super) fn knows(&self, crank: CrankAngle, torque: f64) -> bool {
-        self.known.contains_key(&[crank.radians().to_bits(), torque.to_bits()])
-    }
-
-    /// Balance under the small torque at which play is read, from the last one at this place or from `start`.
-    /// Pins that press without load may jump under it: then the balance under ten times as much, and with what
-    /// the jump leaves, if need be.
-    fn end_of_travel(
-        &mut self,
-        crank: CrankAngle,
-        torque: f64,
-        start: Option<&[f64]>,
-    ) -> Result<(Vec<f64>, f64), LoadError> {
-        if !self.has_errors {
-            return self.balance_again(crank, torque, start);
-        }
-        let key = [crank.radians().to_bits(), torque.to_bits()];
-        let known = self.known.remove(&key);
-        let start = known.as_deref().or(start);
-        let found = self
-            .balance_nearby(crank, torque, start)
-            .or_else(|_| self.balance_nearby(crank, 10.0 * torque, start))
-            .or_else(|_| self.balance_within(TIGHT_JUMP, true, crank, 10.0 * torque, None))
-            .or_else(|_| self.balance_from_afar(crank, torque, start))?;
-        self.remember(key, &found.0, crank);
-        Ok(found)
     }
 
     /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.

@@ -1,6 +1,5 @@
 //! How fast flanks and pins lose depth: the removal of every contact, spread over what it passes.
 
-use super::super::deposit::spread_on_pin;
 use super::{CoupledWear, WearError, WearSnapshot};
 use crate::contact::PinContact;
 use crate::geometry::Relief;
@@ -9,10 +8,7 @@ use crate::machine::{DutyPoint, PinMounting};
 use crate::tribology::Local;
 use crate::tribology::film::{entrainment_speed, film_ratio};
 use crate::units::wrap_angle;
-
-/// Sets of crank positions: a Fibonacci number, so that the golden section spreads them evenly. Thirteen of them are
-/// too few for machines with errors of single pins.
-const ROUNDS: usize = 987;
+use crate::wear::deposit::spread_on_pin;
 
 /// Depth rates per unit of exposure.
 pub(super) struct Rates {
@@ -55,11 +51,9 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let count = self.options.crank_positions;
         // The crank positions shift from update to update by the golden section, so that no place of the
         // flank is favoured.
-        // After a while they come round again, so that each balance starts from one that it knows.
-        let round = self.updates % ROUNDS;
-        let offset = (round as f64 * 0.618_033_988_749_894_9).fract();
+        let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
         // Each fraction of a pitch meets all places of the period within `count` updates.
-        let shift = if self.meshing.pitches() > 1 { round % count } else { 0 };
+        let shift = if self.meshing.pitches() > 1 { self.updates % count } else { 0 };
         for (row, duty) in machine.duty.iter().enumerate() {
             if duty.torque == 0.0 || duty.share == 0.0 {
                 continue;

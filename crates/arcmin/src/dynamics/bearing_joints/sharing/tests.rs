@@ -1,6 +1,6 @@
 use super::*;
 use crate::contact::ContactLaw;
-use crate::units::HOUR;
+use crate::units::{ARCMIN, HOUR};
 use crate::wear::{CoupledOptions, CoupledWear};
 
 /// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears

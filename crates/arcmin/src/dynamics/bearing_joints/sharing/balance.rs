@@ -1,0 +1,231 @@
+//! Balances of the whole machine: which starts are tried, by Newton's method and by descent in energy.
+
+use std::collections::HashMap;
+
+use super::{BearingMeshing, ZERO_SHARE};
+use crate::dynamics::bearing_joints::running::Running;
+use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
+use crate::load::LoadError;
+use crate::machine::CrankAngle;
+use crate::units::ARCMIN;
+
+/// Balances kept.
+const MOST_KNOWN: usize = 32_768;
+/// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
+/// all contacts.
+const TOLERANCE: f64 = 1e-7;
+const FORCE_TOLERANCE: f64 = 1e-6;
+/// Of the load, and of the rated torque, that may be left unbalanced in a machine with errors: 1e-4 of the
+/// rated torque wind the machine up by some 2e-4'.
+const JUMP: (f64, f64) = (1e-2, 1e-4);
+/// The same at no load in a machine that errors have made so tight that its pins jump from flank to flank
+/// under some 100 N.
+const TIGHT_JUMP: f64 = 2e-3;
+
+/// Coordinates of a balance and the largest force left.
+type Balance = (Vec<f64>, f64);
+
+/// Deviations of balances found before, by crank angle and torque: where those of a machine that has worn a little
+/// since start.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Balances(HashMap<[u64; 2], Vec<f64>>);
+
+impl Balances {
+    fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
+        [crank.radians().to_bits(), torque.to_bits()]
+    }
+
+    fn take(&mut self, crank: CrankAngle, torque: f64) -> Option<Vec<f64>> {
+        self.0.remove(&Balances::key(crank, torque))
+    }
+
+    fn keep(&mut self, crank: CrankAngle, torque: f64, deviation: Vec<f64>) {
+        if self.0.len() < MOST_KNOWN {
+            self.0.insert(Balances::key(crank, torque), deviation);
+        }
+    }
+}
+
+impl BearingMeshing {
+    /// Balance under an output torque (N·m, positive against positive motion): all coordinates, and the
+    /// largest force left. `start` is the deviation of an earlier one from the nominal machine, seen from its
+    /// carrier.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no balance is found.
+    pub fn balance(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<(Vec<f64>, f64), LoadError> {
+        self.balance_within(JUMP.1, true, crank, torque, start)
+    }
+
+    /// `jump` is the share of the rated torque that a jump of the contact forces may leave; `descent` as in
+    /// [`EquilibriumControl`].
+    fn balance_within(
+        &mut self,
+        jump: f64,
+        descent: bool,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Balance, LoadError> {
+        if !torque.is_finite() {
+            return Err(LoadError::BadTorque(torque));
+        }
+        let sun = self.sun(crank);
+        self.model.hold_sun(sun, 0.0);
+        self.model.set_load(torque);
+        let place = match start {
+            Some(start) => self.place(crank, start),
+            None => self.model.nominal_position_at(sun),
+        };
+        let control = EquilibriumControl {
+            tolerance: TOLERANCE,
+            force_tolerance: FORCE_TOLERANCE,
+            jump_tolerance: if self.has_errors {
+                (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN
+            } else {
+                0.0
+            },
+            descent,
+            ..EquilibriumControl::default()
+        };
+        let found = match self.running {
+            None => solve_equilibrium(&self.model, 0.0, &place, control),
+            Some(speed) => {
+                self.model.hold_sun(sun, speed);
+                solve_equilibrium(&Running::new(&self.model, sun, speed), 0.0, &place, control)
+            }
+        };
+        match found {
+            Ok(found) => Ok((found.position, found.residual)),
+            Err(DynamicsError::NoEquilibrium { residual, iterations, .. }) => Err(LoadError::NotConverged {
+                crank_angle_deg: crank.degrees(),
+                torque,
+                residual,
+                iterations,
+            }),
+            // The static solver has no other way to fail.
+            Err(_) => Err(LoadError::NotConverged {
+                crank_angle_deg: crank.degrees(),
+                torque,
+                residual: f64::NAN,
+                iterations: 0,
+            }),
+        }
+    }
+
+    /// [`BearingMeshing::balance_nearby`], and where it finds nothing, by descent in energy.
+    pub(in super::super) fn balance_from_afar(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Balance, LoadError> {
+        self.balance_nearby(crank, torque, start)
+            .or_else(|on_the_way| self.balance_by_descent(crank, torque, start, on_the_way.as_deref()))
+    }
+
+    /// [`BearingMeshing::balance`] by Newton's method alone; where it does not find it from a place that was
+    /// right for other pins, again from the nominal place, and then by way of larger torques, under which more
+    /// contacts hold the bodies. Else the deviation reached on that way.
+    fn balance_nearby(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Balance, Option<Vec<f64>>> {
+        if let Ok(found) = self.balance_by_newton(crank, torque, start) {
+            return Ok(found);
+        }
+        if let (true, Ok(found)) = (start.is_some(), self.balance_by_newton(crank, torque, None)) {
+            return Ok(found);
+        }
+        let least = torque.abs().max(ZERO_SHARE * self.rated);
+        let mut step = self.rated.max(3.0 * torque.abs()).copysign(torque);
+        let mut place: Option<Vec<f64>> = None;
+        while step.abs() > least {
+            let Ok((position, _)) = self.balance_by_newton(crank, step, place.as_deref()) else {
+                return Err(place);
+            };
+            place = Some(self.deviation(crank, &position));
+            step /= 3.0;
+        }
+        self.balance_by_newton(crank, torque, place.as_deref()).map_err(|_| place)
+    }
+
+    fn balance_by_newton(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Balance, LoadError> {
+        self.balance_within(JUMP.1, false, crank, torque, start)
+    }
+
+    /// Newton's method, and descent in energy where it fails: from `start`, from the nominal place, and from the
+    /// place reached by way of larger torques. The error is that of the first.
+    fn balance_by_descent(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+        on_the_way: Option<&[f64]>,
+    ) -> Result<Balance, LoadError> {
+        let failure = match self.balance(crank, torque, start) {
+            Ok(found) => return Ok(found),
+            Err(failure) => failure,
+        };
+        if let (true, Ok(found)) = (start.is_some(), self.balance(crank, torque, None)) {
+            return Ok(found);
+        }
+        self.balance(crank, torque, on_the_way).map_err(|_| failure)
+    }
+
+    /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
+    /// same torque, or from `start` where there is none.
+    pub(in super::super) fn balance_again(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Balance, LoadError> {
+        let known = self.known.take(crank, torque);
+        let found = self.balance_from_afar(crank, torque, known.as_deref().or(start))?;
+        self.known.keep(crank, torque, self.deviation(crank, &found.0));
+        Ok(found)
+    }
+
+    /// Whether a balance was found at this place under this torque before.
+    pub(in super::super) fn knows(&self, crank: CrankAngle, torque: f64) -> bool {
+        self.known.0.contains_key(&Balances::key(crank, torque))
+    }
+
+    /// Balance under the small torque at which play is read, from the last one at this place or from `start`.
+    /// Pins that press without load may jump under it: then the balance under ten times as much, and with what
+    /// the jump leaves, if need be.
+    pub(super) fn end_of_travel(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Balance, LoadError> {
+        if !self.has_errors {
+            return self.balance_again(crank, torque, start);
+        }
+        let known = self.known.take(crank, torque);
+        let start = known.as_deref().or(start);
+        let found = match self.balance_nearby(crank, torque, start) {
+            Ok(found) => found,
+            Err(on_the_way) => self
+                .balance_nearby(crank, 10.0 * torque, start)
+                .or_else(|_| self.balance_within(TIGHT_JUMP, true, crank, 10.0 * torque, None))
+                .or_else(|_| self.balance_by_descent(crank, torque, start, on_the_way.as_deref()))?,
+        };
+        self.known.keep(crank, torque, self.deviation(crank, &found.0));
+        Ok(found)
+    }
+}
