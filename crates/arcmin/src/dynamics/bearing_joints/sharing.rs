@@ -2,7 +2,8 @@
 
 mod balance;
 
-use self::balance::Balances;
+pub(super) use self::balance::Known;
+use super::preload::Freed;
 use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::PinContacts;
 use crate::dynamics::DynamicsError;
@@ -32,7 +33,10 @@ pub struct BearingMeshing {
     loose: [Option<Vec<f64>>; 2],
     /// Speed of the sun in rad/s that friction sees; `None` with friction aside.
     running: Option<f64>,
-    known: Balances,
+    /// Deviations of balances.
+    known: Known<Vec<f64>>,
+    /// Reliefs that freed a preloaded machine.
+    pub(super) freed: Known<Freed>,
 }
 
 /// Lost motion and what makes it up, in rad.
@@ -99,7 +103,8 @@ impl BearingMeshing {
             has_errors,
             loose: [None, None],
             running,
-            known: Balances::default(),
+            known: Known::nothing(),
+            freed: Known::nothing(),
         })
     }
 

@@ -25,24 +25,32 @@ const TIGHT_JUMP: f64 = 2e-3;
 /// Coordinates of a balance and the largest force left.
 type Balance = (Vec<f64>, f64);
 
-/// Deviations of balances found before, by crank angle and torque: where those of a machine that has worn a little
-/// since start.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Balances(HashMap<[u64; 2], Vec<f64>>);
+/// What was found before, by crank angle and torque: where the search of a machine that has worn a little since
+/// starts.
+#[derive(Debug, Clone)]
+pub(in super::super) struct Known<T>(HashMap<[u64; 2], T>);
 
-impl Balances {
+impl<T> Known<T> {
+    pub(in super::super) fn nothing() -> Known<T> {
+        Known(HashMap::new())
+    }
+
     fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
         [crank.radians().to_bits(), torque.to_bits()]
     }
 
-    fn take(&mut self, crank: CrankAngle, torque: f64) -> Option<Vec<f64>> {
-        self.0.remove(&Balances::key(crank, torque))
+    pub(in super::super) fn take(&mut self, crank: CrankAngle, torque: f64) -> Option<T> {
+        self.0.remove(&Known::<T>::key(crank, torque))
     }
 
-    fn keep(&mut self, crank: CrankAngle, torque: f64, deviation: Vec<f64>) {
+    pub(in super::super) fn keep(&mut self, crank: CrankAngle, torque: f64, found: T) {
         if self.0.len() < MOST_KNOWN {
-            self.0.insert(Balances::key(crank, torque), deviation);
+            self.0.insert(Known::<T>::key(crank, torque), found);
         }
+    }
+
+    fn has(&self, crank: CrankAngle, torque: f64) -> bool {
+        self.0.contains_key(&Known::<T>::key(crank, torque))
     }
 }
 
@@ -201,7 +209,7 @@ impl BearingMeshing {
 
     /// Whether a balance was found at this place under this torque before.
     pub(in super::super) fn knows(&self, crank: CrankAngle, torque: f64) -> bool {
-        self.known.0.contains_key(&Balances::key(crank, torque))
+        self.known.has(crank, torque)
     }
 
     /// Balance under the small torque at which play is read, from the last one at this place or from `start`.
