@@ -1,6 +1,6 @@
-"""What a call from Python costs beside the computation: ``python python/benchmarks/calls.py [CONTACT_LOOP]``.
+"""What a call from Python costs beside the computation: ``python python/benchmarks/calls.py [ANALYSIS_LOOP]``.
 
-CONTACT_LOOP is the example of that name, built by ``cargo build --release -p arcmin --example contact_loop``.
+ANALYSIS_LOOP is the example of that name, built by ``cargo build --release -p arcmin --example analysis_loop``.
 Measured on an idle machine; not a test.
 """
 
@@ -26,17 +26,25 @@ def best_of(times: int, calls: int, call: Callable[[], object]) -> float:
     return best
 
 
+def in_rust(analysis: str, calls: int) -> float | None:
+    """Milliseconds a call of the same loop in Rust."""
+    if len(sys.argv) < 2:
+        return None
+    words = [sys.argv[1], analysis, str(calls)]
+    return float(subprocess.run(words, capture_output=True, text=True, check=True).stdout)
+
+
 def main() -> None:
     design = arcmin.Design.template("rv-40e-81")
     calls = 1000
     ours = best_of(3, calls, lambda: arcmin.contact(design))
     print(f"contact from Python {ours:.3f} ms a call")
-    if len(sys.argv) > 1:
-        ran = subprocess.run([sys.argv[1], str(calls)], capture_output=True, text=True, check=True)
-        theirs = float(ran.stdout)
+    if theirs := in_rust("contact", calls):
         print(f"in Rust {theirs:.3f} ms a call: Python at {100 * theirs / ours:.1f} % of its speed")
     cheap = best_of(5, 2000, lambda: arcmin.check(design)) * 1e3
     print(f"check {cheap:.1f} µs a call, computation included")
+    if alone := in_rust("check", 10 * calls):
+        print(f"in Rust {1e3 * alone:.1f} µs a call: the way through Python costs {cheap - 1e3 * alone:.1f} µs")
 
     def work() -> None:
         for _ in range(calls):

@@ -52,6 +52,21 @@ pub(crate) fn program() -> std::io::Result<PathBuf> {
     PROGRAM.get().map_or_else(std::env::current_exe, |program| Ok(program.clone()))
 }
 
+/// The command line as typed.
+pub(crate) fn command_line() -> String {
+    std::iter::once("arcmin").chain(typed().iter().map(String::as_str)).collect::<Vec<_>>().join(" ")
+}
+
+/// Where the numbers of a page about this design come from.
+pub(crate) fn provenance(design: &arcmin::design::Design, seeds: Vec<u64>) -> arcmin::report::Provenance {
+    arcmin::report::Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        design_hash: design.short_hash(),
+        command: command_line(),
+        seeds,
+    }
+}
+
 /// What was typed after the name of the program.
 pub(crate) fn typed() -> &'static [String] {
     TYPED.get().map_or(&[], Vec::as_slice)

@@ -17,6 +17,8 @@ use crate::host::PyHost;
 const LOOK: Duration = Duration::from_millis(50);
 /// How long work that was told to stop is waited for. What takes longer ends by itself, unheard.
 const GRACE: Duration = Duration::from_millis(150);
+/// How long caller and thread look for each other before they sleep: to be woken takes as long as a short call.
+const SPIN: Duration = Duration::from_micros(100);
 /// As much as the main thread of a process usually has.
 const STACK_BYTES: usize = 8 << 20;
 /// Threads kept waiting for the next call.
@@ -68,6 +70,18 @@ fn pool(count: Option<usize>) -> Result<Option<Arc<ThreadPool>>, String> {
     Ok(Some(pool))
 }
 
+/// What `look` finds while it is worth not to sleep.
+fn soon<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
+    let started = Instant::now();
+    loop {
+        let found = look();
+        if found.is_some() || started.elapsed() > SPIN {
+            return found;
+        }
+        std::hint::spin_loop();
+    }
+}
+
 fn serve(mut job: Job) -> std::io::Result<()> {
     // A thread that has ended since (it cannot) hands the job back.
     while let Some(idle) = { threads().idle.pop() } {
@@ -91,7 +105,7 @@ fn serve(mut job: Job) -> std::io::Result<()> {
             };
             // Told after the thread is free again, so that the next call finds it.
             tell();
-            next = keep.then(|| receiver.recv().ok()).flatten();
+            next = keep.then(|| soon(|| receiver.try_recv().ok()).or_else(|| receiver.recv().ok())).flatten();
         }
     };
     std::thread::Builder::new().name("arcmin".to_owned()).stack_size(STACK_BYTES).spawn(work)?;
@@ -101,6 +115,9 @@ fn serve(mut job: Job) -> std::io::Result<()> {
 type Answer<T> = Arc<(Mutex<Option<std::thread::Result<T>>>, Condvar)>;
 
 fn wait<T>(answer: &Answer<T>, time: Duration) -> Option<std::thread::Result<T>> {
+    if let Some(found) = soon(|| answer.0.try_lock().ok().and_then(|mut slot| slot.take())) {
+        return Some(found);
+    }
     let end = Instant::now() + time;
     let mut slot = answer.0.lock().unwrap_or_else(PoisonError::into_inner);
     while slot.is_none() {

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use arcmin::analyses::{Analysis, AnalysisError, identity};
 use arcmin::checks::{Finding, Severity, check_design};
 use arcmin::design::SectionSchema;
-use arcmin::report::Provenance;
 use arcmin::study::band::MACHINES;
 use clap::ArgMatches;
 use serde_json::json;
@@ -72,15 +71,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         page.sections.extend(band.sections());
         results.file("band.csv", lives.csv().as_bytes())?;
     }
-    page.provenance = Provenance {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        design_hash: design.short_hash(),
-        command: std::iter::once("arcmin".to_owned())
-            .chain(crate::typed().iter().cloned())
-            .collect::<Vec<_>>()
-            .join(" "),
-        seeds: outcome.seeds(),
-    };
+    page.provenance = crate::provenance(&design, outcome.seeds());
     results.file("report.html", page.render().as_bytes())?;
     let mut summary = outcome.summary().to_json();
     summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));

@@ -10,6 +10,7 @@ use arcmin::exchange::{
 use arcmin::fidelity::Fidelity;
 use arcmin::geometry::Relief;
 use arcmin::life::worn_after;
+use arcmin::report::Page;
 use arcmin::units::{DEG, MM, RPM, UM};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
@@ -280,7 +281,14 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
         write_file(&out.join("measured-flank.csv"), csv.as_bytes())?;
     }
     write_file(&out.join("flank.toml"), found.toml.as_bytes())?;
-    say(&format!("keys for the design in {}:\n{}", out.join("flank.toml").display(), found.toml.trim_end()))?;
+    let page = found.page(design.machine().name(), &name_of(&points));
+    write_page(&out.join("flank.html"), page, &design)?;
+    say(&format!(
+        "keys for the design in {}, deviations in {}:\n{}",
+        out.join("flank.toml").display(),
+        out.join("flank.html").display(),
+        found.toml.trim_end()
+    ))?;
     Ok(Ending::Fine)
 }
 
@@ -314,6 +322,21 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
         100.0 * r.life_error
     ))?;
     write_file(&out.join("duty.toml"), found.toml.as_bytes())?;
-    say(&format!("rows for the design in {}", out.join("duty.toml").display()))?;
+    let page = found.page(design.machine().name(), &name_of(&log));
+    write_page(&out.join("duty.html"), page, &design)?;
+    say(&format!(
+        "rows for the design in {}, the spectrum in {}",
+        out.join("duty.toml").display(),
+        out.join("duty.html").display()
+    ))?;
     Ok(Ending::Fine)
+}
+
+fn name_of(file: &Path) -> String {
+    file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+fn write_page(path: &Path, mut page: Page, design: &Design) -> Result<(), Failure> {
+    page.provenance = crate::provenance(design, Vec::new());
+    write_file(path, page.render().as_bytes())
 }

@@ -91,6 +91,31 @@ fn a_data_sheet_that_is_none_is_refused() {
     assert!(!d.join("x.toml").exists());
 }
 
+/// Both imports leave the keys for the design and a page to look at, with where it comes from.
+#[test]
+fn imports_show_what_they_found() {
+    let directory = with_design();
+    let d = directory.path();
+    good(d, &["export", "profile", "d.toml", "--format", "csv", "--out", "flank"]);
+    std::fs::rename(d.join("flank/profile.csv"), d.join("points.csv")).unwrap();
+    good(d, &["import", "flank", "d.toml", "points.csv", "--out", "o"]);
+    let log: String = (0..400)
+        .map(|i| f64::from(i) * 0.05)
+        .map(|t| format!("{t},{},{}\n", 200.0 + 50.0 * (3.0 * t).sin(), 10.0 * t.sin()))
+        .collect();
+    write(d, "log.csv", &format!("time_s,torque_n_m,output_speed_rpm\n{log}"));
+    good(d, &["import", "duty", "d.toml", "log.csv", "--out", "o"]);
+    for (name, words) in [
+        ("flank.html", ["points of points.csv lie", "Deviation of each lobe", "import flank d.toml"]),
+        ("duty.html", ["readings of log.csv became", "Time in motion", "import duty d.toml"]),
+    ] {
+        let page = std::fs::read_to_string(d.join("o").join(name)).unwrap();
+        for word in words {
+            assert!(page.contains(word), "{name}: {word}");
+        }
+    }
+}
+
 /// A hostile file of every format that is read is refused with its line and a remedy, and nothing is written.
 #[test]
 fn hostile_imports_are_refused_with_line_and_remedy() {

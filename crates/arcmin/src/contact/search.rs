@@ -63,7 +63,7 @@ impl PinContacts {
         // Gaps from which on a pin is passed over at its foot. Of a machine at rest no contact is about to close,
         // so that wider ones do not matter.
         let skim = !all && self.facets.is_none() && velocity == DiscVelocity::REST;
-        let open = skim.then(|| self.reach + moved.lift);
+        let open = skim.then_some(self.reach + moved.lift);
         let mut next = Batch::default();
         for (index, pin) in self.pins.iter().enumerate() {
             let mut arm = pin.centre - pose.centre;

@@ -22,6 +22,7 @@ mod flank_tests;
 pub mod fmu;
 mod joint;
 mod outline;
+mod pages;
 mod points;
 mod profile;
 mod solid;

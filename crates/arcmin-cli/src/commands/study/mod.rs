@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use arcmin::analyses::{Host, by_name, identity};
 use arcmin::design::{Choice, Design};
 use arcmin::progress::Progress;
-use arcmin::report::{Page, Provenance};
+use arcmin::report::Page;
 use arcmin::study::{Plan, Row, Rows, Shard, Study, StudyFile, Watch, collect, run as run_shard};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::{Map, Value, json};
@@ -195,7 +195,9 @@ impl Job {
     }
 
     fn stopped(&self) -> Failure {
-        Failure::Unfinished { reason: format!("the study was stopped; `{}` goes on from there", typed()) }
+        Failure::Unfinished {
+            reason: format!("the study was stopped; `{}` goes on from there", crate::command_line()),
+        }
     }
 
     /// Computes what is missing of a shard; whether it was cancelled.
@@ -287,12 +289,7 @@ impl Job {
     }
 
     fn page(&self, results: &mut Results, mut page: Page) -> Result<(), Failure> {
-        page.provenance = Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            design_hash: self.study.design.short_hash(),
-            command: typed(),
-            seeds: vec![self.study.plan.sampling().seed()],
-        };
+        page.provenance = crate::provenance(&self.study.design, vec![self.study.plan.sampling().seed()]);
         results.file("report.html", page.render().as_bytes())
     }
 
@@ -333,11 +330,6 @@ fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
         message: format!("{} does not name a study", path.display()),
         help: "run `arcmin study plan STUDY.toml` again".to_owned(),
     })
-}
-
-/// The command line as typed.
-fn typed() -> String {
-    std::iter::once("arcmin").chain(crate::typed().iter().map(String::as_str)).collect::<Vec<_>>().join(" ")
 }
 
 /// What is no fault of the study file.
