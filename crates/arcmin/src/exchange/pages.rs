@@ -10,6 +10,11 @@ fn figure(label: &str, value: String, unit: &str, note: &str) -> KeyFigure {
     KeyFigure { label: label.into(), value, unit: unit.into(), note: note.into(), tone: Tone::Neutral }
 }
 
+/// Without digits that no gauge sees.
+fn rounded(value: f64, step: f64) -> String {
+    compact((value / step).round() * step + 0.0, 6)
+}
+
 /// The design's keys, ready to be copied.
 fn keys(toml: &str) -> Block {
     Block::Code { title: "Keys of the design".into(), text: toml.trim_end().to_owned() }
@@ -20,7 +25,7 @@ impl DutyImport {
     /// the log.
     pub fn page(&self, design: &str, file: &str) -> Page {
         let r = &self.reduction;
-        let percent = |share: f64| format!("{:+.2} %", 100.0 * share);
+        let percent = |share: f64| format!("{} %", rounded(100.0 * share, 1e-2));
         let mut verdict = Verdict::new(
             Tone::Neutral,
             format!("{} readings of {file} became {} rows of duty", r.samples, self.rows.len()),
@@ -91,11 +96,11 @@ impl FlankImport {
             format!(
                 "{} points of {file} lie {} µm off the flank (standard deviation), {} outliers",
                 self.points.points.len(),
-                significant(fit.deviation / UM, 3),
+                rounded(fit.deviation / UM, 1e-3),
                 fit.outliers.len()
             ),
         );
-        let micrometres = |length: f64| significant(length / UM, 3);
+        let micrometres = |length: f64| rounded(length / UM, 1e-3);
         verdict.figures = vec![
             figure("Offset", micrometres(fit.offset), "µm", "of the whole flank, outwards"),
             figure("Radial run-out F_r", micrometres(run_out), "µm", "over all lobes"),
@@ -112,9 +117,9 @@ impl FlankImport {
             "Where does it lie?".into(),
             format!(
                 "Turned by {}°, centre at ({}, {}) mm of the file.",
-                compact(fit.rotation / DEG, 4),
-                compact(fit.centre.x / MM, 4),
-                compact(fit.centre.y / MM, 4)
+                rounded(fit.rotation / DEG, 1e-4),
+                rounded(fit.centre.x / MM, 1e-4),
+                rounded(fit.centre.y / MM, 1e-4)
             ),
         )];
         let mut blocks: Vec<Block> = self.plots.iter().cloned().map(Block::Plot).collect();
