@@ -114,10 +114,12 @@ fn serve(mut job: Job) -> std::io::Result<()> {
 
 type Answer<T> = Arc<(Mutex<Option<std::thread::Result<T>>>, Condvar)>;
 
+/// What is there, if nobody is about to put something there.
+fn look<T>(answer: &Answer<T>) -> Option<std::thread::Result<T>> {
+    answer.0.try_lock().ok()?.take()
+}
+
 fn wait<T>(answer: &Answer<T>, time: Duration) -> Option<std::thread::Result<T>> {
-    if let Some(found) = soon(|| answer.0.try_lock().ok().and_then(|mut slot| slot.take())) {
-        return Some(found);
-    }
     let end = Instant::now() + time;
     let mut slot = answer.0.lock().unwrap_or_else(PoisonError::into_inner);
     while slot.is_none() {
@@ -156,8 +158,9 @@ pub fn wait_for<T: Send + 'static>(
         })
     });
     serve(job)?;
+    let mut answered = py.detach(|| soon(|| look(&answer)).or_else(|| wait(&answer, LOOK)));
     loop {
-        if let Some(result) = py.detach(|| wait(&answer, LOOK)) {
+        if let Some(result) = answered {
             return result.map_err(|cause| errors::panic(cause.as_ref()));
         }
         let told = py.check_signals().and_then(|()| match (progress, host.progress()) {
@@ -169,5 +172,6 @@ pub fn wait_for<T: Send + 'static>(
             py.detach(|| wait(&answer, GRACE));
             return Err(error);
         }
+        answered = py.detach(|| wait(&answer, LOOK));
     }
 }

@@ -98,11 +98,8 @@ fn page() -> Page {
 
 fn verdict() -> Verdict {
     let figure = |label: &str, value: f64, unit: &str, note: &str, tone| KeyFigure {
-        label: label.into(),
-        value: significant(value, 3),
-        unit: unit.into(),
-        note: note.into(),
         tone,
+        ..KeyFigure::new(label, significant(value, 3), unit, note)
     };
     Verdict {
         figures: vec![

@@ -268,39 +268,32 @@ impl Outcome for FlankProfile {
                 false => format!("{}.", self.sentence()),
             },
         );
-        let figure = |label: &str, value: String, unit: &str, note: String, tone: Tone| KeyFigure {
-            label: label.to_owned(),
-            value,
-            unit: unit.to_owned(),
-            note,
-            tone,
-        };
         let inflection = self.profile.inflection();
         verdict.figures = vec![
-            figure(
+            KeyFigure::new(
                 "Short-width coefficient K1",
                 format!("{:.4}", self.profile.short_width_coefficient()),
                 "",
-                "eccentricity times pins over the radius of the pin circle".to_owned(),
-                Tone::Neutral,
+                "eccentricity times pins over the radius of the pin circle",
             ),
-            figure(
+            KeyFigure::new(
                 "Inflection",
                 inflection.map_or("none".to_owned(), |angle| format!("{:.3}", angle / DEG)),
                 if inflection.is_some() { "°" } else { "" },
-                "meshing angle at which the flank turns from hollow to convex".to_owned(),
-                Tone::Neutral,
+                "meshing angle at which the flank turns from hollow to convex",
             ),
-            figure(
-                "Sharpest convex radius",
-                format!("{:.3}", self.sharpest() / MM),
-                "mm",
-                format!(
-                    "at {:.2}°; below 0 the flank is undercut",
-                    self.profile.sharpest_convex_trace().1 / DEG
-                ),
+            KeyFigure {
                 tone,
-            ),
+                ..KeyFigure::new(
+                    "Sharpest convex radius",
+                    format!("{:.3}", self.sharpest() / MM),
+                    "mm",
+                    format!(
+                        "at {:.2}°; below 0 the flank is undercut",
+                        self.profile.sharpest_convex_trace().1 / DEG
+                    ),
+                )
+            },
         ];
         Page {
             title: self.name.clone(),

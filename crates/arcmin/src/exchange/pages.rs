@@ -1,19 +1,10 @@
 //! What an import found, as a page to look at.
 
-use super::{DutyImport, FlankImport};
+use super::{DutyImport, FlankImport, trimmed};
 use crate::report::{
     Block, Column, KeyFigure, Page, Provenance, Section, Table, Tone, Verdict, compact, significant,
 };
 use crate::units::{DEG, MM, RPM, UM};
-
-fn figure(label: &str, value: String, unit: &str, note: &str) -> KeyFigure {
-    KeyFigure { label: label.into(), value, unit: unit.into(), note: note.into(), tone: Tone::Neutral }
-}
-
-/// Without digits that no gauge sees.
-fn rounded(value: f64, step: f64) -> String {
-    compact((value / step).round() * step + 0.0, 6)
-}
 
 /// The design's keys, ready to be copied.
 fn keys(toml: &str) -> Block {
@@ -25,22 +16,27 @@ impl DutyImport {
     /// the log.
     pub fn page(&self, design: &str, file: &str) -> Page {
         let r = &self.reduction;
-        let percent = |share: f64| format!("{} %", rounded(100.0 * share, 1e-2));
+        let percent = |share: f64| format!("{} %", trimmed(100.0 * share, 2));
         let mut verdict = Verdict::new(
             Tone::Neutral,
             format!("{} readings of {file} became {} rows of duty", r.samples, self.rows.len()),
         );
         verdict.figures = vec![
-            figure("Recorded", significant(self.duration / 3600.0, 3), "h", "gaps of the recording left out"),
-            figure(
+            KeyFigure::new(
+                "Recorded",
+                significant(self.duration / 3600.0, 3),
+                "h",
+                "gaps of the recording left out",
+            ),
+            KeyFigure::new(
                 "At rest",
                 significant(100.0 * self.at_rest / self.duration, 3),
                 "%",
                 "of the time recorded",
             ),
-            figure("Peak torque", significant(self.peak_torque.0, 4), "N·m", "at the output"),
-            figure("Peak speed", significant(self.peak_speed.0 / RPM, 4), "rpm", "at the output"),
-            figure("Starts", self.starts.to_string(), "", "from rest"),
+            KeyFigure::new("Peak torque", significant(self.peak_torque.0, 4), "N·m", "at the output"),
+            KeyFigure::new("Peak speed", significant(self.peak_speed.0 / RPM, 4), "rpm", "at the output"),
+            KeyFigure::new("Starts", self.starts.to_string(), "", "from rest"),
         ];
         verdict.answers = vec![
             (
@@ -96,17 +92,17 @@ impl FlankImport {
             format!(
                 "{} points of {file} lie {} µm off the flank (standard deviation), {} outliers",
                 self.points.points.len(),
-                rounded(fit.deviation / UM, 1e-3),
+                trimmed(fit.deviation / UM, 3),
                 fit.outliers.len()
             ),
         );
-        let micrometres = |length: f64| rounded(length / UM, 1e-3);
+        let micrometres = |length: f64| trimmed(length / UM, 3);
         verdict.figures = vec![
-            figure("Offset", micrometres(fit.offset), "µm", "of the whole flank, outwards"),
-            figure("Radial run-out F_r", micrometres(run_out), "µm", "over all lobes"),
-            figure("Cumulative pitch F_p", micrometres(pitch), "µm", "over all lobes"),
-            figure("Single pitch f_p", micrometres(single), "µm", "the largest"),
-            figure(
+            KeyFigure::new("Offset", micrometres(fit.offset), "µm", "of the whole flank, outwards"),
+            KeyFigure::new("Radial run-out F_r", micrometres(run_out), "µm", "over all lobes"),
+            KeyFigure::new("Cumulative pitch F_p", micrometres(pitch), "µm", "over all lobes"),
+            KeyFigure::new("Single pitch f_p", micrometres(single), "µm", "the largest"),
+            KeyFigure::new(
                 "Left over",
                 micrometres(self.split.rest),
                 "µm",
@@ -117,9 +113,9 @@ impl FlankImport {
             "Where does it lie?".into(),
             format!(
                 "Turned by {}°, centre at ({}, {}) mm of the file.",
-                rounded(fit.rotation / DEG, 1e-4),
-                rounded(fit.centre.x / MM, 1e-4),
-                rounded(fit.centre.y / MM, 1e-4)
+                trimmed(fit.rotation / DEG, 4),
+                trimmed(fit.centre.x / MM, 4),
+                trimmed(fit.centre.y / MM, 4)
             ),
         )];
         let mut blocks: Vec<Block> = self.plots.iter().cloned().map(Block::Plot).collect();

@@ -15,6 +15,10 @@ pub enum LoadError {
         "no pin can touch the disc within half a tooth pitch at crank angle {crank_angle_deg:.4}° (gap too large)"
     )]
     NoContact { crank_angle_deg: f64 },
+    #[error(
+        "the relief that frees the preloaded pins was not found at crank angle {crank_angle_deg:.4}°: {relief:.3e} m after {trials} trials"
+    )]
+    NotFreed { crank_angle_deg: f64, relief: f64, trials: usize },
     #[error("the torque must be a finite number, not {0} N·m")]
     BadTorque(f64),
 }

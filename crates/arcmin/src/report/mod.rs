@@ -122,6 +122,29 @@ pub struct KeyFigure {
     pub tone: Tone,
 }
 
+impl KeyFigure {
+    /// One that is neither good nor bad.
+    pub fn new(
+        label: impl Into<String>,
+        value: impl Into<String>,
+        unit: impl Into<String>,
+        note: impl Into<String>,
+    ) -> Self {
+        Self {
+            label: label.into(),
+            value: value.into(),
+            unit: unit.into(),
+            note: note.into(),
+            tone: Tone::Neutral,
+        }
+    }
+
+    /// Bad unless `kept`.
+    pub fn kept(self, kept: bool) -> Self {
+        Self { tone: if kept { Tone::Neutral } else { Tone::Bad }, ..self }
+    }
+}
+
 /// A titled part of the page; `id` is its anchor (letters, digits, hyphens).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {

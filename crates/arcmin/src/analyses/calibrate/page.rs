@@ -137,16 +137,12 @@ fn sentence_of(text: &str) -> String {
 fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {
     let k = calibrated.fit.law.coefficient;
     let range = calibrated.fit.estimates.first().and_then(band);
-    let mut figures = vec![KeyFigure {
-        label: "Wear coefficient".to_owned(),
-        value: significant(k * 1e6, 4),
-        unit: "mm²/N".to_owned(),
-        note: format!(
-            "{k:.4e} 1/Pa, of Archard's law{}",
-            range.map_or(String::new(), |text| format!("; {text}"))
-        ),
-        tone: Tone::Neutral,
-    }];
+    let mut figures = vec![KeyFigure::new(
+        "Wear coefficient",
+        significant(k * 1e6, 4),
+        "mm²/N",
+        format!("{k:.4e} 1/Pa, of Archard's law{}", range.map_or(String::new(), |text| format!("; {text}"))),
+    )];
     for life in calibrated.lives.iter().rev().take(2).rev() {
         let label = match &life.name {
             Some(name) => format!("Life of {name}"),
@@ -163,13 +159,8 @@ fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {
             (Some(low), None) => format!("{low:.0} h at least; "),
             _ => String::new(),
         };
-        figures.push(KeyFigure {
-            label,
-            value,
-            unit: "h".to_owned(),
-            note: format!("{band}until {limit} arcmin of lost motion; {service:.0} h planned"),
-            tone: if kept { Tone::Neutral } else { Tone::Bad },
-        });
+        let note = format!("{band}until {limit} arcmin of lost motion; {service:.0} h planned");
+        figures.push(KeyFigure::new(label, value, "h", note).kept(kept));
     }
     figures
 }

@@ -90,12 +90,8 @@ pub(super) fn page(contact: &Contact) -> Page {
         significant(allowed, 4)
     );
     let mut verdict = Verdict::new(tone, headline);
-    let figure = |(quantity, value): &(crate::results::Quantity, crate::results::Value)| KeyFigure {
-        label: quantity.label(),
-        value: quantity.show(value),
-        unit: quantity.unit().to_owned(),
-        note: quantity.sentence().to_owned(),
-        tone: Tone::Neutral,
+    let figure = |(quantity, value): &(crate::results::Quantity, crate::results::Value)| {
+        KeyFigure::new(quantity.label(), quantity.show(value), quantity.unit(), quantity.sentence())
     };
     let keys = ["max_force_n", "te_loaded_arcmin", "play_arcmin", "torsional_stiffness_n_m_per_arcmin"];
     verdict.figures = summary

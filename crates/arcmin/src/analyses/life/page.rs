@@ -161,75 +161,56 @@ fn verdict(life: &Life) -> Verdict {
     let judged = &life.verdict;
     let mut verdict = Verdict::new(judged.tone(), judged.headline());
     let service = judged.service_h;
-    let figure = |label: String, value: String, unit: &str, note: String, kept: bool| KeyFigure {
-        label,
-        value,
-        unit: unit.to_owned(),
-        note,
-        tone: if kept { Tone::Neutral } else { Tone::Bad },
-    };
     let (new, end) = (life.first(), life.last());
     let allowed = life.machine.limits.lost_motion / ARCMIN;
     let lost = |point: &crate::life::LifePoint| significant(point.lost_motion().arcmin(), 3);
     let kept = |kind: LimitKind| judged.limit(kind).is_none_or(|limit| limit.is_kept(service));
+    let planned = format!("{service:.0} h planned");
     verdict.figures = vec![
         match judged.limited_by() {
-            Some(limit) => figure(
-                "Life".to_owned(),
-                format!("{:.0}", limit.hours.unwrap_or(0.0)),
-                "h",
-                match limit.kind {
+            Some(limit) => {
+                let note = match limit.kind {
                     LimitKind::BearingLife => format!(
-                        "L10, {}; all bearings together {:.0} h; {service:.0} h planned",
+                        "L10, {}; all bearings together {:.0} h; {planned}",
                         limit.place.as_deref().unwrap_or_default(),
                         life.bearings.system_h
                     ),
-                    kind => format!("until {} ends it; {service:.0} h planned", kind.name()),
-                },
-                limit.is_kept(service),
-            ),
-            None => figure(
-                "Life".to_owned(),
-                format!("> {:.0}", judged.searched_h),
-                "h",
-                format!("{service:.0} h planned"),
-                true,
-            ),
+                    kind => format!("until {} ends it; {planned}", kind.name()),
+                };
+                KeyFigure::new("Life", format!("{:.0}", limit.hours.unwrap_or(0.0)), "h", note)
+                    .kept(limit.is_kept(service))
+            }
+            None => KeyFigure::new("Life", format!("> {:.0}", judged.searched_h), "h", planned),
         },
-        figure(
-            "Lost motion, new".to_owned(),
+        KeyFigure::new(
+            "Lost motion, new",
             lost(new),
             "arcmin",
-            "the whole machine in its bearings, at ±3 % of rated torque".to_owned(),
-            new.lost_motion().arcmin() <= allowed,
-        ),
-        figure(
+            "the whole machine in its bearings, at ±3 % of rated torque",
+        )
+        .kept(new.lost_motion().arcmin() <= allowed),
+        KeyFigure::new(
             format!("After {:.0} h", end.hours()),
             lost(end),
             "arcmin",
             format!("lost motion; {} arcmin allowed", compact(allowed, 3)),
-            kept(LimitKind::LostMotion),
-        ),
+        )
+        .kept(kept(LimitKind::LostMotion)),
     ];
     // Where bearings end the life, the first figure has said it.
     let said = judged.limited_by().is_some_and(|limit| limit.kind == LimitKind::BearingLife);
     if let Some(worst) = life.bearings.worst().filter(|_| !said) {
-        verdict.figures.push(figure(
-            "Shortest bearing life".to_owned(),
-            format!("{:.0}", worst.life_h),
-            "h",
-            format!("L10, {}; all bearings together {:.0} h", worst.name, life.bearings.system_h),
-            kept(LimitKind::BearingLife),
-        ));
+        let note = format!("L10, {}; all bearings together {:.0} h", worst.name, life.bearings.system_h);
+        verdict.figures.push(
+            KeyFigure::new("Shortest bearing life", format!("{:.0}", worst.life_h), "h", note)
+                .kept(kept(LimitKind::BearingLife)),
+        );
     }
     if let Some(pressure) = judged.limit(LimitKind::ContactPressure) {
-        let mut tile = figure(
-            "Largest contact pressure".to_owned(),
-            significant(pressure.value, 4),
-            "MPa",
-            format!("over the whole life; {} MPa allowed", compact(pressure.allowed, 4)),
-            pressure.is_kept(service),
-        );
+        let note = format!("over the whole life; {} MPa allowed", compact(pressure.allowed, 4));
+        let mut tile =
+            KeyFigure::new("Largest contact pressure", significant(pressure.value, 4), "MPa", note)
+                .kept(pressure.is_kept(service));
         if pressure.transient {
             tile.tone = Tone::Caution;
             tile.note.push_str(", exceeded only until contacts have worn in");

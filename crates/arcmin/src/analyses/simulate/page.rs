@@ -65,12 +65,8 @@ pub(super) fn page(run: &Simulate) -> Page {
     };
     let mut verdict = Verdict::new(tone, headline);
     if let Some(te) = result.statistics {
-        let figure = |label: &str, value: f64, note: &str| KeyFigure {
-            label: label.to_owned(),
-            value: significant(value / ARCMIN, 3),
-            unit: "arcmin".to_owned(),
-            note: note.to_owned(),
-            tone: Tone::Neutral,
+        let figure = |label: &str, value: f64, note: &str| {
+            KeyFigure::new(label, significant(value / ARCMIN, 3), "arcmin", note)
         };
         verdict.figures = vec![
             figure("Mean", te.mean, "of θ_out − θ_in/i over the window"),

@@ -153,12 +153,12 @@ fn error(title: &str, figures: &str, run: &Trace, kind: RunKind, papers: bool) -
         plot.note.push_str(&match kind {
             RunKind::Static => format!(" The paper: mean {STE_MEAN_AT_10_UM} arcmin."),
             RunKind::Dynamic => format!(
-                " The paper: mean {DTE_MEAN_AT_10_UM} arcmin, excursions of about \
-            {DTE_EXCURSION_AT_10_UM} arcmin."
+                " The paper: mean {DTE_MEAN_AT_10_UM} arcmin, excursions of about {DTE_EXCURSION_AT_10_UM} \
+                 arcmin."
             ),
             RunKind::Flexible => format!(
-                " The paper: mean {FLEXIBLE_MEAN_AT_10_UM} arcmin, largest about \
-            {FLEXIBLE_MAX_AT_10_UM} arcmin."
+                " The paper: mean {FLEXIBLE_MEAN_AT_10_UM} arcmin, largest about {FLEXIBLE_MAX_AT_10_UM} \
+                 arcmin."
             ),
             RunKind::FlexibleDynamic => String::new(),
         });
@@ -206,8 +206,8 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "[Tao2024] shows it in Figure 18. Without load the output floats in the clearance: the shaded \
-    band is what uniform wear geometrically allows.",
+        "[Tao2024] shows it in Figure 18. Without load the output floats in the clearance: the shaded band is \
+         what uniform wear geometrically allows.",
     );
     plot.series.push(
         Series::band(
@@ -246,8 +246,8 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
     if !starts.is_empty() {
         plot.series.push(Series::band("STE means of other starts", starts).coloured(Colour::Palette(3)));
         plot.note.push_str(
-            " The other band holds the means of runs that start elsewhere in the clearance: undamped \
-             rattling is chaotic, so that no single mean is a result.",
+            " The other band holds the means of runs that start elsewhere in the clearance: undamped rattling \
+             is chaotic, so that no single mean is a result.",
         );
     }
     if is_its_machine(&life.machine) {
@@ -270,8 +270,8 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of the two models \
-         lie on one another but for the chance of undamped rattling.",
+        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of the two models lie \
+         on one another but for the chance of undamped rattling.",
     );
     plot.series.push(
         Series::new("rigid, mean", Style::LineMarkers, over_hours(life, |row| row.ste_rigid(), |v| v.mean))
@@ -381,8 +381,8 @@ fn comparison(life: &Tao2024) -> Table {
         rows,
         note:
             "Means and maxima of |TE| here; the paper does not say which mean it takes. Its curves are not \
-        digitised: only values printed in its \
-               text are compared. Values here at 6450 h are interpolated between the levels."
+             digitised: only values printed in its text are compared. Values here at 6450 h are interpolated \
+             between the levels."
                 .into(),
     }
 }
@@ -393,11 +393,10 @@ fn differences(life: &Tao2024) -> Vec<String> {
     let mut texts = Vec::new();
     if let Some(row) = at(10.0).filter(|row| row.ste_rigid().is_some()) {
         texts.push(format!(
-            "Without load, rigid: uniform wear of 10 µm lets the output float by ±{} arcmin. Where in this \
-             band it rattles depends on the \
-             smallest disturbance when nothing damps it, so a mean inside the band, the paper's \
-             {STE_MEAN_AT_10_UM} arcmin as well as ours, \
-             is not a property of the machine; the band is.",
+            "Without load, rigid: uniform wear of 10 µm lets the output float by ±{} arcmin. Where in this band \
+             it rattles depends on the smallest disturbance when nothing damps it, so a mean inside the band, \
+             the paper's {STE_MEAN_AT_10_UM} arcmin as well as ours, is not a property of the machine; the band \
+             is.",
             significant(row.accuracy.play.arcmin(), 3)
         ));
     }
@@ -405,11 +404,10 @@ fn differences(life: &Tao2024) -> Vec<String> {
         at(50.0).filter(|row| row.ste_rigid().is_some() && row.accuracy.play.arcmin() < STE_LARGEST.1)
     {
         texts.push(format!(
-            "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows \
-             between rigid teeth. It must contain \
-             something other than the worn shape: penetration of a soft contact, the spline or the mesh of \
-             the contact curve, or a search that \
-             jumps between the two flanks of the root.",
+            "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows between \
+             rigid teeth. It must contain something other than the worn shape: penetration of a soft contact, \
+             the spline or the mesh of the contact curve, or a search that jumps between the two flanks of the \
+             root.",
             STE_LARGEST.1,
             STE_LARGEST.0,
             significant(row.accuracy.play.arcmin(), 3)
@@ -422,12 +420,10 @@ fn differences(life: &Tao2024) -> Vec<String> {
         let (row, dte) = row;
         texts.push(format!(
             "With the sinusoidal load the teeth are pressed to one flank and then to the other, so that |TE| \
-             swings to the clearance plus the \
-             contact deflection: {} arcmin here. The paper's excursions of about {DTE_EXCURSION_AT_10_UM} \
-             arcmin at 10 µm (clearance \
-             ±{} arcmin) would need teeth about {} times softer; its small mean of {DTE_MEAN_AT_10_UM} \
-             arcmin is what remains when \
-             swings of both signs cancel.",
+             swings to the clearance plus the contact deflection: {} arcmin here. The paper's excursions of \
+             about {DTE_EXCURSION_AT_10_UM} arcmin at 10 µm (clearance ±{} arcmin) would need teeth about {} \
+             times softer; its small mean of {DTE_MEAN_AT_10_UM} arcmin is what remains when swings of both \
+             signs cancel.",
             significant(dte.max, 3),
             significant(row.accuracy.play.arcmin(), 3),
             significant(
@@ -440,12 +436,10 @@ fn differences(life: &Tao2024) -> Vec<String> {
     if let Some(flexible) = at(10.0).and_then(|row| row.ste_flexible()) {
         texts.push(format!(
             "Elastic discs: without load nothing deforms it, so that its clearance is that of the rigid disc \
-             and the mean here is {} arcmin. The \
-             paper finds {FLEXIBLE_MEAN_AT_10_UM} arcmin and explains it by elasticity. A mesh of linear \
-             elements changes the play by as much as \
-             the wear studied: contact with its edges takes play away (1 mm jams), contact at its nodes \
-             alone adds some (1.3 arcmin at 60 µm and \
-             2 mm). `arcmin simulate --flank faceted` and `--flank nodes` show it; neither reaches the \
+             and the mean here is {} arcmin. The paper finds {FLEXIBLE_MEAN_AT_10_UM} arcmin and explains it by \
+             elasticity. A mesh of linear elements changes the play by as much as the wear studied: contact \
+             with its edges takes play away (1 mm jams), contact at its nodes alone adds some (1.3 arcmin at 60 \
+             µm and 2 mm). `arcmin simulate --flank faceted` and `--flank nodes` show it; neither reaches the \
              paper's figure.",
             significant(flexible.mean, 3)
         ));

@@ -116,12 +116,8 @@ pub(super) fn page(study: &Tao2024) -> Page {
 
 fn figures(study: &Tao2024) -> Vec<KeyFigure> {
     let Some(last) = study.levels.last() else { return Vec::new() };
-    let figure = |label: &str, value: f64, unit: &str, note: &str| KeyFigure {
-        label: label.to_owned(),
-        value: significant(value, 3),
-        unit: unit.to_owned(),
-        note: note.to_owned(),
-        tone: Tone::Neutral,
+    let figure = |label: &str, value: f64, unit: &str, note: &str| {
+        KeyFigure::new(label, significant(value, 3), unit, note)
     };
     let mut figures = vec![figure(
         "Play at the last level",

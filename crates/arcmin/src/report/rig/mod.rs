@@ -52,12 +52,8 @@ impl RigPage<'_> {
                 significant(limit / ARCMIN, 3)
             ),
         );
-        let figure = |label: &str, value: f64, unit: &str, note: &str| KeyFigure {
-            label: label.into(),
-            value: significant(value, 3),
-            unit: unit.into(),
-            note: note.into(),
-            tone: Tone::Neutral,
+        let figure = |label: &str, value: f64, unit: &str, note: &str| {
+            KeyFigure::new(label, significant(value, 3), unit, note)
         };
         verdict.figures = vec![
             figure("Lost motion", lost / ARCMIN, "arcmin", "between the mid-points at ± 3 % of rated torque"),

@@ -170,13 +170,12 @@ impl StudyReport<'_> {
             let (label, unit) = named(&result.key);
             let Some(spread) = &result.spread else { continue };
             let Some(high) = spread.quantiles.iter().find(|q| q.share == 0.95) else { continue };
-            verdict.figures.push(KeyFigure {
-                label: format!("{label}, 95 % of machines below"),
-                value: shown(high.estimate, 3),
-                unit: unit.into(),
-                note: format!("{} with {confidence} confidence", ends(&high.interval, 3)),
-                tone: Tone::Neutral,
-            });
+            verdict.figures.push(KeyFigure::new(
+                format!("{label}, 95 % of machines below"),
+                shown(high.estimate, 3),
+                unit,
+                format!("{} with {confidence} confidence", ends(&high.interval, 3)),
+            ));
         }
         let told = |share: &Yield| {
             let (low, high) = (percent(share.low), percent(share.high));

@@ -279,14 +279,14 @@ impl SearchReport<'_> {
         if let Some(best) = self.compared.get(1) {
             for (index, goal) in self.search.goals.iter().enumerate() {
                 let (label, unit) = named(&goal.key);
+                let label = [label, goal.words(self.search.machines)].join(", ");
+                let note = self.compared.first().map_or(String::new(), |start| {
+                    format!("as it stands: {}", significant(self.goal(start, index), 4))
+                });
+                let value = significant(self.goal(best, index), 4);
                 verdict.figures.push(KeyFigure {
-                    label: [label, goal.words(self.search.machines)].join(", ").trim_end_matches(", ").into(),
-                    value: significant(self.goal(best, index), 4),
-                    unit: unit.into(),
-                    note: self.compared.first().map_or(String::new(), |start| {
-                        format!("as it stands: {}", significant(self.goal(start, index), 4))
-                    }),
                     tone,
+                    ..KeyFigure::new(label.trim_end_matches(", "), value, unit, note)
                 });
             }
         }

@@ -30,27 +30,28 @@ type Balance = (Vec<f64>, f64);
 #[derive(Debug, Clone)]
 pub(in super::super) struct Known<T>(HashMap<[u64; 2], T>);
 
+/// Crank angle and torque to the last bit: the same place asked for again.
+fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
+    [crank.radians().to_bits(), torque.to_bits()]
+}
+
 impl<T> Known<T> {
     pub(in super::super) fn nothing() -> Known<T> {
         Known(HashMap::new())
     }
 
-    fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
-        [crank.radians().to_bits(), torque.to_bits()]
-    }
-
     pub(in super::super) fn take(&mut self, crank: CrankAngle, torque: f64) -> Option<T> {
-        self.0.remove(&Known::<T>::key(crank, torque))
+        self.0.remove(&key(crank, torque))
     }
 
     pub(in super::super) fn keep(&mut self, crank: CrankAngle, torque: f64, found: T) {
         if self.0.len() < MOST_KNOWN {
-            self.0.insert(Known::<T>::key(crank, torque), found);
+            self.0.insert(key(crank, torque), found);
         }
     }
 
     fn has(&self, crank: CrankAngle, torque: f64) -> bool {
-        self.0.contains_key(&Known::<T>::key(crank, torque))
+        self.0.contains_key(&key(crank, torque))
     }
 }
 
