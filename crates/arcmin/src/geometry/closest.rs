@@ -25,6 +25,12 @@ pub struct Closest {
 /// A step (rad of φ) after which the place is taken: convergence is quadratic, so that the error left is some
 /// 1e-8, which the distance feels in its square and the normal in its last digits.
 const LAST_STEP: f64 = 2e-4;
+/// Steps of Newton's method before the closest point is enclosed.
+const QUICK_STEPS: usize = 8;
+/// As far from the foot on the unworn flank the closest point is sought, in rad of φ.
+const SEARCHED: f64 = 0.3;
+/// An enclosed closest point is known so well, in rad of φ.
+const CLOSE: f64 = 1e-10;
 
 impl Profile {
     /// Closest point of the flank f(τ) − w(τ) n(τ) to a pin of radius `pin_radius` at `p`, started at the
@@ -33,43 +39,55 @@ impl Profile {
     /// With q = c − (r + w) n the distance |p − q| is stationary where off·t = w_s (off·n + r + w), off = p −
     /// c, t the tangent and w_s the slope of the depth along the flank. Newton's method, whose first step
     /// needs nothing but the foot and the depth there, and whose last is carried out by the Taylor series of
-    /// the trace; where the depth is so wavy that it does not settle, golden section within ±0.3 rad of φ.
+    /// the trace; where it does not settle, by [`Profile::closest_between`].
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
         let newton = |station: &Station| station.step(pin_radius).clamp(-0.1 / lobes, 0.1 / lobes);
         let mut place = foot.place.moved(newton(&self.station_at_foot(foot, relief)), z);
-        for _ in 0..20 {
+        let (mut before, mut after) = (f64::NAN, f64::NAN);
+        for _ in 0..QUICK_STEPS {
             let here = self.worn_at(place, relief);
-            let step = newton(&Station::new(p, &here));
+            let station = Station::new(p, &here);
+            let step = newton(&station);
             if (step * lobes).abs() < LAST_STEP {
                 return self.closest_at(p, place.moved(step, z), &here.trace.moved(step), relief, pin_radius);
             }
+            *(if station.slope > 0.0 { &mut before } else { &mut after }) = place.tau;
             place = place.moved(step, z);
         }
-        let at = |tau: f64| Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
-        let station = |tau: f64| Station::new(p, &self.worn_at(at(tau), relief));
-        let gap = |tau: f64| station(tau).reach.norm();
-        let (mut a, mut b) = (foot.tau - 0.3 / lobes, foot.tau + 0.3 / lobes);
-        // Down to a millionth of a lobe, for τ of any size.
-        for _ in 0..28 {
-            let (c, d) = (b - 0.618_033_988_75 * (b - a), a + 0.618_033_988_75 * (b - a));
-            if gap(c) < gap(d) {
-                b = d;
-            } else {
-                a = c;
+        let reach = SEARCHED / lobes;
+        let ends = if before < after { [before, after] } else { [foot.tau - reach, foot.tau + reach] };
+        self.closest_between(p, ends, place, relief, pin_radius)
+    }
+
+    /// The closest point between two places of which the distance falls from the first and rises to the second, from
+    /// `place`: Newton's method with bisection where it leaves the two or hardly gets nearer. A flank worn
+    /// into the shape of the pin leaves the distance flat, one that is wavy lets Newton's method go round in circles.
+    #[cold]
+    fn closest_between(
+        &self,
+        p: Vec2,
+        [mut low, mut high]: [f64; 2],
+        mut place: Place,
+        relief: &Relief,
+        pin_radius: f64,
+    ) -> Closest {
+        let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
+        let mut earlier = f64::INFINITY;
+        // Bisection alone ends after thirty.
+        for _ in 0..100 {
+            let station = Station::new(p, &self.worn_at(place, relief));
+            *(if station.slope > 0.0 { &mut low } else { &mut high }) = place.tau;
+            let step = -station.slope / station.slope_by_tau;
+            if (step * lobes).abs() < CLOSE || (high - low) * lobes < CLOSE {
+                break;
             }
+            let next = place.tau + step;
+            let good = low < next && next < high && step.abs() < 0.5 * earlier;
+            let next = if good { next } else { 0.5 * (low + high) };
+            earlier = (next - place.tau).abs();
+            place = place.moved(next - place.tau, z);
         }
-        // The smallest distance is flat; its derivative changes sign sharply.
-        (a, b) = (a - 1e-5 / lobes, b + 1e-5 / lobes);
-        for _ in 0..45 {
-            let middle = 0.5 * (a + b);
-            if station(middle).slope > 0.0 {
-                a = middle;
-            } else {
-                b = middle;
-            }
-        }
-        let place = at(0.5 * (a + b));
         self.closest_at(p, place, &self.trace_course(place), relief, pin_radius)
     }
 
@@ -435,6 +453,43 @@ mod tests {
             let exact = station(tau).slope_by_tau;
             // The difference quotient has rounding of 1e-16/h and the third derivative's h².
             assert!((difference / exact - 1.0).abs() < 1e-5, "{tau}: {difference} {exact}");
+        }
+    }
+
+    /// The enclosed closest point is that of Newton's method where this one settles. On a flank so wavy that a pin
+    /// finds several, it is one of them: no place beside it is nearer.
+    #[test]
+    fn the_enclosed_closest_point_is_one() {
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let depth = |wave: f64| {
+            let at = move |phi: f64| 1e-5 * (1.3 + (2.0 * phi).sin() + wave * (60.0 * phi).cos());
+            Relief::from_samples(Relief::grid(720).map(at).collect())
+        };
+        let reach = SEARCHED / 39.0;
+        for (wave, several) in [(0.0, false), (0.3, true)] {
+            let relief = depth(wave);
+            let mut differ = 0;
+            for i in 0..400 {
+                let tau = 0.4 + 0.0004 * f64::from(i);
+                let p = profile.trace(tau) + 2e-5 * unit(f64::from(i));
+                let foot = profile.foot(p, tau);
+                let ends = [foot.tau - reach, foot.tau + reach];
+                let enclosed = profile.closest_between(p, ends, foot.place, &relief, 3e-3);
+                let free = profile.closest_on_worn(p, &foot, &relief, 3e-3);
+                differ += usize::from((enclosed.gap - free.gap).abs() > 1e-12);
+                for closest in [&enclosed, &free] {
+                    let gap = |tau: f64| {
+                        let place = Place { tau, e: unit(tau), ez: unit(40.0 * tau) };
+                        profile.worn_at(place, &relief).reach(p).norm() - 3e-3
+                    };
+                    for side in [-1e-5, 1e-5] {
+                        let beside = gap(closest.tau + side);
+                        assert!(beside >= closest.gap - 1e-15, "{tau}: {} {beside}", closest.gap);
+                    }
+                }
+            }
+            assert_eq!(differ > 0, several, "{differ} of 400");
         }
     }
 
