@@ -1,6 +1,6 @@
 //! One type that shares load for every fidelity.
 
-use crate::contact::PinContacts;
+use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::BearingMeshing;
 use crate::geometry::Relief;
 use crate::load::{Cycle, FlexibleMeshing, FreeTravel, LoadError, LoadSharing, Meshing, ShareLoad};
@@ -19,6 +19,15 @@ pub enum MachineMeshing {
 pub enum MeshingStart {
     Error(OutputAngle),
     Deviation(Vec<f64>),
+}
+
+impl MeshingStart {
+    fn deviation(&self) -> Option<&Vec<f64>> {
+        match self {
+            MeshingStart::Error(_) => None,
+            MeshingStart::Deviation(deviation) => Some(deviation),
+        }
+    }
 }
 
 macro_rules! each {
@@ -95,15 +104,33 @@ impl ShareLoad for MachineMeshing {
             MachineMeshing::Ideal(meshing) => meshing.share(crank, torque, error)?,
             MachineMeshing::Elastic(meshing) => meshing.share(crank, torque, error)?,
             MachineMeshing::Bearings(meshing) => {
-                let deviation = match start {
-                    Some(MeshingStart::Deviation(deviation)) => Some(deviation),
-                    _ => None,
-                };
+                let deviation = start.and_then(MeshingStart::deviation);
                 let (sharing, found) = meshing.share(crank, torque, deviation)?;
                 return Ok((sharing, MeshingStart::Deviation(found)));
             }
         };
         Ok((sharing, MeshingStart::Error(found)))
+    }
+
+    fn pin_contacts(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&MeshingStart>,
+    ) -> Result<(Vec<Vec<PinContact>>, MeshingStart), LoadError> {
+        let MachineMeshing::Bearings(meshing) = self else {
+            return self.share(crank, torque, start).map(|(sharing, found)| (sharing.discs, found));
+        };
+        let (discs, found) = meshing.pin_contacts(crank, torque, start.and_then(MeshingStart::deviation))?;
+        Ok((discs, MeshingStart::Deviation(found)))
+    }
+
+    fn twin(&self) -> Self {
+        match self {
+            MachineMeshing::Ideal(meshing) => MachineMeshing::Ideal(meshing.twin()),
+            MachineMeshing::Elastic(meshing) => MachineMeshing::Elastic(Box::new(meshing.twin())),
+            MachineMeshing::Bearings(meshing) => MachineMeshing::Bearings(Box::new(meshing.twin())),
+        }
     }
 
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
@@ -124,5 +151,9 @@ impl ShareLoad for MachineMeshing {
 
     fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         each!(mut self, meshing => ShareLoad::whole_cycle(meshing, torque, count))
+    }
+
+    fn loaded_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        each!(mut self, meshing => ShareLoad::loaded_cycle(meshing, torque, count))
     }
 }

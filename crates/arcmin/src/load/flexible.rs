@@ -261,6 +261,10 @@ impl ShareLoad for FlexibleMeshing {
         self.rigid.contacts()
     }
 
+    fn twin(&self) -> Self {
+        self.clone()
+    }
+
     fn set_relief(&mut self, relief: Relief) {
         FlexibleMeshing::set_relief(self, relief);
     }

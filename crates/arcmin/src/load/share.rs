@@ -1,14 +1,14 @@
 use super::{Cycle, FreeTravel, LoadError, LoadSharing, Meshing};
-use crate::contact::PinContacts;
+use crate::contact::{PinContact, PinContacts};
 use crate::geometry::Relief;
 use crate::machine::{CrankAngle, Kinematics, OutputAngle, PartWear};
 
 /// Whatever finds the forces of all pins at a crank position with the input locked: ideal joints
 /// ([`Meshing`]) or bearings ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over
 /// life are written against this.
-pub trait ShareLoad {
+pub trait ShareLoad: Send + Sync {
     /// A solution, kept for where a neighbouring one may start.
-    type Start: Clone;
+    type Start: Clone + Send + Sync;
 
     fn kinematics(&self) -> &Kinematics;
 
@@ -45,6 +45,24 @@ pub trait ShareLoad {
         start: Option<&Self::Start>,
     ) -> Result<(LoadSharing, Self::Start), LoadError>;
 
+    /// What wear needs of [`ShareLoad::share`]: the pins of every disc, and the solution.
+    ///
+    /// # Errors
+    /// As there.
+    fn pin_contacts(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&Self::Start>,
+    ) -> Result<(Vec<Vec<PinContact>>, Self::Start), LoadError> {
+        self.share(crank, torque, start).map(|(sharing, found)| (sharing.discs, found))
+    }
+
+    /// Another of the same with the same surfaces, for another thread to ask meanwhile.
+    fn twin(&self) -> Self
+    where
+        Self: Sized;
+
     /// How far the output can turn both ways at no load, negative where metal overlaps, and the forces of the
     /// preload: see [`FreeTravel`].
     ///
@@ -80,10 +98,15 @@ pub trait ShareLoad {
     /// # Errors
     /// [`LoadError`] of the first position that has no solution.
     fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        let period = self.kinematics().pattern_period() * self.pitches() as f64;
-        let angles: Vec<CrankAngle> =
-            (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
-        sample(self, torque, period, angles, 3)
+        sample_whole(self, torque, count, 3)
+    }
+
+    /// [`ShareLoad::whole_cycle`] without play.
+    ///
+    /// # Errors
+    /// As there.
+    fn loaded_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        sample_whole(self, torque, count, usize::MAX)
     }
 }
 
@@ -100,6 +123,19 @@ pub(crate) fn turn_position(
     CrankAngle::from_radians(
         kinematics.pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64),
     )
+}
+
+/// `count` positions over everything that repeats; `stride` as in [`sample`].
+fn sample_whole<S: ShareLoad + ?Sized>(
+    sharer: &mut S,
+    torque: f64,
+    count: usize,
+    stride: usize,
+) -> Result<Cycle, LoadError> {
+    let period = sharer.kinematics().pattern_period() * sharer.pitches() as f64;
+    let angles: Vec<CrankAngle> =
+        (0..count).map(|index| sharer.crank_position(index, count, 0.0, 0)).collect();
+    sample(sharer, torque, period, angles, stride)
 }
 
 /// The play is read at every `stride`th position, with `usize::MAX` at none.
@@ -162,6 +198,10 @@ impl ShareLoad for Meshing {
 
     fn contacts(&self) -> &PinContacts {
         Meshing::contacts(self)
+    }
+
+    fn twin(&self) -> Self {
+        self.clone()
     }
 
     fn set_relief(&mut self, relief: Relief) {

@@ -6,9 +6,9 @@ use super::bearings::{self, bearing_lives};
 use super::verdict::{LifeVerdict, LimitKind};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
-use crate::fidelity::Fidelity;
+use crate::fidelity::{Fidelity, MachineMeshing};
 use crate::life::{LifePoint, Prediction, lost_motion_causes};
-use crate::load::{Cycle, ShareLoad};
+use crate::load::{Cycle, LoadError, ShareLoad};
 use crate::machine::Machine;
 use crate::report::{compact, significant};
 use crate::rig::dynamic_load_rating;
@@ -216,6 +216,9 @@ struct Question<'a> {
     prediction: &'a Prediction,
 }
 
+/// [`ShareLoad::whole_cycle`], or without play what takes less long.
+type CycleOf = fn(&mut MachineMeshing, f64, usize) -> Result<Cycle, LoadError>;
+
 impl Question<'_> {
     fn with(&self, design: &Design, lever: &Lever, value: f64, positions: usize) -> Option<f64> {
         let from = present(design, &design.machine(), lever.key)?;
@@ -249,7 +252,7 @@ impl Question<'_> {
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue => {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
-                let cycle = self.cycle(machine, point)?;
+                let cycle = self.cycle(machine, point, ShareLoad::loaded_cycle)?;
                 Some(cycle.max_pressure(&machine.line_contact()) / MPA)
             }
             LimitKind::TransmissionError => {
@@ -259,11 +262,13 @@ impl Question<'_> {
                 let end = self.prediction.points.last()?;
                 let (point, rest) =
                     if std::ptr::eq(worst, end) { self.worn(rate, value)? } else { (worst, 0.0) };
-                Some(self.cycle(machine, point)?.peak_to_peak_error().arcmin() + rest)
+                let cycle = self.cycle(machine, point, ShareLoad::loaded_cycle)?;
+                Some(cycle.peak_to_peak_error().arcmin() + rest)
             }
             LimitKind::Backlash => {
                 let (point, rest) = self.worn(rate, |point| point.accuracy.free_travel.arcmin())?;
-                Some(self.cycle(machine, point)?.mean_free_travel().arcmin() + rest)
+                let cycle = self.cycle(machine, point, ShareLoad::whole_cycle)?;
+                Some(cycle.mean_free_travel().arcmin() + rest)
             }
             _ => {
                 let joints = self.fidelity.in_bearings(machine).ok()?;
@@ -281,11 +286,11 @@ impl Question<'_> {
 
     /// Everything that repeats at rated torque, of a changed machine with the surfaces of a point, at as many
     /// crank positions as the prediction takes.
-    fn cycle(&self, machine: &Machine, point: &LifePoint) -> Option<Cycle> {
+    fn cycle(&self, machine: &Machine, point: &LifePoint, of: CycleOf) -> Option<Cycle> {
         let mut meshing = self.fidelity.meshing(machine).ok()?;
         point.state.put_on(machine, &mut meshing);
         let positions = if meshing.discs_alike() { POSITIONS } else { RING_POSITIONS * POSITIONS };
-        meshing.whole_cycle(machine.rated.torque, positions).ok()
+        of(&mut meshing, machine.rated.torque, positions).ok()
     }
 
     /// The point of the prediction next to the wear wanted, and what a value of the present machine grows from

@@ -59,17 +59,13 @@ pub(super) fn page(wear: &Wear) -> Page {
     let last = wear.last();
     let tone = if wear.runs_away.is_some() { Tone::Bad } else { Tone::Neutral };
     let mut verdict = Verdict::new(tone, headline(wear));
-    let figure = |label: &str, value: f64, digits: usize, unit: &str, note: &str| KeyFigure {
-        label: label.to_owned(),
-        value: significant(value, digits),
-        unit: unit.to_owned(),
-        note: note.to_owned(),
-        tone: Tone::Neutral,
+    let figure = |label: &str, value: f64, unit: &str, note: &str| {
+        KeyFigure::new(label, significant(value, 3), unit, note)
     };
     verdict.figures = vec![
-        figure("Deepest wear", last.accuracy.max_depth / UM, 3, "µm", "largest depth lost by a flank"),
-        figure("Play", last.accuracy.play.arcmin(), 3, "arcmin", "one-sided, at the output, input locked"),
-        figure("Largest force", last.max_force(), 3, "N", "of one pin on one disc at rated torque"),
+        figure("Deepest wear", last.accuracy.max_depth / UM, "µm", "largest depth lost by a flank"),
+        figure("Play", last.accuracy.play.arcmin(), "arcmin", "one-sided, at the output, input locked"),
+        figure("Largest force", last.max_force(), "N", "of one pin on one disc at rated torque"),
     ];
     verdict.answers.push(("Which physics".to_owned(), wear.fidelity.sentence()));
     let over = |title: &str, axis: Axis, value: &dyn Fn(&super::Station) -> f64, note: &str| {

@@ -265,4 +265,9 @@ impl BearingJoints {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.ring_contacts(disc, &q, &v)
     }
+
+    /// [`BearingJoints::pin_contacts`] of every disc.
+    pub(crate) fn all_pin_contacts(&self, position: &[f64]) -> Vec<Vec<crate::contact::PinContact>> {
+        (0..self.rings.len()).map(|disc| self.pin_contacts(disc, position)).collect()
+    }
 }

@@ -9,6 +9,8 @@ use crate::machine::CrankAngle;
 const NO_PRELOAD: f64 = 1e-2;
 /// The relief that frees is known when two secants differ by no more than this share of it, or no more is missing.
 const RELIEF_TOLERANCE: f64 = 1e-3;
+/// A relief in m that nobody notices: some 1e-6' of play.
+const LEAST_RELIEF: f64 = 1e-11;
 /// Share of the force (its 0.9th power) that is none: what the balances leave of it.
 const NOTHING: f64 = 1e-4;
 /// Share of the way to where the secant vanishes.
@@ -56,8 +58,8 @@ impl BearingMeshing {
         Ok((preload.force > least).then_some((position, preload)))
     }
 
-    /// The load-free balance where pins pressed without load as the machine stood a little earlier, if they still
-    /// do.
+    /// The load-free balance, if pins still press in it; `None` too where none was found at this place before, for
+    /// then nothing pressed as the machine stood a little earlier, and wear does not tighten it.
     pub(super) fn still_pressed(
         &mut self,
         crank: CrankAngle,
@@ -78,9 +80,7 @@ impl BearingMeshing {
     }
 
     fn preload(&self, position: &[f64]) -> Preload {
-        let discs: Vec<_> =
-            (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, position)).collect();
-        Preload::of(&discs, &self.model.rings[0])
+        Preload::of(&self.model.all_pin_contacts(position), &self.model.rings[0])
     }
 
     /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from
@@ -129,13 +129,13 @@ impl BearingMeshing {
                 FIRST_SHARE * contact.approach(preload.force, contact.pin_radius)
             }
         };
-        let mut found = None;
         for _ in 0..LARGEST_ITERATION_COUNT {
             for (ring, base) in self.model.rings.iter_mut().zip(base) {
                 ring.set_relief(base.plus(&Relief::uniform(relief)));
             }
             let (position, _) = self.balance_from_afar(crank, 0.0, Some(&along(&path, relief)))?;
             let left = straight(self.preload(&position).force);
+            let mut found = None;
             if left <= nothing {
                 free = relief;
             } else {
@@ -151,20 +151,23 @@ impl BearingMeshing {
                 (pressing, force, vanishes) = (relief, left, secant);
                 if (agrees || near) && secant <= (1.0 + RELIEF_TOLERANCE) * free {
                     found = Some(secant);
-                    break;
                 }
             }
-            if free.is_finite() && free - pressing <= RELIEF_TOLERANCE * free {
+            if found.is_none()
+                && free.is_finite()
+                && free - pressing <= (RELIEF_TOLERANCE * free).max(LEAST_RELIEF)
+            {
                 found = Some(0.5 * (pressing + free));
-                break;
+            }
+            if let Some(relief) = found {
+                let [_, last] = path;
+                self.freed.keep(crank, 0.0, Freed { relief, whole, last });
+                return Ok(relief);
             }
             let next = pressing + MOST_OF_THE_WAY * (vanishes - pressing);
             relief = if next < free { next } else { 0.5 * (pressing + free) };
         }
-        let [_, last] = path;
-        let relief = found.unwrap_or(relief);
-        self.freed.keep(crank, 0.0, Freed { relief, whole, last });
-        Ok(relief)
+        Err(LoadError::NotFreed { crank_angle_deg: crank.degrees(), relief, trials: LARGEST_ITERATION_COUNT })
     }
 }
 

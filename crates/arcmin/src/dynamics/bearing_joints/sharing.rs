@@ -5,7 +5,7 @@ mod balance;
 pub(super) use self::balance::Known;
 use super::preload::Freed;
 use super::{BearingJoints, Cause, JointSettings};
-use crate::contact::PinContacts;
+use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::DynamicsError;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
@@ -306,8 +306,7 @@ impl ShareLoad for BearingMeshing {
         start: Option<&Vec<f64>>,
     ) -> Result<(LoadSharing, Vec<f64>), LoadError> {
         let (position, residual) = self.balance_again(crank, torque, start.map(Vec::as_slice))?;
-        let discs =
-            (0..self.model.rings.len()).map(|disc| self.model.pin_contacts(disc, &position)).collect();
+        let discs = self.model.all_pin_contacts(&position);
         let stiffness = self.stiffness(&position).unwrap_or(0.0);
         let sharing = LoadSharing {
             crank_angle: crank,
@@ -318,6 +317,28 @@ impl ShareLoad for BearingMeshing {
             discs,
         };
         Ok((sharing, self.deviation(crank, &position)))
+    }
+
+    /// Nothing is kept: wear never comes back to a place.
+    fn pin_contacts(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&Vec<f64>>,
+    ) -> Result<(Vec<Vec<PinContact>>, Vec<f64>), LoadError> {
+        let (position, _) = self.balance_from_afar(crank, torque, start.map(Vec::as_slice))?;
+        Ok((self.model.all_pin_contacts(&position), self.deviation(crank, &position)))
+    }
+
+    /// Knows nothing of what was found before.
+    fn twin(&self) -> Self {
+        BearingMeshing {
+            model: self.model.clone(),
+            loose: [None, None],
+            known: Known::nothing(),
+            freed: Known::nothing(),
+            ..*self
+        }
     }
 
     /// Read at ±1e-4 of rated torque. Where a machine with errors, so tight that its pins press without load,

@@ -1,10 +1,14 @@
 //! How fast flanks and pins lose depth: the removal of every contact, spread over what it passes.
 
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
 use super::{CoupledWear, WearError, WearSnapshot};
 use crate::contact::PinContact;
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
-use crate::machine::{DutyPoint, PinMounting};
+use crate::machine::{CrankAngle, DutyPoint, PinMounting};
 use crate::tribology::Local;
 use crate::tribology::film::{entrainment_speed, film_ratio};
 use crate::units::wrap_angle;
@@ -54,18 +58,22 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
         // Each fraction of a pitch meets all places of the period within `count` updates.
         let shift = if self.meshing.pitches() > 1 { self.updates % count } else { 0 };
-        for (row, duty) in machine.duty.iter().enumerate() {
-            if duty.torque == 0.0 || duty.share == 0.0 {
-                continue;
-            }
+        let loaded = |duty: &DutyPoint| duty.torque != 0.0 && duty.share != 0.0;
+        let tasks: Vec<Task> = (machine.duty.iter().enumerate())
+            .filter(|(_, duty)| loaded(duty))
+            .flat_map(|(row, duty)| (0..count).map(move |index| (row, duty.torque, index)))
+            .map(|(row, torque, index)| Task {
+                crank: self.meshing.crank_position(index, count, offset, shift),
+                torque,
+                slot: row * count + (index + shift) % count,
+            })
+            .collect();
+        let mut found = self.pin_contacts(&tasks)?.into_iter();
+        for duty in machine.duty.iter().filter(|duty| loaded(duty)) {
             let mut passes: Vec<Vec<Pass>> =
                 vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
-            for index in 0..count {
-                let crank = self.meshing.crank_position(index, count, offset, shift);
-                let start = &mut self.starts[row * count + (index + shift) % count];
-                let (sharing, found) = self.meshing.share(crank, duty.torque, start.as_ref())?;
-                *start = Some(found);
-                for (disc, (contacts, passes)) in sharing.discs.iter().zip(&mut passes).enumerate() {
+            for discs in found.by_ref().take(count) {
+                for (disc, (contacts, passes)) in discs.iter().zip(&mut passes).enumerate() {
                     let flank = &state.flanks[disc % state.flanks.len()];
                     passes.extend(contacts.iter().map(|contact| {
                         let pin = state.pin_seen(disc, contact.pin, machine.ring.pin_count);
@@ -107,6 +115,36 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
             }
         }
         Ok(Rates { flanks, pins })
+    }
+
+    /// The pins of every disc at all `tasks`, each started from the last solution at its place. Threads take them as
+    /// they come, each with a meshing of its own; no result depends on which.
+    fn pin_contacts(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PinContact>>>, WearError> {
+        let starts = &self.starts;
+        let solve = |meshing: &mut S, task: &Task| {
+            meshing.pin_contacts(task.crank, task.torque, starts[task.slot].as_ref())
+        };
+        let found: Vec<_> = if rayon::current_num_threads() == 1 {
+            tasks.iter().map(|task| solve(&mut self.meshing, task)).collect()
+        } else {
+            let (meshing, idle) = (&self.meshing, Mutex::new(Vec::new()));
+            let idle = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+            let ask = |task: &Task| {
+                let taken = idle().pop();
+                let mut own = taken.unwrap_or_else(|| meshing.twin());
+                let found = solve(&mut own, task);
+                idle().push(own);
+                found
+            };
+            tasks.par_iter().with_max_len(1).map(ask).collect()
+        };
+        let mut contacts = Vec::with_capacity(tasks.len());
+        for (task, found) in tasks.iter().zip(found) {
+            let (discs, start) = found?;
+            self.starts[task.slot] = Some(start);
+            contacts.push(discs);
+        }
+        Ok(contacts)
     }
 
     /// What one contact removes per unit of time from a flank that has lost the depths `flank`, on a pin of
@@ -248,6 +286,14 @@ fn halfway(other: f64, here: f64) -> f64 {
 /// Longest piece of meshing angle (rad) on which the removal on a pin is taken as one: an assumption, a third of
 /// the 9° between the pins of a usual ring, so that the straight lines between its contacts are followed.
 const PIN_PIECE: f64 = 3.0 * std::f64::consts::PI / 180.0;
+
+/// A load sharing to be found.
+struct Task {
+    crank: CrankAngle,
+    torque: f64,
+    /// Where its last solution is kept.
+    slot: usize,
+}
 
 /// One contact on its way along the flank.
 #[derive(Debug, Clone, Copy)]
