@@ -68,7 +68,13 @@ impl BearingMeshing {
         torque: f64,
         start: Option<&[f64]>,
     ) -> Result<(Vec<f64>, f64), LoadError> {
-        self.balance_within(JUMP.1, true, crank, torque, start)
+        self.balance_within(self.usual_jump(), true, crank, torque, start)
+    }
+
+    /// Contact forces of a machine without errors do not jump, but for flanks worn so deep that a pin has several
+    /// closest points.
+    fn usual_jump(&self) -> f64 {
+        if self.has_errors { JUMP.1 } else { 0.0 }
     }
 
     /// `jump` is the share of the rated torque that a jump of the contact forces may leave; `descent` as in
@@ -94,7 +100,7 @@ impl BearingMeshing {
         let control = EquilibriumControl {
             tolerance: TOLERANCE,
             force_tolerance: FORCE_TOLERANCE,
-            jump_tolerance: if self.has_errors {
+            jump_tolerance: if jump > 0.0 {
                 (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN
             } else {
                 0.0
@@ -172,11 +178,11 @@ impl BearingMeshing {
         torque: f64,
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
-        self.balance_within(JUMP.1, false, crank, torque, start)
+        self.balance_within(self.usual_jump(), false, crank, torque, start)
     }
 
-    /// Newton's method, and descent in energy where it fails: from `start`, from the nominal place, and from the
-    /// place reached by way of larger torques. The error is that of the first.
+    /// Newton's method with something left to a jump, and with descent in energy where it fails: from `start`, from
+    /// the nominal place, and from the place reached by way of larger torques. The error is that of the first.
     fn balance_by_descent(
         &mut self,
         crank: CrankAngle,
@@ -184,6 +190,12 @@ impl BearingMeshing {
         start: Option<&[f64]>,
         on_the_way: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
+        // What is left may be a jump that nobody expects without errors.
+        let more = if self.has_errors { TIGHT_JUMP } else { JUMP.1 };
+        if let (false, Ok(found)) = (self.has_errors, self.balance_within(more, false, crank, torque, start))
+        {
+            return Ok(found);
+        }
         let failure = match self.balance(crank, torque, start) {
             Ok(found) => return Ok(found),
             Err(failure) => failure,
@@ -191,7 +203,10 @@ impl BearingMeshing {
         if let (true, Ok(found)) = (start.is_some(), self.balance(crank, torque, None)) {
             return Ok(found);
         }
-        self.balance(crank, torque, on_the_way).map_err(|_| failure)
+        if let Ok(found) = self.balance(crank, torque, on_the_way) {
+            return Ok(found);
+        }
+        self.balance_within(more, true, crank, torque, start).map_err(|_| failure)
     }
 
     /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
