@@ -9,6 +9,6 @@ mod tao2024;
 pub use accuracy::{Accuracy, accuracy};
 pub use course::{Course, WornState, worn_after};
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
-pub(crate) use predict::crossing;
 pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict};
+pub(crate) use predict::{STATES_IN_A_ROW, crossing};
 pub use tao2024::{PaperStudy, paper_depths, paper_study};

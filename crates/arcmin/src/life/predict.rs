@@ -133,7 +133,7 @@ pub fn predict(
 
 /// States evaluated one after the other, each from the balances of the one before: a multiple of what it takes to
 /// make up for the first, and few enough for the processors of a desk.
-const STATES_IN_A_ROW: usize = 16;
+pub(crate) const STATES_IN_A_ROW: usize = 16;
 
 /// Evaluates some states in a row.
 fn follow(

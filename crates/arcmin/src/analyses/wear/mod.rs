@@ -7,12 +7,14 @@ pub use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
 
+use rayon::prelude::*;
+
 use super::contact::refuse_beyond_closed_form;
 use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::Relief;
-use crate::life::{Accuracy, Course, RunAway, WornState, accuracy};
+use crate::life::{Accuracy, Course, RunAway, STATES_IN_A_ROW, WornState, accuracy};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
 use crate::units::{HOUR, UM};
@@ -151,7 +153,7 @@ fn coupled(
     let increment = options.increment_um * UM;
     let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
     let mut course = Course::new(&machine, &fidelity, settings)?;
-    let mut stations = Vec::with_capacity(options.points + 1);
+    let mut states = Vec::with_capacity(options.points + 1);
     let mut runs_away = None;
     for (hours, share) in times(end, options.points) {
         match course.advance_to(hours, host) {
@@ -161,14 +163,28 @@ fn coupled(
             }
             result => result.map_err(failed())?,
         }
-        let state = course.state();
-        let flank = state.surfaces.flank().clone();
-        let accuracy = accuracy(&machine, course.meshing(), &flank, hours, POSITIONS).map_err(failed())?;
-        stations.push(Station { state, accuracy, handbook: None });
+        states.push(course.state());
         host.report("wear", share);
     }
     let (exposure, updates) = (*course.exposure(), course.updates());
+    let joints = course.meshing().clone();
     drop(course);
+    let follow = |states: &[WornState]| -> Result<Vec<Station>, WearError> {
+        let mut joints = joints.clone();
+        let mut stations = Vec::with_capacity(states.len());
+        for state in states {
+            if host.is_cancelled() {
+                return Err(WearError::Stopped);
+            }
+            state.put_on(&machine, &mut joints);
+            let flank = state.surfaces.flank();
+            let accuracy = accuracy(&machine, &mut joints, flank, state.hours, POSITIONS)?;
+            stations.push(Station { state: state.clone(), accuracy, handbook: None });
+        }
+        Ok(stations)
+    };
+    let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();
+    let stations = stations.map_err(failed())?.concat();
     let (mode, hours_to_50_um) = (Mode::Coupled, None);
     Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um, runs_away })
 }
