@@ -39,7 +39,7 @@ impl Profile {
     /// With q = c − (r + w) n the distance |p − q| is stationary where off·t = w_s (off·n + r + w), off = p −
     /// c, t the tangent and w_s the slope of the depth along the flank. Newton's method, whose first step
     /// needs nothing but the foot and the depth there, and whose last is carried out by the Taylor series of
-    /// the trace; where it does not settle, by [`Profile::closest_between`].
+    /// the trace; where it does not settle, the place is enclosed between two whose slopes differ in sign.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
         let newton = |station: &Station| station.step(pin_radius).clamp(-0.1 / lobes, 0.1 / lobes);
