@@ -124,6 +124,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let solve = |meshing: &mut S, task: &Task| {
             meshing.pin_contacts(task.crank, task.torque, starts[task.slot].as_ref())
         };
+        // One thread needs no copy.
         let found: Vec<_> = if rayon::current_num_threads() == 1 {
             tasks.iter().map(|task| solve(&mut self.meshing, task)).collect()
         } else {

@@ -156,7 +156,9 @@ impl BearingMeshing {
         if let Ok(found) = self.balance_by_newton(crank, torque, start) {
             return Ok(found);
         }
-        if let (true, Ok(found)) = (start.is_some(), self.balance_by_newton(crank, torque, None)) {
+        if start.is_some()
+            && let Ok(found) = self.balance_by_newton(crank, torque, None)
+        {
             return Ok(found);
         }
         let least = torque.abs().max(ZERO_SHARE * self.rated);
@@ -192,7 +194,8 @@ impl BearingMeshing {
     ) -> Result<Balance, LoadError> {
         // What is left may be a jump that nobody expects without errors.
         let more = if self.has_errors { TIGHT_JUMP } else { JUMP.1 };
-        if let (false, Ok(found)) = (self.has_errors, self.balance_within(more, false, crank, torque, start))
+        if !self.has_errors
+            && let Ok(found) = self.balance_within(more, false, crank, torque, start)
         {
             return Ok(found);
         }
@@ -200,7 +203,9 @@ impl BearingMeshing {
             Ok(found) => return Ok(found),
             Err(failure) => failure,
         };
-        if let (true, Ok(found)) = (start.is_some(), self.balance(crank, torque, None)) {
+        if start.is_some()
+            && let Ok(found) = self.balance(crank, torque, None)
+        {
             return Ok(found);
         }
         if let Ok(found) = self.balance(crank, torque, on_the_way) {
