@@ -202,7 +202,7 @@ def wear(
     mode: Literal["coupled", "tao2024"] = "coupled",
     hours: float | None = None,
     points: int = 30,
-    increment_um: float = 0.2,
+    increment_um: float = 0.8,
     progress: Progress = None,
     threads: int | None = None,
 ) -> WearResult: ...

@@ -9,6 +9,8 @@ const STEPS: usize = 12;
 const SHORT: f64 = 1e-3;
 /// Share of the work along a step that may be left at its end when it is taken for one of quadratic convergence.
 const LEFT: f64 = 1e-3;
+/// Work against a step over that along it from which on the step is blocked; two such steps are enough.
+const BLOCKED: f64 = 100.0;
 
 /// Newton's method without a safety net: `None` where it does not converge within a dozen steps from `start`.
 ///
@@ -41,6 +43,7 @@ pub(super) fn hasten<S: System>(
     };
     let mut balance = evaluate(&position, &mut force, &mut lin);
     let mut before = 0.0;
+    let mut blocked = false;
     for iterations in 0..STEPS {
         let residual = largest(&force);
         if residual <= control.force_tolerance {
@@ -68,6 +71,13 @@ pub(super) fn hasten<S: System>(
             return Some(Equilibrium { residual, position: trial, balance, iterations: iterations + 1 });
         }
         before = length;
+        // The secant leaves next to nothing of a step that runs into a contact on its way, and of the next.
+        if along < -BLOCKED * first {
+            if blocked {
+                return None;
+            }
+            blocked = true;
+        }
         if along < -first {
             let share = first / (first - along);
             trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, x))| *t = q + share * x);

@@ -47,8 +47,8 @@ pub struct WearCurve {
 pub(super) const LOST_MOTION_POSITIONS: usize = 6;
 
 impl WearCurve {
-    /// Follows the coupled prediction, on the clock where the law depends on time, until `enough` says of (exposure, depth, lost-motion increase) that it
-    /// has gone far enough.
+    /// Follows the coupled prediction, on the clock where the law depends on time, until `enough` says of (exposure,
+    /// depth, lost-motion increase) that it has gone far enough. The last is 0 unless it is asked for.
     ///
     /// # Errors
     /// [`WearError`], `TargetNotReached` after 100 000 updates.
@@ -57,10 +57,18 @@ impl WearCurve {
         meshing: S,
         options: CoupledOptions,
         clock: &Exposure,
+        with_lost_motion: bool,
         mut enough: impl FnMut(f64, f64, f64) -> bool,
     ) -> Result<WearCurve, WearError> {
         let mut wear = CoupledWear::with(machine, meshing, options.for_curves()).on_clock(clock);
-        let new = lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians();
+        // As long as the wear itself, for those who ask for it.
+        let lost = |wear: &mut CoupledWear<'_, S>| match with_lost_motion {
+            true => {
+                Ok(lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians())
+            }
+            false => Ok::<f64, WearError>(0.0),
+        };
+        let new = lost(&mut wear)?;
         let mut curve = WearCurve { exposures: vec![0.0], depths: vec![0.0], lost_motions: vec![0.0] };
         loop {
             wear.advance_until(f64::MAX, |_| true)?;
@@ -72,8 +80,7 @@ impl WearCurve {
                     exposure: curve.last(),
                 });
             }
-            let lost =
-                lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians() - new;
+            let lost = lost(&mut wear)? - new;
             let state = wear.state();
             curve.exposures.push(state.exposure);
             curve.depths.push(state.flank().deepest().0);
@@ -218,7 +225,9 @@ fn fit_on_clock<S: ShareLoad>(
     let latest = fitted.iter().chain(others).map(|o| o.time).fold(0.0, f64::max);
     let equivalent = |time: f64| Exposure::equivalent_time(own, time);
     let mut alone: Vec<Option<f64>> = vec![None; fitted.len()];
-    let curve = WearCurve::until(machine, meshing, options, clock, |exposure, depth, lost| {
+    let of_lost_motion = |o: &Observation| matches!(o.value, Observed::LostMotionIncrease(_));
+    let lost_motion = fitted.iter().chain(others).any(of_lost_motion);
+    let curve = WearCurve::until(machine, meshing, options, clock, lost_motion, |exposure, depth, lost| {
         for (found, observation) in alone.iter_mut().zip(fitted) {
             let reached = match observation.value {
                 Observed::Depth(target) => depth >= target,

@@ -25,6 +25,8 @@ pub struct CoupledOptions {
     pub crank_positions: usize,
     /// Largest increment of the depth per update in m, in place of a longer one that the tolerance allows.
     pub depth_increment: f64,
+    /// The same as a share of the depth reached, where that is more.
+    pub increment_share: f64,
     /// By how much Euler's and Heun's method may differ after an update, anywhere, in m. It is the error of the
     /// former; that of the latter, which is taken, is smaller.
     pub tolerance: f64,
@@ -36,8 +38,9 @@ impl Default for CoupledOptions {
             flank_points: 720,
             pin_points: 1440,
             crank_positions: 15,
-            depth_increment: 0.2 * UM,
-            tolerance: 0.01 * UM,
+            depth_increment: 0.8 * UM,
+            increment_share: 0.01,
+            tolerance: 0.04 * UM,
         }
     }
 }
@@ -46,7 +49,7 @@ impl CoupledOptions {
     /// For a computation whose updates are the points of a curve that is read by straight lines: so close that
     /// the lines leave less than the updates.
     pub(super) fn for_curves(self) -> CoupledOptions {
-        CoupledOptions { depth_increment: self.depth_increment.min(0.08 * UM), ..self }
+        CoupledOptions { depth_increment: self.depth_increment.min(0.08 * UM), increment_share: 0.05, ..self }
     }
 }
 
@@ -58,13 +61,13 @@ fn runs_away(exposure: f64, depth: f64) -> WearError {
 pub(crate) const WORN_OUT: f64 = 0.25;
 /// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
 const RUN_AWAY: f64 = 0.02;
-/// Largest increment of the depth per update, and its tolerance, as shares of the depth reached: they take over
-/// from those of [`CoupledOptions`] beyond 25 and 20 µm.
-const STEP_SHARE: f64 = 1e-2;
+/// The tolerance as a share of the depth reached, which takes over beyond 80 µm.
 const TOLERANCE_SHARE: f64 = 5e-4;
-/// Largest increment, in m, where it takes many pitches to repeat: an update then sees few of the places, and larger
-/// ones leave waves on the flank (their least curvature and the need of more positions are tested).
+/// Largest increment, in m and as a share of the depth reached, where it takes many pitches to repeat: an update then
+/// sees few of the places, and larger ones leave waves on the flank (their least curvature and the need of more
+/// positions are tested).
 const FEW_PLACES_INCREMENT: f64 = 0.08 * UM;
+const FEW_PLACES_SHARE: f64 = 0.02;
 /// The first update takes off this much at most, in m: no error of a step is known yet.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
 /// A step that takes off less than this, in m, is not made smaller where its error is too large.
@@ -247,9 +250,12 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
 
     /// Largest increment of an update where the deepest place has lost `depth`, both in m.
     fn largest_increment(&self, depth: f64) -> f64 {
-        let most = self.options.depth_increment;
-        let most = if self.meshing.pitches() > 1 { most.min(FEW_PLACES_INCREMENT) } else { most };
-        most.max(STEP_SHARE * depth)
+        let most = self.options.depth_increment.max(self.options.increment_share * depth);
+        if self.meshing.pitches() > 1 {
+            most.min(FEW_PLACES_INCREMENT.max(FEW_PLACES_SHARE * depth))
+        } else {
+            most
+        }
     }
 }
 

@@ -18,6 +18,7 @@ const COARSE: CoupledOptions = CoupledOptions {
     pin_points: 1440,
     crank_positions: 15,
     depth_increment: 0.2e-6,
+    increment_share: 0.01,
     tolerance: 0.01e-6,
 };
 

@@ -43,7 +43,7 @@ options! {
         /// Times between new and the end at which results are written.
         points: usize => default(30.0, 1.0, 10_000.0),
         /// Largest depth worn off between two updates of the flank; the elastic approach of a contact is about 1.5 µm.
-        increment_um: f64 => default(0.2, 1e-3, 10.0),
+        increment_um: f64 => default(0.8, 1e-3, 10.0),
     }
 }
 
