@@ -211,7 +211,7 @@ fn every_template_is_written_and_read() {
 fn scripts_of_engines_are_written() {
     let directory = with_study();
     let d = directory.path();
-    for (engine, file) in [("hq", "hq.sh"), ("slurm", "slurm.sh"), ("dask", "dask.py")] {
+    for (engine, file) in [("hq", "hq.sh"), ("slurm", "slurm.sh"), ("dask", "on_dask.py")] {
         let arguments =
             ["study", "submit", "s.toml", "--engine", engine, "--shards", "9", "--out", "o", "--print"];
         assert!(good(d, &arguments).contains(file));

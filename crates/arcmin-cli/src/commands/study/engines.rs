@@ -82,7 +82,8 @@ pub fn run(job: &Job, matches: &ArgMatches) -> Result<Ending, Failure> {
     let (name, text, program) = match engine {
         "hq" => ("hq.sh", words.hq(), "hq"),
         "slurm" => ("slurm.sh", words.slurm(), "sbatch"),
-        _ => ("dask.py", words.dask(), "python3"),
+        // A script called dask.py would be imported in place of Dask.
+        _ => ("on_dask.py", words.dask(), "python3"),
     };
     let directory = job.out.join("submit");
     std::fs::create_dir_all(&directory).map_err(|cause| Failure::Write { path: directory.clone(), cause })?;

@@ -137,7 +137,8 @@ fn advice_is_about_the_limit_that_is_reached() {
             assert!(advice.text.contains(words) && advice.after < advice.before, "{advice:?}");
             let own =
                 if words == "backlash" { life.last().accuracy.free_travel.arcmin() } else { limit.value };
-            assert!((advice.before / own - 1.0).abs() < 1e-9, "{advice:?} {own}");
+            // As exact as balances are, which start from other places here and there.
+            assert!((advice.before - own).abs() < 1e-7, "{advice:?} {own}");
         }
     }
 }
