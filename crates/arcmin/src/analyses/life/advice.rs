@@ -222,6 +222,11 @@ type CycleOf = fn(&mut MachineMeshing, f64, usize) -> Result<Cycle, LoadError>;
 impl Question<'_> {
     fn with(&self, design: &Design, lever: &Lever, value: f64, positions: usize) -> Option<f64> {
         let from = present(design, &design.machine(), lever.key)?;
+        // Elastic discs and bodies at hand were reduced with the bores that they have.
+        let reduced = self.fidelity.elastic.is_some() || self.fidelity.frame.is_some();
+        if lever.key == "crankshafts.count" && reduced {
+            return None;
+        }
         let value = if lever.key == "crankshafts.count" { value.round() } else { value };
         let mut machine = design.with(lever.key, value).ok()?.machine();
         // The duty is given in rows of its own, or is the rated point.
