@@ -98,6 +98,7 @@ impl BearingJoints {
             oil_drag: machine.friction.oil_drag,
             has_errors: !settings.errors.is_zero(),
             designed_relief: machine.designed_relief(),
+            rated: machine.rated.torque.abs(),
             equidistant_offset: machine.disc.modification.equidistant_offset,
             radial_offset: machine.disc.modification.radial_offset,
             layout,

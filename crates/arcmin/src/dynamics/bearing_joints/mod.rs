@@ -6,6 +6,7 @@ mod causes;
 mod elastic;
 #[cfg(test)]
 mod error_tests;
+mod freeing;
 mod interface;
 mod joints;
 mod layout;
@@ -148,6 +149,8 @@ pub struct BearingJoints {
     radial_offset: f64,
     mass: Vec<f64>,
     scale: Vec<f64>,
+    /// Size of the rated torque in N·m.
+    rated: f64,
 }
 
 impl BearingJoints {

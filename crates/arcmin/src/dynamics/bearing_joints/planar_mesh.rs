@@ -13,7 +13,7 @@ pub struct PlanarMesh {
     pub sun_base_radius: f64,
     pub planet_base_radius: f64,
     /// N/m, shaft torsion in series.
-    stiffness: f64,
+    pub stiffness: f64,
     variation: f64,
     pub damping: f64,
     pub half_backlash: f64,
@@ -48,6 +48,34 @@ pub struct MeshState {
     pub force: f64,
     /// Sizes of the elastic forces on either side, as in [`PlanarMesh::flank_loss`], in N.
     pub side_force: [f64; 2],
+}
+
+/// The flanks on which the sun drives counter-clockwise, and the others.
+const SIDES: [f64; 2] = [1.0, -1.0];
+
+/// How sun and planet stand to each other.
+struct Centres {
+    /// Run-outs of their base circles in m.
+    planet_arm: Vec2,
+    sun_arm: Vec2,
+    distance: f64,
+    /// From sun to planet, and a quarter turn on.
+    radial: Vec2,
+    tangential: Vec2,
+    /// Of the pressure angle as they run.
+    cos: f64,
+    sin: f64,
+    /// inv α'.
+    involute: f64,
+    /// r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ) in m.
+    twist: f64,
+}
+
+impl Centres {
+    /// Of the flank of the planet.
+    fn normal(&self, side: f64) -> Vec2 {
+        side * self.cos * self.tangential + self.sin * self.radial
+    }
 }
 
 /// Depth in m over which the damping sets in.
@@ -94,19 +122,15 @@ impl PlanarMesh {
         let closer = base * (pressure_angle.tan() - pressure_angle - self.nominal_involute);
         [twist - closer, -twist - closer]
     }
-
-    pub fn react(&self, q: &Row, v: &Row) -> MeshState {
-        let mut state = MeshState::default();
+    /// How the centres stand to each other; `None` where base circles overlap, so that no involute mesh exists.
+    fn centres(&self, q: &Row) -> Option<Centres> {
         let base = self.sun_base_radius + self.planet_base_radius;
         let planet_arm = self.planet_run_out.0 * unit(q[5] + self.planet_run_out.1);
         let sun_arm = self.sun_run_out.0 * unit(q[2] + self.sun_run_out.1);
         let d = Vec2::new(q[3] - q[0], q[4] - q[1]) + planet_arm - sun_arm;
         let distance = d.norm();
         if !(distance > base) {
-            // Base circles overlap: no involute mesh exists; the caller's Newton step was absurd and is
-            // refused by its residual.
-            state.stored = f64::NAN;
-            return state;
+            return None;
         }
         let radial = d / distance;
         let tangential = quarter_turn(radial);
@@ -117,31 +141,61 @@ impl PlanarMesh {
         let (cos, sin) = (base / distance, (1.0 - (base / distance).powi(2)).sqrt());
         let involute = sin / cos - sin.atan2(cos);
         let twist = self.sun_base_radius * q[2] + self.planet_base_radius * q[5] - base * psi;
+        Some(Centres { planet_arm, sun_arm, distance, radial, tangential, cos, sin, involute, twist })
+    }
+
+    /// e_s of one of the two sides.
+    fn overlap_of(&self, centres: &Centres, number: usize) -> f64 {
+        let base = self.sun_base_radius + self.planet_base_radius;
+        SIDES[number] * centres.twist
+            - base * (centres.involute - self.nominal_involute)
+            - self.half_backlash
+            - self.flank_loss[number]
+    }
+
+    /// ∂e_s/∂q.
+    fn slope(&self, centres: &Centres, side: f64) -> Row {
+        let normal = centres.normal(side);
+        [
+            normal.x,
+            normal.y,
+            side * self.sun_base_radius + normal.dot(&quarter_turn(centres.sun_arm)),
+            -normal.x,
+            -normal.y,
+            side * self.planet_base_radius - normal.dot(&quarter_turn(centres.planet_arm)),
+            0.0,
+        ]
+    }
+
+    /// e_s and its gradient for both sides; `None` where base circles overlap.
+    pub fn overlaps(&self, q: &Row) -> Option<[(f64, Row); 2]> {
+        let centres = self.centres(q)?;
+        let of = |number: usize| (self.overlap_of(&centres, number), self.slope(&centres, SIDES[number]));
+        Some([of(0), of(1)])
+    }
+
+    pub fn react(&self, q: &Row, v: &Row) -> MeshState {
+        let mut state = MeshState::default();
+        let Some(centres) = self.centres(q) else {
+            // The caller's Newton step was absurd and is refused by its residual.
+            state.stored = f64::NAN;
+            return state;
+        };
+        let Centres { planet_arm, sun_arm, distance, radial, tangential, cos, sin, .. } = centres;
         let phase = self.sun_teeth * (q[2] - q[6] + self.place);
         let k = self.stiffness * (1.0 + self.variation * phase.cos());
         let k1 = -self.stiffness * self.variation * self.sun_teeth * phase.sin();
         let k2 = -self.stiffness * self.variation * self.sun_teeth.powi(2) * phase.cos();
-        for (number, side) in [1.0, -1.0].into_iter().enumerate() {
-            let overlap = side * twist
-                - base * (involute - self.nominal_involute)
-                - self.half_backlash
-                - self.flank_loss[number];
+        for (number, side) in SIDES.into_iter().enumerate() {
+            let overlap = self.overlap_of(&centres, number);
             if overlap <= 0.0 {
                 continue;
             }
-            let normal = side * cos * tangential + sin * radial;
+            let normal = centres.normal(side);
             let across = quarter_turn(normal);
             // Turning of the normal per displacement of the planet.
             let turning = tangential / distance - side * cos / (distance * sin) * radial;
-            let slope: Row = [
-                normal.x,
-                normal.y,
-                side * self.sun_base_radius + normal.dot(&quarter_turn(sun_arm)),
-                -normal.x,
-                -normal.y,
-                side * self.planet_base_radius - normal.dot(&quarter_turn(planet_arm)),
-                0.0,
-            ];
+            let slope = self.slope(&centres, side);
             // Motion of d per coordinate.
             let (ps, pp) = (quarter_turn(sun_arm), quarter_turn(planet_arm));
             let motion: [Vec2; MESH_COORDINATES] = [

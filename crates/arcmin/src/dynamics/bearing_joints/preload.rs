@@ -84,7 +84,8 @@ impl BearingMeshing {
     }
 
     /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from
-    /// the balance as it is (`deviation`). Secants of the force's 0.9th power: each goes most of the way to where
+    /// the balance as it is (`deviation`): the least one that the limits of the bodies leave, or where that search gets
+    /// nowhere, by secants of the force's 0.9th power: each goes most of the way to where
     /// the one before says that nothing presses, so that pins still hold the bodies, until two agree or next to
     /// nothing is missing. Where a trial finds them free, the place is enclosed.
     pub(super) fn freeing_relief(
@@ -94,6 +95,10 @@ impl BearingMeshing {
         preload: Preload,
         torque: f64,
     ) -> Result<f64, LoadError> {
+        let start = self.place(crank, deviation);
+        if let Some(relief) = self.least_relief(crank, &start) {
+            return Ok(relief);
+        }
         let least = self.least_preload(torque);
         let base: Vec<Relief> = self.model.rings.iter().map(|ring| ring.relief().clone()).collect();
         let found = self.seek_freeing_relief(&base, crank, deviation, preload, least);

@@ -7,7 +7,7 @@ use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit, HousingMotion};
 use crate::geometry::{Vec2, quarter_turn};
 
 /// ∂(x, y, θ of the disc in the ring)/∂(coordinates), row by row.
-type Seen = [[f64; 6]; 3];
+pub(super) type Seen = [[f64; 6]; 3];
 
 fn turned_back(v: Vec2, angle: f64) -> Vec2 {
     let (sin, cos) = angle.sin_cos();
@@ -16,7 +16,7 @@ fn turned_back(v: Vec2, angle: f64) -> Vec2 {
 
 impl BearingJoints {
     /// Coordinates that place a disc in the ring: its own (x, y, θ) and those of the housing.
-    fn ring_index(&self, disc: usize) -> [usize; 6] {
+    pub(super) fn ring_index(&self, disc: usize) -> [usize; 6] {
         let at = self.layout.disc(disc);
         let [x, y, angle] = self.layout.housing();
         [at, at + 1, at + 2, x, y, angle]
@@ -42,7 +42,7 @@ impl BearingJoints {
         (pose, DiscVelocity { centre: Vec2::new(vx, vy), angle: spin })
     }
 
-    fn seen_from_ring(&self, pose: DiscPose, turn: f64) -> Seen {
+    pub(super) fn seen_from_ring(&self, pose: DiscPose, turn: f64) -> Seen {
         let (sin, cos) = turn.sin_cos();
         let c = quarter_turn(pose.centre);
         [

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::rim::OutOfRound;
-use crate::geometry::unit;
+use crate::geometry::{Vec2, unit};
 use crate::machine::{RollerBearing, RollerKind};
 
 /// Radial rolling bearing: Q = K δ^n per rolling element, summed over the elements at their angles.
@@ -133,6 +133,26 @@ impl RadialBearing {
             e = crate::geometry::turned(e, step);
         }
         state
+    }
+
+    /// Radial stiffness of one element that gives way by a micrometre, in N/m; it hardly depends on that.
+    pub(super) fn element_stiffness(&self) -> f64 {
+        let cosine = self.contact_cosine;
+        cosine * cosine * self.exponent * self.stiffness * 1e-6_f64.powf(self.exponent - 1.0)
+    }
+
+    /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.
+    pub(super) fn centring_stiffness(&self) -> f64 {
+        0.25 * self.count as f64 * self.element_stiffness()
+    }
+
+    /// Direction e of every rolling element with u·e (m) and u·∂e/∂ψ (m/rad).
+    pub(super) fn elements(&self, u: [f64; 2], cage: f64) -> impl Iterator<Item = (Vec2, f64, f64)> + use<> {
+        let pitch = TAU / self.count as f64;
+        (0..self.count).map(move |i| {
+            let e = unit(cage + pitch * i as f64);
+            (e, u[0] * e.x + u[1] * e.y, u[1] * e.x - u[0] * e.y)
+        })
     }
 
     /// Q_i of the elements at displacement u: what bearing life needs.

@@ -22,8 +22,6 @@ use crate::wear::parts;
 #[derive(Debug, Clone)]
 pub struct BearingMeshing {
     pub(super) model: BearingJoints,
-    /// Size of the rated torque in N·m.
-    rated: f64,
     /// Turns of the crankshafts after which everything repeats.
     crank_turns: usize,
     discs_alike: bool,
@@ -97,7 +95,6 @@ impl BearingMeshing {
         let has_errors = !errors.is_zero();
         Ok(BearingMeshing {
             model,
-            rated: machine.rated.torque.abs(),
             crank_turns,
             discs_alike,
             has_errors,
@@ -114,7 +111,7 @@ impl BearingMeshing {
     }
 
     /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.
-    fn sun(&self, crank: CrankAngle) -> f64 {
+    pub(super) fn sun(&self, crank: CrankAngle) -> f64 {
         let kinematics = self.model.kinematics();
         // The output turns by −θ_k/z_c against the ring where it is the carrier, the ring by the opposite of
         // it where that is the output.
@@ -140,7 +137,7 @@ impl BearingMeshing {
         positions: usize,
         starts: &mut Vec<Vec<f64>>,
     ) -> Result<LostMotionSplit, LoadError> {
-        let small = LOST_MOTION_SHARE * self.rated;
+        let small = LOST_MOTION_SHARE * self.model.rated;
         let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
         let per_position = 1.0 / (small * positions as f64);
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
@@ -352,7 +349,7 @@ impl ShareLoad for BearingMeshing {
             (self.model, self.running) = (rough, Some(speed));
             return travel;
         }
-        let small = ZERO_SHARE * self.rated;
+        let small = ZERO_SHARE * self.model.rated;
         let mut ends = [0.0; 2];
         let mut deviations = [Vec::new(), Vec::new()];
         let pressed = self.still_pressed(crank, small)?;

@@ -4,8 +4,8 @@ use super::BearingJoints;
 use crate::contact::Sliding;
 use crate::dynamics::{Linearisation, System, Weights};
 
-/// Square of 10 rad/s: inertia of a body at such a pace is some 1e-6 of any contact's stiffness.
-const SLOW: f64 = 1e2;
+/// Squares of 10 and 100 rad/s: inertia of a body at such a pace is some 1e-6 and 1e-4 of any contact's stiffness.
+const SLOW: [f64; 2] = [1e2, 1e4];
 
 impl BearingJoints {
     /// dq/dT per unit of torque applied at the output (rad/(N·m), m/(N·m)), friction left aside. A body that no
@@ -18,7 +18,7 @@ impl BearingJoints {
         let mut linearisation = self.linearisation();
         self.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
         let output = self.output_index();
-        [0.0, SLOW].into_iter().find_map(|mass| {
+        [0.0, SLOW[0], SLOW[1]].into_iter().find_map(|mass| {
             let mut motion = vec![0.0; n];
             motion[output] = 1.0;
             let weights = Weights { mass, damping: 0.0, stiffness: 1.0 };
@@ -39,6 +39,11 @@ impl BearingJoints {
         model.drag *= share;
         model.oil_drag *= share;
         model
+    }
+
+    /// Size of the rated torque in N·m.
+    pub(crate) fn rated_torque(&self) -> f64 {
+        self.rated
     }
 
     /// Constant torque at the output in N·m.

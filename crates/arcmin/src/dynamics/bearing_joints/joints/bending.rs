@@ -1,4 +1,6 @@
-use super::{Joint, Part, Sink, State};
+use nalgebra::DMatrix;
+
+use super::{Distance, Joint, Limit, Part, Sink, State};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::shaft::Shaft;
 
@@ -11,6 +13,8 @@ pub(in super::super) struct Bending {
     matrix: Vec<f64>,
     /// N·s/m; empty where nothing is damped.
     damping: Vec<f64>,
+    /// √K times the deflections at the discs as rows over the stations: half the sum of their squares is the energy.
+    deflection: Vec<f64>,
 }
 
 impl Bending {
@@ -38,8 +42,12 @@ impl Bending {
         }
         let damping =
             if loss_time > 0.0 { matrix.iter().map(|k| loss_time * k).collect() } else { Vec::new() };
+        // K is the inverse of influence numbers, so it has a root.
+        let root = DMatrix::from_row_slice(n, n, stiffness).cholesky().map(|root| root.l().transpose());
+        let shares = DMatrix::from_fn(n, count, share);
+        let deflection = root.map_or_else(Vec::new, |root| (root * shares).transpose().as_slice().to_vec());
         let index = [0, 1].map(|axis| stations.iter().map(|station| station[axis]).collect());
-        Bending { index, matrix, damping }
+        Bending { index, matrix, damping, deflection }
     }
 }
 
@@ -66,6 +74,15 @@ impl Joint for Bending {
                 let force: Vec<f64> = times(&self.damping, &|b| -v[index[b]]);
                 let dissipation = -force.iter().zip(index).map(|(f, i)| f * v[*i]).sum::<f64>();
                 sink.damper(index, &force, &self.damping, dissipation);
+            }
+        }
+    }
+
+    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+        for index in &self.index {
+            for row in self.deflection.chunks_exact(index.len()) {
+                let value = row.iter().zip(index).map(|(share, i)| share * (q[*i] - q[index[0]])).sum();
+                add(Limit::Bond(Distance { index, gradient: row, value, stiffness: 1.0 }));
             }
         }
     }

@@ -1,4 +1,4 @@
-use super::{Joint, Part, Sink, State};
+use super::{Joint, Limit, Part, Sink, State};
 use crate::dynamics::bearing_joints::assembly::Element;
 
 /// A body's elastic interface: displacements d of its seats in its own frame with U = ½ dᵀ K d.
@@ -36,6 +36,10 @@ impl Joint for Frame {
             let dissipation = -force.iter().zip(&self.index).map(|(f, i)| f * at.v[*i]).sum::<f64>();
             sink.damper(&self.index, &force, &damping, dissipation);
         }
+    }
+
+    fn limits(&self, _: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+        self.index.iter().for_each(|at| add(Limit::Held(*at)));
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

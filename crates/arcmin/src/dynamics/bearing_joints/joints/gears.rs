@@ -1,4 +1,4 @@
-use super::{Cause, Joint, Losses, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Losses, Part, Sink, State};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::planar_mesh::{MESH_COORDINATES, MeshState, PlanarMesh};
 use crate::machine::PartWear;
@@ -56,6 +56,14 @@ impl Joint for Gears {
             dissipation += torque * share * speed;
         }
         sink.damper(&index, &force, &damping, dissipation);
+    }
+
+    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+        for (overlap, slope) in self.law.overlaps(&self.index.map(|i| q[i])).into_iter().flatten() {
+            let gradient = &slope.map(|s| -s);
+            let stiffness = self.law.stiffness;
+            add(Limit::Gap(Distance { index: &self.index, gradient, value: -overlap, stiffness }));
+        }
     }
 
     fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {

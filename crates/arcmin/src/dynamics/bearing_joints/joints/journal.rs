@@ -1,4 +1,4 @@
-use super::{Cause, Joint, Losses, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Losses, Part, Sink, State};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
 use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM, Rim, RimState};
@@ -92,6 +92,13 @@ impl Journal {
         ([u.x, u.y], w * q[turn] + (1.0 - w) * q[angle])
     }
 
+    /// Rows u_x, u_y, ψ over shaft and body.
+    fn jacobian(&self, (arm, bore): (Vec2, Vec2)) -> [[f64; 6]; 3] {
+        let (a, b) = (quarter_turn(arm), quarter_turn(bore));
+        let w = self.law.inner_share;
+        [[1.0, 0.0, a.x, -1.0, 0.0, -b.x], [0.0, 1.0, a.y, 0.0, -1.0, -b.y], [0.0, 0.0, w, 0.0, 0.0, 1.0 - w]]
+    }
+
     fn displacement_at(&self, q: &[f64]) -> ([f64; 2], f64) {
         self.displacement(q, self.arms(q, &self.modes_at(q)))
     }
@@ -171,6 +178,27 @@ impl Journal {
 }
 
 impl Joint for Journal {
+    /// A gap at every rolling element; without clearance the elements hold the shaft in the middle.
+    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+        let arms = self.arms(q, &self.modes_at(q));
+        let (u, cage) = self.displacement(q, arms);
+        let [x, y, turn] = self.jacobian(arms);
+        let half = self.law.half_clearance;
+        let index = &self.index;
+        if half <= 0.0 {
+            let stiffness = self.law.centring_stiffness();
+            add(Limit::Bond(Distance { index, gradient: &x, value: u[0], stiffness }));
+            add(Limit::Bond(Distance { index, gradient: &y, value: u[1], stiffness }));
+            return;
+        }
+        let stiffness = self.law.element_stiffness();
+        for (e, along, across) in self.law.elements(u, cage) {
+            let gradient =
+                std::array::from_fn::<f64, 6, _>(|i| -(e.x * x[i] + e.y * y[i] + across * turn[i]));
+            add(Limit::Gap(Distance { index, gradient: &gradient, value: half - along, stiffness }));
+        }
+    }
+
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let modes = self.modes_at(at.q);
         let (arm, bore) = self.arms(at.q, &modes);
@@ -182,14 +210,7 @@ impl Joint for Journal {
             return;
         }
         let mut sink = WithModes { sink, modes: &modes };
-        let (a, b) = (quarter_turn(arm), quarter_turn(bore));
-        let w = self.law.inner_share;
-        // Rows u_x, u_y, ψ.
-        let jacobian = [
-            [1.0, 0.0, a.x, -1.0, 0.0, -b.x],
-            [0.0, 1.0, a.y, 0.0, -1.0, -b.y],
-            [0.0, 0.0, w, 0.0, 0.0, 1.0 - w],
-        ];
+        let jacobian = self.jacobian((arm, bore));
         let mut slope = [0.0; 6];
         let mut matrix = [0.0; 36];
         let mut damping = [0.0; 36];

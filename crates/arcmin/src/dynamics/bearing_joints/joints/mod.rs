@@ -28,6 +28,27 @@ pub(super) struct State<'a> {
     pub v: &'a [f64],
 }
 
+/// What a joint lets bodies do while nothing presses, to first order in their displacement.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Limit<'a> {
+    /// A gap that does not close any further than to nothing.
+    Gap(Distance<'a>),
+    /// A distance that stays at nothing.
+    Bond(Distance<'a>),
+    /// A coordinate that stays at nothing.
+    Held(usize),
+}
+
+/// A length in m or an angle in rad, with its gradient by the coordinates listed, and about how stiff the joint is
+/// against its going below nothing, in N/m or N·m/rad.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Distance<'a> {
+    pub index: &'a [usize],
+    pub gradient: &'a [f64],
+    pub value: f64,
+    pub stiffness: f64,
+}
+
 /// A joint: what it does to the bodies it connects, and under which names its compliance and its play go.
 ///
 /// Springs derive from energies; [`Joint::visit`] hands them on with gradient and Hessian, so that forces,
@@ -35,6 +56,9 @@ pub(super) struct State<'a> {
 pub(super) trait Joint: Debug + Send + Sync {
     /// Hands springs, dampers and frictions to `sink`.
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink);
+
+    /// Hands on what the joint lets the bodies do while nothing presses.
+    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>));
 
     /// Work (N·m·rad) of the joint's forces on its gaps and elastic approaches, by cause. `nominal` holds
     /// the coordinates of the nominal machine where there are manufacturing errors. A linear spring without

@@ -1,7 +1,7 @@
-use super::{Cause, Joint, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Part, Sink, State};
 use crate::dynamics::bearing_joints::Arm;
 use crate::dynamics::bearing_joints::assembly::Element;
-use crate::geometry::{Vec2, quarter_turn};
+use crate::geometry::{Vec2, quarter_turn, unit};
 
 /// Linear support with radial clearance between two bodies.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,9 @@ pub(in super::super) struct Support {
     /// Ratio of damping to stiffness in s.
     pub loss_time: f64,
 }
+
+/// Tangents that stand for a circle.
+const TANGENTS: usize = 8;
 
 impl Support {
     fn seat_at(&self, q: &[f64]) -> Vec2 {
@@ -78,6 +81,26 @@ impl Joint for Support {
                 std::array::from_fn(|a| -(0..5).map(|b| damping[a * 5 + b] * rate[b]).sum::<f64>());
             let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
             sink.damper(&index, &pull, &damping, dissipation);
+        }
+    }
+
+    /// Within a clearance, tangents all around the circle and one where the body stands.
+    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+        let (u, seat) = (self.displacement(q), self.seat_at(q));
+        let gradient = |n: Vec2| [n.x, n.y, n.dot(&quarter_turn(seat)), -n.x, -n.y];
+        let index = &self.index;
+        let stiffness = self.stiffness;
+        if self.clearance <= 0.0 {
+            for n in [Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)] {
+                add(Limit::Bond(Distance { index, gradient: &gradient(n), value: n.dot(&u), stiffness }));
+            }
+            return;
+        }
+        let here = u.try_normalize(0.0).unwrap_or(Vec2::new(1.0, 0.0));
+        let around = (0..TANGENTS).map(|i| unit(std::f64::consts::TAU * i as f64 / TANGENTS as f64));
+        for n in around.chain([here]) {
+            let value = self.clearance - n.dot(&u);
+            add(Limit::Gap(Distance { index, gradient: &gradient(-n), value, stiffness }));
         }
     }
 

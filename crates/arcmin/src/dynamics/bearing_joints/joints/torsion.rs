@@ -1,4 +1,4 @@
-use super::{Joint, Part, Sink, State};
+use super::{Distance, Joint, Limit, Part, Sink, State};
 use crate::dynamics::bearing_joints::assembly::Element;
 
 /// Torsion spring between two angles.
@@ -29,6 +29,12 @@ impl Joint for Torsion {
             let rate = at.v[index[1]] - at.v[index[0]];
             sink.damper(&index, &[c * rate, -c * rate], &[c, -c, -c, c], c * rate * rate);
         }
+    }
+
+    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+        let value = q[self.index[1]] - q[self.index[0]];
+        let (index, gradient) = (&self.index, &[-1.0, 1.0]);
+        add(Limit::Bond(Distance { index, gradient, value, stiffness: self.stiffness }));
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

@@ -101,7 +101,7 @@ impl BearingMeshing {
             tolerance: TOLERANCE,
             force_tolerance: FORCE_TOLERANCE,
             jump_tolerance: if jump > 0.0 {
-                (JUMP.0 * torque.abs() + jump * self.rated) * ARCMIN
+                (JUMP.0 * torque.abs() + jump * self.model.rated) * ARCMIN
             } else {
                 0.0
             },
@@ -161,8 +161,8 @@ impl BearingMeshing {
         {
             return Ok(found);
         }
-        let least = torque.abs().max(ZERO_SHARE * self.rated);
-        let mut step = self.rated.max(3.0 * torque.abs()).copysign(torque);
+        let least = torque.abs().max(ZERO_SHARE * self.model.rated);
+        let mut step = self.model.rated.max(3.0 * torque.abs()).copysign(torque);
         let mut place: Option<Vec<f64>> = None;
         while step.abs() > least {
             let Ok((position, _)) = self.balance_by_newton(crank, step, place.as_deref()) else {

@@ -1,0 +1,242 @@
+//! The relief that frees a machine whose pins overlap with the flanks, from where the bodies can be while nothing
+//! presses.
+
+mod quadratic_program;
+
+use self::quadratic_program::{Limits, Price};
+use super::joints::{Distance, Limit};
+use super::{BearingJoints, BearingMeshing};
+use crate::contact::{DiscVelocity, Moved};
+use crate::machine::CrankAngle;
+
+/// What is left to gain where a search ends, in units of the system's scale: 1e-12 m.
+const TOLERANCE: f64 = 1e-7;
+/// A gain that is not kept because slopes of gaps are not known any better: 1e-10 m.
+const NOISE: f64 = 1e-5;
+/// Pins this near (m) are looked at.
+const WINDOW: f64 = 150e-6;
+/// About how stiff a pin is on a flank, in N/m.
+const PIN: f64 = 2e8;
+/// What it costs when a pin overlaps by one unit, some 12 µm, in units of relief. Pins that press no more than under some
+/// 1e-5 of the rated torque count as free; and so much makes joints give way that errors press against each other even
+/// without pins.
+const LIMIT: f64 = 2e4;
+/// What a step costs: ½ ρ |d|². At first, and at least.
+const WAY: (f64, f64) = (1e-3, 1e-5);
+/// Share of the gain that was promised below which a step is taken back.
+const KEPT: f64 = 0.1;
+const MOST_STEPS: usize = 20;
+
+/// The limits at one place, to first order, in units of the system's scale.
+struct Linear {
+    limits: Limits,
+    /// Relief under which the place costs least, and what it costs.
+    relief: f64,
+    cost: f64,
+}
+
+/// Rows are collected bonds first.
+#[derive(Default)]
+struct Rows {
+    bonds: Vec<f64>,
+    bond_values: Vec<f64>,
+    gaps: Vec<f64>,
+    gap_values: Vec<f64>,
+}
+
+/// How far a search for a place has come.
+struct Search<'a> {
+    model: &'a BearingJoints,
+    /// Column of every free coordinate; held ones have none.
+    columns: Vec<Option<usize>>,
+    width: usize,
+    /// The unit of lengths in m.
+    unit: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(model: &'a BearingJoints) -> Search<'a> {
+        let layout = &model.layout;
+        let mut columns = vec![Some(0); layout.size()];
+        for disc in 0..layout.discs {
+            layout.modes(disc).for_each(|at| columns[at] = None);
+        }
+        let nowhere = vec![0.0; layout.whole()];
+        for joint in &model.joints {
+            joint.limits(&nowhere, &mut |limit| {
+                if let Limit::Held(at) = limit {
+                    columns[at] = None;
+                }
+            });
+        }
+        let mut width = 0;
+        for column in columns.iter_mut().flatten() {
+            *column = width;
+            width += 1;
+        }
+        let unit = model.scale[layout.disc(0)];
+        Search { model, columns, width: width + 1, unit }
+    }
+
+    /// A distance in units, weighed by how stiff it is against a pin, and its gradient over the columns.
+    fn row(&self, distance: &Distance<'_>, rows: &mut Vec<f64>, values: &mut Vec<f64>) {
+        let weight = (distance.stiffness / PIN).sqrt() / self.unit;
+        let start = rows.len();
+        rows.resize(start + self.width, 0.0);
+        for (at, slope) in distance.index.iter().zip(distance.gradient) {
+            if let Some(Some(column)) = self.columns.get(*at) {
+                rows[start + column] += weight * slope * self.model.scale[*at];
+            }
+        }
+        values.push(weight * distance.value);
+    }
+
+    fn linear(&self, position: &[f64]) -> Linear {
+        let (q, v) = self.model.full(0.0, position, &vec![0.0; position.len()]);
+        let mut rows = Rows::default();
+        for joint in &self.model.joints {
+            joint.limits(&q, &mut |limit| match limit {
+                Limit::Held(_) => {}
+                Limit::Bond(distance) => self.row(&distance, &mut rows.bonds, &mut rows.bond_values),
+                Limit::Gap(distance) => self.row(&distance, &mut rows.gaps, &mut rows.gap_values),
+            });
+        }
+        let bonds = rows.bond_values.len();
+        let mut values = rows.bond_values;
+        values.append(&mut rows.gap_values);
+        let joints = values.len();
+        for disc in 0..self.model.layout.discs {
+            self.model.visit_gaps(disc, &q, &v, WINDOW, |index, gradient, value| {
+                let gap = Distance { index, gradient, value, stiffness: PIN };
+                self.row(&gap, &mut rows.gaps, &mut values);
+                // The relief is the last column.
+                if let Some(last) = rows.gaps.last_mut() {
+                    *last = 1.0;
+                }
+            });
+        }
+        let pins = &values[joints..];
+        let relief = cheapest_relief(pins);
+        let mut all = rows.bonds;
+        all.append(&mut rows.gaps);
+        let bounds = values.iter().map(|value| -value).collect();
+        let limits = Limits { width: self.width, bonds, rows: all, bounds };
+        let rooms = values.iter().enumerate().map(|(i, room)| room + if i < joints { 0.0 } else { relief });
+        let cost = limits.cost(rooms, LIMIT) + relief;
+        Linear { limits, relief, cost }
+    }
+
+    /// The step from a place, and what it promises to cost there.
+    fn step(&self, linear: &Linear, way: f64) -> Option<(Vec<f64>, f64)> {
+        let mut wanted = vec![0.0; self.width];
+        wanted[self.width - 1] = -1.0;
+        let limits = &linear.limits;
+        let step = limits.best(&wanted, Price { way, limit: LIMIT })?;
+        let rooms = (0..limits.bounds.len()).map(|i| limits.room(i, &step));
+        let promised = limits.cost(rooms, LIMIT) + step[self.width - 1];
+        Some((step, promised))
+    }
+
+    fn moved(&self, position: &[f64], step: &[f64]) -> Vec<f64> {
+        let columns = self.columns.iter().zip(&self.model.scale);
+        position
+            .iter()
+            .zip(columns)
+            .map(|(q, (column, scale))| q + column.map_or(0.0, |column| scale * step[column]))
+            .collect()
+    }
+
+    /// Linear limits at places that follow each other, each with a price on long steps that rises where a step did
+    /// not keep what it promised.
+    fn seek(&self, start: &[f64]) -> Option<f64> {
+        let mut position = start.to_vec();
+        let mut here = self.linear(&position);
+        // The price of the next step, and the least at which steps keep what they promise here.
+        let (mut way, mut least) = WAY;
+        for _ in 0..MOST_STEPS {
+            let (step, promised) = self.step(&here, way)?;
+            let gain = here.cost - promised;
+            // Steps that high prices keep short say little of what is left to gain.
+            let is_last = gain <= TOLERANCE && way <= least;
+            if is_last && way <= WAY.0 {
+                return Some((here.relief * self.unit).max(0.0));
+            }
+            if is_last {
+                return None;
+            }
+            if gain <= TOLERANCE {
+                way = (0.01 * way).max(least);
+                continue;
+            }
+            let next = self.moved(&position, &step);
+            let there = self.linear(&next);
+            if here.cost - there.cost >= KEPT * gain {
+                (position, here) = (next, there);
+                least = WAY.1;
+                way = (0.1 * way).max(least);
+            } else if gain <= NOISE && way <= WAY.0 {
+                return Some((here.relief * self.unit).max(0.0));
+            } else {
+                way *= 10.0;
+                least = way;
+            }
+        }
+        None
+    }
+}
+
+/// The relief r that makes r + ½ κ Σ max(0, −(g + r))² least over gaps g, in units.
+fn cheapest_relief(gaps: &[f64]) -> f64 {
+    let mut sorted: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    // With the n deepest pressing, Σ (o − r) = 1/κ.
+    let mut sum = 0.0;
+    let mut relief = 0.0;
+    for (n, overlap) in sorted.iter().enumerate() {
+        if n > 0 && *overlap <= relief {
+            break;
+        }
+        sum += overlap;
+        relief = (sum - 1.0 / LIMIT) / (n + 1) as f64;
+    }
+    relief
+}
+
+impl BearingMeshing {
+    /// The least uniform relief (m) of all flanks under which no pin overlaps at a crank angle, from a place nearby;
+    /// `None` where steps lead round bends of the limits too slowly.
+    pub(super) fn least_relief(&mut self, crank: CrankAngle, start: &[f64]) -> Option<f64> {
+        self.model.hold_sun(self.sun(crank), 0.0);
+        Search::new(&self.model).seek(start)
+    }
+}
+
+impl BearingJoints {
+    /// Hands on the gap (m) of every pin of a disc within the window (m), with its gradient by the coordinates listed.
+    fn visit_gaps(
+        &self,
+        disc: usize,
+        q: &[f64],
+        v: &[f64],
+        window: f64,
+        mut visit: impl FnMut(&[usize], &[f64], f64),
+    ) {
+        let (pose, _) = self.disc_state(disc, q, v);
+        let shifts = self.pin_ways(disc, q);
+        let moved = Moved { shifts: &shifts, lift: window };
+        let index = self.ring_index(disc);
+        let seen =
+            self.layout.housing_moves().then(|| self.seen_from_ring(pose, q[self.layout.housing()[2]]));
+        self.rings[disc].visit_moved(pose, DiscVelocity::REST, false, moved, |contact| match &seen {
+            None => visit(&index[..3], &contact.gradient, contact.gap),
+            Some(seen) => {
+                let gradient: [f64; 6] =
+                    std::array::from_fn(|i| (0..3).map(|a| contact.gradient[a] * seen[a][i]).sum());
+                visit(&index, &gradient, contact.gap);
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests;
