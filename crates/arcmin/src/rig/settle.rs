@@ -2,6 +2,7 @@ use super::RigError;
 use crate::dynamics::{
     Balance, BearingJoints, DenseLinearisation, EquilibriumControl, System, solve_equilibrium,
 };
+use crate::units::ARCMIN;
 
 /// What the friction sees while the machine is in balance without inertia.
 enum Motion<'a> {
@@ -69,55 +70,94 @@ impl System for Slow<'_> {
     }
 }
 
-fn control() -> EquilibriumControl {
+/// Share of the rated torque that a jump of the contact forces may leave: it winds the machine up by some 2e-4'.
+const JUMP: f64 = 1e-4;
+
+/// What a balance must meet; `jump` is the share of the rated torque that a jump may leave.
+fn control(model: &BearingJoints, jump: f64) -> EquilibriumControl {
     EquilibriumControl {
         tolerance: TOLERANCE,
         force_tolerance: FORCE_TOLERANCE,
+        jump_tolerance: jump * model.rated_torque() * ARCMIN,
         ..EquilibriumControl::default()
     }
 }
 
-/// Larger torques by way of which a balance is sought, largest first: more contacts hold the bodies there.
-const LARGER: [f64; 4] = [30.0, 10.0, 4.0, 2.0];
 /// Shares of the friction by way of which it is brought in.
 const FRICTION: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
+/// Share of the rated torque that is as good as none.
+const NO_LOAD: f64 = 2e-3;
+/// From a larger torque to the next, at first and at least.
+const FALL: (f64, f64) = (3.0, 1.1);
 
-/// The balance of one motion near `start`. Where it is not found at once, the frictionless machine is solved
-/// first, whose forces derive from an energy, by way of larger torques if need be; then friction comes in by
-/// and by.
+/// The balance of one motion near `start`; where none is found that is met exactly, one at which contact forces
+/// jump.
 fn settle<'a>(
     model: &BearingJoints,
     start: &[f64],
     motion: impl Fn() -> Motion<'a>,
 ) -> Result<Vec<f64>, RigError> {
-    let solve = |model: &BearingJoints, start: &[f64]| {
-        Ok::<_, RigError>(
-            solve_equilibrium(&Slow { model, motion: motion() }, 0.0, start, control())?.position,
-        )
-    };
-    let failure = match solve(model, start) {
-        Ok(found) => return Ok(found),
-        Err(failure) => failure,
-    };
-    let smooth = model.with_friction(FRICTION[0]);
-    let mut place = match solve(&smooth, start) {
-        Ok(place) => place,
-        Err(_) => {
-            let torque = model.constant_load();
-            let mut larger = smooth.clone();
-            let mut place = start.to_vec();
-            for factor in LARGER {
-                larger.set_load(factor * torque);
-                // A step that fails is left out.
-                place = solve(&larger, &place).unwrap_or(place);
-            }
-            solve(&smooth, &place).map_err(|_| failure.clone())?
-        }
-    };
-    for share in &FRICTION[1..] {
-        place = solve(&model.with_friction(*share), &place).map_err(|_| failure.clone())?;
+    let within = |jump| Settling { motion: &motion, jump }.settle(model, start);
+    within(0.0).or_else(|failure| within(JUMP).map_err(|_| failure))
+}
+
+/// A search for a balance.
+struct Settling<'m, M> {
+    motion: &'m M,
+    /// Share of the rated torque that a jump may leave.
+    jump: f64,
+}
+
+impl<'a, M: Fn() -> Motion<'a>> Settling<'_, M> {
+    fn solve(&self, model: &BearingJoints, start: &[f64]) -> Result<Vec<f64>, RigError> {
+        let slow = Slow { model, motion: (self.motion)() };
+        Ok(solve_equilibrium(&slow, 0.0, start, control(model, self.jump))?.position)
     }
-    Ok(place)
+
+    /// Where the balance is not found at once, the frictionless machine is solved first, whose forces derive from an
+    /// energy; then friction comes in by and by. Where that leads nowhere either, by way of larger torques, under
+    /// which more contacts hold the bodies. Bodies that hardly anything presses may hang by friction so that nothing
+    /// balances them: then the balance under the least torque that leaves one, if that is as good as none.
+    fn settle(&self, model: &BearingJoints, start: &[f64]) -> Result<Vec<f64>, RigError> {
+        let failure = match self.solve(model, start) {
+            Ok(found) => return Ok(found),
+            Err(failure) => failure,
+        };
+        let smooth = model.with_friction(FRICTION[0]);
+        self.solve(&smooth, start)
+            .or_else(|_| self.by_larger_torques(&smooth, start))
+            .and_then(|place| {
+                let mut rougher = FRICTION[1..].iter().map(|share| model.with_friction(*share));
+                rougher.try_fold(place, |place, model| self.solve(&model, &place))
+            })
+            .or_else(|_| self.by_larger_torques(model, start))
+            .map_err(|_| failure)
+    }
+
+    /// From the balance under rated torque down to the one that is asked for.
+    fn by_larger_torques(&self, model: &BearingJoints, start: &[f64]) -> Result<Vec<f64>, RigError> {
+        let torque = model.constant_load();
+        let mut larger = model.clone();
+        let mut load = model.rated_torque().max(FALL.0 * torque.abs());
+        larger.set_load(load.copysign(torque));
+        let mut place = self.solve(&larger, start)?;
+        let mut fall = FALL.0;
+        while load > torque.abs() {
+            let next = (load / fall).max(torque.abs());
+            larger.set_load(next.copysign(torque));
+            match self.solve(&larger, &place) {
+                Ok(found) => (place, load) = (found, next),
+                Err(_) if fall > FALL.1 => fall = fall.sqrt(),
+                Err(_) if load <= NO_LOAD * model.rated_torque() => return Ok(place),
+                Err(failure) => return Err(failure),
+            }
+            // At no load the way down would not end.
+            if next <= 1e-9 * model.rated_torque() {
+                break;
+            }
+        }
+        Ok(place)
+    }
 }
 
 /// Balance after a slow change of load from the balance `from`; friction opposes the change.
