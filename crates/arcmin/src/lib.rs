@@ -33,6 +33,14 @@ pub mod tribology;
 pub mod units;
 pub mod wear;
 
+#[cfg(test)]
+extern crate self as arcmin;
+/// Random sound designs, which speak of this crate by its name.
+#[cfg(test)]
+#[allow(dead_code)]
+#[path = "../tests/support/mod.rs"]
+mod random_designs;
+
 /// Examples of the README and of the book, run as tests.
 #[cfg(doctest)]
 mod book {

@@ -25,6 +25,7 @@ mod study;
 mod system;
 mod table;
 
+pub(crate) use bearing_joints::JUMP;
 pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing,
 };

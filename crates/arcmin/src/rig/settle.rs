@@ -1,6 +1,6 @@
 use super::RigError;
 use crate::dynamics::{
-    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, System, solve_equilibrium,
+    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, JUMP, System, solve_equilibrium,
 };
 use crate::units::ARCMIN;
 
@@ -69,9 +69,6 @@ impl System for Slow<'_> {
         self.model.crank_angle(position)
     }
 }
-
-/// Share of the rated torque that a jump of the contact forces may leave: it winds the machine up by some 2e-4'.
-const JUMP: f64 = 1e-4;
 
 /// What a balance must meet; `jump` is the share of the rated torque that a jump may leave.
 fn control(model: &BearingJoints, jump: f64) -> EquilibriumControl {

@@ -40,6 +40,10 @@ use crate::contact::PinContacts;
 use crate::geometry::{Relief, Vec2, unit};
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, PartWear};
 
+/// Share of the rated torque that a jump of contact forces may leave unbalanced: it winds the machine up by some
+/// 2e-4'.
+pub(crate) const JUMP: f64 = 1e-4;
+
 /// What the model takes beside the machine.
 #[derive(Debug, Clone)]
 pub struct JointSettings {

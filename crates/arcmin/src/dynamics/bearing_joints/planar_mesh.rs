@@ -122,6 +122,7 @@ impl PlanarMesh {
         let closer = base * (pressure_angle.tan() - pressure_angle - self.nominal_involute);
         [twist - closer, -twist - closer]
     }
+
     /// How the centres stand to each other; `None` where base circles overlap, so that no involute mesh exists.
     fn centres(&self, q: &Row) -> Option<Centres> {
         let base = self.sun_base_radius + self.planet_base_radius;

@@ -84,10 +84,8 @@ impl BearingMeshing {
     }
 
     /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from
-    /// the balance as it is (`deviation`): the least one that the limits of the bodies leave, or where that search gets
-    /// nowhere, by secants of the force's 0.9th power: each goes most of the way to where
-    /// the one before says that nothing presses, so that pins still hold the bodies, until two agree or next to
-    /// nothing is missing. Where a trial finds them free, the place is enclosed.
+    /// the balance as it is (`deviation`): the least one that the limits of the bodies leave, or, where that search
+    /// finds none, the one that balances under ever more relief lead to.
     pub(super) fn freeing_relief(
         &mut self,
         crank: CrankAngle,
@@ -108,6 +106,9 @@ impl BearingMeshing {
         found
     }
 
+    /// By secants of the force's 0.9th power: each goes most of the way to where the one before says that nothing
+    /// presses, so that pins still hold the bodies, until two agree or next to nothing is missing. Where a trial
+    /// finds them free, the place is enclosed.
     fn seek_freeing_relief(
         &mut self,
         base: &[Relief],
@@ -190,8 +191,8 @@ mod tests {
     use crate::load::ShareLoad;
     use crate::machine::ManufacturingErrors;
 
-    /// What [`BearingMeshing::travel`] finds by secants, held against balances on either side: relieved by 0.5 % more
-    /// nothing presses without load, by 1 % less some pin does. Both shipped designs, tight by either offset, as drawn
+    /// The relief that frees, held against balances on either side: relieved by 0.5 % more nothing presses without
+    /// load, by 1 % less some pin does. Both ways to it agree. Both shipped designs, tight by either offset, nominal
     /// and with errors of manufacture.
     #[test]
     fn a_little_more_relief_frees_and_a_little_less_does_not() {
@@ -224,6 +225,13 @@ mod tests {
                         meshing.load_free(crank, [&ends[0], &ends[1]], small).unwrap().unwrap();
                     let deviation = meshing.deviation(crank, &position);
                     let relief = meshing.freeing_relief(crank, &deviation, preload, small).unwrap();
+                    let least = meshing.least_preload(small);
+                    let by_secants =
+                        meshing.seek_freeing_relief(&base, crank, &deviation, preload, least).unwrap();
+                    assert!(
+                        (by_secants / relief - 1.0).abs() < 5e-3,
+                        "{name} {key} {seed:?} {index}: {relief:e} m from limits, {by_secants:e} m by secants"
+                    );
                     let mut left = |share: f64| {
                         for (ring, base) in meshing.model.rings.iter_mut().zip(&base) {
                             ring.set_relief(base.plus(&Relief::uniform(share * relief)));

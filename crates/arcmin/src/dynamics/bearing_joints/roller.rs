@@ -136,14 +136,14 @@ impl RadialBearing {
     }
 
     /// Radial stiffness of one element that gives way by a micrometre, in N/m; it hardly depends on that.
-    pub(super) fn element_stiffness(&self) -> f64 {
+    pub(super) fn stiffness_of_an_element(&self) -> f64 {
         let cosine = self.contact_cosine;
         cosine * cosine * self.exponent * self.stiffness * 1e-6_f64.powf(self.exponent - 1.0)
     }
 
     /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.
     pub(super) fn centring_stiffness(&self) -> f64 {
-        0.25 * self.count as f64 * self.element_stiffness()
+        0.25 * self.count as f64 * self.stiffness_of_an_element()
     }
 
     /// Direction e of every rolling element with u·e (m) and u·∂e/∂ψ (m/rad).

@@ -44,7 +44,7 @@ struct Rows {
     gap_values: Vec<f64>,
 }
 
-/// How far a search for a place has come.
+/// What a search for the place of least relief looks at.
 struct Search<'a> {
     model: &'a BearingJoints,
     /// Column of every free coordinate; held ones have none.

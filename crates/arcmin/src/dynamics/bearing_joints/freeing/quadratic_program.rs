@@ -1,7 +1,7 @@
 //! The best place that limits leave, each of which gives way a little.
 
 /// Limits a·x ≥ b; the first `bonds` of them pull as well as push, a·x = b.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug)]
 pub(super) struct Limits {
     pub width: usize,
     pub bonds: usize,

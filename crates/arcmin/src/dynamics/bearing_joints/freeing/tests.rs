@@ -1,49 +1,59 @@
 use super::super::JointSettings;
 use super::*;
-use crate::machine::ManufacturingErrors;
+use crate::machine::{Machine, ManufacturingErrors};
+use crate::random_designs::sound_design;
+
+/// The most that slopes of a relief along the flank make: gradients leave them out.
+const LEFT_OUT: f64 = 1e-3;
 
 /// Gradients of all limits against differences, at places off the nominal one.
+fn check_gradients(name: &str, machine: &Machine) {
+    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    let mut errors = ManufacturingErrors::draw(machine, &tolerances, 2);
+    // Those of flank errors would be larger.
+    errors.discs.iter_mut().for_each(|disc| disc.flank = Default::default());
+    let settings = JointSettings { errors, ..JointSettings::default() };
+    let mut meshing = BearingMeshing::new(machine, &settings).unwrap();
+    meshing.model.hold_sun(2.2, 0.0);
+    let model = &meshing.model;
+    let scale = model.scale.clone();
+    let place: Vec<f64> = model
+        .nominal_position_at(2.2)
+        .iter()
+        .zip(&scale)
+        .enumerate()
+        .map(|(i, (q, s))| q + 0.3 * s * (i as f64 * 1.7).sin())
+        .collect();
+    let search = Search::new(model);
+    let here = search.linear(&place);
+    assert!(here.limits.bounds.len() > 2 * model.layout.discs);
+    let h = 1e-4;
+    for (at, column) in search.columns.iter().enumerate() {
+        let Some(column) = column else { continue };
+        let moved = |sign: f64| {
+            let mut q = place.clone();
+            q[at] += sign * h * scale[at];
+            search.linear(&q).limits.bounds
+        };
+        let (ahead, behind) = (moved(1.0), moved(-1.0));
+        assert_eq!(ahead.len(), behind.len());
+        for (row, (b, a)) in ahead.iter().zip(&behind).enumerate() {
+            let slope = -(b - a) / (2.0 * h);
+            let found = here.limits.row(row)[*column];
+            assert!(
+                (slope - found).abs() < LEFT_OUT * (1.0 + found.abs()),
+                "{name} {at} {row}: {slope} {found}"
+            );
+        }
+    }
+}
+
 #[test]
 fn gradients_of_limits_are_those_of_their_values() {
     for name in ["rv-40e-81", "rv-80e"] {
-        let machine = crate::templates::design(name).unwrap().machine();
-        let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
-        let mut errors = ManufacturingErrors::draw(&machine, &tolerances, 2);
-        // The slope of flank errors along the flank is left out.
-        errors.discs.iter_mut().for_each(|disc| disc.flank = Default::default());
-        let settings = JointSettings { errors, ..JointSettings::default() };
-        let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
-        meshing.model.hold_sun(2.2, 0.0);
-        let model = &meshing.model;
-        let scale = model.scale.clone();
-        let place: Vec<f64> = model
-            .nominal_position_at(2.2)
-            .iter()
-            .zip(&scale)
-            .enumerate()
-            .map(|(i, (q, s))| q + 0.3 * s * (i as f64 * 1.7).sin())
-            .collect();
-        let search = Search::new(model);
-        let here = search.linear(&place);
-        assert!(here.limits.bounds.len() > 100);
-        let h = 1e-3;
-        for (at, column) in search.columns.iter().enumerate() {
-            let Some(column) = column else { continue };
-            let moved = |sign: f64| {
-                let mut q = place.clone();
-                q[at] += sign * h * scale[at];
-                search.linear(&q).limits.bounds
-            };
-            let (ahead, behind) = (moved(1.0), moved(-1.0));
-            assert_eq!(ahead.len(), behind.len());
-            for (row, (b, a)) in ahead.iter().zip(&behind).enumerate() {
-                let slope = -(b - a) / (2.0 * h);
-                let found = here.limits.row(row)[*column];
-                assert!(
-                    (slope - found).abs() < 2e-4 * (1.0 + found.abs()),
-                    "{name} {at} {row}: {slope} {found}"
-                );
-            }
-        }
+        check_gradients(name, &crate::templates::design(name).unwrap().machine());
+    }
+    for seed in 1..=20 {
+        check_gradients(&format!("random {seed}"), &sound_design(seed).0.machine());
     }
 }

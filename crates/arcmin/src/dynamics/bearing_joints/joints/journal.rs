@@ -191,7 +191,7 @@ impl Joint for Journal {
             add(Limit::Bond(Distance { index, gradient: &y, value: u[1], stiffness }));
             return;
         }
-        let stiffness = self.law.element_stiffness();
+        let stiffness = self.law.stiffness_of_an_element();
         for (e, along, across) in self.law.elements(u, cage) {
             let gradient =
                 std::array::from_fn::<f64, 6, _>(|i| -(e.x * x[i] + e.y * y[i] + across * turn[i]));

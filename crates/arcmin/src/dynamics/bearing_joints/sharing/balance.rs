@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::{BearingMeshing, ZERO_SHARE};
+use crate::dynamics::bearing_joints::JUMP;
 use crate::dynamics::bearing_joints::running::Running;
 use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
 use crate::load::LoadError;
@@ -15,9 +16,8 @@ const MOST_KNOWN: usize = 32_768;
 /// all contacts.
 const TOLERANCE: f64 = 1e-7;
 const FORCE_TOLERANCE: f64 = 1e-6;
-/// Of the load, and of the rated torque, that may be left unbalanced in a machine with errors: 1e-4 of the
-/// rated torque wind the machine up by some 2e-4'.
-const JUMP: (f64, f64) = (1e-2, 1e-4);
+/// Share of the load that a jump may leave unbalanced besides [`JUMP`].
+const JUMP_OF_LOAD: f64 = 1e-2;
 /// The same at no load in a machine that errors have made so tight that its pins jump from flank to flank
 /// under some 100 N.
 const TIGHT_JUMP: f64 = 2e-3;
@@ -74,7 +74,7 @@ impl BearingMeshing {
     /// Contact forces of a machine without errors do not jump, but for flanks worn so deep that a pin has several
     /// closest points.
     fn usual_jump(&self) -> f64 {
-        if self.has_errors { JUMP.1 } else { 0.0 }
+        if self.has_errors { JUMP } else { 0.0 }
     }
 
     /// `jump` is the share of the rated torque that a jump of the contact forces may leave; `descent` as in
@@ -101,7 +101,7 @@ impl BearingMeshing {
             tolerance: TOLERANCE,
             force_tolerance: FORCE_TOLERANCE,
             jump_tolerance: if jump > 0.0 {
-                (JUMP.0 * torque.abs() + jump * self.model.rated) * ARCMIN
+                (JUMP_OF_LOAD * torque.abs() + jump * self.model.rated) * ARCMIN
             } else {
                 0.0
             },
@@ -193,7 +193,7 @@ impl BearingMeshing {
         on_the_way: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
         // What is left may be a jump that nobody expects without errors.
-        let more = if self.has_errors { TIGHT_JUMP } else { JUMP.1 };
+        let more = if self.has_errors { TIGHT_JUMP } else { JUMP };
         if !self.has_errors
             && let Ok(found) = self.balance_within(more, false, crank, torque, start)
         {
