@@ -1,9 +1,7 @@
 use super::facets::{Facets, MeshContact};
 use super::sliding::Sliding;
 use super::{Damping, LineContact, Moved};
-use crate::geometry::{
-    FlankError, FlankErrorReader, Profile, Relief, Vec2, WornCourse, cross, quarter_turn, unit,
-};
+use crate::geometry::{FlankError, FlankErrorReader, Profile, Relief, Vec2, cross, quarter_turn, unit};
 
 /// Sectors of the meshing angle with a bound of their own for the relief.
 pub(super) const FLOOR_SECTORS: usize = 72;
@@ -77,21 +75,26 @@ pub struct PinContact {
     pub flank_curvature: f64,
     /// Relative curvature 1/R_eq in 1/m, worn flank included.
     pub relative_curvature: f64,
+    /// That of the flank as designed, by which the contact gives way.
+    pub designed_curvature: f64,
     /// ∂(gap)/∂(x, y, θ) of the disc.
     pub gradient: [f64; 3],
     /// d²w/dψ² in m/rad² of the worn pin where the contact stands on it.
     pub(super) pin_bend: f64,
     /// Displacement of the disc's point of contact along the flank, per (x, y, θ).
     pub along: [f64; 3],
-    /// e(φ) of the meshing angle.
+    /// e(φ) and e(τ) of the foot on the trace, and the normal there.
     pub(super) meshing_unit: Vec2,
-    /// How the flank goes on, where it was found on the way.
-    pub(super) course: Option<WornCourse>,
-    /// e(τ) of the foot.
     pub(super) direction: Vec2,
+    pub(super) foot_normal: Vec2,
+    /// How far the foot travels as the pin moves along the trace, in rad of τ per m.
+    pub(super) foot_travel: f64,
     /// What errors of the flank and the worn pin add to the gap, in m.
     pub(super) read: f64,
 }
+
+/// Far from a flank that fits it closely, a pin sees a place of it less than the others around.
+const LEAST_REACH: f64 = 1e-4;
 
 impl PinContact {
     /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, D the distance of the pin centre from the flank and T = (t_x,
@@ -128,7 +131,8 @@ impl PinContact {
     /// −κ/(1 − κ D) in 1/m: by how much the normal turns as the pin centre moves along the flank.
     #[inline]
     fn turning(&self, pin_radius: f64) -> f64 {
-        -self.flank_curvature / (1.0 - self.flank_curvature * (self.gap + pin_radius))
+        let reach = 1.0 - self.flank_curvature * (self.gap + pin_radius);
+        -self.flank_curvature / reach.max(LEAST_REACH)
     }
 
     /// jᵀ ∂²(gap)/∂q² j in m/rad² for a motion j = (j_x, j_y, 1) of the disc.
@@ -170,6 +174,8 @@ pub struct PinContacts {
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
     pub(super) directions: Vec<Vec2>,
     pub(super) relief: Relief,
+    /// The same as a pin sees it.
+    pub(super) seen: Relief,
     /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for
     /// each.
     pub(super) pin_reliefs: Vec<Relief>,
@@ -199,6 +205,7 @@ impl PinContacts {
             pins,
             directions,
             relief: Relief::uniform(0.0),
+            seen: Relief::uniform(0.0),
             pin_reliefs: Vec::new(),
             flank_error: None,
             error_reader: None,
@@ -232,6 +239,8 @@ impl PinContacts {
 
     /// Replaces the metal removed from the flanks (modifications and wear together).
     pub fn set_relief(&mut self, relief: Relief) {
+        let radius = self.pins.iter().map(|pin| pin.radius).fold(0.0, f64::max);
+        self.seen = relief.without_hollows(&self.profile, radius).unwrap_or_else(|| relief.clone());
         self.relief = relief;
         self.facets = self.facets.take().map(|facets| facets.with_relief(&self.profile, &self.relief));
         self.update_bounds();
@@ -318,7 +327,7 @@ impl PinContacts {
         let pins = self.pin_reliefs.iter().map(|relief| floor(&mut relief.samples().iter().copied(), 0.5));
         self.shallowest_elsewhere = pins.reduce(f64::min).unwrap_or(0.0)
             + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
-        let samples = self.relief.samples();
+        let samples = self.seen.samples();
         let count = samples.len();
         let reach = (count / 18).max(2);
         for (sector, bound) in self.relief_floors.iter_mut().enumerate() {

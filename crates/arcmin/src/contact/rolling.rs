@@ -5,8 +5,9 @@ use crate::geometry::{Vec2, cross, quarter_turn, turned};
 /// from the stored energy.
 ///
 /// The energy U(δ, R_eq) of a line contact falls with sharper curvature, the compliance of an elastic disc
-/// changes along its flank, and flank errors are read where the contact is. All depend on the foot τ, and
-/// rolling to another place takes or gives work.
+/// changes along its flank, and flank errors are read where the contact is. All depend on the foot τ on the trace,
+/// which travels evenly where the closest point of a worn flank does not, and rolling to another place takes or gives
+/// work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rolling {
     /// ∂τ/∂(x, y, θ) of the foot, in rad/m and rad/rad.
@@ -21,7 +22,7 @@ impl Rolling {
     /// Change of the relative curvature 1/R_eq in 1/m with a motion (x, y, θ) of the disc.
     pub(crate) fn relative_curvature_change(&self, contact: &PinContact, motion: [f64; 3]) -> f64 {
         let travel = self.by_pose[0] * motion[0] + self.by_pose[1] * motion[1] + self.by_pose[2] * motion[2];
-        -contact.relative_curvature * self.log_radius_slope * travel
+        -contact.designed_curvature * self.log_radius_slope * travel
     }
 }
 
@@ -37,14 +38,12 @@ impl PinContacts {
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
         let pin_radius = self.pins()[contact.pin].radius;
         let profile = self.profile();
-        let course = contact.course.unwrap_or_else(|| {
-            profile.worn_course(contact.tau, contact.meshing_unit, self.relief(), pin_radius)
-        });
         // Facets leave the radius of the pin.
         let log_radius_slope = if self.is_faceted() {
             0.0
         } else {
-            -course.relative_curvature_rate / contact.relative_curvature
+            let (curvature, rate) = profile.designed_curvature(contact.meshing_unit, pin_radius);
+            -rate / curvature
         };
         let error_slope = self.error_reader.as_ref().map_or(0.0, |error| {
             let (x, y) = (contact.meshing_unit.x, contact.meshing_unit.y);
@@ -52,11 +51,9 @@ impl PinContacts {
             let ez = turned(contact.direction, Vec2::new(x, -y));
             error.slope_on(contact.tau, contact.direction, ez, profile)
         });
-        // The pin centre moves by −T dz past the flank, and the closest point by 1/(1 − κ D) of that, D being
-        // the distance between the two.
-        let reach = 1.0 - course.curvature * (contact.gap - contact.read + pin_radius);
-        let t = quarter_turn(contact.normal);
-        let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along / (reach * course.length));
+        // The pin centre moves by −T dz past the trace.
+        let t = quarter_turn(contact.foot_normal);
+        let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along * contact.foot_travel);
         Rolling { by_pose, log_radius_slope, gap_slope: by_pose.map(|travel| error_slope * travel) }
     }
 

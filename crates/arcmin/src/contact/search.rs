@@ -74,7 +74,7 @@ impl PinContacts {
             let e = turned(self.directions[index], back);
             let tau0 = pitch * index as f64 - pose.angle;
             if !all && self.facets.is_none() {
-                let sector = if self.relief.is_uniform() {
+                let sector = if self.seen.is_uniform() {
                     0
                 } else {
                     let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
@@ -158,8 +158,8 @@ impl PinContacts {
         let error = self
             .error_reader
             .as_ref()
-            .map_or(0.0, |error| error.depth(foot.tau, foot.direction_at(foot.tau), foot.normal));
-        self.profile.gap_floor_on_worn(foot, &self.relief, radius) + error
+            .map_or(0.0, |error| error.depth(foot.tau, foot.direction(), foot.normal));
+        self.profile.gap_floor_on_worn(foot, &self.seen, radius) + error
     }
 
     #[inline]
@@ -178,44 +178,33 @@ impl PinContacts {
             Closest {
                 tau: foot.tau,
                 meshing_angle: self.profile.meshing_angle(foot.tau),
-                meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
                 gap: nearest.gap,
                 normal: nearest.normal,
                 flank_curvature: nearest.curvature,
                 relative_curvature: 1.0 / radius,
-                course: None,
             }
-        } else if self.relief.is_uniform() {
-            let depth = self.relief.samples()[0];
+        } else if self.seen.is_uniform() {
+            let depth = self.seen.samples()[0];
             let curvature =
                 foot.trace_curvature / (1.0 + (self.profile.pin_radius + depth) * foot.trace_curvature);
             Closest {
                 tau: foot.tau,
                 meshing_angle: self.profile.meshing_angle(foot.tau),
-                meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
                 gap: foot.distance + (self.profile.pin_radius - radius) + depth,
                 normal: foot.normal,
                 flank_curvature: curvature,
                 relative_curvature: 1.0 / radius - curvature,
-                course: None,
             }
         } else {
-            self.profile.closest_on_worn(p, foot, &self.relief, radius)
+            self.profile.closest_on_worn(p, foot, &self.seen, radius)
         };
         let Closest {
-            tau,
-            meshing_angle,
-            meshing_unit,
-            mut gap,
-            normal: flank_normal,
-            flank_curvature,
-            relative_curvature,
-            course,
+            meshing_angle, mut gap, normal: flank_normal, flank_curvature, relative_curvature, ..
         } = closest;
         let mut read = 0.0;
-        let direction = foot.direction_at(tau);
+        let direction = foot.direction();
         if let Some(error) = &self.error_reader {
-            read += error.depth(tau, direction, flank_normal);
+            read += error.depth(foot.tau, direction, foot.normal);
         }
         let normal = turned(flank_normal, rotation);
         let t = quarter_turn(normal);
@@ -228,16 +217,24 @@ impl PinContacts {
             gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
         }
         gap += read;
+        let meshing_unit = Vec2::new(foot.cos_meshing, foot.sin_meshing);
+        let designed_curvature = if self.facets.is_some() {
+            1.0 / radius
+        } else {
+            self.profile.designed_curvature(meshing_unit, radius).0
+        };
+        let speed = self.profile.pin_circle_radius * self.profile.speed_factor(foot.cos_meshing);
+        let foot_travel = 1.0 / (speed * (1.0 - foot.trace_curvature * foot.distance));
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
         let sliding_speed = along[0] * v[0] + along[1] * v[1] + along[2] * v[2];
         let ContactForce { force, stiffness, damping, elastic, stored } =
-            self.contact.damped_force(-gap, approach_rate, 1.0 / relative_curvature);
+            self.contact.damped_force(-gap, approach_rate, 1.0 / designed_curvature);
         let friction = self.sliding.as_ref().map_or(0.0, |sliding| -force * sliding.share(sliding_speed).0);
         PinContact {
             pin,
-            tau,
+            tau: foot.tau,
             meshing_angle,
             gap,
             approach_rate,
@@ -252,12 +249,14 @@ impl PinContacts {
             arm,
             flank_curvature,
             relative_curvature,
+            designed_curvature,
             gradient,
             pin_bend,
             along,
             meshing_unit,
-            course,
             direction,
+            foot_normal: turned(foot.normal, rotation),
+            foot_travel,
             read,
         }
     }

@@ -6,9 +6,8 @@ use super::{Foot, Profile, Relief, Vec2, cross, quarter_turn};
 pub struct Closest {
     /// Parameter τ of the flank point in rad.
     pub tau: f64,
-    /// Its meshing angle φ in rad, (−π, π], and e(φ).
+    /// Its meshing angle φ in rad, (−π, π].
     pub meshing_angle: f64,
-    pub(crate) meshing_unit: Vec2,
     /// Gap in m.
     pub gap: f64,
     /// Gradient of the gap with respect to the pin centre (disc frame): the line of action, from flank to
@@ -16,10 +15,9 @@ pub struct Closest {
     pub normal: Vec2,
     /// Curvature of the worn flank in 1/m, positive where concave.
     pub flank_curvature: f64,
-    /// Relative curvature 1/R_eq of the worn surfaces in 1/m.
+    /// Relative curvature 1/R_eq of the worn surfaces in 1/m: hollows may bring it down to a tenth of
+    /// what it is without them.
     pub relative_curvature: f64,
-    /// How the flank goes on from there, where it was found on the way.
-    pub(crate) course: Option<WornCourse>,
 }
 
 /// A step (rad of φ) after which the place is taken: convergence is quadratic, so that the error left is some
@@ -29,6 +27,8 @@ const LAST_STEP: f64 = 2e-4;
 const QUICK_STEPS: usize = 8;
 /// As far from the foot on the unworn flank the closest point is sought, in rad of φ.
 const SEARCHED: f64 = 0.3;
+/// Share of the relative curvature without the waves of the depth that waves may leave.
+const LEAST_CURVATURE: f64 = 0.1;
 /// An enclosed closest point is known so well, in rad of φ.
 const CLOSE: f64 = 1e-10;
 
@@ -48,12 +48,12 @@ impl Profile {
         for _ in 0..QUICK_STEPS {
             let here = self.worn_at(place, relief);
             let station = Station::new(p, &here);
-            let step = newton(&station);
-            if (step * lobes).abs() < LAST_STEP {
+            let step = -station.slope / station.slope_by_tau;
+            if (step * lobes).abs() < LAST_STEP && station.slope_by_tau < 0.0 {
                 return self.closest_at(p, place.moved(step, z), &here.trace.moved(step), relief, pin_radius);
             }
             *(if station.slope > 0.0 { &mut before } else { &mut after }) = place.tau;
-            place = place.moved(step, z);
+            place = place.moved(newton(&station), z);
         }
         let reach = SEARCHED / lobes;
         let ends = if before < after { [before, after] } else { [foot.tau - reach, foot.tau + reach] };
@@ -104,31 +104,18 @@ impl Profile {
         gap - 2.0 * station.slope * station.length * station.step(pin_radius)
     }
 
-    /// How the worn flank runs at τ, where `meshing` is e(φ).
-    pub(crate) fn worn_course(
-        &self,
-        tau: f64,
-        meshing: Vec2,
-        relief: &Relief,
-        pin_radius: f64,
-    ) -> WornCourse {
-        if relief.is_uniform() {
-            let (z, k1) = (self.pin_count as f64, self.short_width_coefficient());
-            let factor = self.speed_factor(meshing.x);
-            let speed = self.pin_circle_radius * factor;
-            let trace = self.trace_curvature(meshing.x);
-            let stretch = 1.0 + (self.pin_radius + relief.samples()[0]) * trace;
-            let trace_rate = self.lobe_count() as f64 * k1 * meshing.y * ((1.0 + z) / speed + 3.0 * trace)
-                / (factor * factor);
-            return WornCourse {
-                length: speed * stretch.abs(),
-                curvature: trace / stretch,
-                relative_curvature_rate: -trace_rate / (stretch * stretch),
-            };
-        }
-        let z = self.pin_count as f64;
-        let place = Place { tau, e: super::unit(tau), ez: super::unit(z * tau) };
-        self.worn_at(place, relief).course(pin_radius)
+    /// Relative curvature in 1/m of the flank as designed against a pin, and its derivative by τ, where
+    /// `meshing` is e(φ).
+    #[inline]
+    pub(crate) fn designed_curvature(&self, meshing: Vec2, pin_radius: f64) -> (f64, f64) {
+        let (z, k1) = (self.pin_count as f64, self.short_width_coefficient());
+        let factor = self.speed_factor(meshing.x);
+        let trace = self.trace_curvature(meshing.x);
+        let stretch = 1.0 + self.pin_radius * trace;
+        let lobes = self.lobe_count() as f64;
+        let turning = (1.0 + z) / (self.pin_circle_radius * factor) + 3.0 * trace;
+        let trace_rate = lobes * k1 * meshing.y * turning / (factor * factor);
+        (1.0 / pin_radius - trace / stretch, -trace_rate / (stretch * stretch))
     }
 
     /// Slope and bend of the distance at the foot on the unworn flank, in closed form: the pin stands on the
@@ -205,29 +192,21 @@ impl Profile {
     fn worn_on(&self, trace: Trace, tau: f64, relief: &Relief) -> Worn {
         let lobes = self.lobe_count() as f64;
         let meshing_angle = self.meshing_angle(tau);
-        let (worn, third) = relief.with_third(meshing_angle);
+        let worn = relief.at(meshing_angle);
         // φ falls with τ.
-        let (d, d1, d2, d3) = (
-            self.pin_radius + worn.depth,
-            -lobes * worn.slope,
-            lobes * lobes * worn.bend,
-            -lobes * lobes * lobes * third,
-        );
-        let Trace { speed, speed_rate, speed_bend, turning, turning_rate, turning_bend, .. } = trace;
+        let (d, d1, d2) = (self.pin_radius + worn.depth, -lobes * worn.slope, lobes * lobes * worn.bend);
+        let Trace { speed, speed_rate, turning, turning_rate, .. } = trace;
         let length = speed + d * turning;
         let length_rate = speed_rate + d1 * turning + d * turning_rate;
-        let length_bend = speed_bend + d2 * turning + 2.0 * d1 * turning_rate + d * turning_bend;
         let sign = length.signum();
         Worn {
             trace,
             depth_below_trace: d,
             depth_rate: d1,
             depth_bend: d2,
-            depth_third: d3,
             sign,
             length: sign * length,
             length_rate: sign * length_rate,
-            length_bend: sign * length_bend,
             meshing_angle,
         }
     }
@@ -237,30 +216,17 @@ impl Profile {
         let worn = self.worn_on(*trace, place.tau, relief);
         let reach = worn.reach(p);
         let distance = reach.norm();
-        let course = worn.course(pin_radius);
-        let (cos, sin) = Profile::meshing_cos_sin(place.e, place.ez);
+        let curvature = worn.curvature();
+        let least = LEAST_CURVATURE * (1.0 / pin_radius - worn.flank_curvature());
         Closest {
             tau: place.tau,
             meshing_angle: worn.meshing_angle,
-            meshing_unit: Vec2::new(cos, sin),
             gap: distance - pin_radius,
             normal: reach / distance,
-            flank_curvature: course.curvature,
-            relative_curvature: 1.0 / pin_radius - course.curvature,
-            course: Some(course),
+            flank_curvature: curvature,
+            relative_curvature: (1.0 / pin_radius - curvature).max(least),
         }
     }
-}
-
-/// The worn flank at one place as the contact sees it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct WornCourse {
-    /// κ in 1/m, positive where concave.
-    pub curvature: f64,
-    /// Arc length in m/rad of τ.
-    pub length: f64,
-    /// d(1/R_eq)/dτ in 1/(m·rad).
-    pub relative_curvature_rate: f64,
 }
 
 /// The trace at one place, per radian of τ.
@@ -310,17 +276,15 @@ impl Trace {
 /// The worn flank at one place, per radian of τ.
 struct Worn {
     trace: Trace,
-    /// r + w in m, w′ in m/rad, w″ in m/rad², w‴ in m/rad³.
+    /// r + w in m, w′ in m/rad, w″ in m/rad².
     depth_below_trace: f64,
     depth_rate: f64,
     depth_bend: f64,
-    depth_third: f64,
     /// −1 where the flank turns back on itself.
     sign: f64,
-    /// |A| in m/rad with its derivatives.
+    /// |A| in m/rad with its derivative.
     length: f64,
     length_rate: f64,
-    length_bend: f64,
     meshing_angle: f64,
 }
 
@@ -331,12 +295,6 @@ impl Worn {
         self.sign * self.trace.turning / self.length
     }
 
-    /// |f′| in m/rad.
-    #[inline]
-    fn width(&self) -> f64 {
-        (self.length * self.length + self.depth_rate * self.depth_rate).sqrt()
-    }
-
     /// Vector from the worn flank point to `p`.
     #[inline]
     fn reach(&self, p: Vec2) -> Vec2 {
@@ -344,44 +302,15 @@ impl Worn {
         off + self.depth_below_trace * self.trace.normal()
     }
 
-    /// 1/R_eq in 1/m against a pin, and its rate in 1/(m·rad). A hollow sharper than the pin would touch at
-    /// two places; a tenth of the relative curvature without the waves of the depth keeps the single contact
-    /// that this model has (it enters the force only under a logarithm).
+    /// Curvature in 1/m, positive where concave.
     #[inline]
-    fn relative_curvature(&self, pin_radius: f64) -> (f64, f64) {
-        let Worn { length, length_rate, length_bend, depth_rate, depth_bend, depth_third, .. } = self;
-        let Trace { turning, turning_rate, .. } = self.trace;
-        let across = length * turning - depth_bend;
-        let across_rate = length_rate * turning + length * turning_rate - depth_third;
-        let ahead = length_rate + depth_rate * turning;
-        let ahead_rate = length_bend + depth_bend * turning + depth_rate * turning_rate;
-        let bends = length * across + depth_rate * ahead;
-        let bends_rate =
-            length_rate * across + length * across_rate + depth_bend * ahead + depth_rate * ahead_rate;
+    fn curvature(&self) -> f64 {
+        let Worn { length, length_rate, depth_rate, depth_bend, .. } = self;
+        let turning = self.trace.turning;
+        let bends =
+            length * (length * turning - depth_bend) + depth_rate * (length_rate + depth_rate * turning);
         let square = length * length + depth_rate * depth_rate;
-        let square_rate = 2.0 * (length * length_rate + depth_rate * depth_bend);
-        let per_square = 1.0 / square;
-        let per_cube = per_square * per_square * square.sqrt();
-        let curvature = bends * per_cube;
-        let rate = bends_rate * per_cube - 1.5 * curvature * square_rate * per_square;
-        let here = 1.0 / pin_radius - curvature;
-        let smooth = self.flank_curvature();
-        let least = 0.1 * (1.0 / pin_radius - smooth);
-        if here >= least {
-            return (here, -rate);
-        }
-        let smooth_rate = (self.sign * turning_rate - smooth * length_rate) / length;
-        (least, -0.1 * smooth_rate)
-    }
-
-    #[inline]
-    fn course(&self, pin_radius: f64) -> WornCourse {
-        let (relative_curvature, rate) = self.relative_curvature(pin_radius);
-        WornCourse {
-            curvature: 1.0 / pin_radius - relative_curvature,
-            length: self.width(),
-            relative_curvature_rate: rate,
-        }
+        bends / (square * square.sqrt())
     }
 }
 
@@ -493,8 +422,25 @@ mod tests {
         }
     }
 
-    /// Along the flank, between the samples of the depth: curvature against three points of the worn flank,
-    /// its rate against differences of it, and a course carried on by a short way against that found there.
+    #[test]
+    fn designed_curvature_has_its_rate() {
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let at = |phi: f64| profile.designed_curvature(unit(phi), 3.001e-3);
+        for i in 0..90 {
+            let phi = -3.1 + 0.07 * f64::from(i);
+            let (value, rate) = at(phi);
+            let exact = profile.relative_curvature(phi.cos(), 3.001e-3);
+            assert!((value / exact - 1.0).abs() < 1e-12, "{phi}");
+            let h = 1e-5;
+            // φ falls with τ.
+            let difference = -39.0 * (at(phi + h).0 - at(phi - h).0) / (2.0 * h);
+            assert!((rate - difference).abs() < 1e-6 * (rate.abs() + 1e4), "{phi}: {rate} {difference}");
+        }
+    }
+
+    /// Along the flank, between the samples of the depth: curvature against three points of the worn flank, and a
+    /// trace carried on by a short way against that found there.
     #[test]
     fn course_of_the_worn_flank_agrees_with_its_points() {
         let profile =
@@ -507,7 +453,6 @@ mod tests {
             let here = at(tau);
             here.trace.c - here.depth_below_trace * here.trace.normal()
         };
-        let curvature = |tau: f64| 1.0 / 3e-3 - at(tau).relative_curvature(3e-3).0;
         for i in 0..120 {
             let tau = 0.41 + 0.0027 * f64::from(i);
             let h = 2e-6;
@@ -516,13 +461,7 @@ mod tests {
             let expected = -cross(first, second) / first.norm().powi(3);
             let here = at(tau);
             let scale = expected.abs().max(50.0);
-            assert!((curvature(tau) - expected).abs() < 2e-3 * scale, "{tau}: {expected}");
-            assert!((here.width() / first.norm() - 1.0).abs() < 1e-5, "{tau}");
-            let step = 1e-7;
-            let rate = -(curvature(tau + step) - curvature(tau - step)) / (2.0 * step);
-            let exact = here.relative_curvature(3e-3).1;
-            // The rate itself bends between two samples, and jumps at one.
-            assert!((exact - rate).abs() < 1e-2 * rate.abs() + 2e3, "{tau}: {exact} {rate}");
+            assert!((here.curvature() - expected).abs() < 2e-3 * scale, "{tau}: {expected}");
             let way = 4e-6;
             let (carried, there) = (here.trace.moved(way), at(tau + way).trace);
             assert!((carried.c - there.c).norm() < 1e-16, "{tau}");

@@ -19,10 +19,10 @@ pub struct Foot {
 }
 
 impl Foot {
-    /// e(τ) at a place near the foot.
+    /// e(τ).
     #[inline]
-    pub(crate) fn direction_at(&self, tau: f64) -> Vec2 {
-        super::turned(self.place.e, small_unit(tau - self.place.tau))
+    pub(crate) fn direction(&self) -> Vec2 {
+        self.place.e
     }
 }
 

@@ -8,12 +8,12 @@ mod closest;
 mod feet;
 mod flank_error;
 mod foot;
+mod hollow;
 mod outline;
 mod profile;
 mod relief;
 
 pub use closest::Closest;
-pub(crate) use closest::WornCourse;
 pub(crate) use feet::LANES;
 pub(crate) use flank_error::FlankErrorReader;
 pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};

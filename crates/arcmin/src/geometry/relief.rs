@@ -57,6 +57,28 @@ impl Relief {
         &self.values
     }
 
+    /// Control points of the spline as a sum of B-splines: it is convex where their polygon is.
+    pub(super) fn control_points(&self) -> Vec<f64> {
+        let weight = self.step * self.step / 6.0;
+        self.values.iter().zip(&self.bends).map(|(value, bend)| value - weight * bend).collect()
+    }
+
+    /// The spline with other control points, left as it is where these are the same.
+    pub(super) fn with_control_points(&self, before: &[f64], after: &[f64]) -> Relief {
+        let n = after.len();
+        let (mut values, mut bends) = (self.values.clone(), self.bends.clone());
+        for i in 0..n {
+            let near = [(i + n - 1) % n, i, (i + 1) % n];
+            if near.iter().any(|j| before[*j] != after[*j]) {
+                let [left, here, right] = near.map(|j| after[j]);
+                let second = left - 2.0 * here + right;
+                values[i] = here + second / 6.0;
+                bends[i] = second / (self.step * self.step);
+            }
+        }
+        Relief::with_bends(values, bends)
+    }
+
     /// Whether the depth is the same everywhere by construction.
     pub fn is_uniform(&self) -> bool {
         self.values.len() == 1
@@ -96,15 +118,9 @@ impl Relief {
     /// Depth, slope and bend at the meshing angle φ in (−π, π].
     #[inline]
     pub fn at(&self, meshing_angle: f64) -> DepthSample {
-        self.with_third(meshing_angle).0
-    }
-
-    /// The same with d³w/dφ³ in m/rad³, which jumps at the grid points.
-    #[inline]
-    pub(crate) fn with_third(&self, meshing_angle: f64) -> (DepthSample, f64) {
         let n = self.values.len();
         if n == 1 {
-            return (DepthSample { depth: self.values[0], ..DepthSample::default() }, 0.0);
+            return DepthSample { depth: self.values[0], ..DepthSample::default() };
         }
         let h = self.step;
         // Truncation, not `floor` and a remainder: this is the innermost loop, and φ lies within one turn.
@@ -115,13 +131,12 @@ impl Relief {
         let right = if left + 1 == n { 0 } else { left + 1 };
         let (y0, y1, m0, m1) = (self.values[left], self.values[right], self.bends[left], self.bends[right]);
         let s = 1.0 - t;
-        let sample = DepthSample {
+        DepthSample {
             depth: s * y0 + t * y1 + h * h / 6.0 * ((s * s * s - s) * m0 + (t * t * t - t) * m1),
             slope: (y1 - y0) * self.per_step
                 + h / 6.0 * ((3.0 * t * t - 1.0) * m1 - (3.0 * s * s - 1.0) * m0),
             bend: s * m0 + t * m1,
-        };
-        (sample, (m1 - m0) * self.per_step)
+        }
     }
 }
 

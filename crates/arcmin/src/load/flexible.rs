@@ -78,7 +78,7 @@ impl FlexibleMeshing {
                 .map(|contact| CoupledContact {
                     place: self.discs.stencil(disc, contact.tau),
                     approach: -contact.gap,
-                    equivalent_radius: 1.0 / contact.relative_curvature,
+                    equivalent_radius: 1.0 / contact.designed_curvature,
                 })
                 .collect();
             let mut forces = CoupledForces::default();

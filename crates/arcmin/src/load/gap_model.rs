@@ -43,7 +43,7 @@ impl GapModel {
         self.torque += contact.force * slope;
         self.turnover += contact.force * slope.abs();
         self.stiffness += contact.stiffness * slope * slope - contact.force * bend;
-        let relative_curvature = contact.relative_curvature;
+        let relative_curvature = contact.designed_curvature;
         self.contacts.push(NearbyContact {
             gap: contact.gap,
             slope,

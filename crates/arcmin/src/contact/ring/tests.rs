@@ -203,7 +203,7 @@ fn gaps_bend_with_what_the_pin_has_lost() {
 }
 
 /// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the
-/// gradient and `gap_bend`, the relative curvature with `relative_curvature_slope`, on even and uneven
+/// gradient and `gap_bend`, the curvature by which it gives way with `relative_curvature_change`, on even and uneven
 /// flanks.
 #[test]
 fn gap_and_curvature_follow_a_motion_of_the_disc() {
@@ -240,10 +240,10 @@ fn gap_and_curvature_follow_a_motion_of_the_disc() {
                 m.meshing_angle
             );
             let curvature_slope = contacts.rolling(m).relative_curvature_change(m, [motion.x, motion.y, 1.0]);
-            let difference = (b.relative_curvature - a.relative_curvature) / (2.0 * h);
+            let difference = (b.designed_curvature - a.designed_curvature) / (2.0 * h);
             assert!(
                 (difference - curvature_slope).abs()
-                    < 1e-3 * curvature_slope.abs() + 1e-2 * m.relative_curvature,
+                    < 1e-3 * curvature_slope.abs() + 1e-2 * m.designed_curvature,
                 "{}: {difference} {curvature_slope}",
                 m.meshing_angle
             );

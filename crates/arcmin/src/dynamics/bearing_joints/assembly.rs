@@ -67,6 +67,9 @@ pub trait Sink {
 
     /// Velocity-dependent forces: force[i] on coordinate index[i], matrix −∂(force)/∂(velocity) row by row.
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
+
+    /// How friction changes with the loads: −∂(force)/∂(coordinate) row by row.
+    fn friction_slope(&mut self, _index: &[usize], _matrix: &[f64]) {}
 }
 
 /// Sums forces and tangents. Coordinates from number `size` on are held or prescribed; the torque on a
@@ -128,6 +131,10 @@ impl Sink for Assembly<'_> {
         }
         self.scatter(index, matrix, DenseLinearisation::add_damping);
         self.balance.dissipation += dissipation;
+    }
+
+    fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {
+        self.scatter(index, matrix, DenseLinearisation::add_stiffness);
     }
 }
 

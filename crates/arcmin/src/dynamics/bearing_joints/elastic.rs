@@ -91,6 +91,13 @@ impl Sink for WithModes<'_> {
             dissipation,
         );
     }
+
+    fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {
+        if self.modes.is_empty() {
+            return self.sink.friction_slope(index, matrix);
+        }
+        self.sink.friction_slope(&self.index(index), &self.matrix(matrix, index.len()));
+    }
 }
 
 #[cfg(test)]

@@ -46,6 +46,8 @@ pub struct MeshState {
     pub dissipation: f64,
     /// Elastic force on the line of action in N, positive where the sun's tooth drives.
     pub force: f64,
+    /// ∂(force)/∂q.
+    pub force_slope: Row,
     /// Sizes of the elastic forces on either side, as in [`PlanarMesh::flank_loss`], in N.
     pub side_force: [f64; 2],
 }
@@ -225,6 +227,7 @@ impl PlanarMesh {
             let half_square = 0.5 * overlap * overlap;
             for i in 0..MESH_COORDINATES {
                 state.gradient[i] += elastic * slope[i] + k1 * half_square * sigma[i];
+                state.force_slope[i] += side * (k * slope[i] + k1 * overlap * sigma[i]);
                 for j in 0..MESH_COORDINATES {
                     state.hessian[i][j] += k * slope[i] * slope[j]
                         - elastic * across.dot(&motion[i]) * turning.dot(&motion[j])
@@ -278,6 +281,7 @@ mod tests {
         let rest = [0.0; MESH_COORDINATES];
         let here = mesh.react(&q, &rest);
         assert!(here.force > 100.0, "{}", here.force);
+        let stiffness = mesh.stiffness;
         for i in 0..MESH_COORDINATES {
             let h = if [2, 5, 6].contains(&i) { 1e-8 } else { 1e-10 };
             let shifted = |s: f64| {
@@ -292,6 +296,8 @@ mod tests {
                 "{i}: {slope} {}",
                 here.gradient[i]
             );
+            let slope = (up.force - down.force) / (2.0 * h);
+            assert!((slope - here.force_slope[i]).abs() < 1e-4 * stiffness, "{i}: {slope}");
             for j in 0..MESH_COORDINATES {
                 let slope = (up.gradient[j] - down.gradient[j]) / (2.0 * h);
                 let size = (here.hessian[i][i] * here.hessian[j][j]).abs().sqrt().max(1.0);

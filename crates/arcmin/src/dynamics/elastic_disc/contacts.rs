@@ -93,7 +93,7 @@ impl ElasticDiscs {
                 approach -= *phi * motion.modes[m];
                 rate -= *phi * motion.rates[m];
             }
-            let equivalent_radius = 1.0 / contact.relative_curvature;
+            let equivalent_radius = 1.0 / contact.designed_curvature;
             let near = if approach < -NEAR { &mut waiting } else { &mut state };
             near.push(*contact, rate, &shape, CoupledContact { place, approach, equivalent_radius });
         });

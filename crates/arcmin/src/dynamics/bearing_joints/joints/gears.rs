@@ -54,6 +54,13 @@ impl Joint for Gears {
                 damping[i * MESH_COORDINATES + j] += sign * c;
             }
             dissipation += torque * share * speed;
+            let factor = friction * self.sliding * share * mesh.force.signum();
+            let mut by_place = [0.0; MESH_COORDINATES * MESH_COORDINATES];
+            for (j, slope) in mesh.force_slope.iter().enumerate() {
+                by_place[2 * MESH_COORDINATES + j] = factor * slope;
+                by_place[5 * MESH_COORDINATES + j] = -factor * slope;
+            }
+            sink.friction_slope(&index, &by_place);
         }
         sink.damper(&index, &force, &damping, dissipation);
     }

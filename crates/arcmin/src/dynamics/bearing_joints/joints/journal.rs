@@ -263,8 +263,7 @@ impl Joint for Journal {
             }
         }
         if friction.bearing > 0.0 {
-            // Rolling friction: μ F r_m against the relative turn. The torque's change with the load is left
-            // out of the tangent; it is μ r_m/R small.
+            // Rolling friction: μ F r_m against the relative turn.
             let load = gradient[0].hypot(gradient[1]);
             let speed = rate[2] - rate[5];
             let radius = self.law.mean_radius;
@@ -277,6 +276,22 @@ impl Joint for Journal {
                 damping[i * 6 + j] += sign * c;
             }
             dissipation += torque * share * speed;
+            // ∂F/∂(u_x, u_y, ψ), which lead on to the coordinates.
+            let by_load = [0, 1, 2].map(|d| {
+                if load == 0.0 {
+                    0.0
+                } else {
+                    (gradient[0] * hessian[0][d] + gradient[1] * hessian[1][d]) / load
+                }
+            });
+            let mut by_place = [0.0; 36];
+            for j in 0..6 {
+                let slope: f64 = (0..3).map(|d| by_load[d] * jacobian[d][j]).sum();
+                let change = friction.bearing * radius * share * slope;
+                by_place[2 * 6 + j] = change;
+                by_place[5 * 6 + j] = -change;
+            }
+            sink.friction_slope(&self.index, &by_place);
         }
         if loss_time > 0.0 || friction.bearing > 0.0 {
             sink.damper(&self.index, &force, &damping, dissipation);

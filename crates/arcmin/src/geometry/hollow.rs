@@ -1,0 +1,288 @@
+//! Hollows of the flank that a pin cannot fill.
+
+use super::{Profile, Relief};
+
+/// How far (m) a filled hollow may lie below the chord of the two places on which a pin rests: so much the gap may
+/// be too large. A pin rolls from the one to the other in place of jumping.
+const SAG: f64 = 1e-9;
+/// Filled hollows are at most so close to the shape of the pin: share of the relative curvature of the unworn flank.
+const CLOSEST_FIT: f64 = 0.1;
+
+/// Share of the relative curvature that the grid leaves unsure; in a theory of first order twice the square of the
+/// relief's slope comes to it.
+const UNSURE: f64 = 0.01;
+/// So many samples beside an edge a spline rings.
+const RINGING: usize = 8;
+
+/// Flank and pin at the samples of a relief, from one place around the lobe.
+struct Shape {
+    /// Number of the sample that comes first.
+    first: usize,
+    /// Way along the flank in m.
+    way: Vec<f64>,
+    /// Relative curvature of the flank without the waves of the relief against the pin in 1/m.
+    relative_curvature: Vec<f64>,
+    /// Depth of the relief in m.
+    depth: Vec<f64>,
+    /// How far the flank falls away from the pin in m, up to a tilt.
+    fall: Vec<f64>,
+}
+
+impl Relief {
+    /// The relief with which a pin of this radius (m) sees the flank: hollows sharper than itself, in which it
+    /// rests on two places, are filled up to where it reaches. `None` where there are none.
+    ///
+    /// Along the way s on the flank, the flank falls away from the pin as H(s), H″ = 1/R_eq + w″, and the gap of a
+    /// pin tilted by b is the least of H(s) + b s. This is the same for H and for its lower convex hull, but the hull
+    /// has only one place of closest approach. Hollows are filled [`SAG`] lower, so that this place travels, and with
+    /// it the direction of the force, in place of jumping. In splines convex control points make a convex curve.
+    pub(crate) fn without_hollows(&self, profile: &Profile, pin_radius: f64) -> Option<Relief> {
+        let count = self.samples().len();
+        if self.is_uniform() {
+            return None;
+        }
+        let original = self.control_points();
+        let control = self.without_ringing(&original, &Shape::of(profile, pin_radius, &original)?.concave());
+        let shape = Shape::of(profile, pin_radius, &control)?;
+        let mut hollows = Vec::new();
+        let mut rounding = vec![0.0_f64; count];
+        hull(&shape.way, &shape.fall, |from, to| {
+            let length = shape.way[to] - shape.way[from];
+            hollows.push((from, to, 8.0 * SAG / (length * length), shape.steepest(from, to).powi(2)));
+        });
+        if hollows.is_empty() && control == original {
+            return None;
+        }
+        for (from, to, curvature, steepness) in hollows {
+            let width = to - from;
+            for i in from.saturating_sub(width)..(to + width + 1).min(count) {
+                let unsure = (UNSURE + 2.0 * steepness) * shape.relative_curvature[i];
+                let most = CLOSEST_FIT * shape.relative_curvature[i];
+                rounding[i] = (curvature + unsure).min(most).max(rounding[i]);
+            }
+        }
+        let sag = twice_summed(&shape.way, &rounding);
+        let fall: Vec<f64> = shape.fall.iter().zip(&sag).map(|(fall, sag)| fall - sag).collect();
+        let mut filled = control.clone();
+        hull(&shape.way, &fall, |from, to| {
+            let slope = (fall[to] - fall[from]) / (shape.way[to] - shape.way[from]);
+            for i in from + 1..to {
+                let chord = fall[from] + slope * (shape.way[i] - shape.way[from]);
+                filled[(i + shape.first) % count] -= fall[i] - chord;
+            }
+        });
+        Some(self.with_control_points(&original, &filled))
+    }
+
+    /// Control points of the spline, and samples in place of them where it rings beside an edge that the grid is too
+    /// coarse for: there control points lie on this side of the samples and on that by turns. `concave` are the
+    /// places next to which that matters.
+    fn without_ringing(&self, control: &[f64], concave: &[usize]) -> Vec<f64> {
+        let (count, samples) = (control.len(), self.samples());
+        let off = |i: usize| control[i % count] - samples[i % count];
+        let mut steady = control.to_vec();
+        for place in concave {
+            for i in place + count - RINGING..=place + count + RINGING {
+                if off(i) * off(i - 1) < 0.0 && off(i) * off(i + 1) < 0.0 {
+                    steady[i % count] = samples[i % count];
+                }
+            }
+        }
+        steady
+    }
+}
+
+impl Shape {
+    /// `None` where the flank is undercut.
+    fn of(profile: &Profile, pin_radius: f64, depths: &[f64]) -> Option<Shape> {
+        let count = depths.len();
+        let step = std::f64::consts::TAU / count as f64;
+        let per_lobe = step * profile.pin_circle_radius / profile.lobe_count() as f64;
+        let mut way = Vec::with_capacity(count);
+        let mut relative_curvature = Vec::with_capacity(count);
+        for (phi, depth) in Relief::grid(count).zip(depths) {
+            let cos = phi.cos();
+            let curvature = profile.trace_curvature(cos);
+            let stretch = 1.0 + (profile.pin_radius + depth) * curvature;
+            if stretch <= 0.0 {
+                return None;
+            }
+            way.push(per_lobe * profile.speed_factor(cos) * stretch);
+            relative_curvature.push(1.0 / pin_radius - curvature / stretch);
+        }
+        // The lobe begins where the flank bends away from the pin most: surely not within a hollow.
+        let bend = |i: usize| {
+            let second = depths[(i + count - 1) % count] - 2.0 * depths[i] + depths[(i + 1) % count];
+            relative_curvature[i] + second / (way[i] * way[i])
+        };
+        let first = (0..count).max_by(|a, b| bend(*a).total_cmp(&bend(*b)))?;
+        for values in [&mut way, &mut relative_curvature] {
+            values.rotate_left(first);
+        }
+        let mut sum = 0.0;
+        let mut steps = way.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect::<Vec<_>>().into_iter();
+        for place in &mut way {
+            *place = sum;
+            sum += steps.next().unwrap_or(0.0);
+        }
+        let mut depth = depths.to_vec();
+        depth.rotate_left(first);
+        let fall = twice_summed(&way, &relative_curvature).iter().zip(&depth).map(|(p, w)| p + w).collect();
+        Some(Shape { first, way, relative_curvature, depth, fall })
+    }
+}
+
+impl Shape {
+    /// Steepest slope of the relief between two samples.
+    fn steepest(&self, from: usize, to: usize) -> f64 {
+        let (way, depth) = (&self.way, &self.depth);
+        (from..to).map(|i| ((depth[i + 1] - depth[i]) / (way[i + 1] - way[i])).abs()).fold(0.0, f64::max)
+    }
+
+    /// Numbers of the samples at which the flank is hollower than the pin.
+    fn concave(&self) -> Vec<usize> {
+        let (way, fall) = (&self.way, &self.fall);
+        let slope = |i: usize| (fall[i + 1] - fall[i]) / (way[i + 1] - way[i]);
+        let inner = 1..way.len() - 1;
+        inner.filter(|i| slope(*i) < slope(i - 1)).map(|i| (i + self.first) % way.len()).collect()
+    }
+}
+
+/// The function that is bent as given, up to a tilt.
+fn twice_summed(way: &[f64], bend: &[f64]) -> Vec<f64> {
+    let mut slope = 0.0;
+    let mut value = 0.0;
+    let mut values = Vec::with_capacity(way.len());
+    for i in 0..way.len() {
+        values.push(value);
+        if i + 1 < way.len() {
+            // The bend of a sample reaches half way to its neighbours.
+            let before = if i == 0 { 0.0 } else { way[i] - way[i - 1] };
+            let after = way[i + 1] - way[i];
+            slope += 0.5 * (before + after) * bend[i];
+            value += slope * after;
+        }
+    }
+    values
+}
+
+/// Hands on the chords of the lower convex hull that pass over samples, by their ends.
+fn hull(way: &[f64], values: &[f64], mut visit: impl FnMut(usize, usize)) {
+    let mut corners: Vec<usize> = Vec::new();
+    for i in 0..way.len() {
+        while let [.., a, b] = corners[..] {
+            let chord = (values[i] - values[a]) * (way[b] - way[a]);
+            if (values[b] - values[a]) * (way[i] - way[a]) < chord {
+                break;
+            }
+            corners.pop();
+        }
+        corners.push(i);
+    }
+    for pair in corners.windows(2) {
+        if pair[1] > pair[0] + 1 {
+            visit(pair[0], pair[1]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Vec2, quarter_turn};
+    use crate::units::{DEG, UM};
+
+    const PROFILE: Profile =
+        Profile { pin_count: 76, pin_circle_radius: 71.9e-3, eccentricity: 0.714e-3, pin_radius: 2.02e-3 };
+
+    /// Flanks with a dent on either side of the root, and with the edges of a worn zone.
+    fn hollowed() -> [Relief; 2] {
+        let depths: [&dyn Fn(f64) -> f64; 2] =
+            [&|phi: f64| 6.0 * UM * (-((phi.abs() - 0.3) / 0.12).powi(2)).exp(), &|phi: f64| {
+                2.0 * UM * (1.0 - (((phi.abs() - 1.0).abs() - 0.4) / 0.06).tanh())
+            }];
+        depths.map(|depth| Relief::from_samples(Relief::grid(720).map(depth).collect()))
+    }
+
+    /// What the grid of a relief leaves open: a twelfth of its largest second difference, in m.
+    fn grain(relief: &Relief) -> f64 {
+        let seconds = relief.samples().windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
+        seconds.fold(0.0, f64::max) / 12.0
+    }
+
+    /// Gap of a pin to a flank by looking at every place around the foot.
+    fn gap_by_sampling(relief: &Relief, p: Vec2, tau: f64) -> f64 {
+        let lobes = PROFILE.lobe_count() as f64;
+        let distance = |tau: f64| {
+            let depth = relief.at(PROFILE.meshing_angle(tau)).depth;
+            let below = (PROFILE.pin_radius + depth) * PROFILE.outward_normal(tau);
+            (p - PROFILE.trace(tau) + below).norm()
+        };
+        let places = (-6000..=6000).map(|i| tau + 0.4 / lobes * f64::from(i) / 6000.0);
+        places.map(distance).fold(f64::INFINITY, f64::min) - PROFILE.pin_radius
+    }
+
+    /// Where pins press, the filled flank leaves them the gap that the flank leaves, up to the sag.
+    #[test]
+    fn filling_hollows_keeps_the_gap() {
+        let mut filled_at = 0;
+        for relief in hollowed() {
+            let seen = relief.without_hollows(&PROFILE, PROFILE.pin_radius).unwrap();
+            for i in 0..360 {
+                let tau = 0.3 - (0.5 * f64::from(i) + 0.17) * DEG / 75.0;
+                for (out, along) in [(-5e-6, 0.0), (-1e-6, 4e-6), (-3e-6, -7e-6), (-2e-6, 1e-6)] {
+                    let n = PROFILE.outward_normal(tau);
+                    let p = PROFILE.trace(tau) + out * n + along * quarter_turn(n);
+                    let foot = PROFILE.foot(p, tau);
+                    let gap = PROFILE.closest_on_worn(p, &foot, &seen, PROFILE.pin_radius).gap;
+                    let sampled = gap_by_sampling(&relief, p, foot.tau);
+                    if sampled > 0.0 {
+                        continue;
+                    }
+                    // The deeper a pin presses, the sharper it is, and the further it reaches into a hollow.
+                    let tolerance = 10.0 * SAG - 3e-3 * sampled + grain(&relief);
+                    assert!((sampled - gap).abs() < tolerance, "{i} {out} {along}: {gap:e} {sampled:e}");
+                    let phi = PROFILE.meshing_angle(foot.tau);
+                    filled_at += usize::from(seen.at(phi) != relief.at(phi));
+                }
+            }
+        }
+        assert!(filled_at > 20, "{filled_at}");
+    }
+
+    /// A pin that passes over hollows: gap and direction follow without a jump. They do not on the flank as it is.
+    #[test]
+    fn trap_a_pin_jumps_between_the_sides_of_a_hollow() {
+        let mut jumps = [0, 0];
+        let root = 4.0 * std::f64::consts::TAU / 75.0;
+        for (relief, phi) in hollowed().into_iter().zip([0.3, 0.6]) {
+            let tau = root - phi / 75.0;
+            let seen = relief.without_hollows(&PROFILE, PROFILE.pin_radius).unwrap();
+            for (flank, jumps) in [&seen, &relief].into_iter().zip(&mut jumps) {
+                let n = PROFILE.outward_normal(tau);
+                let pressed = PROFILE.trace(tau) - (flank.at(phi).depth + 1e-6) * n;
+                let mut before: Option<Vec2> = None;
+                for i in -40_000..40_000 {
+                    let p = pressed + 1e-9 * f64::from(i) * quarter_turn(n);
+                    let foot = PROFILE.foot(p, tau);
+                    let closest = PROFILE.closest_on_worn(p, &foot, flank, PROFILE.pin_radius);
+                    if let Some(before) = before {
+                        *jumps += usize::from((closest.normal - before).norm() > 2e-3);
+                    }
+                    before = Some(closest.normal);
+                }
+            }
+        }
+        assert!(jumps[0] == 0 && jumps[1] > 0, "{jumps:?}");
+    }
+
+    #[test]
+    fn flanks_without_hollows_are_left_alone() {
+        for relief in [
+            Relief::uniform(3e-6),
+            Relief::from_samples(Relief::grid(720).map(|phi| 2.0 * UM * (2.0 * phi).cos()).collect()),
+        ] {
+            assert_eq!(relief.without_hollows(&PROFILE, PROFILE.pin_radius), None);
+        }
+    }
+}
