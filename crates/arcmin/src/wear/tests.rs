@@ -1,6 +1,6 @@
 use super::coupled::{CoupledOptions, CoupledWear};
 use crate::dynamics::{BearingMeshing, JointSettings};
-use crate::geometry::{Relief, unit};
+use crate::geometry::Relief;
 use crate::machine::Machine;
 use crate::units::{DEG, HOUR, UM};
 
