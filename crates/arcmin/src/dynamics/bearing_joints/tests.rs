@@ -88,6 +88,56 @@ fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
     }
 }
 
+/// What friction of bearings and gears adds to the tangent, against what it adds to the forces.
+#[test]
+fn friction_follows_the_loads_in_the_tangent() {
+    let mut machine = machine();
+    (machine.friction.flank, machine.friction.pin_seat) = (0.0, 0.0);
+    machine.friction.bearing = 0.01;
+    machine.friction.gear_mesh = 0.05;
+    let model = |share: f64| {
+        let settings = JointSettings { damped: false, ..JointSettings::default() };
+        let mut model = BearingJoints::held(&machine, &settings).unwrap();
+        model.hold_sun(2.0, 0.0);
+        model.set_load(412.0);
+        model.with_friction(share)
+    };
+    let (rough, smooth) = (model(1.0), model(0.0));
+    let q = settle(&smooth, 2.0);
+    let ahead = smooth.nominal_position_at(2.01);
+    let v: Vec<f64> =
+        ahead.iter().zip(smooth.nominal_position_at(2.0)).map(|(b, a)| (b - a) / 1e-4).collect();
+    let n = q.len();
+    let forces = |model: &BearingJoints, q: &[f64]| {
+        let (mut force, mut linearisation) = (vec![0.0; n], model.linearisation());
+        model.evaluate(0.0, q, &v, &mut force, &mut linearisation);
+        (force, linearisation)
+    };
+    let of_friction = |q: &[f64]| -> Vec<f64> {
+        forces(&rough, q).0.iter().zip(forces(&smooth, q).0).map(|(r, s)| r - s).collect()
+    };
+    let (rough_tangent, smooth_tangent) = (forces(&rough, &q).1, forces(&smooth, &q).1);
+    let scale = rough.scale();
+    let (mut largest, mut worst) = (0.0_f64, 0.0_f64);
+    for j in 0..n {
+        let h = 1e-4 * scale[j];
+        let moved = |sign: f64| {
+            let mut place = q.clone();
+            place[j] += sign * h;
+            of_friction(&place)
+        };
+        let (up, down) = (moved(1.0), moved(-1.0));
+        for i in 0..n {
+            let unit = scale[i] * scale[j];
+            let slope = -(up[i] - down[i]) / (2.0 * h) * unit;
+            let added = (rough_tangent.stiffness(i, j) - smooth_tangent.stiffness(i, j)) * unit;
+            largest = largest.max(slope.abs());
+            worst = worst.max((slope - added).abs());
+        }
+    }
+    assert!(largest > 0.0 && worst < 1e-3 * largest, "{worst:e} of {largest:e}");
+}
+
 /// Bearings, shafts and supports a million times stiffer, no clearance: the ideal joints' transmission error.
 #[test]
 fn val_stiff_bearings_are_ideal_joints() {
