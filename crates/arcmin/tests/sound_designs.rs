@@ -153,6 +153,13 @@ fn hard_designs_run_on_the_test_bench() {
     }
 }
 
+/// Flanks turned back leave hollows beside the root, in which a pin rests on two places: the whole bench with friction,
+/// near no load as well.
+#[test]
+fn pins_in_hollows_leave_every_balance_on_the_bench() {
+    assert_eq!(run(&design("one_disc_flanks_turned_back"), Analysis::Rig), Outcome::Result);
+}
+
 /// Load sharing with friction is the balance in which the bench reads the efficiency: input torques of the one
 /// give the efficiency of the other.
 #[test]
