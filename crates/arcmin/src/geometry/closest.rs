@@ -108,28 +108,31 @@ impl Profile {
     /// `meshing` is e(φ).
     #[inline]
     pub(crate) fn designed_curvature(&self, meshing: Vec2, pin_radius: f64) -> (f64, f64) {
-        let (z, k1) = (self.pin_count as f64, self.short_width_coefficient());
         let factor = self.speed_factor(meshing.x);
         let trace = self.trace_curvature(meshing.x);
         let stretch = 1.0 + self.pin_radius * trace;
-        let lobes = self.lobe_count() as f64;
-        let turning = (1.0 + z) / (self.pin_circle_radius * factor) + 3.0 * trace;
-        let trace_rate = lobes * k1 * meshing.y * turning / (factor * factor);
+        let trace_rate = self.trace_curvature_rate(meshing.y, factor, trace);
         (1.0 / pin_radius - trace / stretch, -trace_rate / (stretch * stretch))
+    }
+
+    /// Derivative by τ of the trace's curvature in 1/(m rad), where that and the speed factor are those given.
+    #[inline]
+    fn trace_curvature_rate(&self, sin_meshing: f64, factor: f64, curvature: f64) -> f64 {
+        let (z, lobes) = (self.pin_count as f64, self.lobe_count() as f64);
+        let turning = (1.0 + z) / (self.pin_circle_radius * factor) + 3.0 * curvature;
+        lobes * self.short_width_coefficient() * sin_meshing * turning / (factor * factor)
     }
 
     /// Slope and bend of the distance at the foot on the unworn flank, in closed form: the pin stands on the
     /// normal there.
     #[inline]
     fn station_at_foot(&self, foot: &Foot, relief: &Relief) -> Station {
-        let (z, lobes, k1) =
-            (self.pin_count as f64, self.lobe_count() as f64, self.short_width_coefficient());
+        let (lobes, k1) = (self.lobe_count() as f64, self.short_width_coefficient());
         let factor = self.speed_factor(foot.cos_meshing);
         let speed = self.pin_circle_radius * factor;
         let speed_rate = -self.pin_circle_radius * lobes * k1 * foot.sin_meshing / factor;
         let curvature = foot.trace_curvature;
-        let curvature_rate =
-            lobes * k1 * foot.sin_meshing * ((1.0 + z) / speed + 3.0 * curvature) / (factor * factor);
+        let curvature_rate = self.trace_curvature_rate(foot.sin_meshing, factor, curvature);
         let turning = curvature * speed;
         let worn = relief.at(self.meshing_angle(foot.tau));
         let depth = self.pin_radius + worn.depth;

@@ -135,27 +135,25 @@ fn least_curvature(m: &Machine, relief: &Relief) -> f64 {
             let touching = profile.trace(tau) - relief.at(phi).depth * profile.outward_normal(tau);
             let foot = profile.foot(touching, tau);
             let closest = profile.closest_on_worn(touching, &foot, relief, radius);
-            (1.0 / radius - closest.flank_curvature) / profile.relative_curvature(phi.cos(), radius)
+            let worn = 1.0 / radius - closest.flank_curvature;
+            worn / profile.relative_curvature(closest.meshing_angle.cos(), radius)
         })
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Where the flank bends more than the pin, a pin rests on two places. Wear leaves no such place: not where the
-/// contacts of different places of the crankshafts follow each other along the flank, nor by waves that feed on
-/// themselves over three service lives. The flank comes closer to the shape of the pin as it wears, at the edge of the
-/// zone that does; waves would depend on where the crankshafts were looked at.
+/// Where the flank bends more than the pin, a pin has two closest points and its force jumps from one to the
+/// other. Wear leaves no such place: not where the contacts of different places of the crankshafts follow
+/// each other along the flank, nor by waves that feed on themselves over three service lives. (0.1 is the
+/// bound at which the geometry cuts a hollow off.)
 #[test]
 fn trap_waves_of_the_flank_are_an_artefact() {
     let m = machine();
     let options = CoupledOptions::default();
     let exposure = m.coupled_exposure(options).unwrap();
-    let finer = CoupledOptions { crank_positions: 39, ..options };
-    let deep = [options, finer].map(|options| {
-        let mut deep = CoupledWear::new(&m, options);
-        deep.advance_to(exposure.at(22_500.0 * HOUR)).unwrap();
-        least_curvature(&m, deep.state().flank_seen_by_contact())
-    });
-    assert!(deep[0] > 0.7 && (deep[1] - deep[0]).abs() < 2e-3, "{deep:?}");
+    let mut deep = CoupledWear::new(&m, options);
+    deep.advance_to(exposure.at(22_500.0 * HOUR)).unwrap();
+    let least = least_curvature(&m, deep.state().flank_seen_by_contact());
+    assert!(least > 0.8, "{least}");
 
     let worn = |options: CoupledOptions| {
         let mut wear =
@@ -163,7 +161,7 @@ fn trap_waves_of_the_flank_are_an_artefact() {
         wear.advance_to(exposure.at(2500.0 * HOUR)).unwrap();
         wear.state().clone()
     };
-    let (few, many) = (worn(options), worn(finer));
+    let (few, many) = (worn(options), worn(CoupledOptions { crank_positions: 39, ..options }));
     let least = least_curvature(&m, few.flank_seen_by_contact());
     assert!(least > 0.7, "{least}");
     // 15 positions find the flank of 39 within a hundredth of its depth.
