@@ -160,6 +160,13 @@ fn pins_in_hollows_leave_every_balance_on_the_bench() {
     assert_eq!(run(&design("one_disc_flanks_turned_back"), Analysis::Rig), Outcome::Result);
 }
 
+/// A drawn machine in which hardly anything holds the discs against turning: small terms that the tangents of balances
+/// leave out (the slope of flank errors) decide whether the output is held.
+#[test]
+fn discs_that_hardly_anything_holds_have_a_stiffness() {
+    assert_eq!(run(&design("three_discs_hardly_held"), Analysis::Drawn), Outcome::Result);
+}
+
 /// Load sharing with friction is the balance in which the bench reads the efficiency: input torques of the one
 /// give the efficiency of the other.
 #[test]

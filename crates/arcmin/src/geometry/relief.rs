@@ -63,6 +63,20 @@ impl Relief {
         self.values.iter().zip(&self.bends).map(|(value, bend)| value - weight * bend).collect()
     }
 
+    /// The spline with these control points (m) at φ_i = −π + 2π i/n: near the points, not through them, so that it does
+    /// not ring beside an edge, and convex where they are.
+    pub(crate) fn from_control_points(points: &[f64]) -> Relief {
+        let n = points.len();
+        let step = TAU / n as f64;
+        let at = |i: usize| {
+            let [left, here, right] = [points[(i + n - 1) % n], points[i], points[(i + 1) % n]];
+            let second = left - 2.0 * here + right;
+            (here + second / 6.0, second / (step * step))
+        };
+        let (values, bends) = (0..n).map(at).unzip();
+        Relief::with_bends(values, bends)
+    }
+
     /// The spline with other control points, left as it is where these are the same.
     pub(super) fn with_control_points(&self, before: &[f64], after: &[f64]) -> Relief {
         let n = after.len();
@@ -207,6 +221,26 @@ mod tests {
             let (a, m, b) = (relief.at(phi - h), relief.at(phi), relief.at(phi + h));
             assert!(((b.depth - a.depth) / (2.0 * h) - m.slope).abs() < 1e-12);
             assert!(((b.slope - a.slope) / (2.0 * h) - m.bend).abs() < 1e-9);
+        }
+    }
+
+    /// Beside the edge between two arcs the spline through the samples rings; the one near them is bent as the arcs
+    /// are from one cell on, and off them by no more than the edge within its cell.
+    #[test]
+    fn trap_a_spline_through_an_edge_rings() {
+        let arcs = |phi: f64| 1e-5 * (phi.abs() - 1.5).powi(2);
+        let samples: Vec<f64> = Relief::grid(360).map(arcs).collect();
+        let least_bend = |relief: &Relief| {
+            let beside = (4..60).map(|i| 0.25 * TAU / 360.0 * f64::from(i));
+            beside.map(|phi| relief.at(phi).bend).fold(f64::INFINITY, f64::min)
+        };
+        assert!(least_bend(&Relief::from_samples(samples.clone())) < -1e-5);
+        let near = Relief::from_control_points(&samples);
+        assert!((least_bend(&near) / 2e-5 - 1.0).abs() < 1e-6, "{}", least_bend(&near));
+        for i in 0..3600 {
+            let phi = -3.1 + 6.2 * f64::from(i) / 3600.0;
+            let off = (near.at(phi).depth - arcs(phi)).abs();
+            assert!(off < 1.1e-5 * TAU / 360.0, "{phi}: {off:e}");
         }
     }
 

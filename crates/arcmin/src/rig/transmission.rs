@@ -94,7 +94,8 @@ fn error_curve_until(
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
     let speed = direction * ratio.signum() * machine.rated.input_speed.abs();
-    // One turn of the crankshafts before, the same pins carried: a better start than the place before.
+    // One turn of the crankshafts before, the same pins carried: the start is the balance of then, and as far from it
+    // as the place before this one is from the place before that one.
     let per_turn = (positions as f64 / model.kinematics().lobe_count).round().max(1.0) as usize;
     let mut deviations: Vec<Vec<f64>> = Vec::with_capacity(positions + 2);
     let mut points = Vec::with_capacity(positions + 1);
@@ -115,9 +116,14 @@ fn error_curve_until(
             deviations.push(deviation(&q));
         }
         model.set_load(direction * torque);
-        let back = if deviations.len() > per_turn { per_turn } else { 1 };
-        let near = &deviations[deviations.len() - back];
-        let start: Vec<f64> = nominal.iter().zip(near).map(|(n, d)| n + d).collect();
+        let last = deviations.len() - 1;
+        let start: Vec<f64> = if last < per_turn {
+            nominal.iter().zip(&deviations[last]).map(|(n, d)| n + d).collect()
+        } else {
+            let (now, then) = (&deviations[last], &deviations[last - per_turn]);
+            let next = &deviations[last + 1 - per_turn];
+            (0..nominal.len()).map(|j| nominal[j] + next[j] + (now[j] - then[j])).collect()
+        };
         let q = run(&model, &start, velocity)?;
         points.push((output, model.output_error(&q)));
         deviations.push(deviation(&q));

@@ -88,7 +88,8 @@ impl ContactAverage {
         if depth.is_zero() {
             return depth.clone();
         }
-        Relief::from_samples(self.reached(&self.averaged(depth)))
+        // Where the contact goes over from one shoulder to another, what it sees has an edge.
+        Relief::from_control_points(&self.reached(&self.averaged(depth)))
     }
 
     /// Depth of a pin averaged over the width of the contact, at its grid points.

@@ -2,7 +2,7 @@
 
 use super::BearingJoints;
 use crate::contact::Sliding;
-use crate::dynamics::{Linearisation, System, Weights};
+use crate::dynamics::{DenseLinearisation, Linearisation, System, Weights};
 
 /// Squares of 10 and 100 rad/s: inertia of a body at such a pace is some 1e-6 and 1e-4 of any contact's stiffness.
 const SLOW: [f64; 2] = [1e2, 1e4];
@@ -12,19 +12,59 @@ impl BearingJoints {
     /// contact holds, in the middle of its clearance, takes no force, but its place is not defined by
     /// stiffness; its inertia then keeps it where it is. `None` where not even the output is held.
     pub(crate) fn motion_per_torque(&self, position: &[f64]) -> Option<Vec<f64>> {
-        let n = position.len();
-        let rest = vec![0.0; n];
-        let mut force = vec![0.0; n];
         let mut linearisation = self.linearisation();
-        self.evaluate(0.0, position, &rest, &mut force, &mut linearisation);
+        self.forces_at_rest(position, &mut linearisation);
+        // The tangent that balances are found with leaves out small terms (slopes of flank errors, say). Where hardly
+        // anything holds a body, these decide.
+        self.motion_by(&mut linearisation)
+            .or_else(|| self.motion_by(&mut self.tangent_by_differences(position, linearisation)))
+    }
+
+    pub(super) fn motion_by(&self, linearisation: &mut DenseLinearisation) -> Option<Vec<f64>> {
         let output = self.output_index();
         [0.0, SLOW[0], SLOW[1]].into_iter().find_map(|mass| {
-            let mut motion = vec![0.0; n];
+            let mut motion = vec![0.0; self.size()];
             motion[output] = 1.0;
             let weights = Weights { mass, damping: 0.0, stiffness: 1.0 };
             linearisation.solve(self.mass(), weights, &mut motion).ok()?;
             (motion[output] > 0.0 && motion[output] < LOOSE).then_some(motion)
         })
+    }
+
+    pub(super) fn forces_at_rest(
+        &self,
+        position: &[f64],
+        linearisation: &mut DenseLinearisation,
+    ) -> Vec<f64> {
+        let mut force = vec![0.0; position.len()];
+        self.evaluate(0.0, position, &vec![0.0; position.len()], &mut force, linearisation);
+        force
+    }
+
+    /// −∂Q/∂q by central differences, and as it is `known` where a coordinate acts on no force (it is held).
+    pub(super) fn tangent_by_differences(
+        &self,
+        position: &[f64],
+        mut known: DenseLinearisation,
+    ) -> DenseLinearisation {
+        let mut scratch = self.linearisation();
+        let mut place = position.to_vec();
+        for (column, scale) in self.scale().iter().enumerate() {
+            let step = DIFFERENCE * scale;
+            let [ahead, behind] = [step, -step].map(|way| {
+                place[column] = position[column] + way;
+                self.forces_at_rest(&place, &mut scratch)
+            });
+            place[column] = position[column];
+            if ahead == behind {
+                continue;
+            }
+            for (row, (ahead, behind)) in ahead.iter().zip(&behind).enumerate() {
+                let slope = (behind - ahead) / (2.0 * step);
+                known.add_stiffness(row, column, slope - known.stiffness(row, column));
+            }
+        }
+        known
     }
 
     /// The same machine with all friction and drag multiplied by `share`.
@@ -52,5 +92,7 @@ impl BearingJoints {
     }
 }
 
+/// Step of differences in units of scale: far from rounding, and nearer than contacts change.
+const DIFFERENCE: f64 = 1e-5;
 /// Turn in rad/(N·m) of an output that nothing holds.
 const LOOSE: f64 = 1.0;

@@ -202,6 +202,28 @@ fn split_adds_up_to_the_tangent_compliance() {
 /// still and the ring turns about its own centre, where forces through the pitch point have the lever arm a
 /// z_p sin φ/S instead of a z_c sin φ/S: the play is φ z_c/z_p.
 #[test]
+fn tangent_by_differences_is_that_of_balances() {
+    let model = {
+        let settings = JointSettings { damped: false, ..JointSettings::default() };
+        let mut model = BearingJoints::held(&machine(), &settings).unwrap().with_friction(0.0);
+        model.hold_sun(2.0, 0.0);
+        model.set_load(412.0);
+        model
+    };
+    let q = settle(&model, 2.0);
+    let mut known = model.linearisation();
+    model.forces_at_rest(&q, &mut known);
+    let mut by_differences = model.tangent_by_differences(&q, known.clone());
+    let exact = model.motion_by(&mut by_differences).unwrap();
+    let usual = model.motion_per_torque(&q).unwrap();
+    let largest = usual.iter().zip(model.scale()).map(|(x, s)| (x / s).abs()).fold(0.0, f64::max);
+    for ((a, b), scale) in exact.iter().zip(&usual).zip(model.scale()) {
+        assert!(((a - b) / scale).abs() < 2e-3 * largest, "{a:e} {b:e}");
+    }
+    assert!(exact != usual);
+}
+
+#[test]
 fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
     let play = |fixed_member: FixedMember| {
         let mut machine = Machine { fixed_member, ..machine() };
