@@ -47,7 +47,7 @@ pub fn joint(design: &Design, options: &JointOptions, host: &dyn Host) -> Result
     let plan = RigPlan {
         loop_positions: options.positions,
         error_positions: options.error_positions,
-        backward: true,
+        every_curve: true,
         running: true,
     };
     let bench = |error| AnalysisError::compute("run the test bench")(error);

@@ -60,9 +60,10 @@ impl PinContacts {
         // z_p β_i is a whole number of turns, so all pins share e(z τ) at the start of their search.
         let ez = unit(-(self.profile.pin_count as f64) * pose.angle);
         let pitch = std::f64::consts::TAU / self.pins.len() as f64;
-        // Gaps from which on a pin is passed over at its foot. Of a machine at rest no contact is about to close,
-        // so that wider ones do not matter.
-        let skim = !all && self.facets.is_none() && velocity == DiscVelocity::REST;
+        // Gaps from which on a pin is passed over at its foot. Wider ones matter where a contact is about to close:
+        // in no machine at rest, nor in the quasi-static ones, which are not damped.
+        let still = velocity == DiscVelocity::REST || self.contact.damping.is_none();
+        let skim = !all && self.facets.is_none() && still;
         let open = skim.then_some(self.reach + moved.lift);
         let mut next = Batch::default();
         for (index, pin) in self.pins.iter().enumerate() {

@@ -20,8 +20,8 @@ pub struct RigState {
     pub loops: Vec<Vec<LoopPoint>>,
     pub figures: Vec<LoopFigures>,
     pub split: StiffnessSplit,
-    /// Forward and backward held lightly, forward and backward at rated torque; without the backward ones if
-    /// not asked for.
+    /// Forward and backward held lightly, forward and backward at rated torque; the third alone if no more is
+    /// asked for.
     pub curves: Vec<ErrorCurve>,
     /// At rated torque, forward.
     pub spectrum: Vec<SpectrumLine>,
@@ -85,8 +85,8 @@ pub struct RigPlan {
     pub loop_positions: usize,
     /// Positions over the output turn of the transmission error.
     pub error_positions: usize,
-    /// Whether the transmission error is measured backward as well.
-    pub backward: bool,
+    /// Whether the transmission error is measured backward and held lightly as well.
+    pub every_curve: bool,
     /// Whether the running machine is tested: efficiency, torques, heat, bearings.
     pub running: bool,
 }
@@ -138,7 +138,7 @@ impl RigState {
         }
         let test =
             TransmissionSettings { positions: plan.error_positions, ..TransmissionSettings::new(machine) };
-        let Some(curves) = watched_error_curves(machine, settings, test, plan.backward, progress)? else {
+        let Some(curves) = watched_error_curves(machine, settings, test, plan.every_curve, progress)? else {
             return Ok(None);
         };
         let spectrum =

@@ -145,19 +145,19 @@ pub fn transmission_error_curves(
     curves.ok_or(RigError::BadCurve("it was stopped"))
 }
 
-/// [`transmission_error_curves`], backward ones if asked for; `None` when `progress` was cancelled.
+/// [`transmission_error_curves`], or forward at rated torque alone; `None` when `progress` was cancelled.
 pub(super) fn watched_error_curves(
     machine: &Machine,
     settings: &JointSettings,
     test: TransmissionSettings,
-    backward: bool,
+    every_curve: bool,
     progress: &dyn Progress,
 ) -> Result<Option<Vec<ErrorCurve>>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
     let mut cases =
         vec![(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
-    cases.retain(|(direction, _)| backward || *direction > 0.0);
+    cases.retain(|case| every_curve || *case == (1.0, rated));
     let done = AtomicUsize::new(0);
     let whole = (cases.len() * (test.positions + 1)) as f64;
     cases

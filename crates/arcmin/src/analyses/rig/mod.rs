@@ -56,8 +56,8 @@ options! {
     }
 }
 
-/// Results and tables that rest on transmission errors backward.
-const BACKWARD: &[&str] = &["transmission_error", "te"];
+/// Results and tables that show every transmission error; the others rest on the one forward at rated torque.
+const EVERY_CURVE: &[&str] = &["transmission_error", "te"];
 /// Results and tables that rest on the running machine; "new" holds its efficiency.
 const RUNNING: &[&str] = &[
     "efficiency",
@@ -114,7 +114,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     let plan = RigPlan {
         loop_positions: options.positions,
         error_positions: options.te_positions,
-        backward: wanted(BACKWARD),
+        every_curve: wanted(EVERY_CURVE),
         running: wanted(RUNNING),
     };
     let test = |state: &WornState| -> Result<(RigState, Option<PartsPoint>), AnalysisError> {
