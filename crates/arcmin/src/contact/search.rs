@@ -3,7 +3,7 @@
 use super::ContactForce;
 use super::ring::{DiscPose, DiscVelocity, FLOOR_SECTORS, PinContact, PinContacts};
 use super::worn_pin::turn_on_pin;
-use crate::geometry::{Closest, Foot, LANES, Vec2, cross, quarter_turn, turned, unit};
+use crate::geometry::{Closest, Foot, LANES, Outlook, Vec2, cross, quarter_turn, turned, unit};
 
 /// Pins whose foot points are sought side by side.
 #[derive(Default)]
@@ -29,6 +29,14 @@ impl Batch {
         self.direction[lane] = direction;
         self.count += 1;
     }
+}
+
+/// What is known of a contact at the foot of its pin on the unworn flank.
+struct FromFoot<'a> {
+    foot: &'a Foot,
+    outlook: Outlook,
+    /// What the flank's error takes off there, in m.
+    error: f64,
 }
 
 /// How elastic bodies move pins and flank before contacts are sought.
@@ -120,17 +128,20 @@ impl PinContacts {
             ez,
             batch.count,
             |lane, foot| {
-                if open.is_some_and(|open| self.gap_floor(batch.pin[lane], foot) > open) {
+                let pin = batch.pin[lane];
+                // Errors of the flank hardly change from the foot to the closest point.
+                let error = self
+                    .error_reader
+                    .as_ref()
+                    .map_or(0.0, |error| error.depth(foot.tau, foot.direction(), foot.normal));
+                let outlook = self.profile.outlook(foot, &self.seen, self.pins[pin].radius);
+                // A worn pin has only lost metal.
+                if open.is_some_and(|open| outlook.floor + error > open) {
                     return;
                 }
-                visit(&self.contact_of(
-                    batch.pin[lane],
-                    batch.arm[lane],
-                    batch.place[lane],
-                    foot,
-                    rotation,
-                    velocity,
-                ));
+                let seen = FromFoot { foot, outlook, error };
+                let (arm, place) = (batch.arm[lane], batch.place[lane]);
+                visit(&self.contact_of(pin, arm, place, seen, rotation, velocity));
             },
         );
         batch.count = 0;
@@ -151,25 +162,13 @@ impl PinContacts {
             && height + extra > 2.0 * curvature * along * along + self.reach
     }
 
-    /// A bound of the gap from below in m, from what is known at the foot. Errors of the flank hardly change from
-    /// there to the closest point, and the pin can only have lost metal.
-    #[inline]
-    fn gap_floor(&self, pin: usize, foot: &Foot) -> f64 {
-        let radius = self.pins[pin].radius;
-        let error = self
-            .error_reader
-            .as_ref()
-            .map_or(0.0, |error| error.depth(foot.tau, foot.direction(), foot.normal));
-        self.profile.gap_floor_on_worn(foot, &self.seen, radius) + error
-    }
-
     #[inline]
     fn contact_of(
         &self,
         pin: usize,
         arm: Vec2,
         p: Vec2,
-        foot: &Foot,
+        FromFoot { foot, outlook, error }: FromFoot<'_>,
         rotation: Vec2,
         velocity: DiscVelocity,
     ) -> PinContact {
@@ -197,16 +196,13 @@ impl PinContacts {
                 relative_curvature: 1.0 / radius - curvature,
             }
         } else {
-            self.profile.closest_on_worn(p, foot, &self.seen, radius)
+            self.profile.closest_ahead(p, foot, outlook, &self.seen, radius)
         };
         let Closest {
             meshing_angle, mut gap, normal: flank_normal, flank_curvature, relative_curvature, ..
         } = closest;
-        let mut read = 0.0;
+        let mut read = error;
         let direction = foot.direction();
-        if let Some(error) = &self.error_reader {
-            read += error.depth(foot.tau, direction, foot.normal);
-        }
         let normal = turned(flank_normal, rotation);
         let t = quarter_turn(normal);
         let mut gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];

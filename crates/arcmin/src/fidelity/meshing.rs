@@ -1,6 +1,6 @@
 //! One type that shares load for every fidelity.
 
-use crate::contact::{PinContact, PinContacts};
+use crate::contact::{PassingPin, PinContacts};
 use crate::dynamics::BearingMeshing;
 use crate::geometry::Relief;
 use crate::load::{Cycle, FlexibleMeshing, FreeTravel, LoadError, LoadSharing, Meshing, ShareLoad};
@@ -112,17 +112,26 @@ impl ShareLoad for MachineMeshing {
         Ok((sharing, MeshingStart::Error(found)))
     }
 
-    fn pin_contacts(
+    fn passing_pins(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&MeshingStart>,
-    ) -> Result<(Vec<Vec<PinContact>>, MeshingStart), LoadError> {
-        let MachineMeshing::Bearings(meshing) = self else {
-            return self.share(crank, torque, start).map(|(sharing, found)| (sharing.discs, found));
+    ) -> Result<(Vec<Vec<PassingPin>>, MeshingStart), LoadError> {
+        let error = match start {
+            Some(MeshingStart::Error(error)) => Some(error),
+            _ => None,
         };
-        let (discs, found) = meshing.pin_contacts(crank, torque, start.and_then(MeshingStart::deviation))?;
-        Ok((discs, MeshingStart::Deviation(found)))
+        let (discs, found) = match self {
+            MachineMeshing::Ideal(meshing) => meshing.passing_pins(crank, torque, error)?,
+            MachineMeshing::Elastic(meshing) => meshing.passing_pins(crank, torque, error)?,
+            MachineMeshing::Bearings(meshing) => {
+                let deviation = start.and_then(MeshingStart::deviation);
+                let (discs, found) = meshing.passing_pins(crank, torque, deviation)?;
+                return Ok((discs, MeshingStart::Deviation(found)));
+            }
+        };
+        Ok((discs, MeshingStart::Error(found)))
     }
 
     fn twin(&self) -> Self {

@@ -15,6 +15,7 @@ pub use bodies::ElasticFrame;
 pub use elastic::Elastic;
 pub use meshing::{MachineMeshing, MeshingStart};
 pub use model::Facets;
+pub(crate) use options::LARGEST_SEED;
 pub use options::{Bores, DiscBodies, Element, ErrorSource, FidelityOptions, FrameBodies, Joints};
 
 use crate::analyses::{AnalysisError, Host, Origin};

@@ -1,6 +1,9 @@
 use crate::design::{Choice, Stated, default, default_word, optional, options};
 use crate::dynamics::FlexibleOptions;
 
+/// The largest number to which all whole ones are told apart, 2⁵³ − 1: seeds go through files as decimal numbers.
+pub(crate) const LARGEST_SEED: f64 = 9_007_199_254_740_991.0;
+
 options! {
     /// How finely the machine is modelled.
     pub struct FidelityOptions {
@@ -13,10 +16,10 @@ options! {
         /// Manufacturing errors; they act in bearings. Left out: those of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
         /// Seed of the machine that errors = drawn draws. Left out: 1.
-        seed: Option<usize> => optional(0.0, 9e15),
+        seed: Option<usize> => optional(0.0, LARGEST_SEED),
         /// Seed of the batch that the drawn machine comes from; machines of one batch have part of their errors
         /// in common.
-        batch_seed: Option<usize> => optional(0.0, 9e15),
+        batch_seed: Option<usize> => optional(0.0, LARGEST_SEED),
         /// Share of the variance of every tolerance that machines of one batch have in common.
         batch_share: f64 => default(0.5, 0.0, 1.0),
         /// Finite elements of elastic discs.

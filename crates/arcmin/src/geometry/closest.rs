@@ -20,6 +20,15 @@ pub struct Closest {
     pub relative_curvature: f64,
 }
 
+/// What the foot on the unworn flank tells of the closest point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Outlook {
+    /// A bound of the gap from below in m.
+    pub floor: f64,
+    /// The first step towards it in rad of τ.
+    step: f64,
+}
+
 /// A step (rad of φ) after which the place is taken: convergence is quadratic, so that the error left is some
 /// 1e-8, which the distance feels in its square and the normal in its last digits.
 const LAST_STEP: f64 = 2e-4;
@@ -41,9 +50,21 @@ impl Profile {
     /// needs nothing but the foot and the depth there, and whose last is carried out by the Taylor series of
     /// the trace; where it does not settle, the place is enclosed between two whose slopes differ in sign.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
+        self.closest_ahead(p, foot, self.outlook(foot, relief, pin_radius), relief, pin_radius)
+    }
+
+    /// [`Profile::closest_on_worn`], where the foot was looked at before.
+    pub(crate) fn closest_ahead(
+        &self,
+        p: Vec2,
+        foot: &Foot,
+        outlook: Outlook,
+        relief: &Relief,
+        pin_radius: f64,
+    ) -> Closest {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
-        let newton = |station: &Station| station.step(pin_radius).clamp(-0.1 / lobes, 0.1 / lobes);
-        let mut place = foot.place.moved(newton(&self.station_at_foot(foot, relief)), z);
+        let bounded = |step: f64| step.clamp(-0.1 / lobes, 0.1 / lobes);
+        let mut place = foot.place.moved(bounded(outlook.step), z);
         let (mut before, mut after) = (f64::NAN, f64::NAN);
         for _ in 0..QUICK_STEPS {
             let here = self.worn_at(place, relief);
@@ -53,7 +74,7 @@ impl Profile {
                 return self.closest_at(p, place.moved(step, z), &here.trace.moved(step), relief, pin_radius);
             }
             *(if station.slope > 0.0 { &mut before } else { &mut after }) = place.tau;
-            place = place.moved(newton(&station), z);
+            place = place.moved(bounded(station.step(pin_radius)), z);
         }
         let reach = SEARCHED / lobes;
         let ends = if before < after { [before, after] } else { [foot.tau - reach, foot.tau + reach] };
@@ -91,17 +112,19 @@ impl Profile {
         self.closest_at(p, place, &self.trace_course(place), relief, pin_radius)
     }
 
-    /// A bound of the gap to the worn flank from below in m: what it is at the foot on the unworn flank, less
-    /// four times what the first step of [`Profile::closest_on_worn`] takes off, s²/(2κ) for the slope s and the
-    /// relative curvature κ.
+    /// The first step of [`Profile::closest_on_worn`], and a bound of the gap to the worn flank: what it is at the foot
+    /// on the unworn flank, less four times what that step takes off, s²/(2κ) for the slope s and the relative
+    /// curvature κ.
     #[inline]
-    pub(crate) fn gap_floor_on_worn(&self, foot: &Foot, relief: &Relief, pin_radius: f64) -> f64 {
+    pub(crate) fn outlook(&self, foot: &Foot, relief: &Relief, pin_radius: f64) -> Outlook {
         if relief.is_uniform() {
-            return foot.distance + (self.pin_radius - pin_radius) + relief.samples()[0];
+            let gap = foot.distance + (self.pin_radius - pin_radius) + relief.samples()[0];
+            return Outlook { floor: gap, step: 0.0 };
         }
         let station = self.station_at_foot(foot, relief);
         let gap = station.reach.dot(&foot.normal) - pin_radius;
-        gap - 2.0 * station.slope * station.length * station.step(pin_radius)
+        let step = station.step(pin_radius);
+        Outlook { floor: gap - 2.0 * station.slope * station.length * step, step }
     }
 
     /// Relative curvature in 1/m of the flank as designed against a pin, and its derivative by τ, where

@@ -14,6 +14,7 @@ mod profile;
 mod relief;
 
 pub use closest::Closest;
+pub(crate) use closest::Outlook;
 pub(crate) use feet::LANES;
 pub(crate) use flank_error::FlankErrorReader;
 pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};

@@ -5,7 +5,7 @@ mod balance;
 pub(super) use self::balance::Known;
 use super::preload::Freed;
 use super::{BearingJoints, Cause, JointSettings};
-use crate::contact::{PinContact, PinContacts};
+use crate::contact::{PassingPin, PinContacts};
 use crate::dynamics::DynamicsError;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
@@ -31,6 +31,8 @@ pub struct BearingMeshing {
     loose: [Option<Vec<f64>>; 2],
     /// Speed of the sun in rad/s that friction sees; `None` with friction aside.
     running: Option<f64>,
+    /// How exact a balance is, as a share of each coordinate's scale.
+    tolerance: f64,
     /// Deviations of balances.
     known: Known<Vec<f64>>,
     /// Reliefs that freed a preloaded machine.
@@ -100,6 +102,7 @@ impl BearingMeshing {
             has_errors,
             loose: [None, None],
             running,
+            tolerance: balance::TOLERANCE,
             known: Known::nothing(),
             freed: Known::nothing(),
         })
@@ -316,15 +319,18 @@ impl ShareLoad for BearingMeshing {
         Ok((sharing, self.deviation(crank, &position)))
     }
 
-    /// Nothing is kept: wear never comes back to a place.
-    fn pin_contacts(
+    /// Nothing is kept: wear never comes back to a place. Nor does it ask for more than forces to some 1e-5.
+    fn passing_pins(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&Vec<f64>>,
-    ) -> Result<(Vec<Vec<PinContact>>, Vec<f64>), LoadError> {
-        let (position, _) = self.balance_from_afar(crank, torque, start.map(Vec::as_slice))?;
-        Ok((self.model.all_pin_contacts(&position), self.deviation(crank, &position)))
+    ) -> Result<(Vec<Vec<PassingPin>>, Vec<f64>), LoadError> {
+        let usual = std::mem::replace(&mut self.tolerance, balance::WEAR_TOLERANCE);
+        let found = self.balance_from_afar(crank, torque, start.map(Vec::as_slice));
+        self.tolerance = usual;
+        let (position, _) = found?;
+        Ok((self.model.passing_pins(&position), self.deviation(crank, &position)))
     }
 
     /// Knows nothing of what was found before.

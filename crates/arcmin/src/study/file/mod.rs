@@ -16,6 +16,7 @@ use crate::design::{
 };
 
 use super::statistics::Limits;
+use crate::fidelity::LARGEST_SEED;
 
 section! {
     /// A study file. Beside the keys below, the section `[options]` holds options of the analysis, named as
@@ -54,7 +55,7 @@ section! {
         /// tightening. A grid has as many as it has.
         samples: usize => default(100.0, 1.0, 1e9),
         /// Seed of everything that is drawn.
-        seed: usize => default(1.0, 0.0, 9e15),
+        seed: usize => default(1.0, 0.0, LARGEST_SEED),
         /// Levels of every range for `grid` and `morris`; even for `morris`.
         levels: usize => default(4.0, 2.0, 1e6),
         /// Whether `saltelli` takes the rows for interactions of two.

@@ -60,6 +60,18 @@ fn the_documented_study_is_read() {
     assert_eq!(study.plan.rows(), 8);
 }
 
+/// Machines are drawn by seeds of 53 bits, and the analyses take every one of them.
+#[test]
+fn every_seed_that_is_drawn_is_taken() {
+    let study = changed("joints = \"ideal\"", "joints = \"bearings\"\npositions = 12").unwrap();
+    let mut row = study.plan.row(0);
+    for seed in [0, crate::fidelity::LARGEST_SEED as u64] {
+        row.settings.push(Setting::Seed(seed));
+        study.compute(&row, &NoHost).unwrap();
+        row.settings.pop();
+    }
+}
+
 /// Each message with the line it speaks of and its remedy.
 #[test]
 fn what_is_wrong_is_said_where_it_stands() {
