@@ -73,9 +73,6 @@ const FEW_PLACES_SHARE: f64 = 0.02;
 const FIRST_INCREMENT: f64 = 0.08 * UM;
 /// Updates by the midpoint between two of Heun's method, which alone tells its error.
 const UNCHECKED_UPDATES: usize = 5;
-/// Updates by the midpoint are for steps bound by the places they see, which the error would let be so many times as
-/// long.
-const ERROR_MARGIN: f64 = 1.0;
 /// A step that takes off less than this, in m, is not made smaller where its error is too large.
 const LEAST_INCREMENT: f64 = 0.01 * UM;
 
@@ -185,8 +182,9 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     }
 
     /// Advances to the exposure `target` (s/Pa) by Heun's method, each step as long as its difference from
-    /// Euler's lets it be; where the places that an update sees bind the step, five in six updates go by the
-    /// midpoint, which the rates of the last update lead to, and cost one look at the contacts in place of two. Where nothing wears (no torque, no speed), the surfaces stay as they are.
+    /// Euler's lets it be. Where the places that an update sees bind the step, five in six updates go by the midpoint
+    /// to which the rates of the last one lead, with one look at the contacts in place of two. Where nothing wears
+    /// (no torque, no speed), the surfaces stay as they are.
     ///
     /// # Errors
     /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost a quarter
@@ -300,7 +298,8 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         // A step cut short by the target says nothing against a longer one.
         self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
         let bound = self.largest_increment(depth) / largest;
-        if self.meshing.pitches() > 1 && step * growth > ERROR_MARGIN * bound {
+        // Not the error, but the places that an update sees.
+        if self.meshing.pitches() > 1 && step * growth > bound {
             self.recent = Some(Recent { rates: second, unchecked: UNCHECKED_UPDATES });
         }
         Ok(Some(step))
