@@ -459,3 +459,19 @@ fn the_housing_may_be_the_output() {
     assert!((split.parts.iter().map(|part| part.1).sum::<f64>() / split.whole - 1.0).abs() < 0.02);
     assert!(bearing_loads(&housing_turns, &settings, 6).unwrap().iter().all(|load| load.equivalent > 0.0));
 }
+
+/// A bench that is asked for one transmission error finds the one that it finds among all of them.
+#[test]
+fn one_curve_is_that_of_all() {
+    let machine = machine();
+    let test = |every_curve| {
+        let plan = RigPlan { loop_positions: 1, error_positions: 48, every_curve, running: false };
+        let settings = JointSettings::default();
+        RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent).unwrap().unwrap()
+    };
+    let (one, all) = (test(false), test(true));
+    assert_eq!((one.curves.len(), all.curves.len()), (1, 4));
+    assert_eq!(one.forward_at_rated(), all.forward_at_rated());
+    assert_eq!(one.forward_at_rated().unwrap().torque, machine.rated.torque.abs());
+    assert_eq!(one.spectrum, all.spectrum);
+}

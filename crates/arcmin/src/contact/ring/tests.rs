@@ -41,6 +41,35 @@ fn pins_at_positive_meshing_angle_push_the_disc_clockwise() {
     });
 }
 
+/// What wear asks of the pins against the state of every contact, on worn flanks and in poses that leave half of the
+/// pins open: pins that carry are the same. Those that do not are read on a nominal disc in this place, from which the
+/// foot is some degrees away where the trace bends most.
+#[test]
+fn passing_pins_are_those_of_the_contacts() {
+    let machine = machine();
+    let relief = Relief::from_samples(Relief::grid(720).map(worn).collect());
+    let contacts = machine.pin_contacts(&relief);
+    let kinematics = machine.kinematics();
+    for step in 0..40 {
+        let crank = 0.17 * f64::from(step);
+        let lag = (0.4 + 0.05 * f64::from(step % 5)) * ARCMIN;
+        let pose = kinematics.disc_pose(0, crank, kinematics.nominal_output_angle(crank) - lag);
+        let (all, passing) = (contacts.contacts(pose, DiscVelocity::REST), contacts.passing(pose));
+        assert!(all.iter().any(|c| c.force > 0.0) && all.iter().any(|c| c.force == 0.0), "{step}");
+        assert_eq!(all.len(), passing.len());
+        for (contact, passing) in all.iter().zip(&passing) {
+            assert_eq!((contact.pin, contact.force), (passing.pin, passing.force));
+            if contact.force > 0.0 {
+                assert_eq!(contact.relative_curvature, passing.relative_curvature);
+                assert_eq!(contact.meshing_angle, passing.meshing_angle);
+                assert_eq!(contacts.pin_angle(contact), passing.pin_angle);
+            }
+            let apart = wrap_angle(contact.meshing_angle - passing.meshing_angle).abs();
+            assert!(apart < 3.0_f64.to_radians(), "{step}: pin {} {apart}", contact.pin);
+        }
+    }
+}
+
 /// Exact for a law without curvature; the line contact leaves out how R_eq changes while the foot travels
 /// (0.3 % of the stiffness).
 #[test]
