@@ -15,7 +15,7 @@ const MOST_KNOWN: usize = 32_768;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
 /// all contacts.
 pub(super) const TOLERANCE: f64 = 1e-7;
-/// Of the balances that surfaces wear under; ten times this moved the hours of four drawn machines by 1e-6 of them.
+/// Of the balances that surfaces wear under; ten times this moved the hours of two drawn machines by 1e-6 of them.
 pub(super) const WEAR_TOLERANCE: f64 = 1e-5;
 const FORCE_TOLERANCE: f64 = 1e-6;
 /// Share of the load that a jump may leave unbalanced besides [`JUMP`].
