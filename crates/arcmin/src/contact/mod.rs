@@ -3,7 +3,6 @@
 mod conformal;
 mod facets;
 mod law;
-mod passing;
 mod ring;
 mod rolling;
 mod search;
@@ -13,7 +12,6 @@ mod worn_pin;
 pub use conformal::ConformalSeat;
 pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, ContactLawName, Damping, LineContact};
-pub use passing::PassingPin;
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, TOLERABLE_DEPTH};
 pub use rolling::Rolling;
 pub use search::Moved;

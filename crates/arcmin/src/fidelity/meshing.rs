@@ -1,6 +1,6 @@
 //! One type that shares load for every fidelity.
 
-use crate::contact::{PassingPin, PinContacts};
+use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::BearingMeshing;
 use crate::geometry::Relief;
 use crate::load::{Cycle, FlexibleMeshing, FreeTravel, LoadError, LoadSharing, Meshing, ShareLoad};
@@ -22,6 +22,13 @@ pub enum MeshingStart {
 }
 
 impl MeshingStart {
+    fn error(&self) -> Option<&OutputAngle> {
+        match self {
+            MeshingStart::Error(error) => Some(error),
+            MeshingStart::Deviation(_) => None,
+        }
+    }
+
     fn deviation(&self) -> Option<&Vec<f64>> {
         match self {
             MeshingStart::Error(_) => None,
@@ -54,6 +61,26 @@ macro_rules! each {
             MachineMeshing::Bearings($meshing) => {
                 let $meshing = $meshing.as_mut();
                 $body
+            }
+        }
+    };
+}
+
+/// What a mesh of either kind finds from a start of its own kind, with the solution as a start.
+macro_rules! started {
+    ($self:ident, $meshing:ident, $start:ident => $found:expr) => {
+        match $self {
+            MachineMeshing::Ideal($meshing) => {
+                let $start = $start.and_then(MeshingStart::error);
+                $found.map(|(found, error)| (found, MeshingStart::Error(error)))
+            }
+            MachineMeshing::Elastic($meshing) => {
+                let $start = $start.and_then(MeshingStart::error);
+                $found.map(|(found, error)| (found, MeshingStart::Error(error)))
+            }
+            MachineMeshing::Bearings($meshing) => {
+                let $start = $start.and_then(MeshingStart::deviation);
+                $found.map(|(found, deviation)| (found, MeshingStart::Deviation(deviation)))
             }
         }
     };
@@ -96,42 +123,16 @@ impl ShareLoad for MachineMeshing {
         torque: f64,
         start: Option<&MeshingStart>,
     ) -> Result<(LoadSharing, MeshingStart), LoadError> {
-        let error = match start {
-            Some(MeshingStart::Error(error)) => Some(error),
-            _ => None,
-        };
-        let (sharing, found) = match self {
-            MachineMeshing::Ideal(meshing) => meshing.share(crank, torque, error)?,
-            MachineMeshing::Elastic(meshing) => meshing.share(crank, torque, error)?,
-            MachineMeshing::Bearings(meshing) => {
-                let deviation = start.and_then(MeshingStart::deviation);
-                let (sharing, found) = meshing.share(crank, torque, deviation)?;
-                return Ok((sharing, MeshingStart::Deviation(found)));
-            }
-        };
-        Ok((sharing, MeshingStart::Error(found)))
+        started!(self, meshing, start => meshing.share(crank, torque, start))
     }
 
-    fn passing_pins(
+    fn pin_contacts(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&MeshingStart>,
-    ) -> Result<(Vec<Vec<PassingPin>>, MeshingStart), LoadError> {
-        let error = match start {
-            Some(MeshingStart::Error(error)) => Some(error),
-            _ => None,
-        };
-        let (discs, found) = match self {
-            MachineMeshing::Ideal(meshing) => meshing.passing_pins(crank, torque, error)?,
-            MachineMeshing::Elastic(meshing) => meshing.passing_pins(crank, torque, error)?,
-            MachineMeshing::Bearings(meshing) => {
-                let deviation = start.and_then(MeshingStart::deviation);
-                let (discs, found) = meshing.passing_pins(crank, torque, deviation)?;
-                return Ok((discs, MeshingStart::Deviation(found)));
-            }
-        };
-        Ok((discs, MeshingStart::Error(found)))
+    ) -> Result<(Vec<Vec<PinContact>>, MeshingStart), LoadError> {
+        started!(self, meshing, start => meshing.pin_contacts(crank, torque, start))
     }
 
     fn twin(&self) -> Self {

@@ -66,14 +66,7 @@ impl Relief {
     /// The spline with these control points (m) at φ_i = −π + 2π i/n: near the points, not through them, so that it does
     /// not ring beside an edge, and convex where they are.
     pub(crate) fn from_control_points(points: &[f64]) -> Relief {
-        let n = points.len();
-        let step = TAU / n as f64;
-        let at = |i: usize| {
-            let [left, here, right] = [points[(i + n - 1) % n], points[i], points[(i + 1) % n]];
-            let second = left - 2.0 * here + right;
-            (here + second / 6.0, second / (step * step))
-        };
-        let (values, bends) = (0..n).map(at).unzip();
+        let (values, bends) = (0..points.len()).map(|i| at_control_point(points, i)).unzip();
         Relief::with_bends(values, bends)
     }
 
@@ -84,10 +77,7 @@ impl Relief {
         for i in 0..n {
             let near = [(i + n - 1) % n, i, (i + 1) % n];
             if near.iter().any(|j| before[*j] != after[*j]) {
-                let [left, here, right] = near.map(|j| after[j]);
-                let second = left - 2.0 * here + right;
-                values[i] = here + second / 6.0;
-                bends[i] = second / (self.step * self.step);
+                (values[i], bends[i]) = at_control_point(after, i);
             }
         }
         Relief::with_bends(values, bends)
@@ -152,6 +142,14 @@ impl Relief {
             bend: s * m0 + t * m1,
         }
     }
+}
+
+/// Depth (m) and bend (m/rad²) at grid point `i` of the spline with these control points.
+fn at_control_point(points: &[f64], i: usize) -> (f64, f64) {
+    let n = points.len();
+    let step = TAU / n as f64;
+    let second = points[(i + n - 1) % n] - 2.0 * points[i] + points[(i + 1) % n];
+    (points[i] + second / 6.0, second / (step * step))
 }
 
 /// Second derivatives of the periodic cubic spline through equidistant values: m_{i−1} + 4 m_i + m_{i+1} = 6

@@ -1,5 +1,5 @@
 use super::{Cycle, FreeTravel, LoadError, LoadSharing, Meshing};
-use crate::contact::{PassingPin, PinContact, PinContacts};
+use crate::contact::{PinContact, PinContacts};
 use crate::geometry::Relief;
 use crate::machine::{CrankAngle, Kinematics, OutputAngle, PartWear};
 
@@ -49,17 +49,13 @@ pub trait ShareLoad: Send + Sync {
     ///
     /// # Errors
     /// As there.
-    fn passing_pins(
+    fn pin_contacts(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&Self::Start>,
-    ) -> Result<(Vec<Vec<PassingPin>>, Self::Start), LoadError> {
-        let (sharing, found) = self.share(crank, torque, start)?;
-        let of = |contacts: &Vec<PinContact>| {
-            contacts.iter().map(|contact| PassingPin::of(contact, self.contacts())).collect()
-        };
-        Ok((sharing.discs.iter().map(of).collect(), found))
+    ) -> Result<(Vec<Vec<PinContact>>, Self::Start), LoadError> {
+        self.share(crank, torque, start).map(|(sharing, found)| (sharing.discs, found))
     }
 
     /// Another of the same with the same surfaces, for another thread to ask meanwhile.

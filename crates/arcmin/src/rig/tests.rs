@@ -1,6 +1,6 @@
 use super::*;
 use crate::dynamics::{JointSettings, Part};
-use crate::machine::{Machine, RollerBearing, RollerKind};
+use crate::machine::{Machine, ManufacturingErrors, RollerBearing, RollerKind};
 use crate::units::ARCMIN;
 
 fn machine() -> Machine {
@@ -460,18 +460,26 @@ fn the_housing_may_be_the_output() {
     assert!(bearing_loads(&housing_turns, &settings, 6).unwrap().iter().all(|load| load.equivalent > 0.0));
 }
 
-/// A bench that is asked for one transmission error finds the one that it finds among all of them.
+/// A bench that is asked for one transmission error finds the one that it finds among all of them: on a new machine,
+/// on one as drawn, and on one that nobody has seen.
 #[test]
 fn one_curve_is_that_of_all() {
-    let machine = machine();
-    let test = |every_curve| {
-        let plan = RigPlan { loop_positions: 1, error_positions: 48, every_curve, running: false };
-        let settings = JointSettings::default();
-        RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent).unwrap().unwrap()
-    };
-    let (one, all) = (test(false), test(true));
-    assert_eq!((one.curves.len(), all.curves.len()), (1, 4));
-    assert_eq!(one.forward_at_rated(), all.forward_at_rated());
-    assert_eq!(one.forward_at_rated().unwrap().torque, machine.rated.torque.abs());
-    assert_eq!(one.spectrum, all.spectrum);
+    let other = crate::templates::design("rv-80e").unwrap();
+    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    let random = crate::random_designs::sound_design(6).0.machine();
+    let drawn = |machine: &Machine| ManufacturingErrors::draw(machine, &tolerances, 5);
+    let machines = [(machine(), ManufacturingErrors::default())];
+    let others = [other.machine(), random].map(|machine| (machine.clone(), drawn(&machine)));
+    for (machine, errors) in machines.into_iter().chain(others) {
+        let settings = JointSettings { errors, ..JointSettings::default() };
+        let test = |every_curve| {
+            let plan = RigPlan { loop_positions: 1, error_positions: 48, every_curve, running: false };
+            RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent).unwrap().unwrap()
+        };
+        let (one, all) = (test(false), test(true));
+        assert_eq!((one.curves.len(), all.curves.len()), (1, 4));
+        assert_eq!(one.forward_at_rated(), all.forward_at_rated());
+        assert_eq!(one.forward_at_rated().unwrap().torque, machine.rated.torque.abs());
+        assert_eq!(one.spectrum, all.spectrum);
+    }
 }

@@ -221,12 +221,10 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             return Err(runs_away(before.exposure, depth));
         }
         let step = match self.update_by_midpoint(&before, depth, target) {
-            Some(step) => step,
-            None => match self.update_by_heun(&before, depth, target)? {
-                Some(step) => step,
-                None => return Ok(false),
-            },
+            None => self.update_by_heun(&before, depth, target)?,
+            step => step,
         };
+        let Some(step) = step else { return Ok(false) };
         if target - before.exposure - step < 1e-12 * target {
             self.state.exposure = target;
         }

@@ -1,7 +1,8 @@
 use super::coupled::{CoupledOptions, CoupledWear};
 use crate::dynamics::{BearingMeshing, JointSettings};
 use crate::geometry::Relief;
-use crate::machine::Machine;
+use crate::machine::{Machine, ManufacturingErrors};
+use crate::random_designs::sound_design;
 use crate::units::{DEG, HOUR, UM};
 
 fn machine() -> Machine {
@@ -167,5 +168,30 @@ fn trap_waves_of_the_flank_are_an_artefact() {
     // 15 positions find the flank of 39 within a hundredth of its depth.
     for (a, b) in few.flank_seen_by_contact().samples().iter().zip(many.flank_seen_by_contact().samples()) {
         assert!((a - b).abs() < 0.08 * UM, "{a:e} {b:e}");
+    }
+}
+
+/// Machines that nobody has seen, with drawn errors, worn by some micrometres in their bearings: the flanks of steps
+/// and balances as they are against steps three times as fine at a tenth of the tolerance, which all go by Heun's
+/// method. What is left is the scatter of the places that the updates meet.
+#[test]
+fn steps_of_wear_hold_on_random_designs() {
+    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    for seed in [1, 2, 7, 10] {
+        let machine = sound_design(seed).0.machine();
+        let errors = ManufacturingErrors::draw(&machine, &tolerances, seed);
+        let settings = JointSettings { errors, ..JointSettings::default() };
+        let joints = BearingMeshing::new(&machine, &settings).unwrap();
+        let usual = CoupledOptions::default();
+        let fine = CoupledOptions { tolerance: 0.1 * usual.tolerance, depth_increment: 0.03 * UM, ..usual };
+        let mut usual = CoupledWear::with(&machine, joints.clone(), usual);
+        usual.advance_until(f64::MAX, |state| state.flank().deepest().0 > 3.0 * UM).unwrap();
+        let mut fine = CoupledWear::with(&machine, joints, fine);
+        fine.advance_to(usual.state().exposure).unwrap();
+        let [usual, fine] = [usual, fine].map(|wear| wear.state().flank().samples().to_vec());
+        let mean = |depths: &[f64]| depths.iter().sum::<f64>() / depths.len() as f64;
+        let off = mean(&usual) / mean(&fine) - 1.0;
+        let largest = usual.iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off.abs() < 0.015 && largest < 0.25 * UM, "{seed}: {off:e} {largest:e}");
     }
 }

@@ -273,12 +273,6 @@ impl BearingJoints {
         self.ring_contacts(disc, &q, &v)
     }
 
-    /// The pins on every disc, as far as wear asks for them.
-    pub(crate) fn passing_pins(&self, position: &[f64]) -> Vec<Vec<crate::contact::PassingPin>> {
-        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        (0..self.rings.len()).map(|disc| self.passing_ring(disc, &q, &v)).collect()
-    }
-
     /// [`BearingJoints::pin_contacts`] of every disc.
     pub(crate) fn all_pin_contacts(&self, position: &[f64]) -> Vec<Vec<crate::contact::PinContact>> {
         (0..self.rings.len()).map(|disc| self.pin_contacts(disc, position)).collect()

@@ -2,7 +2,7 @@
 
 use super::BearingJoints;
 use super::assembly::{Assembly, Part, Split};
-use crate::contact::{DiscPose, DiscVelocity, PassingPin, PinContact, PinContacts, Reaction};
+use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, Reaction};
 use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit, HousingMotion};
 use crate::geometry::{Vec2, quarter_turn};
 
@@ -228,18 +228,6 @@ impl BearingJoints {
                 let (pose, rate) = self.disc_state(disc, q, v);
                 self.rings[disc].contacts(pose, rate)
             }
-        }
-    }
-
-    /// The pins on a disc, as far as wear asks for them.
-    pub(super) fn passing_ring(&self, disc: usize, q: &[f64], v: &[f64]) -> Vec<PassingPin> {
-        let ring = &self.rings[disc];
-        match &self.elastic {
-            Some(_) => {
-                let contacts = self.ring_contacts(disc, q, v);
-                contacts.iter().map(|contact| PassingPin::of(contact, ring)).collect()
-            }
-            None => ring.passing(self.disc_state(disc, q, v).0),
         }
     }
 

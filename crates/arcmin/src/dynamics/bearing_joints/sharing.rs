@@ -5,7 +5,7 @@ mod balance;
 pub(super) use self::balance::Known;
 use super::preload::Freed;
 use super::{BearingJoints, Cause, JointSettings};
-use crate::contact::{PassingPin, PinContacts};
+use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::DynamicsError;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
@@ -320,17 +320,17 @@ impl ShareLoad for BearingMeshing {
     }
 
     /// Nothing is kept: wear never comes back to a place. Nor does it ask for more than forces to some 1e-5.
-    fn passing_pins(
+    fn pin_contacts(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&Vec<f64>>,
-    ) -> Result<(Vec<Vec<PassingPin>>, Vec<f64>), LoadError> {
+    ) -> Result<(Vec<Vec<PinContact>>, Vec<f64>), LoadError> {
         let usual = std::mem::replace(&mut self.tolerance, balance::WEAR_TOLERANCE);
         let found = self.balance_from_afar(crank, torque, start.map(Vec::as_slice));
         self.tolerance = usual;
         let (position, _) = found?;
-        Ok((self.model.passing_pins(&position), self.deviation(crank, &position)))
+        Ok((self.model.all_pin_contacts(&position), self.deviation(crank, &position)))
     }
 
     /// Knows nothing of what was found before.

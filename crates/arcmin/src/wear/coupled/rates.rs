@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::{CoupledWear, WearError, WearSnapshot};
-use crate::contact::PassingPin;
+use crate::contact::PinContact;
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
 use crate::machine::{CrankAngle, DutyPoint, PinMounting};
@@ -69,7 +69,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
                 slot: row * count + (index + shift) % count,
             })
             .collect();
-        let mut found = self.passing_pins(&tasks)?.into_iter();
+        let mut found = self.pin_contacts(&tasks)?.into_iter();
         for duty in machine.duty.iter().filter(|duty| loaded(duty)) {
             let mut passes: Vec<Vec<Pass>> =
                 vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
@@ -120,10 +120,10 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
 
     /// The pins of every disc at all `tasks`, each started from the last solution at its place. Threads take them as
     /// they come, each with a meshing of its own; no result depends on which.
-    fn passing_pins(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PassingPin>>>, WearError> {
+    fn pin_contacts(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PinContact>>>, WearError> {
         let starts = &self.starts;
         let solve = |meshing: &mut S, task: &Task| {
-            meshing.passing_pins(task.crank, task.torque, starts[task.slot].as_ref())
+            meshing.pin_contacts(task.crank, task.torque, starts[task.slot].as_ref())
         };
         // One thread needs no copy.
         let found: Vec<_> = if rayon::current_num_threads() == 1 {
@@ -151,7 +151,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
 
     /// What one contact removes per unit of time from a flank that has lost the depths `flank`, on a pin of
     /// which it sees `pin`. Pins wear in proportion to the flank that they meet.
-    fn pass(&self, c: &PassingPin, duty: &DutyPoint, flank: &Relief, pin: &Relief, time: f64) -> Pass {
+    fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, pin: &Relief, time: f64) -> Pass {
         let machine = self.machine;
         let profile = self.meshing.contacts().profile();
         let contact = self.meshing.contacts().contact();
@@ -160,10 +160,9 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let cos = c.meshing_angle.cos();
         let rs = profile.pin_circle_radius * profile.speed_factor(cos);
         let sliding = (rs - machine.ring.pin_radius).abs() * output_speed.abs();
-        let (mut half_width, mut removal) = (0.0, 0.0);
-        if c.force > 0.0 {
-            let radius = 1.0 / c.relative_curvature;
-            half_width = contact.half_width(c.force, radius);
+        let radius = 1.0 / c.relative_curvature;
+        let half_width = contact.half_width(c.force, radius);
+        let removal = if c.force > 0.0 {
             let line_load = c.force / machine.disc.width;
             let film_ratio = machine.wear.lubrication.as_ref().map_or(0.0, |oil| {
                 let on_flank = profile.flank_length_per_meshing_angle(cos) * lobes * output_speed.abs();
@@ -172,12 +171,14 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
             });
             let depth = flank.at(c.meshing_angle).depth;
             let at = Local { pressure: 0.0, sliding, equivalent_radius: radius, film_ratio, depth, time };
-            removal = self.law.section_rate(line_load, half_width, &at);
-        }
+            self.law.section_rate(line_load, half_width, &at)
+        } else {
+            0.0
+        };
         Pass {
             pin: c.pin,
             meshing_angle: c.meshing_angle,
-            pin_angle: self.average.touching(pin, c.pin_angle),
+            pin_angle: self.average.touching(pin, self.meshing.contacts().pin_angle(c)),
             half_width,
             removal,
         }
