@@ -87,8 +87,9 @@ pub struct PinContact {
     pub(super) meshing_unit: Vec2,
     pub(super) direction: Vec2,
     pub(super) foot_normal: Vec2,
-    /// How far the foot travels as the pin moves along the trace, in rad of τ per m.
-    pub(super) foot_travel: f64,
+    /// Distance of the pin centre from the trace there in m, and the curvature of the trace in 1/m.
+    pub(super) foot_distance: f64,
+    pub(super) trace_curvature: f64,
     /// What errors of the flank and the worn pin add to the gap, in m.
     pub(super) read: f64,
 }
@@ -396,16 +397,22 @@ impl Reaction {
         }
         let g = contact.gradient;
         let hessian = contact.gap_hessian(pin_radius);
-        let v = velocity.as_array();
+        // −∂F/∂q along g: the gap closes, and its rate changes as the normal turns.
+        let mut fall = g.map(|g| contact.stiffness * g);
+        if contact.damping != 0.0 {
+            let v = velocity.as_array();
+            for i in 0..3 {
+                let rate_slope = hessian[i][0] * v[0] + hessian[i][1] * v[1] + hessian[i][2] * v[2];
+                fall[i] += contact.damping * rate_slope;
+                for j in 0..3 {
+                    self.damping[i][j] += contact.damping * g[i] * g[j];
+                }
+            }
+        }
         for i in 0..3 {
             self.force[i] += contact.force * g[i];
-            let rate_slope = hessian[i][0] * v[0] + hessian[i][1] * v[1] + hessian[i][2] * v[2];
             for j in 0..3 {
-                self.stiffness[i][j] += contact.stiffness * g[i] * g[j] - contact.force * hessian[i][j];
-                self.damping[i][j] += contact.damping * g[i] * g[j];
-            }
-            for j in 0..3 {
-                self.stiffness[j][i] += contact.damping * rate_slope * g[j];
+                self.stiffness[i][j] += g[i] * fall[j] - contact.force * hessian[i][j];
             }
         }
         self.stored += contact.stored;

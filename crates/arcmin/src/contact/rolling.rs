@@ -36,14 +36,15 @@ impl PinContacts {
 
     /// Travel of the foot of `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
-        let pin_radius = self.pins()[contact.pin].radius;
         let profile = self.profile();
+        let PinContact { trace_curvature: curvature, foot_distance, .. } = *contact;
+        let factor = profile.speed_factor(contact.meshing_unit.x);
         // Facets leave the radius of the pin.
         let log_radius_slope = if self.is_faceted() {
             0.0
         } else {
-            let (curvature, rate) = profile.designed_curvature(contact.meshing_unit, pin_radius);
-            -rate / curvature
+            let rate = profile.designed_curvature_rate(contact.meshing_unit.y, factor, curvature);
+            -rate / contact.designed_curvature
         };
         let error_slope = self.error_reader.as_ref().map_or(0.0, |error| {
             let (x, y) = (contact.meshing_unit.x, contact.meshing_unit.y);
@@ -53,7 +54,9 @@ impl PinContacts {
         });
         // The pin centre moves by −T dz past the trace.
         let t = quarter_turn(contact.foot_normal);
-        let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along * contact.foot_travel);
+        let speed = profile.pin_circle_radius * factor;
+        let travel = 1.0 / (speed * (1.0 - curvature * foot_distance));
+        let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along * travel);
         Rolling { by_pose, log_radius_slope, gap_slope: by_pose.map(|travel| error_slope * travel) }
     }
 

@@ -73,36 +73,53 @@ impl PinContacts {
         let still = velocity == DiscVelocity::REST || self.contact.damping.is_none();
         let skim = !all && self.facets.is_none() && still;
         let open = skim.then_some(self.reach + moved.lift);
+        let bounded = !all && self.facets.is_none();
+        let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
         let mut next = Batch::default();
-        for (index, pin) in self.pins.iter().enumerate() {
-            let mut arm = pin.centre - pose.centre;
-            if let Some(shift) = moved.shifts.get(index) {
-                arm += shift;
-            }
-            let p = turned(arm, back);
-            let e = turned(self.directions[index], back);
-            let tau0 = pitch * index as f64 - pose.angle;
-            if !all && self.facets.is_none() {
-                let sector = if self.seen.is_uniform() {
-                    0
-                } else {
-                    let turn = self.profile.meshing_angle(tau0) / std::f64::consts::TAU + 0.5;
-                    ((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)
-                };
-                let extra = self.profile.pin_radius - pin.radius
-                    + self.relief_floors[sector]
-                    + self.shallowest_elsewhere
-                    - moved.lift;
-                if self.is_clear(p, e, ez, extra) {
-                    continue;
+        for first in (0..self.pins.len()).step_by(LANES) {
+            let count = LANES.min(self.pins.len() - first);
+            let mut near = Batch::default();
+            for index in first..first + count {
+                let mut arm = self.pins[index].centre - pose.centre;
+                if let Some(shift) = moved.shifts.get(index) {
+                    arm += shift;
                 }
+                let e = turned(self.directions[index], back);
+                near.push(index, arm, turned(arm, back), pitch * index as f64 - pose.angle, e);
             }
-            next.push(index, arm, p, tau0, e);
-            if next.count == LANES {
-                self.visit_batch(&mut next, ez, rotation, velocity, open, &mut visit);
+            let distances = if bounded {
+                self.profile.least_distances(&near.place, &near.direction, ez)
+            } else {
+                [0.0; LANES]
+            };
+            for lane in 0..count {
+                let index = first + lane;
+                if bounded {
+                    // z_c τ grows by a turn less a pitch from pin to pin.
+                    let turn = first_turn + index as f64 / self.pins.len() as f64;
+                    let off = self.profile.pin_radius - self.pins[index].radius + self.relief_floor(turn);
+                    // False for NaN.
+                    if distances[lane] + off + self.shallowest_elsewhere - moved.lift > self.reach {
+                        continue;
+                    }
+                }
+                next.push(index, near.arm[lane], near.place[lane], near.tau[lane], near.direction[lane]);
+                if next.count == LANES {
+                    self.visit_batch(&mut next, ez, rotation, velocity, open, &mut visit);
+                }
             }
         }
         self.visit_batch(&mut next, ez, rotation, velocity, open, &mut visit);
+    }
+
+    /// Bound from below of the flank's relief (m) about a meshing angle, in turns from −½ on.
+    #[inline]
+    fn relief_floor(&self, turn: f64) -> f64 {
+        if self.seen.is_uniform() {
+            return self.relief_floors[0];
+        }
+        let turn = if turn < 1.0 { turn } else { turn - 1.0 };
+        self.relief_floors[((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)]
     }
 
     #[inline]
@@ -145,21 +162,6 @@ impl PinContacts {
             },
         );
         batch.count = 0;
-    }
-
-    /// Whether the pin certainly has a gap: its distance from the tangent at the start exceeds what the
-    /// curvature can take back.
-    #[inline]
-    fn is_clear(&self, p: Vec2, e: Vec2, ez: Vec2, extra: f64) -> bool {
-        let (c, c1, c2) = self.profile.trace_derivatives(e, ez);
-        let off = p - c;
-        let per_speed = 1.0 / c1.norm();
-        let height = cross(off, c1) * per_speed;
-        let along = off.dot(&c1) * per_speed;
-        let curvature = cross(c1, c2).abs() * per_speed * per_speed * per_speed;
-        // Only where the curvature cannot change its size on the way to the foot.
-        curvature * (height.abs() + along.abs()) < 0.3
-            && height + extra > 2.0 * curvature * along * along + self.reach
     }
 
     #[inline]
@@ -214,21 +216,21 @@ impl PinContacts {
             gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
         }
         gap += read;
-        let meshing_unit = Vec2::new(foot.cos_meshing, foot.sin_meshing);
         let designed_curvature = if self.facets.is_some() {
             1.0 / radius
         } else {
-            self.profile.designed_curvature(meshing_unit, radius).0
+            self.profile.designed_curvature(foot.trace_curvature, radius)
         };
-        let speed = self.profile.pin_circle_radius * self.profile.speed_factor(foot.cos_meshing);
-        let foot_travel = 1.0 / (speed * (1.0 - foot.trace_curvature * foot.distance));
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
         let sliding_speed = along[0] * v[0] + along[1] * v[1] + along[2] * v[2];
         let ContactForce { force, stiffness, damping, elastic, stored } =
             self.contact.damped_force(-gap, approach_rate, 1.0 / designed_curvature);
-        let friction = self.sliding.as_ref().map_or(0.0, |sliding| -force * sliding.share(sliding_speed).0);
+        let friction = match &self.sliding {
+            Some(sliding) if force > 0.0 => -force * sliding.share(sliding_speed).0,
+            _ => 0.0,
+        };
         PinContact {
             pin,
             tau: foot.tau,
@@ -250,10 +252,11 @@ impl PinContacts {
             gradient,
             pin_bend,
             along,
-            meshing_unit,
+            meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
             direction,
             foot_normal: turned(foot.normal, rotation),
-            foot_travel,
+            foot_distance: foot.distance,
+            trace_curvature: foot.trace_curvature,
             read,
         }
     }

@@ -127,15 +127,17 @@ impl Profile {
         Outlook { floor: gap - 2.0 * station.slope * station.length * step, step }
     }
 
-    /// Relative curvature in 1/m of the flank as designed against a pin, and its derivative by τ, where
-    /// `meshing` is e(φ).
+    /// Relative curvature in 1/m of the flank as designed against a pin, from the curvature of the trace.
     #[inline]
-    pub(crate) fn designed_curvature(&self, meshing: Vec2, pin_radius: f64) -> (f64, f64) {
-        let factor = self.speed_factor(meshing.x);
-        let trace = self.trace_curvature(meshing.x);
-        let stretch = 1.0 + self.pin_radius * trace;
-        let trace_rate = self.trace_curvature_rate(meshing.y, factor, trace);
-        (1.0 / pin_radius - trace / stretch, -trace_rate / (stretch * stretch))
+    pub(crate) fn designed_curvature(&self, trace_curvature: f64, pin_radius: f64) -> f64 {
+        1.0 / pin_radius - trace_curvature / (1.0 + self.pin_radius * trace_curvature)
+    }
+
+    /// Its derivative by τ, in 1/(m rad), from sin φ and the speed factor as well.
+    #[inline]
+    pub(crate) fn designed_curvature_rate(&self, sin_meshing: f64, factor: f64, trace_curvature: f64) -> f64 {
+        let stretch = 1.0 + self.pin_radius * trace_curvature;
+        -self.trace_curvature_rate(sin_meshing, factor, trace_curvature) / (stretch * stretch)
     }
 
     /// Derivative by τ of the trace's curvature in 1/(m rad), where that and the speed factor are those given.
@@ -452,7 +454,11 @@ mod tests {
     fn designed_curvature_has_its_rate() {
         let profile =
             Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
-        let at = |phi: f64| profile.designed_curvature(unit(phi), 3.001e-3);
+        let at = |phi: f64| {
+            let trace = profile.trace_curvature(phi.cos());
+            let rate = profile.designed_curvature_rate(phi.sin(), profile.speed_factor(phi.cos()), trace);
+            (profile.designed_curvature(trace, 3.001e-3), rate)
+        };
         for i in 0..90 {
             let phi = -3.1 + 0.07 * f64::from(i);
             let (value, rate) = at(phi);

@@ -127,6 +127,25 @@ impl Profile {
         }
     }
 
+    /// Distances (m) from the trace that pins have at least, from the start of their search: the height over the
+    /// tangent there less what the curvature can take back; −∞ where that may change its size on the way to the foot.
+    #[inline]
+    pub(crate) fn least_distances(&self, p: &[Vec2; LANES], e: &[Vec2; LANES], ez: Vec2) -> Lanes {
+        let ez = Vectors { x: [ez.x; LANES], y: [ez.y; LANES] };
+        let Trace { off, c1, c2 } =
+            self.trace_under(&Vectors::of(p), &Places { tau: [0.0; LANES], e: Vectors::of(e), ez });
+        let per_speed = lanes(|l| 1.0 / (c1.x[l] * c1.x[l] + c1.y[l] * c1.y[l]).sqrt());
+        let height = lanes(|l| (off.x[l] * c1.y[l] - off.y[l] * c1.x[l]) * per_speed[l]);
+        let along = lanes(|l| (off.x[l] * c1.x[l] + off.y[l] * c1.y[l]) * per_speed[l]);
+        let curvature = lanes(|l| {
+            (c1.x[l] * c2.y[l] - c1.y[l] * c2.x[l]).abs() * per_speed[l] * per_speed[l] * per_speed[l]
+        });
+        lanes(|l| {
+            let steady = curvature[l] * (height[l].abs() + along[l].abs()) < 0.3;
+            if steady { height[l] - 2.0 * curvature[l] * along[l] * along[l] } else { f64::NEG_INFINITY }
+        })
+    }
+
     /// As [`Profile::trace_derivatives`].
     #[inline(always)]
     fn trace_under(&self, p: &Vectors, at: &Places) -> Trace {
