@@ -70,6 +70,9 @@ pub trait Sink {
 
     /// How friction changes with the loads: −∂(force)/∂(coordinate) row by row.
     fn friction_slope(&mut self, _index: &[usize], _matrix: &[f64]) {}
+
+    /// Rate (1/s) at which open contacts are about to close.
+    fn onset(&mut self, _rate: f64) {}
 }
 
 /// Sums forces and tangents. Coordinates from number `size` on are held or prescribed; the torque on a
@@ -91,13 +94,6 @@ impl Assembly<'_> {
         } else if coordinate == self.input {
             self.prescribed_torque += value;
         }
-    }
-
-    /// Adds stored energy (J), dissipation (W) and the closing rate (1/s) of a ring of pins.
-    pub fn add_powers(&mut self, stored: f64, dissipation: f64, onset_rate: f64) {
-        self.balance.stored += stored;
-        self.balance.dissipation += dissipation;
-        self.balance.onset_rate = self.balance.onset_rate.max(onset_rate);
     }
 
     /// Calls `add` for all pairs of free coordinates with the entry of a matrix given row by row.
@@ -136,13 +132,17 @@ impl Sink for Assembly<'_> {
     fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {
         self.scatter(index, matrix, DenseLinearisation::add_stiffness);
     }
+
+    fn onset(&mut self, rate: f64) {
+        self.balance.onset_rate = self.balance.onset_rate.max(rate);
+    }
 }
 
 /// Tangent compliance per part along one motion g of all coordinates: gᵀ K_part g.
 pub struct Split<'a> {
     /// Of all coordinates, those held included.
     pub motion: &'a [f64],
-    pub compliance: [f64; Part::ALL.len()],
+    pub add: &'a mut dyn FnMut(Part, f64),
 }
 
 impl Sink for Split<'_> {
@@ -155,7 +155,7 @@ impl Sink for Split<'_> {
                 sum += g(i) * element.hessian[i * n + j] * g(j);
             }
         }
-        self.compliance[element.part as usize] += sum;
+        (self.add)(element.part, sum);
     }
 
     fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}

@@ -1,6 +1,10 @@
 //! The machine put together: bodies, joints, pins.
 
-use super::joints::{Bending, Frame, Gears, Joint, Journal, Losses, Place, Support, Torsion};
+use std::sync::Arc;
+
+use super::joints::{
+    Bending, Designed, Frame, Gears, Joint, Journal, Losses, Modes, PinRing, Place, Support, Torsion,
+};
 use super::layout::{Degrees, Layout};
 use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
 use super::rim::{RIM, Rim};
@@ -66,9 +70,8 @@ impl BearingJoints {
                 "must be positive behind an elastic input shaft",
             )?;
         }
-        let discs_as_asked = settings.discs.clone();
-        let elastic =
-            if settings.damped { discs_as_asked } else { discs_as_asked.map(ElasticDiscs::undamped) };
+        let as_asked = settings.discs.clone();
+        let elastic = if settings.damped { as_asked } else { as_asked.map(ElasticDiscs::undamped) };
         let modes = (0..discs).map(|j| elastic.as_ref().map_or(0, |elastic| elastic.mode_count(j))).collect();
         let layout = Layout::new(
             machine,
@@ -83,24 +86,20 @@ impl BearingJoints {
             Losses { time: if settings.damped { LOSS_TIME } else { 0.0 }, friction: machine.friction };
         let parts = Parts { machine, settings, kinematics: &kinematics, layout: &layout, losses };
         let (joints, bearings) = parts.joints();
+        let rings = parts.rings(elastic);
         let mut model = BearingJoints {
-            rings: (0..discs).map(|j| ring(machine, settings, j)).collect(),
             joints,
+            rings,
             bearings,
             mass: layout.coordinates().mass(),
             scale: layout.coordinates().scale(),
-            elastic,
-            housing: settings.housing.clone(),
             input,
             load,
             drag: drag + machine.friction.seal_drag,
             drag_speed: (0.01 * machine.rated.input_speed / kinematics.ratio()).abs().max(1e-6),
             oil_drag: machine.friction.oil_drag,
             has_errors: !settings.errors.is_zero(),
-            designed_relief: machine.designed_relief(),
             rated: machine.rated.torque.abs(),
-            equidistant_offset: machine.disc.modification.equidistant_offset,
-            radial_offset: machine.disc.modification.radial_offset,
             layout,
             kinematics,
         };
@@ -211,6 +210,31 @@ impl Parts<'_> {
         (joints, bearings)
     }
 
+    /// The pins, disc by disc.
+    fn rings(&self, elastic: Option<ElasticDiscs>) -> Vec<PinRing> {
+        let (machine, layout) = (self.machine, self.layout);
+        let elastic = elastic.map(Arc::new);
+        let housing = self.settings.housing.clone().map(Arc::new);
+        let ring = |disc: usize| {
+            let (at, [x, y, angle]) = (layout.disc(disc), layout.housing());
+            let modification = &machine.disc.modification;
+            PinRing {
+                contacts: pins(machine, self.settings, disc),
+                disc,
+                place: [at, at + 1, at + 2, x, y, angle],
+                moves: layout.housing_moves(),
+                elastic: elastic.clone().map(|body| Modes { body, at: layout.modes(disc) }),
+                housing: housing.clone().map(|body| Modes { body, at: layout.housing_modes() }),
+                designed: Designed {
+                    relief: machine.designed_relief(),
+                    equidistant: modification.equidistant_offset,
+                    radial: modification.radial_offset,
+                },
+            }
+        };
+        (0..layout.discs).map(ring).collect()
+    }
+
     fn crank_support(&self, k: usize, end: usize) -> Journal {
         let (layout, errors) = (self.layout, self.errors());
         let (at, [cx, cy, carrier]) = (layout.support(k, end), layout.carrier());
@@ -307,7 +331,7 @@ impl Parts<'_> {
 }
 
 /// The pins against disc j, with the errors of ring and disc.
-fn ring(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts {
+fn pins(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts {
     let errors = &settings.errors;
     let mut pins = machine.pins();
     for (i, pin) in pins.iter_mut().enumerate() {

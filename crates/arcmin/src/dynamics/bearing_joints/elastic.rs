@@ -1,24 +1,11 @@
 //! What elastic discs change in the bearings: their modes move the bores.
 
-use super::BearingJoints;
 use super::assembly::{Element, Sink};
 use crate::geometry::{Vec2, quarter_turn};
 
 /// A mode that moves one end of a bearing: its coordinate and the displacement of the bore centre per unit of
 /// it.
 pub(super) type BoreMode = (usize, Vec2);
-
-impl BearingJoints {
-    /// Work of the modes of all discs, twice their energy, in J.
-    pub(super) fn modal_work(&self, q: &[f64]) -> f64 {
-        self.elastic
-            .iter()
-            .flat_map(|discs| {
-                (0..discs.count()).map(move |disc| discs.modal_work(disc, &q[self.layout.modes(disc)]))
-            })
-            .sum()
-    }
-}
 
 /// Hands on elements of a bearing whose body, coordinates 3 and 4 of six or more, is moved by modes as well: what
 /// acts on the body's place acts on a mode by its displacement of the bore.

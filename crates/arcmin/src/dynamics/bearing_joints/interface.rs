@@ -43,9 +43,9 @@ impl BearingJoints {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut loads = Vec::new();
         for disc in 0..self.layout.discs {
-            let pins = self.rings[disc].pins().len();
+            let pins = self.rings[disc].contacts.pins().len();
             let mut forces = vec![0.0; 2 * pins];
-            for (pin, force) in self.pin_forces(disc, &q, &v) {
+            for (pin, force) in self.rings[disc].pin_forces(State { q: &q, v: &v }) {
                 let angle = std::f64::consts::TAU * pin as f64 / pins as f64;
                 let pushed = crate::geometry::turned(force, unit(-angle));
                 forces[2 * pin] += pushed.x;

@@ -14,7 +14,6 @@ mod planar_mesh;
 mod preload;
 mod registry;
 mod rim;
-mod rings;
 mod roller;
 mod running;
 mod shaft;
@@ -30,13 +29,12 @@ pub(super) use roller::element_stiffness;
 pub use roller::{BearingState, RadialBearing};
 pub use sharing::{BearingMeshing, LostMotionSplit};
 
-use assembly::{Sink, Split};
+use assembly::Sink;
 use build::Bearings;
-use joints::{Joint, State};
+use joints::{Joint, PinRing, State};
 use layout::Layout;
 
 use super::{Drive, DynamicsError, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
-use crate::contact::PinContacts;
 use crate::geometry::{Relief, Vec2, unit};
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, PartWear};
 
@@ -134,11 +132,10 @@ impl Arm {
 pub struct BearingJoints {
     kinematics: Kinematics,
     layout: Layout,
-    rings: Vec<PinContacts>,
-    elastic: Option<ElasticDiscs>,
-    housing: Option<ElasticHousing>,
     /// Everything between the bodies but the pins.
     joints: Vec<Box<dyn Joint>>,
+    /// The pins, disc by disc.
+    rings: Vec<PinRing>,
     bearings: Bearings,
     input: Input,
     load: OutputLoad,
@@ -147,10 +144,6 @@ pub struct BearingJoints {
     /// N·m·s/rad at the sun.
     oil_drag: f64,
     has_errors: bool,
-    /// What is taken off the flank on purpose, to tell it from wear.
-    designed_relief: Relief,
-    equidistant_offset: f64,
-    radial_offset: f64,
     mass: Vec<f64>,
     scale: Vec<f64>,
     /// Size of the rated torque in N·m.
@@ -233,17 +226,22 @@ impl BearingJoints {
     pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
         let mut whole = motion.to_vec();
         whole.resize(self.layout.whole(), 0.0);
-        let mut split = Split { motion: &whole, compliance: [0.0; Part::ALL.len()] };
+        let mut compliance = [0.0; Part::ALL.len()];
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        self.visit(&q, &v, &mut split);
-        self.split_rings(&q, &mut split);
-        split.compliance
+        let mut add = |part: Part, share: f64| compliance[part as usize] += share;
+        self.elements().for_each(|joint| joint.split(State { q: &q, v: &v }, &whole, &mut add));
+        compliance
     }
 
-    /// Hands all springs, dampers and frictions but those of the pins to `sink`. `q` and `v` are of all
-    /// coordinates, those held or prescribed included.
+    /// All joints, the pins last.
+    fn elements(&self) -> impl Iterator<Item = &dyn Joint> {
+        self.joints.iter().map(AsRef::as_ref).chain(self.rings.iter().map(|ring| ring as &dyn Joint))
+    }
+
+    /// Hands all springs, dampers and frictions to `sink`. `q` and `v` are of all coordinates, those held or
+    /// prescribed included.
     fn visit(&self, q: &[f64], v: &[f64], sink: &mut dyn Sink) {
-        self.joints.iter().for_each(|joint| joint.visit(State { q, v }, sink));
+        self.elements().for_each(|joint| joint.visit(State { q, v }, sink));
     }
 
     /// Force (N) on the inner ring and rolling element forces of a bearing.
@@ -270,7 +268,7 @@ impl BearingJoints {
     /// State of every pin on one disc.
     pub fn pin_contacts(&self, disc: usize, position: &[f64]) -> Vec<crate::contact::PinContact> {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        self.ring_contacts(disc, &q, &v)
+        self.rings[disc].all(State { q: &q, v: &v })
     }
 
     /// [`BearingJoints::pin_contacts`] of every disc.

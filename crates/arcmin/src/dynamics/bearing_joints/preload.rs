@@ -80,7 +80,7 @@ impl BearingMeshing {
     }
 
     fn preload(&self, position: &[f64]) -> Preload {
-        Preload::of(&self.model.all_pin_contacts(position), &self.model.rings[0])
+        Preload::of(&self.model.all_pin_contacts(position), &self.model.rings[0].contacts)
     }
 
     /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from
@@ -98,10 +98,10 @@ impl BearingMeshing {
             return Ok(relief);
         }
         let least = self.least_preload(torque);
-        let base: Vec<Relief> = self.model.rings.iter().map(|ring| ring.relief().clone()).collect();
+        let base: Vec<Relief> = self.model.rings.iter().map(|ring| ring.contacts.relief().clone()).collect();
         let found = self.seek_freeing_relief(&base, crank, deviation, preload, least);
         for (ring, relief) in self.model.rings.iter_mut().zip(base) {
-            ring.set_relief(relief);
+            ring.contacts.set_relief(relief);
         }
         found
     }
@@ -131,13 +131,13 @@ impl BearingMeshing {
             }
             None => {
                 // The contact alone gives way by this much; bearings and shafts give way besides.
-                let contact = self.model.rings[0].contact();
+                let contact = self.model.rings[0].contacts.contact();
                 FIRST_SHARE * contact.approach(preload.force, contact.pin_radius)
             }
         };
         for _ in 0..LARGEST_ITERATION_COUNT {
             for (ring, base) in self.model.rings.iter_mut().zip(base) {
-                ring.set_relief(base.plus(&Relief::uniform(relief)));
+                ring.contacts.set_relief(base.plus(&Relief::uniform(relief)));
             }
             let (position, _) = self.balance_from_afar(crank, 0.0, Some(&along(&path, relief)))?;
             let left = straight(self.preload(&position).force);
@@ -214,7 +214,7 @@ mod tests {
                 let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
                 let small = 1e-4 * machine.rated.torque;
                 let base: Vec<Relief> =
-                    meshing.model.rings.iter().map(|ring| ring.relief().clone()).collect();
+                    meshing.model.rings.iter().map(|ring| ring.contacts.relief().clone()).collect();
                 for index in 0..3 {
                     let crank = meshing.crank_position(index, 3, 0.0, 0);
                     let ends = [1.0, -1.0].map(|sign| {
@@ -234,12 +234,12 @@ mod tests {
                     );
                     let mut left = |share: f64| {
                         for (ring, base) in meshing.model.rings.iter_mut().zip(&base) {
-                            ring.set_relief(base.plus(&Relief::uniform(share * relief)));
+                            ring.contacts.set_relief(base.plus(&Relief::uniform(share * relief)));
                         }
                         let (position, _) = meshing.balance(crank, 0.0, Some(&deviation)).unwrap();
                         let left = meshing.preload(&position).force;
                         for (ring, base) in meshing.model.rings.iter_mut().zip(&base) {
-                            ring.set_relief(base.clone());
+                            ring.contacts.set_relief(base.clone());
                         }
                         left
                     };

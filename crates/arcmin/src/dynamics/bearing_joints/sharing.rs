@@ -248,28 +248,28 @@ impl ShareLoad for BearingMeshing {
     }
 
     fn contacts(&self) -> &PinContacts {
-        &self.model.rings[0]
+        &self.model.rings[0].contacts
     }
 
     fn set_relief(&mut self, relief: Relief) {
         for ring in &mut self.model.rings {
-            ring.set_relief(relief.clone());
+            ring.contacts.set_relief(relief.clone());
         }
     }
 
     fn set_pin_relief(&mut self, relief: Relief) {
         for ring in &mut self.model.rings {
-            ring.set_pin_relief(relief.clone());
+            ring.contacts.set_pin_relief(relief.clone());
         }
     }
 
     fn set_surfaces(&mut self, flanks: Vec<Relief>, pins: Vec<Relief>) {
         for (disc, ring) in self.model.rings.iter_mut().enumerate() {
-            ring.set_relief(flanks[disc % flanks.len()].clone());
-            let count = ring.pins().len();
+            ring.contacts.set_relief(flanks[disc % flanks.len()].clone());
+            let count = ring.contacts.pins().len();
             match pins.chunks_exact(count).nth(disc) {
-                Some(own) => ring.set_pin_reliefs(own.to_vec()),
-                None => ring.set_pin_relief(pins[0].clone()),
+                Some(own) => ring.contacts.set_pin_reliefs(own.to_vec()),
+                None => ring.contacts.set_pin_relief(pins[0].clone()),
             }
         }
     }

@@ -55,9 +55,6 @@ impl BearingJoints {
             balance: Balance::default(),
         };
         self.visit(&q, &v, &mut assembly);
-        for disc in 0..self.layout.discs {
-            self.add_ring(disc, &q, &v, &mut assembly);
-        }
         let output = self.layout.output();
         let load = self.load.torque(time);
         assembly.add_force(output, -load);
@@ -174,15 +171,7 @@ impl Reducer for BearingJoints {
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
         let (q, v) = self.full(time, position, velocity);
         let mut summary = ForceSummary::default();
-        for joint in &self.joints {
-            summary.mesh_force += joint.mesh_force(State { q: &q, v: &v });
-        }
-        for disc in 0..self.layout.discs {
-            let law = self.rings[disc].contact();
-            self.visit_loaded(disc, &q, &v, |contact, force, _| {
-                summary.add_pin(force, law.pressure(force, 1.0 / contact.relative_curvature));
-            });
-        }
+        self.elements().for_each(|joint| joint.add_forces(State { q: &q, v: &v }, &mut summary));
         summary
     }
 }

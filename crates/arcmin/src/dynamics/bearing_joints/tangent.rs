@@ -1,7 +1,7 @@
 //! How a machine in balance yields, and easier machines on the way to a hard one.
 
 use super::BearingJoints;
-use crate::contact::Sliding;
+use super::joints::Joint;
 use crate::dynamics::{DenseLinearisation, Linearisation, System, Weights};
 
 /// Squares of 10 and 100 rad/s: inertia of a body at such a pace is some 1e-6 and 1e-4 of any contact's stiffness.
@@ -70,12 +70,8 @@ impl BearingJoints {
     /// The same machine with all friction and drag multiplied by `share`.
     pub(crate) fn with_friction(&self, share: f64) -> BearingJoints {
         let mut model = self.clone();
-        for ring in &mut model.rings {
-            let less = |sliding: &Sliding| Sliding { coefficient: share * sliding.coefficient, ..*sliding };
-            let sliding = ring.sliding().map(less);
-            ring.set_sliding(sliding);
-        }
         model.joints.iter_mut().for_each(|joint| joint.scale_friction(share));
+        model.rings.iter_mut().for_each(|ring| ring.scale_friction(share));
         model.drag *= share;
         model.oil_drag *= share;
         model

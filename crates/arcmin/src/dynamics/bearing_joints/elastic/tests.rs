@@ -1,5 +1,5 @@
 use super::super::tests::{machine, settle};
-use super::super::{JointSettings, Part};
+use super::super::{BearingJoints, JointSettings, Part};
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
@@ -141,7 +141,7 @@ fn split_adds_up_with_a_part_for_the_discs() {
         let parts = model.split(&q, &motion);
         let share = |part: Part| parts[part as usize] / whole;
         assert!((parts.iter().sum::<f64>() / whole - 1.0).abs() < 1e-9, "{parts:?} {whole}");
-        match &model.elastic {
+        match &model.rings[0].elastic {
             Some(_) => assert!(share(Part::Disc) > 0.01 && share(Part::PinSeat) > 1e-3, "{parts:?} {whole}"),
             None => assert_eq!(share(Part::Disc), 0.0),
         }
@@ -235,7 +235,7 @@ fn equal_discs_deform_alike() {
         model.hold_sun(sun, 0.0);
         model.set_load(412.0);
         let q = settle(&model, sun);
-        let discs = model.elastic.as_ref().unwrap();
+        let discs = &model.rings[0].elastic.as_ref().unwrap().body;
         let modes = [0, 1].map(|disc| &q[model.layout.modes(disc)]);
         let [first, second] = [0, 1].map(|disc| discs.modal_work(disc, modes[disc]));
         assert!((first / second - 1.0).abs() < 0.02, "{sun}: {first:e} {second:e}");
@@ -275,8 +275,8 @@ fn no_pin_out_of_reach_would_touch() {
         };
         let mut all = model.clone();
         for ring in &mut all.rings {
-            let law = ring.contact().clone();
-            ring.set_elastic(law, 1.0);
+            let law = ring.contacts.contact().clone();
+            ring.contacts.set_elastic(law, 1.0);
         }
         let ((few, touching), (every, touching_of_all)) = (forces(&model), forces(&all));
         assert_eq!(touching, touching_of_all);

@@ -4,19 +4,14 @@
 mod quadratic_program;
 
 use self::quadratic_program::{Limits, Price};
-use super::joints::{Distance, Limit};
+use super::joints::{Distance, Limit, PIN};
 use super::{BearingJoints, BearingMeshing};
-use crate::contact::{DiscVelocity, Moved};
 use crate::machine::CrankAngle;
 
 /// What is left to gain where a search ends, in units of the system's scale: 1e-12 m.
 const TOLERANCE: f64 = 1e-7;
 /// A gain that is not kept because slopes of gaps are not known any better: 1e-10 m.
 const NOISE: f64 = 1e-5;
-/// Pins this near (m) are looked at.
-const WINDOW: f64 = 150e-6;
-/// About how stiff a pin is on a flank, in N/m.
-const PIN: f64 = 2e8;
 /// What it costs when a pin overlaps by one unit, some 12 µm, in units of relief. Pins that press no more than under some
 /// 1e-5 of the rated torque count as free; and so much makes joints give way that errors press against each other even
 /// without pins.
@@ -35,13 +30,11 @@ struct Linear {
     cost: f64,
 }
 
-/// Rows are collected bonds first.
+/// Limits of one kind, row by row, and how much room each leaves.
 #[derive(Default)]
 struct Rows {
-    bonds: Vec<f64>,
-    bond_values: Vec<f64>,
-    gaps: Vec<f64>,
-    gap_values: Vec<f64>,
+    slopes: Vec<f64>,
+    values: Vec<f64>,
 }
 
 /// What a search for the place of least relief looks at.
@@ -55,15 +48,12 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a BearingJoints) -> Search<'a> {
+    fn new(model: &'a BearingJoints, start: &[f64]) -> Search<'a> {
         let layout = &model.layout;
         let mut columns = vec![Some(0); layout.size()];
-        for disc in 0..layout.discs {
-            layout.modes(disc).for_each(|at| columns[at] = None);
-        }
-        let nowhere = vec![0.0; layout.whole()];
-        for joint in &model.joints {
-            joint.limits(&nowhere, &mut |limit| {
+        let (place, _) = model.full(0.0, start, &vec![0.0; start.len()]);
+        for joint in model.elements() {
+            joint.limits(&place, &mut |limit| {
                 if let Limit::Held(at) = limit {
                     columns[at] = None;
                 }
@@ -79,46 +69,39 @@ impl<'a> Search<'a> {
     }
 
     /// A distance in units, weighed by how stiff it is against a pin, and its gradient over the columns.
-    fn row(&self, distance: &Distance<'_>, rows: &mut Vec<f64>, values: &mut Vec<f64>) {
+    fn row(&self, distance: &Distance<'_>, rows: &mut Rows) {
         let weight = (distance.stiffness / PIN).sqrt() / self.unit;
-        let start = rows.len();
-        rows.resize(start + self.width, 0.0);
+        let start = rows.slopes.len();
+        rows.slopes.resize(start + self.width, 0.0);
         for (at, slope) in distance.index.iter().zip(distance.gradient) {
             if let Some(Some(column)) = self.columns.get(*at) {
-                rows[start + column] += weight * slope * self.model.scale[*at];
+                rows.slopes[start + column] += weight * slope * self.model.scale[*at];
             }
         }
-        values.push(weight * distance.value);
+        rows.values.push(weight * distance.value);
     }
 
     fn linear(&self, position: &[f64]) -> Linear {
-        let (q, v) = self.model.full(0.0, position, &vec![0.0; position.len()]);
-        let mut rows = Rows::default();
-        for joint in &self.model.joints {
+        let (q, _) = self.model.full(0.0, position, &vec![0.0; position.len()]);
+        let [mut held, mut gaps, mut pins] = [(); 3].map(|()| Rows::default());
+        for joint in self.model.elements() {
             joint.limits(&q, &mut |limit| match limit {
                 Limit::Held(_) => {}
-                Limit::Bond(distance) => self.row(&distance, &mut rows.bonds, &mut rows.bond_values),
-                Limit::Gap(distance) => self.row(&distance, &mut rows.gaps, &mut rows.gap_values),
-            });
-        }
-        let bonds = rows.bond_values.len();
-        let mut values = rows.bond_values;
-        values.append(&mut rows.gap_values);
-        let joints = values.len();
-        for disc in 0..self.model.layout.discs {
-            self.model.visit_gaps(disc, &q, &v, WINDOW, |index, gradient, value| {
-                let gap = Distance { index, gradient, value, stiffness: PIN };
-                self.row(&gap, &mut rows.gaps, &mut values);
-                // The relief is the last column.
-                if let Some(last) = rows.gaps.last_mut() {
-                    *last = 1.0;
+                Limit::Bond(distance) => self.row(&distance, &mut held),
+                Limit::Gap(distance) => self.row(&distance, &mut gaps),
+                Limit::Pin(distance) => {
+                    self.row(&distance, &mut pins);
+                    // The relief is the last column.
+                    if let Some(last) = pins.slopes.last_mut() {
+                        *last = 1.0;
+                    }
                 }
             });
         }
-        let pins = &values[joints..];
-        let relief = cheapest_relief(pins);
-        let mut all = rows.bonds;
-        all.append(&mut rows.gaps);
+        let relief = cheapest_relief(&pins.values);
+        let (bonds, joints) = (held.values.len(), held.values.len() + gaps.values.len());
+        let values = [held.values, gaps.values, pins.values].concat();
+        let all = [held.slopes, gaps.slopes, pins.slopes].concat();
         let bounds = values.iter().map(|value| -value).collect();
         let limits = Limits { width: self.width, bonds, rows: all, bounds };
         let rooms = values.iter().enumerate().map(|(i, room)| room + if i < joints { 0.0 } else { relief });
@@ -207,34 +190,7 @@ impl BearingMeshing {
     /// `None` where steps lead round bends of the limits too slowly.
     pub(super) fn least_relief(&mut self, crank: CrankAngle, start: &[f64]) -> Option<f64> {
         self.model.hold_sun(self.sun(crank), 0.0);
-        Search::new(&self.model).seek(start)
-    }
-}
-
-impl BearingJoints {
-    /// Hands on the gap (m) of every pin of a disc within the window (m), with its gradient by the coordinates listed.
-    fn visit_gaps(
-        &self,
-        disc: usize,
-        q: &[f64],
-        v: &[f64],
-        window: f64,
-        mut visit: impl FnMut(&[usize], &[f64], f64),
-    ) {
-        let (pose, _) = self.disc_state(disc, q, v);
-        let shifts = self.pin_ways(disc, q);
-        let moved = Moved { shifts: &shifts, lift: window };
-        let index = self.ring_index(disc);
-        let seen =
-            self.layout.housing_moves().then(|| self.seen_from_ring(pose, q[self.layout.housing()[2]]));
-        self.rings[disc].visit_moved(pose, DiscVelocity::REST, false, moved, |contact| match &seen {
-            None => visit(&index[..3], &contact.gradient, contact.gap),
-            Some(seen) => {
-                let gradient: [f64; 6] =
-                    std::array::from_fn(|i| (0..3).map(|a| contact.gradient[a] * seen[a][i]).sum());
-                visit(&index, &gradient, contact.gap);
-            }
-        });
+        Search::new(&self.model, start).seek(start)
     }
 }
 

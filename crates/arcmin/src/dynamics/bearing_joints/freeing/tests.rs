@@ -21,7 +21,7 @@ fn check_gradients(name: &str, machine: &Machine) -> usize {
         .enumerate()
         .map(|(i, (q, s))| q + 0.3 * s * (i as f64 * 1.7).sin())
         .collect();
-    let search = Search::new(model);
+    let search = Search::new(model, &place);
     let here = search.linear(&place);
     let count = here.limits.bounds.len();
     assert!(count > 2 * model.layout.discs);

@@ -1,4 +1,5 @@
-use super::{Cause, Distance, Joint, Limit, Losses, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State};
+use crate::dynamics::ForceSummary;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::planar_mesh::{MESH_COORDINATES, MeshState, PlanarMesh};
 use crate::machine::PartWear;
@@ -73,10 +74,10 @@ impl Joint for Gears {
         }
     }
 
-    fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+    fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let mesh = self.state(at);
         add(Cause::Elastic, 2.0 * mesh.stored);
-        let made = nominal.map(|nominal| self.law.overlap(&self.index.map(|i| nominal[i])));
+        let made = nominal.of_errors().map(|nominal| self.law.overlap(&self.index.map(|i| nominal[i])));
         for side in 0..2 {
             let force = mesh.side_force[side];
             add(Cause::GearBacklash, force * self.law.half_backlash);
@@ -98,8 +99,8 @@ impl Joint for Gears {
         }
     }
 
-    fn mesh_force(&self, at: State<'_>) -> f64 {
-        self.state(at).force
+    fn add_forces(&self, at: State<'_>, summary: &mut ForceSummary) {
+        summary.mesh_force += self.state(at).force;
     }
 
     fn scale_friction(&mut self, share: f64) {

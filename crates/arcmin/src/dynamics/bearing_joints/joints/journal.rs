@@ -1,4 +1,4 @@
-use super::{Cause, Distance, Joint, Limit, Losses, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
 use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM, Rim, RimState};
@@ -300,7 +300,7 @@ impl Joint for Journal {
 
     /// Exact for springs: Q δ = (n + 1) U of a roller. The gap is what the clearance as drawn, wear, and
     /// bores made too wide or too narrow have made of it, in proportion.
-    fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+    fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let law = &self.law;
         let (u, _) = self.displacement_at(at.q);
         let state = self.load(at.q).0;
@@ -313,7 +313,7 @@ impl Joint for Journal {
         add(wear, gap * share(0.5 * self.worn));
         let made = law.half_clearance - law.drawn_half_clearance - 0.5 * self.worn;
         add(Cause::ManufacturingErrors, gap * share(made));
-        if let Some(nominal) = nominal {
+        if let Some(nominal) = nominal.of_errors() {
             let made = self.displacement_at(nominal).0;
             add(Cause::ManufacturingErrors, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
         }

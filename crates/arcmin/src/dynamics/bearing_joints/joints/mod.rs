@@ -4,6 +4,7 @@ mod bending;
 mod frame;
 mod gears;
 mod journal;
+mod pin_ring;
 mod support;
 mod torsion;
 
@@ -13,11 +14,13 @@ pub(super) use bending::Bending;
 pub(super) use frame::Frame;
 pub(super) use gears::Gears;
 pub(super) use journal::{Journal, Place};
+pub(super) use pin_ring::{Designed, Modes, PIN, PinRing};
 pub(super) use support::Support;
 pub(super) use torsion::Torsion;
 
 use super::Cause;
-use super::assembly::{Element, Part, Sink};
+use super::assembly::{Element, Part, Sink, Split};
+use crate::dynamics::ForceSummary;
 use crate::machine::{Friction, PartWear};
 use crate::wear::PartLoads;
 
@@ -28,11 +31,29 @@ pub(super) struct State<'a> {
     pub v: &'a [f64],
 }
 
+/// Where the machine would stand without wear, play and errors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Nominal<'a> {
+    /// All coordinates.
+    pub q: &'a [f64],
+    /// Whether the machine has manufacturing errors, which displace parts in that very place.
+    pub has_errors: bool,
+}
+
+impl<'a> Nominal<'a> {
+    /// The coordinates where there are errors to look for.
+    fn of_errors(self) -> Option<&'a [f64]> {
+        self.has_errors.then_some(self.q)
+    }
+}
+
 /// What a joint lets bodies do while nothing presses, to first order in their displacement.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Limit<'a> {
     /// A gap that does not close any further than to nothing.
     Gap(Distance<'a>),
+    /// The same between a pin and a flank, which a relief of the flank widens.
+    Pin(Distance<'a>),
     /// A distance that stays at nothing.
     Bond(Distance<'a>),
     /// A coordinate that stays at nothing.
@@ -60,10 +81,14 @@ pub(super) trait Joint: Debug + Send + Sync {
     /// Hands on what the joint lets the bodies do while nothing presses.
     fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>));
 
-    /// Work (N·m·rad) of the joint's forces on its gaps and elastic approaches, by cause. `nominal` holds
-    /// the coordinates of the nominal machine where there are manufacturing errors. A linear spring without
-    /// play does twice its energy.
-    fn work(&self, at: State<'_>, _nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+    /// Tangent compliance along a motion g of all coordinates, by part: gᵀ K g.
+    fn split(&self, at: State<'_>, motion: &[f64], add: &mut dyn FnMut(Part, f64)) {
+        self.visit(at, &mut Split { motion, add });
+    }
+
+    /// Work (N·m·rad) of the joint's forces on its gaps and elastic approaches, by cause. A linear spring
+    /// without play does twice its energy.
+    fn work(&self, at: State<'_>, _nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         add(Cause::Elastic, 2.0 * self.stored(at));
     }
 
@@ -83,10 +108,8 @@ pub(super) trait Joint: Debug + Send + Sync {
     /// Adds the loads that wear the joint.
     fn add_loads(&self, _at: State<'_>, _loads: &mut PartLoads) {}
 
-    /// Force (N) on the line of action of a gear mesh; 0 of other joints.
-    fn mesh_force(&self, _at: State<'_>) -> f64 {
-        0.0
-    }
+    /// Adds the forces of pins and gear meshes.
+    fn add_forces(&self, _at: State<'_>, _summary: &mut ForceSummary) {}
 
     /// The joint as a rolling bearing, if it is one.
     fn bearing(&self) -> Option<&Journal> {

@@ -1,4 +1,4 @@
-use super::{Cause, Distance, Joint, Limit, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State};
 use crate::dynamics::bearing_joints::Arm;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn, unit};
@@ -104,13 +104,13 @@ impl Joint for Support {
         }
     }
 
-    fn work(&self, at: State<'_>, nominal: Option<&[f64]>, add: &mut dyn FnMut(Cause, f64)) {
+    fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         add(Cause::Elastic, 2.0 * self.stored(at));
         let Some(cause) = self.cause else { return };
         let shift = self.displacement(at.q);
         let force = self.stiffness * (shift.norm() - self.clearance).max(0.0);
         add(cause, force * self.clearance);
-        if let Some(nominal) = nominal.filter(|_| force > 0.0) {
+        if let Some(nominal) = nominal.of_errors().filter(|_| force > 0.0) {
             add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.displacement(nominal)));
         }
     }

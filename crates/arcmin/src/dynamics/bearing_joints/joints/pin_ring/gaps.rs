@@ -1,0 +1,106 @@
+//! What the gaps between pins and flank are made of.
+
+use super::PinRing;
+use crate::contact::{DiscVelocity, PinContact, PinContacts};
+use crate::dynamics::bearing_joints::Cause;
+use crate::dynamics::bearing_joints::joints::{Nominal, State};
+use crate::geometry::{Relief, Vec2, unit};
+
+/// What is taken off the flank on purpose, to tell it from wear and from errors.
+#[derive(Debug, Clone)]
+pub(in super::super::super) struct Designed {
+    pub relief: Relief,
+    /// Offsets of the flank in m.
+    pub equidistant: f64,
+    pub radial: f64,
+}
+
+/// The unworn contacts of a disc in the same pose, its way (x, y, θ) from the nominal place, and those of its
+/// pins, if any.
+struct Lost<'a> {
+    ring: &'a PinContacts,
+    unworn: Vec<PinContact>,
+    moved: [f64; 3],
+    pins: Vec<Vec2>,
+}
+
+impl Lost<'_> {
+    /// Change of a gap on the way of disc and pin back to the nominal place.
+    fn back(&self, pin: usize, gradient: [f64; 3]) -> f64 {
+        let mut moved = self.moved;
+        if let Some(way) = self.pins.get(pin) {
+            moved[0] -= way.x;
+            moved[1] -= way.y;
+        }
+        -gradient.iter().zip(&moved).map(|(g, d)| g * d).sum::<f64>()
+    }
+
+    /// Gap in m of the unworn surfaces back along its tangent.
+    fn unworn_gap(&self, contact: &PinContact) -> f64 {
+        let unworn = &self.unworn[contact.pin];
+        unworn.gap + self.back(contact.pin, unworn.gradient)
+    }
+
+    /// Metal lost by the flank and by the pin in m, back along the tangents.
+    fn of(&self, contact: &PinContact) -> [f64; 2] {
+        let round = contact.round_gradient();
+        let pin = self.ring.pin_depth(contact);
+        let turned = std::array::from_fn(|i| contact.gradient[i] - round[i]);
+        let worn_pin = pin + self.back(contact.pin, turned);
+        [contact.gap - pin + self.back(contact.pin, round) - self.unworn_gap(contact), worn_pin]
+    }
+}
+
+impl PinRing {
+    /// Work of the pins' forces on their gaps and elastic approaches, by cause.
+    pub(super) fn work_of_gaps(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
+        let lost = self.lost(at, nominal);
+        let profile = self.contacts.profile();
+        let k1 = profile.short_width_coefficient();
+        let (circle, radius) = (
+            profile.pin_circle_radius - self.designed.radial,
+            profile.pin_radius - self.designed.equidistant,
+        );
+        let pins = self.contacts.pins();
+        self.visit_loaded(at, |contact, force, approach| {
+            add(Cause::Elastic, force * approach);
+            let [flank, pin] = lost.of(contact);
+            add(Cause::FlankWear, force * flank);
+            add(Cause::PinWear, force * pin);
+            let cos = contact.meshing_angle.cos();
+            let offsets = self.designed.equidistant
+                - self.designed.radial * (1.0 - k1 * cos) / profile.speed_factor(cos);
+            let modification = self.designed.relief.at(contact.meshing_angle).depth + offsets;
+            add(Cause::FlankModification, force * modification);
+            let mut made = 0.0;
+            if nominal.has_errors {
+                let pin = &pins[contact.pin];
+                let moved = pin.centre
+                    - circle * unit(std::f64::consts::TAU * contact.pin as f64 / pins.len() as f64);
+                let error = self.contacts.flank_error_depth(contact);
+                made = contact.normal.dot(&moved) + radius - pin.radius + error;
+                add(Cause::ManufacturingErrors, force * made);
+            }
+            add(Cause::FlankCurvature, force * (lost.unworn_gap(contact) - modification - made));
+        });
+    }
+
+    /// What flank and pins have lost, followed back to the nominal place of the disc along the tangents of the
+    /// gaps.
+    fn lost(&self, at: State<'_>, nominal: Nominal<'_>) -> Lost<'_> {
+        let rest = vec![0.0; nominal.q.len()];
+        let (pose, _) = self.disc_state(at);
+        let (from, _) = self.disc_state(State { q: nominal.q, v: &rest });
+        let pins = self.pin_ways(at.q);
+        let mut unworn = self.contacts.clone();
+        unworn.set_relief(self.designed.relief.clone());
+        unworn.set_pin_relief(Relief::uniform(0.0));
+        let moved = pose.centre - from.centre;
+        Lost {
+            ring: &self.contacts,
+            unworn: unworn.contacts_moved(pose, DiscVelocity::REST, &pins),
+            moved: [moved.x, moved.y, pose.angle - from.angle],
+            pins,
+        }
+    }
+}
