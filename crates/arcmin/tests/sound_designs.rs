@@ -204,16 +204,17 @@ fn preload_wears_off_without_a_jump() {
     let options =
         LifeOptions { intervals: 10, crank_positions: 6, search_factor: 1.0, ..LifeOptions::default() };
     let life = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
-    assert!(life.points[0].accuracy.play.arcmin() < 0.0 && life.points[0].accuracy.preload > 100.0);
+    let travel: Vec<_> = life.points.iter().map(|point| point.travel.unwrap()).collect();
+    let (new, worn) = (travel[0], travel[10]);
+    assert!(new.play.arcmin() < 0.0 && new.preload > 100.0);
     // Flanks carry nothing, and so lose nothing, at roots and tips: in some crank positions they stay tight after
     // the play, a mean over all positions, is there.
-    let (new, worn) = (&life.points[0].accuracy, &life.points[10].accuracy);
     assert!(worn.play.arcmin() > 0.0 && worn.preload < new.preload, "{} {}", worn.preload, new.preload);
-    for pair in life.points.windows(2) {
-        let (before, after) = (&pair[0].accuracy, &pair[1].accuracy);
+    for (pair, travel) in life.points.windows(2).zip(travel.windows(2)) {
+        let (before, after) = (travel[0], travel[1]);
         let rise = after.play.arcmin() - before.play.arcmin();
         // A micrometre of relief is some 0.065 arcmin of play.
-        let worn = (after.max_depth - before.max_depth) * 1e6;
+        let worn = (pair[1].accuracy.max_depth - pair[0].accuracy.max_depth) * 1e6;
         assert!(rise > 0.0 && rise < 0.1 * worn + 1e-3, "{rise} {worn}");
         // The pins that stay tight take over from those that wear free: the largest force first rises a little.
         assert!(after.preload < 1.1 * before.preload, "{} {}", after.preload, before.preload);

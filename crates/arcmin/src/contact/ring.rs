@@ -1,7 +1,9 @@
 use super::facets::{Facets, MeshContact};
 use super::sliding::Sliding;
 use super::{Damping, LineContact, Moved};
-use crate::geometry::{FlankError, FlankErrorReader, Profile, Relief, Vec2, cross, quarter_turn, unit};
+use crate::geometry::{
+    ErrorFloors, FlankError, FlankErrorReader, Profile, Relief, Vec2, cross, quarter_turn, unit,
+};
 
 /// Sectors of the meshing angle with a bound of their own for the relief.
 pub(super) const FLOOR_SECTORS: usize = 72;
@@ -167,6 +169,34 @@ pub struct Reaction {
 /// A contact may be found closed by this depth in m without having been waited for.
 pub const TOLERABLE_DEPTH: f64 = 5e-8;
 
+/// Between which depths (m) samples lie.
+#[derive(Clone, Copy)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    const NONE: Range = Range { low: f64::INFINITY, high: f64::NEG_INFINITY };
+
+    fn of(samples: &[f64]) -> Range {
+        samples.iter().fold(Range::NONE, |range, depth| range.with(*depth))
+    }
+
+    fn with(self, depth: f64) -> Range {
+        Range { low: self.low.min(depth), high: self.high.max(depth) }
+    }
+
+    fn and(self, other: Range) -> Range {
+        Range { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// A bound of the spline from below, which may undershoot its samples by a share of their range.
+    fn floor(self, share: f64) -> f64 {
+        self.low - share * (self.high - self.low)
+    }
+}
+
 /// All pins against one disc.
 #[derive(Debug, Clone)]
 pub struct PinContacts {
@@ -184,8 +214,11 @@ pub struct PinContacts {
     pub(super) flank_error: Option<FlankError>,
     /// The same, ready to be read.
     pub(super) error_reader: Option<FlankErrorReader>,
-    /// Bound from below of what pins and flank errors take off, in m.
-    pub(super) shallowest_elsewhere: f64,
+    /// Bounds from below of what they take off, in m: about a place, and anywhere.
+    pub(super) error_floors: Option<ErrorFloors>,
+    pub(super) least_error: f64,
+    /// Bound from below of what pins have lost, in m.
+    pub(super) shallowest_pin: f64,
     /// Bound from below of the flank's relief within ±20° of each sector of the meshing angle, in m.
     pub(super) relief_floors: [f64; FLOOR_SECTORS],
     pub(super) contact: LineContact,
@@ -210,7 +243,9 @@ impl PinContacts {
             pin_reliefs: Vec::new(),
             flank_error: None,
             error_reader: None,
-            shallowest_elsewhere: 0.0,
+            error_floors: None,
+            least_error: 0.0,
+            shallowest_pin: 0.0,
             relief_floors: [0.0; FLOOR_SECTORS],
             contact,
             sliding: None,
@@ -244,7 +279,7 @@ impl PinContacts {
         self.seen = relief.without_hollows(&self.profile, radius).unwrap_or_else(|| relief.clone());
         self.relief = relief;
         self.facets = self.facets.take().map(|facets| facets.with_relief(&self.profile, &self.relief));
-        self.update_bounds();
+        self.update_relief_floors();
     }
 
     /// Replaces the flank by what a mesh of linear elements with nodes at the given τ (rad) leaves of it.
@@ -262,14 +297,14 @@ impl PinContacts {
     /// own place on the ring to the flank normal, 0 where the pin faces the centre of the ring.
     pub fn set_pin_relief(&mut self, relief: Relief) {
         self.pin_reliefs = if relief.is_zero() { Vec::new() } else { vec![relief] };
-        self.update_bounds();
+        self.update_bound_of_pins();
     }
 
     /// The same for every pin by itself.
     pub fn set_pin_reliefs(&mut self, reliefs: Vec<Relief>) {
         debug_assert_eq!(reliefs.len(), self.pins.len());
         self.pin_reliefs = if reliefs.iter().all(Relief::is_zero) { Vec::new() } else { reliefs };
-        self.update_bounds();
+        self.update_bound_of_pins();
     }
 
     /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank is left
@@ -278,7 +313,8 @@ impl PinContacts {
     pub fn set_flank_error(&mut self, error: FlankError) {
         self.flank_error = (!error.is_zero()).then_some(error);
         self.error_reader = self.flank_error.as_ref().map(FlankErrorReader::new);
-        self.update_bounds();
+        self.error_floors = self.flank_error.as_ref().map(|error| error.floors(&self.profile));
+        self.least_error = self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
     }
 
     /// Sets the damping of every contact; none at first.
@@ -317,28 +353,28 @@ impl PinContacts {
         self.sliding = sliding.filter(|sliding| sliding.coefficient > 0.0);
     }
 
-    /// Bounds from below for culling. A spline may undershoot its samples a little; a share of the range of
-    /// the samples is a safe margin.
-    fn update_bounds(&mut self) {
-        let floor = |samples: &mut dyn Iterator<Item = f64>, margin: f64| {
-            let (low, high) =
-                samples.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
-            low - margin * (high - low)
-        };
-        let pins = self.pin_reliefs.iter().map(|relief| floor(&mut relief.samples().iter().copied(), 0.5));
-        self.shallowest_elsewhere = pins.reduce(f64::min).unwrap_or(0.0)
-            + self.flank_error.as_ref().map_or(0.0, FlankError::shallowest);
+    fn update_bound_of_pins(&mut self) {
+        let pins = self.pin_reliefs.iter().map(|relief| Range::of(relief.samples()).floor(0.5));
+        self.shallowest_pin = pins.reduce(f64::min).unwrap_or(0.0);
+    }
+
+    /// From the ranges of the sectors, each with its neighbours within 20°: coarse reliefs have samples farther apart
+    /// than a sector is wide, of which the two on either side count at least.
+    fn update_relief_floors(&mut self) {
         let samples = self.seen.samples();
         let count = samples.len();
-        let reach = (count / 18).max(2);
-        for (sector, bound) in self.relief_floors.iter_mut().enumerate() {
-            let first = sector * count / FLOOR_SECTORS;
-            let last = (sector + 1) * count / FLOOR_SECTORS;
-            *bound = floor(
-                &mut (first + count - reach.min(count)..=last + count + reach).map(|i| samples[i % count]),
-                0.1,
-            );
-        }
+        let sector = |sector: usize| {
+            let (first, last) = (sector * count / FLOOR_SECTORS, (sector + 1) * count / FLOOR_SECTORS);
+            let spare = if count < FLOOR_SECTORS { 2 } else { 0 };
+            (first + count - spare.min(count)..=last + count + spare)
+                .fold(Range::NONE, |range, i| range.with(samples[i % count]))
+        };
+        let sectors: [Range; FLOOR_SECTORS] = std::array::from_fn(sector);
+        self.relief_floors = std::array::from_fn(|sector| {
+            let near =
+                (sector + FLOOR_SECTORS - 4..=sector + FLOOR_SECTORS + 4).map(|i| sectors[i % FLOOR_SECTORS]);
+            near.fold(Range::NONE, Range::and).floor(0.1)
+        });
     }
 
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.

@@ -75,6 +75,8 @@ impl PinContacts {
         let open = skim.then_some(self.reach + moved.lift);
         let bounded = !all && self.facets.is_none();
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
+        // τ of the first pin's place, in turns from 0 on.
+        let first_place = (-pose.angle / std::f64::consts::TAU).rem_euclid(1.0);
         let mut next = Batch::default();
         for first in (0..self.pins.len()).step_by(LANES) {
             let count = LANES.min(self.pins.len() - first);
@@ -87,21 +89,28 @@ impl PinContacts {
                 let e = turned(self.directions[index], back);
                 near.push(index, arm, turned(arm, back), pitch * index as f64 - pose.angle, e);
             }
-            let distances = if bounded {
-                self.profile.least_distances(&near.place, &near.direction, ez)
-            } else {
-                [0.0; LANES]
-            };
+            if !bounded {
+                self.visit_batch(&mut near, ez, rotation, velocity, open, &mut visit);
+                continue;
+            }
+            let (distances, ways) = self.profile.least_distances(&near.place, &near.direction, ez);
             for lane in 0..count {
                 let index = first + lane;
-                if bounded {
-                    // z_c τ grows by a turn less a pitch from pin to pin.
-                    let turn = first_turn + index as f64 / self.pins.len() as f64;
-                    let off = self.profile.pin_radius - self.pins[index].radius + self.relief_floor(turn);
-                    // False for NaN.
-                    if distances[lane] + off + self.shallowest_elsewhere - moved.lift > self.reach {
-                        continue;
+                // z_c τ grows by a turn less a pitch from pin to pin.
+                let turn = first_turn + index as f64 / self.pins.len() as f64;
+                let off = self.profile.pin_radius - self.pins[index].radius + self.relief_floor(turn);
+                let error = self.error_floors.as_ref().map_or(0.0, |floors| {
+                    let turn = first_place + index as f64 / self.pins.len() as f64;
+                    let within = ways[lane] < floors.reach();
+                    if within {
+                        floors.at(if turn < 1.0 { turn } else { turn - 1.0 })
+                    } else {
+                        self.least_error
                     }
+                });
+                // False for NaN.
+                if distances[lane] + off + error + self.shallowest_pin - moved.lift > self.reach {
+                    continue;
                 }
                 next.push(index, near.arm[lane], near.place[lane], near.tau[lane], near.direction[lane]);
                 if next.count == LANES {

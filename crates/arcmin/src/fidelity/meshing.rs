@@ -163,6 +163,10 @@ impl ShareLoad for MachineMeshing {
         each!(mut self, meshing => ShareLoad::whole_cycle(meshing, torque, count))
     }
 
+    fn free_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        each!(mut self, meshing => ShareLoad::free_cycle(meshing, torque, count))
+    }
+
     fn loaded_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         each!(mut self, meshing => ShareLoad::loaded_cycle(meshing, torque, count))
     }

@@ -129,8 +129,9 @@ impl Profile {
 
     /// Distances (m) from the trace that pins have at least, from the start of their search: the height over the
     /// tangent there less what the curvature can take back; −∞ where that may change its size on the way to the foot.
+    /// And how long that way is at most, in rad of τ.
     #[inline]
-    pub(crate) fn least_distances(&self, p: &[Vec2; LANES], e: &[Vec2; LANES], ez: Vec2) -> Lanes {
+    pub(crate) fn least_distances(&self, p: &[Vec2; LANES], e: &[Vec2; LANES], ez: Vec2) -> (Lanes, Lanes) {
         let ez = Vectors { x: [ez.x; LANES], y: [ez.y; LANES] };
         let Trace { off, c1, c2 } =
             self.trace_under(&Vectors::of(p), &Places { tau: [0.0; LANES], e: Vectors::of(e), ez });
@@ -140,10 +141,12 @@ impl Profile {
         let curvature = lanes(|l| {
             (c1.x[l] * c2.y[l] - c1.y[l] * c2.x[l]).abs() * per_speed[l] * per_speed[l] * per_speed[l]
         });
-        lanes(|l| {
+        let distances = lanes(|l| {
             let steady = curvature[l] * (height[l].abs() + along[l].abs()) < 0.3;
             if steady { height[l] - 2.0 * curvature[l] * along[l] * along[l] } else { f64::NEG_INFINITY }
-        })
+        });
+        // Where the curvature is steady, the foot moves by along/(1 − κ height) at most.
+        (distances, lanes(|l| 1.5 * along[l].abs() * per_speed[l]))
     }
 
     /// As [`Profile::trace_derivatives`].

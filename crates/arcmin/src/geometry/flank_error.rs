@@ -124,9 +124,61 @@ impl FlankError {
         measured.min(0.0) - self.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>()
     }
 
+    /// Bounds from below in m, one for each of equal sectors of τ from 0 on with those beside it: by what the flank
+    /// has at two places in each sector, less the largest difference of neighbouring ones. Waves too short for
+    /// these places have [`FlankError::shallowest`] everywhere.
+    pub(crate) fn floors(&self, profile: &Profile) -> ErrorFloors {
+        let lobes = profile.lobe_count();
+        let count = SECTORS_PER_LOBE * lobes;
+        if self.harmonics.iter().any(|h| h.order > 8 * lobes) {
+            return ErrorFloors { sectors: vec![self.shallowest(); count] };
+        }
+        let reader = FlankErrorReader::new(self);
+        let places = 2 * count;
+        let depths: Vec<f64> = (0..places)
+            .map(|i| {
+                let tau = TAU * i as f64 / places as f64;
+                reader.depth(tau, unit(tau), profile.outward_normal(tau))
+            })
+            .collect();
+        let floor = |sector: usize| {
+            // From the beginning of the sector before to the end of that after.
+            let near = |i: usize| depths[(2 * sector + places - 2 + i) % places];
+            let (mut least, mut step) = (near(0), 0.0_f64);
+            for i in 1..=6 {
+                least = least.min(near(i));
+                step = step.max((near(i) - near(i - 1)).abs());
+            }
+            least - step
+        };
+        ErrorFloors { sectors: (0..count).map(floor).collect() }
+    }
+
     pub fn is_zero(&self) -> bool {
         self.harmonics.iter().all(|h| h.amplitude == 0.0)
             && self.measured.as_ref().is_none_or(Relief::is_zero)
+    }
+}
+
+/// Sectors of every lobe with a bound of their own.
+const SECTORS_PER_LOBE: usize = 32;
+
+/// Bounds from below of a [`FlankError`] in m, by sectors of τ.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ErrorFloors {
+    sectors: Vec<f64>,
+}
+
+impl ErrorFloors {
+    /// Width of a sector in rad: as far on either side of a place its bound holds.
+    pub fn reach(&self) -> f64 {
+        TAU / self.sectors.len() as f64
+    }
+
+    /// About τ = 2π `turn`, in m; `turn` from 0 to 1.
+    #[inline]
+    pub fn at(&self, turn: f64) -> f64 {
+        self.sectors[((turn * self.sectors.len() as f64) as usize).min(self.sectors.len() - 1)]
     }
 }
 
@@ -239,6 +291,47 @@ fn power(e: Vec2, mut n: usize) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Nowhere does a flank have less than the bound of its sector, nor within a sector's width to either side, and
+    /// the bounds follow the error: runs-out, pitch and profile errors, measured flanks, waves too short for them.
+    #[test]
+    fn floors_of_sectors_hold_and_are_close() {
+        let profile =
+            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let wave = |order, amplitude, phase, direction| FlankHarmonic { order, amplitude, phase, direction };
+        let waves = vec![
+            wave(1, 4e-6, 0.3, FlankDirection::Inwards),
+            wave(3, 2e-6, 1.3, FlankDirection::Around),
+            wave(39, 2e-6, 0.7, FlankDirection::Normal),
+            wave(117, 0.5e-6, 2.0, FlankDirection::Normal),
+        ];
+        let measured: Vec<(f64, f64)> = (0..39 * 40)
+            .map(|i| TAU * f64::from(i) / (39.0 * 40.0))
+            .map(|tau| (tau, 3e-6 * (2.0 * tau).sin() + 1e-6 * (78.0 * tau).cos()))
+            .collect();
+        let short = vec![wave(39 * 64, 1e-6, 0.1, FlankDirection::Normal)];
+        for (error, excess) in [
+            (FlankError { harmonics: waves, measured: None }, 1.5e-6),
+            (FlankError::from_measured(&measured, 39).unwrap(), 1.5e-6),
+            (FlankError { harmonics: short, measured: None }, 2e-6),
+        ] {
+            let floors = error.floors(&profile);
+            let mut largest = 0.0_f64;
+            for i in 0..20_000 {
+                let turn = f64::from(i) / 20_000.0;
+                let floor = floors.at(turn);
+                for way in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+                    let tau = TAU * turn + way * floors.reach();
+                    let depth = error.depth(tau, profile.outward_normal(tau));
+                    assert!(floor <= depth, "{turn} {way}: {floor:e} {depth:e}");
+                    if way == 0.0 {
+                        largest = largest.max(depth - floor);
+                    }
+                }
+            }
+            assert!(largest < excess, "{largest:e}");
+        }
+    }
 
     /// Unevenly spaced points of a known wave, many times the grid and a quarter of it, give the wave back.
     #[test]

@@ -16,7 +16,7 @@ mod relief;
 pub use closest::Closest;
 pub(crate) use closest::Outlook;
 pub(crate) use feet::LANES;
-pub(crate) use flank_error::FlankErrorReader;
+pub(crate) use flank_error::{ErrorFloors, FlankErrorReader};
 pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};
 pub use foot::Foot;
 pub use outline::{Outline, Sector, Segment};

@@ -22,9 +22,10 @@ pub struct Relief {
     values: Vec<f64>,
     /// Second derivatives of the spline with respect to φ.
     bends: Vec<f64>,
-    /// Distance of the grid points in rad, and its inverse.
+    /// Distance of the grid points in rad, its inverse, and a sixth of its square.
     step: f64,
     per_step: f64,
+    sixth: f64,
 }
 
 impl Relief {
@@ -44,7 +45,8 @@ impl Relief {
 
     fn with_bends(values: Vec<f64>, bends: Vec<f64>) -> Relief {
         let count = values.len() as f64;
-        Relief { values, bends, step: TAU / count, per_step: count / TAU }
+        let step = TAU / count;
+        Relief { values, bends, step, per_step: count / TAU, sixth: step * step / 6.0 }
     }
 
     /// Meshing angles of the samples for a grid of `count` points.
@@ -136,7 +138,7 @@ impl Relief {
         let (y0, y1, m0, m1) = (self.values[left], self.values[right], self.bends[left], self.bends[right]);
         let s = 1.0 - t;
         DepthSample {
-            depth: s * y0 + t * y1 + h * h / 6.0 * ((s * s * s - s) * m0 + (t * t * t - t) * m1),
+            depth: s * y0 + t * y1 + self.sixth * ((s * s * s - s) * m0 + (t * t * t - t) * m1),
             slope: (y1 - y0) * self.per_step
                 + h / 6.0 * ((3.0 * t * t - 1.0) * m1 - (3.0 * s * s - 1.0) * m0),
             bend: s * m0 + t * m1,

@@ -5,23 +5,13 @@ use crate::load::{Cycle, FlankForce, PinLoad, ShareLoad};
 use crate::machine::{Machine, OutputAngle};
 use crate::wear::WearError;
 
-/// What a state of wear makes of play, errors, forces and pressures.
+/// What a state of wear makes of errors under load, forces and pressures.
 #[derive(Debug, Clone)]
 pub struct Accuracy {
     pub hours: f64,
     /// Largest depth lost by a flank in m, and the meshing angle there in rad.
     pub max_depth: f64,
     pub max_depth_at: f64,
-    /// One-sided play at the output, input locked, no load; mean over the cycle.
-    pub play: OutputAngle,
-    /// Both sides together.
-    pub free_travel: OutputAngle,
-    /// Largest force of a pin without load in N, 0 where there is play; and the friction torque at the output
-    /// in N·m that the preload causes with the flank friction of the machine.
-    pub preload: f64,
-    pub preload_friction: f64,
-    /// Mean output error under vanishing rated-side torque: the play, signed.
-    pub no_load_error: OutputAngle,
     /// Mean output error under rated torque.
     pub loaded_error: OutputAngle,
     /// Peak-to-peak output error under rated torque over the cycle.
@@ -43,6 +33,21 @@ pub struct Accuracy {
     pub flank: Relief,
 }
 
+/// How a machine without load can move, means over everything that repeats.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Travel {
+    /// One-sided play at the output, input locked.
+    pub play: OutputAngle,
+    /// Both sides together.
+    pub free_travel: OutputAngle,
+    /// Output error under vanishing rated-side torque: the play, signed.
+    pub no_load_error: OutputAngle,
+    /// Largest force of a pin in N, 0 where there is play.
+    pub preload: f64,
+    /// Friction torque at the output in N·m that the preload causes with the flank friction of the machine.
+    pub preload_friction: f64,
+}
+
 /// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
 const RING_POSITIONS: usize = 4;
 /// Steps of the meshing angle for forces that differ from pin to pin.
@@ -59,6 +64,33 @@ fn highest(discs: &[Vec<FlankForce>]) -> Vec<FlankForce> {
         .collect()
 }
 
+/// Crank positions of a mean over everything that repeats.
+fn positions<S: ShareLoad>(meshing: &S, crank_positions: usize) -> usize {
+    if meshing.discs_alike() { crank_positions } else { RING_POSITIONS * crank_positions }
+}
+
+/// Travel of one state of wear, which `meshing` has on.
+///
+/// # Errors
+/// [`WearError::Load`] when no load-free balance is found.
+pub fn travel<S: ShareLoad>(
+    machine: &Machine,
+    meshing: &mut S,
+    crank_positions: usize,
+) -> Result<Travel, WearError> {
+    let torque = machine.rated.torque;
+    let cycle = meshing.free_cycle(torque, positions(meshing, crank_positions))?;
+    let play = cycle.mean_play();
+    let sign = if torque < 0.0 { 1.0 } else { -1.0 };
+    Ok(Travel {
+        play,
+        free_travel: cycle.mean_free_travel(),
+        no_load_error: OutputAngle::from_radians(sign * play.radians()),
+        preload: cycle.max_preload(),
+        preload_friction: cycle.preload_friction_torque(machine),
+    })
+}
+
 /// Accuracy of one state of wear, which `meshing` has on.
 ///
 /// # Errors
@@ -71,10 +103,7 @@ pub fn accuracy<S: ShareLoad>(
     crank_positions: usize,
 ) -> Result<Accuracy, WearError> {
     let alike = meshing.discs_alike();
-    let cycle = meshing.whole_cycle(
-        machine.rated.torque,
-        if alike { crank_positions } else { RING_POSITIONS * crank_positions },
-    )?;
+    let cycle = meshing.loaded_cycle(machine.rated.torque, positions(meshing, crank_positions))?;
     let pitch = if meshing.pitches() == 1 {
         cycle.clone()
     } else {
@@ -89,17 +118,10 @@ pub fn accuracy<S: ShareLoad>(
     };
     let pin_loads = if alike { Vec::new() } else { cycle.pin_loads() };
     let (max_depth, max_depth_at) = flank.deepest();
-    let play = cycle.mean_play();
-    let sign = if machine.rated.torque < 0.0 { 1.0 } else { -1.0 };
     Ok(Accuracy {
         hours,
         max_depth,
         max_depth_at,
-        play,
-        free_travel: cycle.mean_free_travel(),
-        preload: cycle.max_preload(),
-        preload_friction: cycle.preload_friction_torque(machine),
-        no_load_error: OutputAngle::from_radians(sign * play.radians()),
         loaded_error: cycle.mean_error(),
         loaded_peak_to_peak: cycle.peak_to_peak_error(),
         max_force: cycle.max_force(),

@@ -6,7 +6,7 @@ mod parts;
 mod predict;
 mod tao2024;
 
-pub use accuracy::{Accuracy, accuracy};
+pub use accuracy::{Accuracy, Travel, accuracy, travel};
 pub use course::{Course, WornState, worn_after};
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
 pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict};

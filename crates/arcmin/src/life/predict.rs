@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::parts::{PartsPoint, lost_motion_positions};
-use super::{Accuracy, Course, WornState, accuracy};
+use super::{Accuracy, Course, Travel, WornState, accuracy, travel};
 use crate::analyses::AnalysisError;
 use crate::fidelity::{Fidelity, MachineMeshing};
 use crate::load::lost_motion;
@@ -17,6 +17,8 @@ use crate::wear::{CoupledOptions, Exposure, WearError};
 pub struct LifePoint {
     pub state: WornState,
     pub accuracy: Accuracy,
+    /// Where it was asked for.
+    pub travel: Option<Travel>,
     /// Lost motion of the tooth contacts alone: ideal joints, the same surfaces.
     pub contact_lost_motion: OutputAngle,
     /// Lost motion of the whole machine in its bearings by cause.
@@ -68,6 +70,8 @@ pub struct LifeOptions {
     pub intervals: usize,
     /// Crank positions of each evaluation.
     pub crank_positions: usize,
+    /// Whether play, free travel and preload are worked out as well.
+    pub travel: bool,
     /// The limit is looked for up to this multiple of the service life.
     pub search_factor: f64,
 }
@@ -78,6 +82,7 @@ impl Default for LifeOptions {
             wear: CoupledOptions::default(),
             intervals: 30,
             crank_positions: 36,
+            travel: true,
             search_factor: 4.0,
         }
     }
@@ -154,10 +159,12 @@ fn follow(
         state.put_on(machine, &mut joints);
         let flank = state.surfaces.flank();
         let accuracy = accuracy(machine, &mut joints, flank, state.hours, options.crank_positions)?;
+        let travel =
+            options.travel.then(|| travel(machine, &mut joints, options.crank_positions)).transpose()?;
         let parts =
             course.parts().lost_motion_causes_on(&mut in_bearings, &state.surfaces, state.part_wear)?;
         let contact_lost_motion = of_contacts(machine, state)?;
-        points.push(LifePoint { accuracy, contact_lost_motion, parts, state: state.clone() });
+        points.push(LifePoint { accuracy, travel, contact_lost_motion, parts, state: state.clone() });
     }
     Ok(points)
 }
@@ -229,7 +236,7 @@ mod tests {
         let prediction = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
         assert_eq!(prediction.points.len(), 6);
         assert_eq!(prediction.points[0].accuracy.max_depth, 0.0);
-        assert!(prediction.points[0].accuracy.play.arcmin().abs() < 1e-9);
+        assert!(prediction.points[0].travel.unwrap().play.arcmin().abs() < 1e-9);
         let grows = |p: &[LifePoint]| {
             p[1].lost_motion() > p[0].lost_motion()
                 && p[1].contact_lost_motion > p[0].contact_lost_motion

@@ -1,6 +1,6 @@
 //! The wear study of Tao2024: uniform depths with the hours of its wear model.
 
-use super::{Accuracy, accuracy};
+use super::{Accuracy, Travel, accuracy, travel};
 use crate::geometry::Relief;
 use crate::machine::Machine;
 use crate::units::UM;
@@ -10,8 +10,8 @@ use crate::wear::paper::PaperWear;
 /// The paper's study.
 #[derive(Debug, Clone)]
 pub struct PaperStudy {
-    /// Depth in m, and what it makes of accuracy; the hours are NaN where the wear rule finds none.
-    pub points: Vec<(f64, Accuracy)>,
+    /// Depth in m, and what it makes of accuracy and play; the hours are NaN where the wear rule finds none.
+    pub points: Vec<(f64, Accuracy, Travel)>,
     /// The wear rule; an error where the closed form behind it does not settle.
     pub wear: Result<PaperWear, WearError>,
 }
@@ -36,8 +36,9 @@ pub fn paper_study(
     for depth in depths {
         let flank = Relief::uniform(*depth);
         let hours = wear.as_ref().map_or(f64::NAN, |wear| wear.hours_at(*depth));
-        let accuracy = accuracy(machine, &mut machine.meshing(&flank), &flank, hours, crank_positions)?;
-        points.push((*depth, accuracy));
+        let mut meshing = machine.meshing(&flank);
+        let accuracy = accuracy(machine, &mut meshing, &flank, hours, crank_positions)?;
+        points.push((*depth, accuracy, travel(machine, &mut meshing, crank_positions)?));
     }
     Ok(PaperStudy { points, wear })
 }
@@ -51,8 +52,8 @@ mod tests {
     fn val_study_at_ten_and_sixty_micrometres() {
         let machine = crate::templates::rv_40e_81();
         let study = paper_study(&machine, &paper_depths(), 72).unwrap();
-        assert!((study.points[1].1.play.arcmin() - 0.6536).abs() < 1e-4);
-        assert!((study.points[6].1.play.arcmin() - 3.9218).abs() < 1e-4);
+        assert!((study.points[1].2.play.arcmin() - 0.6536).abs() < 1e-4);
+        assert!((study.points[6].2.play.arcmin() - 3.9218).abs() < 1e-4);
         assert!((study.points[6].1.hours - 7500.0).abs() < 1e-6);
         assert!((study.points[5].1.hours / 6442.0 - 1.0).abs() < 0.01);
     }

@@ -90,7 +90,7 @@ pub trait ShareLoad: Send + Sync {
     fn pitch_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let period = self.kinematics().pattern_period();
         let angles = (0..count).map(|index| CrankAngle::from_radians(period * index as f64 / count as f64));
-        sample(self, torque, period, angles, usize::MAX)
+        sample(self, torque, period, angles)
     }
 
     /// Load sharing at `count` crank positions over everything that repeats, the play at every third of them.
@@ -98,7 +98,8 @@ pub trait ShareLoad: Send + Sync {
     /// # Errors
     /// [`LoadError`] of the first position that has no solution.
     fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        sample_whole(self, torque, count, 3)
+        let free = self.free_cycle(torque, count)?;
+        Ok(Cycle { positions: self.loaded_cycle(torque, count)?.positions, ..free })
     }
 
     /// [`ShareLoad::whole_cycle`] without play.
@@ -106,7 +107,22 @@ pub trait ShareLoad: Send + Sync {
     /// # Errors
     /// As there.
     fn loaded_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        sample_whole(self, torque, count, usize::MAX)
+        let angles: Vec<CrankAngle> =
+            (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
+        sample(self, torque, self.kinematics().pattern_period() * self.pitches() as f64, angles)
+    }
+
+    /// The play of [`ShareLoad::whole_cycle`] alone, towards the flank of `torque`.
+    ///
+    /// # Errors
+    /// [`LoadError`] of the first position that has no load-free balance.
+    fn free_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        let mut cycle = Cycle::empty(self.kinematics().pattern_period() * self.pitches() as f64);
+        for index in (0..count).step_by(3) {
+            let crank = self.crank_position(index, count, 0.0, 0);
+            cycle.add_travel(self.travel(crank)?, torque);
+        }
+        Ok(cycle)
     }
 }
 
@@ -125,33 +141,16 @@ pub(crate) fn turn_position(
     )
 }
 
-/// `count` positions over everything that repeats; `stride` as in [`sample`].
-fn sample_whole<S: ShareLoad + ?Sized>(
-    sharer: &mut S,
-    torque: f64,
-    count: usize,
-    stride: usize,
-) -> Result<Cycle, LoadError> {
-    let period = sharer.kinematics().pattern_period() * sharer.pitches() as f64;
-    let angles: Vec<CrankAngle> =
-        (0..count).map(|index| sharer.crank_position(index, count, 0.0, 0)).collect();
-    sample(sharer, torque, period, angles, stride)
-}
-
-/// The play is read at every `stride`th position, with `usize::MAX` at none.
+/// Load sharing at the angles, each started from the one before.
 fn sample<S: ShareLoad + ?Sized>(
     sharer: &mut S,
     torque: f64,
     period: f64,
     angles: impl IntoIterator<Item = CrankAngle>,
-    stride: usize,
 ) -> Result<Cycle, LoadError> {
     let mut cycle = Cycle::empty(period);
     let mut start = None;
-    for (index, crank) in angles.into_iter().enumerate() {
-        if stride < usize::MAX && index % stride == 0 {
-            cycle.add_travel(sharer.travel(crank)?, torque);
-        }
+    for crank in angles {
         let (sharing, found) = sharer.share(crank, torque, start.as_ref())?;
         cycle.positions.push(sharing);
         start = Some(found);
@@ -234,12 +233,13 @@ impl ShareLoad for Meshing {
         self.free_travel(crank)
     }
 
-    fn pitch_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        self.cycle(torque, count)
-    }
-
-    fn whole_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        self.cycle(torque, count)
+    /// At every position: with ideal joints it costs little.
+    fn free_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
+        let mut cycle = Cycle::empty(Meshing::kinematics(self).pattern_period());
+        for index in 0..count {
+            cycle.add_travel(self.free_travel(self.crank_position(index, count, 0.0, 0))?, torque);
+        }
+        Ok(cycle)
     }
 }
 

@@ -140,7 +140,8 @@ fn life(design: &Design) -> Result<(), Failure> {
     };
     for point in &prediction.points {
         let accuracy = &point.accuracy;
-        all_finite(&[accuracy.max_force, accuracy.play.arcmin(), point.lost_motion().arcmin()])?;
+        let play = point.travel.map_or(f64::NAN, |travel| travel.play.arcmin());
+        all_finite(&[accuracy.max_force, play, point.lost_motion().arcmin()])?;
         let split = point.parts.lost_motion;
         if !(split.residual().abs() <= 0.1 * split.whole.abs()) {
             return Err(Failure::Failed(format!("causes leave {} of {}", split.residual(), split.whole)));

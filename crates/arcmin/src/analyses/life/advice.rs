@@ -216,7 +216,7 @@ struct Question<'a> {
     prediction: &'a Prediction,
 }
 
-/// [`ShareLoad::whole_cycle`], or without play what takes less long.
+/// [`ShareLoad::loaded_cycle`] or [`ShareLoad::free_cycle`].
 type CycleOf = fn(&mut MachineMeshing, f64, usize) -> Result<Cycle, LoadError>;
 
 impl Question<'_> {
@@ -271,8 +271,10 @@ impl Question<'_> {
                 Some(cycle.peak_to_peak_error().arcmin() + rest)
             }
             LimitKind::Backlash => {
-                let (point, rest) = self.worn(rate, |point| point.accuracy.free_travel.arcmin())?;
-                let cycle = self.cycle(machine, point, ShareLoad::whole_cycle)?;
+                let travel =
+                    |point: &LifePoint| point.travel.map_or(0.0, |travel| travel.free_travel.arcmin());
+                let (point, rest) = self.worn(rate, travel)?;
+                let cycle = self.cycle(machine, point, ShareLoad::free_cycle)?;
                 Some(cycle.mean_free_travel().arcmin() + rest)
             }
             _ => {

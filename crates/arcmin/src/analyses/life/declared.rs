@@ -6,7 +6,7 @@ use crate::analyses::causes::{self, CausesAt, HasCauses};
 use crate::analyses::{errors_table, wear};
 use crate::dynamics::ErrorStatistics;
 use crate::fidelity::Fidelity;
-use crate::life::{LifePoint, PartsPoint};
+use crate::life::{LifePoint, PartsPoint, Travel};
 use crate::results::{
     DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, quantities as q, quantity,
 };
@@ -16,23 +16,23 @@ use crate::units::{ARCMIN, DEG, HOUR, MPA, UM};
 pub(super) struct Row {
     hours: f64,
     max_depth_um: f64,
-    play_arcmin: f64,
     lost_motion_arcmin: f64,
     contact_lost_motion_arcmin: f64,
-    te_no_load_arcmin: f64,
     te_loaded_arcmin: f64,
     /// STE and DTE.
     te: [Option<ErrorStatistics>; 2],
     max_force_n: f64,
     max_pressure_mpa: f64,
     loaded_pairs: f64,
-    free_travel_arcmin: f64,
     peak_to_peak_arcmin: f64,
     max_depth_at_deg: f64,
     max_pin_depth_um: f64,
-    preload_n: f64,
-    preload_friction_n_m: f64,
+    travel: Option<Travel>,
 }
+
+/// Results that need the load-free travel; tables by their names.
+pub(super) const OF_TRAVEL: &[&str] =
+    &["life", "play_arcmin", "te_no_load_arcmin", "preload_n", "preload_friction_n_m"];
 
 impl Row {
     fn new(point: &LifePoint, age: Option<&Age>) -> Row {
@@ -40,22 +40,22 @@ impl Row {
         Row {
             hours: point.hours(),
             max_depth_um: accuracy.max_depth / UM,
-            play_arcmin: accuracy.play.arcmin(),
             lost_motion_arcmin: point.lost_motion().arcmin(),
             contact_lost_motion_arcmin: point.contact_lost_motion.arcmin(),
-            te_no_load_arcmin: accuracy.no_load_error.arcmin(),
             te_loaded_arcmin: accuracy.loaded_error.arcmin(),
             te: age.map_or([None, None], Age::statistics),
             max_force_n: accuracy.max_force,
             max_pressure_mpa: accuracy.max_pressure / MPA,
             loaded_pairs: accuracy.loaded_pairs,
-            free_travel_arcmin: accuracy.free_travel.arcmin(),
             peak_to_peak_arcmin: accuracy.loaded_peak_to_peak.arcmin(),
             max_depth_at_deg: accuracy.max_depth_at.abs() / DEG,
             max_pin_depth_um: point.state.surfaces.pin().deepest().0 / UM,
-            preload_n: accuracy.preload,
-            preload_friction_n_m: accuracy.preload_friction,
+            travel: point.travel,
         }
+    }
+
+    fn travel(&self, of: fn(&Travel) -> f64) -> Value {
+        Value::from(self.travel.as_ref().map(of))
     }
 
     fn te(&self, loaded: bool, of: fn(&ErrorStatistics) -> f64) -> Value {
@@ -86,10 +86,10 @@ const LIFE: TableOf<Row> = TableOf {
         vec![
             q::HOURS.of(|r: &Row| r.hours.into()),
             q::MAX_DEPTH.of(|r| r.max_depth_um.into()),
-            q::PLAY.of(|r| r.play_arcmin.into()),
+            q::PLAY.of(|r| r.travel(|t| t.play.arcmin())),
             q::LOST_MOTION.of(|r| r.lost_motion_arcmin.into()),
             q::CONTACT_LOST_MOTION.of(|r| r.contact_lost_motion_arcmin.into()),
-            q::TE_NO_LOAD.of(|r| r.te_no_load_arcmin.into()),
+            q::TE_NO_LOAD.of(|r| r.travel(|t| t.no_load_error.arcmin())),
             q::TE_LOADED.of(|r| r.te_loaded_arcmin.into()),
             STE_MEAN.of(|r| r.te(false, |s| s.mean_abs)),
             STE_MAX.of(|r| r.te(false, |s| s.max_abs)),
@@ -98,12 +98,12 @@ const LIFE: TableOf<Row> = TableOf {
             q::MAX_FORCE.of(|r| r.max_force_n.into()),
             q::MAX_PRESSURE.of(|r| r.max_pressure_mpa.into()),
             q::LOADED_PAIRS.of(|r| r.loaded_pairs.into()),
-            q::FREE_TRAVEL.of(|r| r.free_travel_arcmin.into()),
+            q::FREE_TRAVEL.of(|r| r.travel(|t| t.free_travel.arcmin())),
             q::TE_LOADED_PEAK_TO_PEAK.of(|r| r.peak_to_peak_arcmin.into()),
             q::MAX_DEPTH_AT.of(|r| r.max_depth_at_deg.into()),
             q::MAX_PIN_DEPTH.of(|r| r.max_pin_depth_um.into()),
-            q::PRELOAD.of(|r| r.preload_n.into()),
-            q::PRELOAD_FRICTION.of(|r| r.preload_friction_n_m.into()),
+            q::PRELOAD.of(|r| r.travel(|t| t.preload)),
+            q::PRELOAD_FRICTION.of(|r| r.travel(|t| t.preload_friction)),
         ]
     },
 };
@@ -169,12 +169,12 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
             q::MAX_DEPTH_AT.of(|o| (o.last().accuracy.max_depth_at.abs() / DEG).into()),
             q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
-            q::PLAY.of(|o| o.last().accuracy.play.arcmin().into()),
-            q::TE_NO_LOAD.of(|o| o.last().accuracy.no_load_error.arcmin().into()),
+            q::PLAY.of(|o| o.last().travel.map(|t| t.play.arcmin()).into()),
+            q::TE_NO_LOAD.of(|o| o.last().travel.map(|t| t.no_load_error.arcmin()).into()),
             q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
             q::TE_LOADED_PEAK_TO_PEAK.of(|o| o.last().accuracy.loaded_peak_to_peak.arcmin().into()),
-            q::PRELOAD.of(|o| o.over_life(|point| point.accuracy.preload).into()),
-            q::PRELOAD_FRICTION.of(|o| o.over_life(|point| point.accuracy.preload_friction).into()),
+            q::PRELOAD.of(|o| o.travel_over_life(|t| t.preload).into()),
+            q::PRELOAD_FRICTION.of(|o| o.travel_over_life(|t| t.preload_friction).into()),
             STE_MEAN.of(|o| o.last_te(false, |s| s.mean_abs)),
             STE_MAX.of(|o| o.last_te(false, |s| s.max_abs)),
             DTE_MEAN.of(|o| o.last_te(true, |s| s.mean_abs)),
@@ -207,6 +207,11 @@ impl Life {
     fn last_te(&self, loaded: bool, of: fn(&ErrorStatistics) -> f64) -> Value {
         let statistics = self.ages.last().and_then(|age| age.statistics()[usize::from(loaded)]);
         Value::from(statistics.map(|statistics| of(&statistics) / ARCMIN))
+    }
+
+    /// Largest of the times; none where travel was not asked for.
+    fn travel_over_life(&self, of: impl Fn(&Travel) -> f64) -> Option<f64> {
+        self.prediction.points.iter().filter_map(|point| point.travel.as_ref().map(&of)).reduce(f64::max)
     }
 
     fn over_life(&self, of: impl Fn(&LifePoint) -> f64) -> f64 {

@@ -33,6 +33,11 @@ fn over(life: &Life, value: impl Fn(&LifePoint) -> f64) -> Vec<(f64, f64)> {
     life.prediction.points.iter().map(|point| (point.hours(), value(point))).collect()
 }
 
+fn play(life: &Life) -> Vec<(f64, f64)> {
+    let points = life.prediction.points.iter();
+    points.filter_map(|point| Some((point.hours(), point.travel?.play.arcmin()))).collect()
+}
+
 pub(super) fn accuracy(life: &Life) -> Vec<Block> {
     let mut angles = Plot::new(
         "Accuracy over running time",
@@ -45,7 +50,7 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
             .coloured(Colour::Palette(0)),
     )
     .with(
-        Series::new("play, one-sided", Style::Dashed, over(life, |p| p.accuracy.play.arcmin()))
+        Series::new("play, one-sided", Style::Dashed, play(life))
             .coloured(Colour::Palette(2)),
     )
     .with(

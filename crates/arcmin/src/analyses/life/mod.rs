@@ -82,7 +82,10 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     clock.stage("check");
     let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     clock.stage("fidelity");
-    let settings = LifeOptions { intervals: options.points, ..LifeOptions::default() };
+    // The verdict needs the travel where it has a limit.
+    let travel =
+        machine.limits.backlash.is_some() || declared::OF_TRAVEL.iter().any(|result| host.wants(result));
+    let settings = LifeOptions { intervals: options.points, travel, ..LifeOptions::default() };
     let (prediction, ages) = predict_with_runs(&machine, &fidelity, settings, options.quasi_static, host)?;
     clock.stage(if options.quasi_static { "prediction" } else { "prediction_and_simulation" });
     host.report("bearings", 0.0);
@@ -175,7 +178,7 @@ fn emergency_pressure(
         let mut meshing = fidelity.meshing(machine)?;
         point.state.put_on(machine, &mut meshing);
         let cycle = meshing
-            .whole_cycle(torque, 36)
+            .loaded_cycle(torque, 36)
             .map_err(AnalysisError::compute("share the load of an emergency stop"))?;
         largest = largest.max(cycle.max_pressure(&machine.line_contact()));
     }

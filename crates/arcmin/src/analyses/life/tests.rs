@@ -135,8 +135,11 @@ fn advice_is_about_the_limit_that_is_reached() {
         assert!(limit.kind.name() == words && !life.advice.is_empty(), "{:?}", life.advice);
         for advice in &life.advice {
             assert!(advice.text.contains(words) && advice.after < advice.before, "{advice:?}");
-            let own =
-                if words == "backlash" { life.last().accuracy.free_travel.arcmin() } else { limit.value };
+            let own = if words == "backlash" {
+                life.last().travel.unwrap().free_travel.arcmin()
+            } else {
+                limit.value
+            };
             // As exact as balances are, which start from other places here and there.
             assert!((advice.before - own).abs() < 1e-7, "{advice:?} {own}");
         }

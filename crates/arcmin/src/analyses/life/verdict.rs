@@ -153,6 +153,12 @@ impl Judged<'_> {
         self.prediction.points.iter().map(|point| (point.hours(), value(point))).collect()
     }
 
+    /// Of the points of which it is known.
+    fn free_travel(&self) -> Vec<(f64, f64)> {
+        let points = self.prediction.points.iter();
+        points.filter_map(|point| Some((point.hours(), point.travel?.free_travel.arcmin()))).collect()
+    }
+
     fn contact_pressure(&self, service_h: f64) -> Limit {
         let history = self.history(|point| point.accuracy.max_pressure / MPA);
         let allowed = self.machine.limits.contact_pressure / MPA;
@@ -223,11 +229,7 @@ impl Judged<'_> {
                 limits.transmission_error.map(|limit| limit / ARCMIN),
                 self.history(|point| point.accuracy.loaded_peak_to_peak.arcmin()),
             ),
-            over_life(
-                LimitKind::Backlash,
-                limits.backlash.map(|limit| limit / ARCMIN),
-                self.history(|point| point.accuracy.free_travel.arcmin()),
-            ),
+            over_life(LimitKind::Backlash, limits.backlash.map(|limit| limit / ARCMIN), self.free_travel()),
             at_once(LimitKind::StartStopTorque, limits.start_stop_torque, torque),
             self.emergency_pressure.and_then(|pressure| {
                 at_once(LimitKind::EmergencyTorque, Some(STATIC_PRESSURE), pressure / MPA)

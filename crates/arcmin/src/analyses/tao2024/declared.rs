@@ -51,8 +51,8 @@ const STUDY: TableOf<Level> = TableOf {
         let mut columns = vec![
             q::HOURS.of(|l: &Level| l.hours.into()),
             q::MAX_DEPTH.of(|l| (l.depth / UM).into()),
-            q::PLAY.of(|l| l.accuracy.play.arcmin().into()),
-            q::TE_NO_LOAD.of(|l| l.accuracy.no_load_error.arcmin().into()),
+            q::PLAY.of(|l| l.travel.play.arcmin().into()),
+            q::TE_NO_LOAD.of(|l| l.travel.no_load_error.arcmin().into()),
             q::TE_LOADED.of(|l| l.accuracy.loaded_error.arcmin().into()),
         ];
         columns.extend(ERRORS.iter().enumerate().map(|(index, (key, what, _, _))| {
@@ -88,7 +88,7 @@ pub const SUMMARY: SummaryOf<Tao2024> = SummaryOf {
             q::RATIO.of(|o: &Tao2024| o.machine.kinematics().ratio().into()),
             q::HOURS.of(|o| o.last().and_then(|level| level.hours).into()),
             q::MAX_DEPTH.of(|o| o.last().map(Level::depth_um).into()),
-            q::PLAY.of(|o| o.last().map(|level| level.accuracy.play.arcmin()).into()),
+            q::PLAY.of(|o| o.last().map(|level| level.travel.play.arcmin()).into()),
             q::TE_LOADED.of(|o| o.last().map(|level| level.accuracy.loaded_error.arcmin()).into()),
             q::WEAR_COEFFICIENT.of(|o| o.coefficient.into()),
             quantity("closed_form_settles", PLAIN, "Whether the paper's closed form finds its hours.")

@@ -21,7 +21,7 @@ use crate::dynamics::{
 };
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::Relief;
-use crate::life::{Accuracy, PaperStudy, paper_depths, paper_study};
+use crate::life::{Accuracy, PaperStudy, Travel, paper_depths, paper_study};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
 use crate::report::Section;
@@ -71,6 +71,7 @@ pub struct Level {
     /// In m.
     pub depth: f64,
     pub accuracy: Accuracy,
+    pub travel: Travel,
     /// Load sharing in closed form, where it settles.
     pub handbook: Option<ClosedForm>,
     /// Multibody runs with rigid and with elastic discs.
@@ -170,11 +171,12 @@ fn assemble(
     let levels = study
         .points
         .into_iter()
-        .map(|(depth, accuracy)| Level {
+        .map(|(depth, accuracy, travel)| Level {
             hours: study.wear.as_ref().ok().map(|_| accuracy.hours),
             depth,
             handbook: closed_form::solve(&machine, machine.rated.torque.abs(), depth).ok(),
             accuracy,
+            travel,
             rigid: rigid.as_mut().and_then(Iterator::next),
             flexible: flexible.as_mut().and_then(Iterator::next),
         })

@@ -212,7 +212,7 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
     plot.series.push(
         Series::band(
             "geometric clearance",
-            life.levels.iter().map(|row| (place(life, row), 0.0, row.accuracy.play.arcmin())),
+            life.levels.iter().map(|row| (place(life, row), 0.0, row.travel.play.arcmin())),
         )
         .coloured(Colour::Palette(6)),
     );
@@ -350,7 +350,7 @@ fn comparison(life: &Tao2024) -> Table {
     ];
     let or_dash = |value: f64| if value > 0.0 { format!("{value}") } else { "–".to_owned() };
     let plays: Vec<(f64, f64)> =
-        life.levels.iter().map(|row| (place(life, row), row.accuracy.play.arcmin())).collect();
+        life.levels.iter().map(|row| (place(life, row), row.travel.play.arcmin())).collect();
     let rows = rows
         .iter()
         .filter_map(|(name, value, hours, paper_mean, paper_max)| {
@@ -397,11 +397,11 @@ fn differences(life: &Tao2024) -> Vec<String> {
              it rattles depends on the smallest disturbance when nothing damps it, so a mean inside the band, \
              the paper's {STE_MEAN_AT_10_UM} arcmin as well as ours, is not a property of the machine; the band \
              is.",
-            significant(row.accuracy.play.arcmin(), 3)
+            significant(row.travel.play.arcmin(), 3)
         ));
     }
     if let Some(row) =
-        at(50.0).filter(|row| row.ste_rigid().is_some() && row.accuracy.play.arcmin() < STE_LARGEST.1)
+        at(50.0).filter(|row| row.ste_rigid().is_some() && row.travel.play.arcmin() < STE_LARGEST.1)
     {
         texts.push(format!(
             "The paper's {} arcmin at {:.0} h (50 µm) lies outside the ±{} arcmin that this wear allows between \
@@ -410,12 +410,12 @@ fn differences(life: &Tao2024) -> Vec<String> {
              root.",
             STE_LARGEST.1,
             STE_LARGEST.0,
-            significant(row.accuracy.play.arcmin(), 3)
+            significant(row.travel.play.arcmin(), 3)
         ));
     }
     if let Some(row) = at(10.0)
         .and_then(|row| row.dte_rigid().map(|dte| (row, dte)))
-        .filter(|(row, dte)| dte.max > row.accuracy.play.arcmin())
+        .filter(|(row, dte)| dte.max > row.travel.play.arcmin())
     {
         let (row, dte) = row;
         texts.push(format!(
@@ -425,10 +425,9 @@ fn differences(life: &Tao2024) -> Vec<String> {
              times softer; its small mean of {DTE_MEAN_AT_10_UM} arcmin is what remains when swings of both \
              signs cancel.",
             significant(dte.max, 3),
-            significant(row.accuracy.play.arcmin(), 3),
+            significant(row.travel.play.arcmin(), 3),
             significant(
-                (DTE_EXCURSION_AT_10_UM - row.accuracy.play.arcmin())
-                    / (dte.max - row.accuracy.play.arcmin()),
+                (DTE_EXCURSION_AT_10_UM - row.travel.play.arcmin()) / (dte.max - row.travel.play.arcmin()),
                 2
             )
         ));

@@ -32,7 +32,7 @@ pub(super) fn said(study: &Tao2024) -> Vec<Said> {
         let mut row = vec![
             hours(level.hours),
             compact(level.depth_um(), 3),
-            format!("{:.3}", level.accuracy.play.arcmin()),
+            format!("{:.3}", level.travel.play.arcmin()),
         ];
         if simulated {
             row.extend([pair(level.ste_rigid()), pair(level.dte_rigid())]);
@@ -68,7 +68,7 @@ fn unsettled(study: &Tao2024) -> Option<String> {
 
 fn headline(study: &Tao2024) -> String {
     let Some(last) = study.levels.last() else { return "nothing was studied".to_owned() };
-    let play = significant(last.accuracy.play.arcmin(), 3);
+    let play = significant(last.travel.play.arcmin(), 3);
     match last.hours {
         Some(hours) => {
             format!("{:.0} µm off every flank after {hours:.0} h, {play} arcmin of play", last.depth_um())
@@ -121,7 +121,7 @@ fn figures(study: &Tao2024) -> Vec<KeyFigure> {
     };
     let mut figures = vec![figure(
         "Play at the last level",
-        last.accuracy.play.arcmin(),
+        last.travel.play.arcmin(),
         "arcmin",
         "one-sided, at the output, input locked",
     )];
@@ -228,7 +228,7 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
     )
     .half()
     .with(
-        Series::new("play, one-sided", Style::LineMarkers, line(&|l| l.accuracy.play.arcmin()))
+        Series::new("play, one-sided", Style::LineMarkers, line(&|l| l.travel.play.arcmin()))
             .coloured(Colour::Palette(2)),
     )
     .with(
@@ -276,7 +276,7 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
         let mut row = vec![
             hours(level.hours),
             compact(level.depth_um(), 3),
-            format!("{:.3}", level.accuracy.play.arcmin()),
+            format!("{:.3}", level.travel.play.arcmin()),
             format!("{:.3}", level.accuracy.loaded_error.arcmin()),
             significant(level.accuracy.max_force, 3),
         ];

@@ -14,7 +14,7 @@ use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::Relief;
-use crate::life::{Accuracy, Course, RunAway, STATES_IN_A_ROW, WornState, accuracy};
+use crate::life::{Accuracy, Course, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy, travel};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
 use crate::units::{HOUR, UM};
@@ -88,6 +88,7 @@ pub struct Wear {
 pub struct Station {
     pub state: WornState,
     pub accuracy: Accuracy,
+    pub travel: Travel,
     /// Of the uniform depth: load sharing in closed form, and |φ| in rad of the pin that sets the rate.
     pub handbook: Option<(ClosedForm, f64)>,
 }
@@ -179,7 +180,8 @@ fn coupled(
             state.put_on(&machine, &mut joints);
             let flank = state.surfaces.flank();
             let accuracy = accuracy(&machine, &mut joints, flank, state.hours, POSITIONS)?;
-            stations.push(Station { state: state.clone(), accuracy, handbook: None });
+            let travel = travel(&machine, &mut joints, POSITIONS)?;
+            stations.push(Station { state: state.clone(), accuracy, travel, handbook: None });
         }
         Ok(stations)
     };
@@ -209,10 +211,12 @@ fn uniform(
         let flank = Relief::uniform(depth);
         let mut meshing = machine.meshing(&flank);
         let accuracy = accuracy(&machine, &mut meshing, &flank, hours, POSITIONS).map_err(failed())?;
+        let travel = travel(&machine, &mut meshing, POSITIONS).map_err(failed())?;
         let solution = closed_form::solve(&machine, machine.rated.torque.abs(), depth)
             .map_err(AnalysisError::compute("share the load in closed form"))?;
         let state = WornState { hours, ..WornState::uniform(depth) };
-        stations.push(Station { state, accuracy, handbook: Some((solution, wear.worst_angle_at(depth))) });
+        let handbook = Some((solution, wear.worst_angle_at(depth)));
+        stations.push(Station { state, accuracy, travel, handbook });
         host.report("wear", share);
     }
     Ok(Wear {

@@ -29,7 +29,7 @@ pub(crate) fn stations(count: usize, most: usize) -> impl Iterator<Item = usize>
 fn headline(wear: &Wear) -> String {
     let last = wear.last();
     let depth = significant(last.accuracy.max_depth / UM, 3);
-    let (angle, play) = (last.worst_angle() / DEG, last.accuracy.play.arcmin());
+    let (angle, play) = (last.worst_angle() / DEG, last.travel.play.arcmin());
     let how = match wear.mode {
         Mode::Coupled => format!("{depth} µm at {angle:.0}° meshing angle"),
         Mode::Tao2024 => format!("{depth} µm everywhere, set by the pin at {angle:.0}°"),
@@ -64,7 +64,7 @@ pub(super) fn page(wear: &Wear) -> Page {
     };
     verdict.figures = vec![
         figure("Deepest wear", last.accuracy.max_depth / UM, "µm", "largest depth lost by a flank"),
-        figure("Play", last.accuracy.play.arcmin(), "arcmin", "one-sided, at the output, input locked"),
+        figure("Play", last.travel.play.arcmin(), "arcmin", "one-sided, at the output, input locked"),
         figure("Largest force", last.max_force(), "N", "of one pin on one disc at rated torque"),
     ];
     verdict.answers.push(("Which physics".to_owned(), wear.fidelity.sentence()));
@@ -102,7 +102,7 @@ pub(super) fn page(wear: &Wear) -> Page {
         Block::Plot(over(
             "Play",
             Axis::new("Play", "arcmin"),
-            &|s| s.accuracy.play.arcmin(),
+            &|s| s.travel.play.arcmin(),
             "One-sided, at the output, input locked, no load. Negative with interference.",
         )),
         Block::Plot(over(

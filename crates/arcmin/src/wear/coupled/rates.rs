@@ -250,27 +250,34 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
 
     /// State after adding rates times exposure.
     pub(super) fn advanced(&self, state: &WearSnapshot, parts: &[(&Rates, f64)]) -> WearSnapshot {
-        let add = |reliefs: &[Relief], rates: fn(&Rates) -> &Vec<Vec<f64>>| -> Vec<Relief> {
-            let one = |(index, relief): (usize, &Relief)| {
-                let mut depths = relief.samples().to_vec();
-                for (part, step) in parts {
-                    for (depth, rate) in depths.iter_mut().zip(&rates(part)[index]) {
-                        *depth += rate * step;
+        type OfRates = fn(&Rates) -> &Vec<Vec<f64>>;
+        // A surface with what contacts see of it; one that loses nothing stays as it is.
+        let add =
+            |(reliefs, seen): (&[Relief], &[Relief]), rates: OfRates, look: &dyn Fn(&Relief) -> Relief| {
+                let one = |(index, (relief, seen)): (usize, (&Relief, &Relief))| {
+                    if parts.iter().all(|(part, _)| rates(part)[index].iter().all(|rate| *rate == 0.0)) {
+                        return (relief.clone(), seen.clone());
                     }
-                }
-                Relief::from_samples(depths)
+                    let mut depths = relief.samples().to_vec();
+                    for (part, step) in parts {
+                        for (depth, rate) in depths.iter_mut().zip(&rates(part)[index]) {
+                            *depth += rate * step;
+                        }
+                    }
+                    let worn = Relief::from_samples(depths);
+                    let seen = look(&worn);
+                    (worn, seen)
+                };
+                reliefs.iter().zip(seen).enumerate().map(one).unzip()
             };
-            reliefs.iter().enumerate().map(one).collect()
-        };
-        let (flanks, pins) =
-            (add(&state.flanks, |rates| &rates.flanks), add(&state.pins, |rates| &rates.pins));
-        WearSnapshot {
-            exposure: state.exposure + parts.iter().map(|(_, step)| step).sum::<f64>(),
-            flanks_seen: flanks.iter().map(|flank| self.average.flank(flank)).collect(),
-            pins_seen: pins.iter().map(|pin| self.average.pin(pin)).collect(),
-            flanks,
-            pins,
-        }
+        let (flanks, flanks_seen) =
+            add((&state.flanks, &state.flanks_seen), |rates| &rates.flanks, &|flank| {
+                self.average.flank(flank)
+            });
+        let (pins, pins_seen) =
+            add((&state.pins, &state.pins_seen), |rates| &rates.pins, &|pin| self.average.pin(pin));
+        let exposure = state.exposure + parts.iter().map(|(_, step)| step).sum::<f64>();
+        WearSnapshot { exposure, flanks_seen, pins_seen, flanks, pins }
     }
 }
 
