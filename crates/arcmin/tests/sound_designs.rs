@@ -218,11 +218,11 @@ fn preload_wears_off_without_a_jump() {
         assert!(rise > 0.0 && rise < 0.1 * worn + 1e-3, "{rise} {worn}");
         // The pins that stay tight take over from those that wear free: the largest force first rises a little.
         assert!(after.preload < 1.1 * before.preload, "{} {}", after.preload, before.preload);
-        let change = pair[1].lost_motion().arcmin() - pair[0].lost_motion().arcmin();
+        let change = pair[1].lost_motion.arcmin() - pair[0].lost_motion.arcmin();
         assert!(change.abs() < 0.1, "{change}");
     }
     for point in &life.points {
-        let split = point.parts.lost_motion;
+        let split = point.causes.unwrap().lost_motion;
         assert!(split.residual().abs() < 0.03 * split.whole, "{} of {}", split.residual(), split.whole);
     }
 }

@@ -8,6 +8,7 @@ mod tao2024;
 
 pub use accuracy::{Accuracy, Travel, accuracy, travel};
 pub use course::{Course, WornState, worn_after};
+pub(crate) use parts::lost_motion_of;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
 pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict};
 pub(crate) use predict::{STATES_IN_A_ROW, crossing};

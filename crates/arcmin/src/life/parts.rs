@@ -76,10 +76,26 @@ impl<'a> PartsFollower<'a> {
         surfaces: &WearSnapshot,
         wear: PartWear,
     ) -> Result<PartsPoint, WearError> {
+        let positions = self.worn_on(meshing, surfaces, wear);
+        Ok(PartsPoint { wear, lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())? })
+    }
+
+    /// Its whole alone, in rad.
+    pub(super) fn lost_motion_on(
+        &self,
+        meshing: &mut BearingMeshing,
+        surfaces: &WearSnapshot,
+        wear: PartWear,
+    ) -> Result<f64, WearError> {
+        let positions = self.worn_on(meshing, surfaces, wear);
+        Ok(meshing.lost_motion(positions)?)
+    }
+
+    /// Puts wear on, and says at how many positions lost motion is read.
+    fn worn_on(&self, meshing: &mut BearingMeshing, surfaces: &WearSnapshot, wear: PartWear) -> usize {
         surfaces.put_on(&self.designed, meshing);
         meshing.set_part_wear(&wear);
-        let positions = lost_motion_positions(meshing);
-        Ok(PartsPoint { wear, lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())? })
+        lost_motion_positions(meshing)
     }
 
     /// Wears bearings and gears for `time` (s) at the loads of the present state.
@@ -104,6 +120,19 @@ pub fn lost_motion_causes(
     state: &super::WornState,
 ) -> Result<PartsPoint, WearError> {
     PartsFollower::with(machine, joints).lost_motion_causes(&state.surfaces, state.part_wear)
+}
+
+/// Lost motion of a machine in the given state in rad, friction aside.
+///
+/// # Errors
+/// [`WearError::Load`] where no balance is found.
+pub(crate) fn lost_motion_of(
+    machine: &Machine,
+    joints: BearingMeshing,
+    state: &super::WornState,
+) -> Result<f64, WearError> {
+    let parts = PartsFollower::with(machine, joints);
+    parts.lost_motion_on(&mut parts.meshing.clone(), &state.surfaces, state.part_wear)
 }
 
 #[cfg(test)]

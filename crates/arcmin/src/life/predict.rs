@@ -21,18 +21,15 @@ pub struct LifePoint {
     pub travel: Option<Travel>,
     /// Lost motion of the tooth contacts alone: ideal joints, the same surfaces.
     pub contact_lost_motion: OutputAngle,
-    /// Lost motion of the whole machine in its bearings by cause.
-    pub parts: PartsPoint,
+    /// Lost motion of the whole machine in its bearings: what the limit is about.
+    pub lost_motion: OutputAngle,
+    /// The same by cause, where it was asked for.
+    pub causes: Option<PartsPoint>,
 }
 
 impl LifePoint {
     pub fn hours(&self) -> f64 {
         self.state.hours
-    }
-
-    /// Lost motion of the whole machine in its bearings: what the limit is about.
-    pub fn lost_motion(&self) -> OutputAngle {
-        OutputAngle::from_radians(self.parts.lost_motion.whole)
     }
 }
 
@@ -72,6 +69,8 @@ pub struct LifeOptions {
     pub crank_positions: usize,
     /// Whether play, free travel and preload are worked out as well.
     pub travel: bool,
+    /// Whether lost motion is split by cause.
+    pub causes: bool,
     /// The limit is looked for up to this multiple of the service life.
     pub search_factor: f64,
 }
@@ -83,6 +82,7 @@ impl Default for LifeOptions {
             intervals: 30,
             crank_positions: 36,
             travel: true,
+            causes: true,
             search_factor: 4.0,
         }
     }
@@ -128,7 +128,7 @@ pub fn predict(
         .concat();
     let (updates, exposure) = (course.updates(), *course.exposure());
     let history: Vec<(f64, f64)> =
-        points.iter().map(|point| (point.hours(), point.lost_motion().radians())).collect();
+        points.iter().map(|point| (point.hours(), point.lost_motion.radians())).collect();
     let (hours_to_limit, searched_hours) = match runs_away {
         None => search_limit(&mut course, machine, options, history, progress).map_err(failed())?,
         Some(RunAway { hours, .. }) => (crossing(&history, machine.limits.lost_motion), hours),
@@ -161,10 +161,21 @@ fn follow(
         let accuracy = accuracy(machine, &mut joints, flank, state.hours, options.crank_positions)?;
         let travel =
             options.travel.then(|| travel(machine, &mut joints, options.crank_positions)).transpose()?;
-        let parts =
-            course.parts().lost_motion_causes_on(&mut in_bearings, &state.surfaces, state.part_wear)?;
-        let contact_lost_motion = of_contacts(machine, state)?;
-        points.push(LifePoint { accuracy, travel, contact_lost_motion, parts, state: state.clone() });
+        let (parts, surfaces, wear) = (course.parts(), &state.surfaces, state.part_wear);
+        let (whole, causes) = if options.causes {
+            let point = parts.lost_motion_causes_on(&mut in_bearings, surfaces, wear)?;
+            (point.lost_motion.whole, Some(point))
+        } else {
+            (parts.lost_motion_on(&mut in_bearings, surfaces, wear)?, None)
+        };
+        points.push(LifePoint {
+            accuracy,
+            travel,
+            contact_lost_motion: of_contacts(machine, state)?,
+            lost_motion: OutputAngle::from_radians(whole),
+            causes,
+            state: state.clone(),
+        });
     }
     Ok(points)
 }
@@ -195,9 +206,7 @@ fn search_limit(
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
         let lost = course.advance_to(hours, progress).and_then(|()| {
             let state = course.state();
-            let parts =
-                course.parts().lost_motion_causes_on(&mut in_bearings, &state.surfaces, state.part_wear)?;
-            Ok(parts.lost_motion.whole)
+            course.parts().lost_motion_on(&mut in_bearings, &state.surfaces, state.part_wear)
         });
         match lost {
             Ok(lost) => history.push((hours, lost)),
@@ -238,7 +247,7 @@ mod tests {
         assert_eq!(prediction.points[0].accuracy.max_depth, 0.0);
         assert!(prediction.points[0].travel.unwrap().play.arcmin().abs() < 1e-9);
         let grows = |p: &[LifePoint]| {
-            p[1].lost_motion() > p[0].lost_motion()
+            p[1].lost_motion > p[0].lost_motion
                 && p[1].contact_lost_motion > p[0].contact_lost_motion
                 && p[1].accuracy.max_depth > p[0].accuracy.max_depth
         };
@@ -302,7 +311,7 @@ mod tests {
         );
         assert!(fine.updates > 2 * coarse.updates, "{} {}", fine.updates, coarse.updates);
         for (a, b) in coarse.points.iter().zip(&fine.points) {
-            let share = a.lost_motion().radians() / b.lost_motion().radians() - 1.0;
+            let share = a.lost_motion.radians() / b.lost_motion.radians() - 1.0;
             assert!(share.abs() < 2e-3, "{} h: {share:e}", a.hours());
         }
         if let (Some(a), Some(b)) = (coarse.hours_to_limit, fine.hours_to_limit) {

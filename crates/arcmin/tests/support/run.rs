@@ -5,7 +5,7 @@ use arcmin::design::Design;
 use arcmin::dynamics::{BearingMeshing, JointSettings};
 use arcmin::fidelity::{Fidelity, Joints};
 use arcmin::geometry::Relief;
-use arcmin::life::{LifeOptions, predict};
+use arcmin::life::{LifeOptions, PartsPoint, predict};
 use arcmin::load::ShareLoad;
 use arcmin::machine::ManufacturingErrors;
 use arcmin::progress::Silent;
@@ -141,8 +141,10 @@ fn life(design: &Design) -> Result<(), Failure> {
     for point in &prediction.points {
         let accuracy = &point.accuracy;
         let play = point.travel.map_or(f64::NAN, |travel| travel.play.arcmin());
-        all_finite(&[accuracy.max_force, play, point.lost_motion().arcmin()])?;
-        let split = point.parts.lost_motion;
+        all_finite(&[accuracy.max_force, play, point.lost_motion.arcmin()])?;
+        let Some(PartsPoint { lost_motion: split, .. }) = point.causes else {
+            return Err(Failure::Failed("no causes".to_owned()));
+        };
         if !(split.residual().abs() <= 0.1 * split.whole.abs()) {
             return Err(Failure::Failed(format!("causes leave {} of {}", split.residual(), split.whole)));
         }

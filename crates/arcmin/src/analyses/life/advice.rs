@@ -7,7 +7,7 @@ use super::verdict::{LifeVerdict, LimitKind};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
 use crate::fidelity::{Fidelity, MachineMeshing};
-use crate::life::{LifePoint, Prediction, lost_motion_causes};
+use crate::life::{LifePoint, Prediction, lost_motion_of};
 use crate::load::{Cycle, LoadError, ShareLoad};
 use crate::machine::Machine;
 use crate::report::{compact, significant};
@@ -279,8 +279,8 @@ impl Question<'_> {
             }
             _ => {
                 let joints = self.fidelity.in_bearings(machine).ok()?;
-                let (point, rest) = self.worn(rate, |point| point.lost_motion().arcmin())?;
-                let lost = lost_motion_causes(machine, joints, &point.state).ok()?.lost_motion.whole / ARCMIN;
+                let (point, rest) = self.worn(rate, |point| point.lost_motion.arcmin())?;
+                let lost = lost_motion_of(machine, joints, &point.state).ok()? / ARCMIN;
                 Some(lost + rest)
             }
         }

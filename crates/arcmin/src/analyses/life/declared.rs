@@ -40,7 +40,7 @@ impl Row {
         Row {
             hours: point.hours(),
             max_depth_um: accuracy.max_depth / UM,
-            lost_motion_arcmin: point.lost_motion().arcmin(),
+            lost_motion_arcmin: point.lost_motion.arcmin(),
             contact_lost_motion_arcmin: point.contact_lost_motion.arcmin(),
             te_loaded_arcmin: accuracy.loaded_error.arcmin(),
             te: age.map_or([None, None], Age::statistics),
@@ -160,9 +160,9 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
                 .of(|o| o.prediction.searched_hours.into()),
             quantity("service_life_h", decimals(0), "Planned service life.")
                 .of(|o| (o.machine.limits.service_life / HOUR).into()),
-            q::LOST_MOTION.of(|o| o.last().lost_motion().arcmin().into()),
+            q::LOST_MOTION.of(|o| o.last().lost_motion.arcmin().into()),
             quantity("lost_motion_new_arcmin", decimals(3), "Lost motion of the whole machine when new.")
-                .of(|o| o.first().lost_motion().arcmin().into()),
+                .of(|o| o.first().lost_motion.arcmin().into()),
             quantity("limit_lost_motion_arcmin", decimals(3), "Lost motion that the design allows.")
                 .of(|o| (o.machine.limits.lost_motion / ARCMIN).into()),
             q::CONTACT_LOST_MOTION.of(|o| o.last().contact_lost_motion.arcmin().into()),
@@ -200,8 +200,8 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
 
 impl Life {
     pub(super) fn causes_over_hours(&self) -> Vec<CausesAt> {
-        let at = |point: &LifePoint| CausesAt { hours: point.hours(), point: point.parts };
-        self.prediction.points.iter().map(at).collect()
+        let at = |point: &LifePoint| Some(CausesAt { hours: point.hours(), point: point.causes? });
+        self.prediction.points.iter().filter_map(at).collect()
     }
 
     fn last_te(&self, loaded: bool, of: fn(&ErrorStatistics) -> f64) -> Value {
@@ -221,6 +221,6 @@ impl Life {
 
 impl HasCauses for Life {
     fn causes(&self) -> Option<&PartsPoint> {
-        Some(&self.last().parts)
+        self.last().causes.as_ref()
     }
 }

@@ -45,7 +45,7 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
         Axis::new("Angle at the output", "arcmin").from_zero(),
     )
     .with(
-        Series::line("lost motion of the machine at ±3 % torque", over(life, |p| p.lost_motion().arcmin()))
+        Series::line("lost motion of the machine at ±3 % torque", over(life, |p| p.lost_motion.arcmin()))
             .strong()
             .coloured(Colour::Palette(0)),
     )

@@ -85,7 +85,8 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     // The verdict needs the travel where it has a limit.
     let travel =
         machine.limits.backlash.is_some() || declared::OF_TRAVEL.iter().any(|result| host.wants(result));
-    let settings = LifeOptions { intervals: options.points, travel, ..LifeOptions::default() };
+    let causes = host.wants("lost_motion_causes");
+    let settings = LifeOptions { intervals: options.points, travel, causes, ..LifeOptions::default() };
     let (prediction, ages) = predict_with_runs(&machine, &fidelity, settings, options.quasi_static, host)?;
     clock.stage(if options.quasi_static { "prediction" } else { "prediction_and_simulation" });
     host.report("bearings", 0.0);

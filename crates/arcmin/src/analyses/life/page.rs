@@ -163,7 +163,7 @@ fn verdict(life: &Life) -> Verdict {
     let service = judged.service_h;
     let (new, end) = (life.first(), life.last());
     let allowed = life.machine.limits.lost_motion / ARCMIN;
-    let lost = |point: &crate::life::LifePoint| significant(point.lost_motion().arcmin(), 3);
+    let lost = |point: &crate::life::LifePoint| significant(point.lost_motion.arcmin(), 3);
     let kept = |kind: LimitKind| judged.limit(kind).is_none_or(|limit| limit.is_kept(service));
     let planned = format!("{service:.0} h planned");
     verdict.figures = vec![
@@ -188,7 +188,7 @@ fn verdict(life: &Life) -> Verdict {
             "arcmin",
             "the whole machine in its bearings, at ±3 % of rated torque",
         )
-        .kept(new.lost_motion().arcmin() <= allowed),
+        .kept(new.lost_motion.arcmin() <= allowed),
         KeyFigure::new(
             format!("After {:.0} h", end.hours()),
             lost(end),
@@ -224,8 +224,8 @@ fn verdict(life: &Life) -> Verdict {
 
 fn answers(life: &Life) -> Vec<(String, String)> {
     let mut answers = Vec::new();
-    let (new, end) = (life.first().lost_motion().arcmin(), life.last().lost_motion().arcmin());
-    let causes = causes::largest(&life.last().parts);
+    let (new, end) = (life.first().lost_motion.arcmin(), life.last().lost_motion.arcmin());
+    let causes = life.last().causes.as_ref().map(causes::largest).unwrap_or_default();
     let named: Vec<String> =
         causes.iter().take(2).map(|(cause, arcmin)| format!("{cause} {arcmin:.2} arcmin")).collect();
     answers.push((

@@ -137,7 +137,7 @@ impl Judged<'_> {
         Limit {
             kind: LimitKind::LostMotion,
             place: None,
-            value: self.last().lost_motion().arcmin(),
+            value: self.last().lost_motion.arcmin(),
             allowed: self.machine.limits.lost_motion / ARCMIN,
             hours: self.prediction.hours_to_limit,
             transient: false,

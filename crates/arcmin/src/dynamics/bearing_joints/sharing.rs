@@ -143,23 +143,9 @@ impl BearingMeshing {
         let small = LOST_MOTION_SHARE * self.model.rated;
         let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
         let per_position = 1.0 / (small * positions as f64);
-        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
-            for index in 0..positions {
-                let crank = self.crank_position(index, positions, 0.0, 0);
-                let slot = side * positions + index;
-                let start =
-                    starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
-                let (position, _) = self.balance_again(crank, sign * small, start.map(Vec::as_slice))?;
-                split.whole -= sign * self.model.output_error(&position) / positions as f64;
-                split.add(&self.model.causes(&position), per_position);
-                let deviation = self.deviation(crank, &position);
-                if slot < starts.len() {
-                    starts[slot] = deviation;
-                } else {
-                    starts.push(deviation);
-                }
-            }
-        }
+        split.whole = self.lightly_loaded(positions, starts, |model, position| {
+            split.add(&model.causes(position), per_position);
+        })?;
         for index in 0..positions {
             let crank = self.crank_position(index, positions, 0.0, 0);
             let ends = [&starts[index], &starts[positions + index]];
@@ -168,6 +154,44 @@ impl BearingMeshing {
             }
         }
         Ok(split)
+    }
+
+    /// Lost motion in rad as [`BearingMeshing::lost_motion_causes`] has it, without its causes, which take as long again.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no balance is found.
+    pub fn lost_motion(&mut self, positions: usize) -> Result<f64, LoadError> {
+        self.lightly_loaded(positions, &mut Vec::new(), |_, _| ())
+    }
+
+    /// Output errors at −3 % minus those at +3 % of rated torque in rad, mean over the positions; `see` is shown every
+    /// balance. `starts` as in [`BearingMeshing::lost_motion_causes`].
+    fn lightly_loaded(
+        &mut self,
+        positions: usize,
+        starts: &mut Vec<Vec<f64>>,
+        mut see: impl FnMut(&BearingJoints, &[f64]),
+    ) -> Result<f64, LoadError> {
+        let small = LOST_MOTION_SHARE * self.model.rated;
+        let mut whole = 0.0;
+        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+            for index in 0..positions {
+                let crank = self.crank_position(index, positions, 0.0, 0);
+                let slot = side * positions + index;
+                let start =
+                    starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
+                let (position, _) = self.balance_again(crank, sign * small, start.map(Vec::as_slice))?;
+                whole -= sign * self.model.output_error(&position) / positions as f64;
+                see(&self.model, &position);
+                let deviation = self.deviation(crank, &position);
+                if slot < starts.len() {
+                    starts[slot] = deviation;
+                } else {
+                    starts.push(deviation);
+                }
+            }
+        }
+        Ok(whole)
     }
 
     /// Rates at which the wear laws of the machine let bearings and gears lose metal at its duty, mean over
