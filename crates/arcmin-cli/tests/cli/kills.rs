@@ -22,11 +22,11 @@ const LONG: &[&[&str]] = &[
     &["contact", "d.toml", "--discs", "elastic", "--element", "solid"],
     &["contact", "d.toml", "--joints", "bearings", "--positions", "36000"],
     &["wear", "d.toml", "--points", "400"],
-    &["calibrate", "d.toml", "readings.csv", "--fit-running-in"],
+    &["calibrate", "d.toml", "readings.csv", "--fit-running-in", "--errors", "drawn"],
     &["simulate", "d.toml", "--joints", "bearings", "--end-s", "30"],
     &["simulate", "d.toml", "--discs", "elastic", "--end-s", "30"],
     &["rig", "d.toml", "--te-positions", "65536"],
-    &["life", "d.toml"],
+    &["life", "d.toml", "--points", "100"],
     &["tao2024", "d.toml"],
 ];
 
@@ -58,7 +58,7 @@ fn every_long_command_stops_when_asked() {
     for (index, command) in LONG.iter().enumerate() {
         let signal = ["-INT", "-TERM"][index % 2];
         let arguments = [command, &["--out", "o", "--force"][..]].concat();
-        let seconds = seconds_to_stop(d, &arguments, signal, Duration::from_millis(900));
+        let seconds = seconds_to_stop(d, &arguments, signal, Duration::from_millis(600));
         assert!(seconds < 3.0, "{arguments:?} went on for {seconds} s");
         assert_eq!(leftovers(&d.join("o")), Vec::<String>::new(), "{arguments:?}");
         assert!(!d.join("o/summary.json").exists(), "{arguments:?}");

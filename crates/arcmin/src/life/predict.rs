@@ -301,7 +301,13 @@ mod tests {
         let fidelity = Fidelity { joints: crate::fidelity::Joints::Bearings, ..Fidelity::ideal() }
             .with_errors(errors, 1);
         let of = |wear: CoupledOptions| {
-            let options = LifeOptions { wear, intervals: 4, crank_positions: 3, search_factor: 1.0 };
+            let options = LifeOptions {
+                wear,
+                intervals: 4,
+                crank_positions: 3,
+                search_factor: 1.0,
+                ..LifeOptions::default()
+            };
             predict(&machine, &fidelity, options, &Silent, |_| ()).unwrap()
         };
         let usual = CoupledOptions::default();

@@ -161,3 +161,31 @@ fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
         assert!((advice.before / limit.value - 1.0).abs() < 1e-6, "{advice:?} {}", limit.value);
     }
 }
+
+/// What nobody asks for is not worked out, and all the rest is the same to the bit.
+#[test]
+fn results_do_not_depend_on_what_else_is_asked_for() {
+    struct HoursAlone;
+    impl crate::progress::Progress for HoursAlone {
+        fn report(&self, _: &str, _: f64) {}
+        fn is_cancelled(&self) -> bool {
+            false
+        }
+    }
+    impl Host for HoursAlone {
+        fn wants(&self, result: &str) -> bool {
+            result == "hours_to_lost_motion_limit"
+        }
+    }
+    let design = crate::templates::design("rv-40e-81").unwrap();
+    let options = Options::parse("points = 4\nquasi_static = true\nerrors = \"drawn\"", "test").unwrap();
+    let (all, few) = (run(&design, &options, &NoHost).unwrap(), run(&design, &options, &HoursAlone).unwrap());
+    assert!(few.prediction.points.iter().all(|point| point.travel.is_none() && point.causes.is_none()));
+    let (all, few) = (all.summary(), few.summary());
+    for left_out in ["play_arcmin", "preload_n", "lost_motion_causes.whole_arcmin"] {
+        assert!(all.number(left_out).is_some() && few.number(left_out).is_none(), "{left_out}");
+    }
+    for kept in ["hours_to_lost_motion_limit", "lost_motion_arcmin", "max_pressure_mpa", "max_depth_um"] {
+        assert!(all.number(kept).is_some() && all.number(kept) == few.number(kept), "{kept}");
+    }
+}

@@ -15,8 +15,8 @@ const MOST_KNOWN: usize = 32_768;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
 /// all contacts.
 pub(super) const TOLERANCE: f64 = 1e-7;
-/// Of the balances that surfaces wear under; ten times this moved the hours of two drawn machines by 1e-6 of them.
-pub(super) const WEAR_TOLERANCE: f64 = 1e-5;
+/// Of the balances that surfaces wear under: a hundredth of this moves the hours of drawn machines by 1e-5 of them at most.
+pub(super) const WEAR_TOLERANCE: f64 = 1e-3;
 const FORCE_TOLERANCE: f64 = 1e-6;
 /// Share of the load that a jump may leave unbalanced besides [`JUMP`].
 const JUMP_OF_LOAD: f64 = 1e-2;
@@ -54,6 +54,27 @@ impl<T> Known<T> {
 
     fn has(&self, crank: CrankAngle, torque: f64) -> bool {
         self.0.contains_key(&key(crank, torque))
+    }
+}
+
+/// The last balance at one place and the one before it, as deviations from the nominal machine.
+#[derive(Debug, Clone)]
+pub(in super::super) struct Course {
+    last: Vec<f64>,
+    before: Option<Vec<f64>>,
+}
+
+impl Course {
+    fn after(known: Option<Course>, found: Vec<f64>) -> Course {
+        Course { last: found, before: known.map(|known| known.last) }
+    }
+
+    /// As far on from the last as that was from the one before: ages follow each other in equal steps.
+    fn ahead(&self) -> Vec<f64> {
+        match &self.before {
+            Some(before) => self.last.iter().zip(before).map(|(last, before)| 2.0 * last - before).collect(),
+            None => self.last.clone(),
+        }
     }
 }
 
@@ -225,8 +246,9 @@ impl BearingMeshing {
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
         let known = self.known.take(crank, torque);
-        let found = self.balance_from_afar(crank, torque, known.as_deref().or(start))?;
-        self.known.keep(crank, torque, self.deviation(crank, &found.0));
+        let ahead = known.as_ref().map(Course::ahead);
+        let found = self.balance_from_afar(crank, torque, ahead.as_deref().or(start))?;
+        self.known.keep(crank, torque, Course::after(known, self.deviation(crank, &found.0)));
         Ok(found)
     }
 
@@ -248,7 +270,8 @@ impl BearingMeshing {
             return self.balance_again(crank, torque, start);
         }
         let known = self.known.take(crank, torque);
-        let start = known.as_deref().or(start);
+        let last = known.as_ref().map(|known| known.last.as_slice());
+        let start = last.or(start);
         let found = match self.balance_nearby(crank, torque, start) {
             Ok(found) => found,
             Err(on_the_way) => self
@@ -256,7 +279,8 @@ impl BearingMeshing {
                 .or_else(|_| self.balance_within(TIGHT_JUMP, true, crank, 10.0 * torque, None))
                 .or_else(|_| self.balance_by_descent(crank, torque, start, on_the_way.as_deref()))?,
         };
-        self.known.keep(crank, torque, self.deviation(crank, &found.0));
+        let deviation = self.deviation(crank, &found.0);
+        self.known.keep(crank, torque, Course::after(known, deviation));
         Ok(found)
     }
 }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::contact::ContactLaw;
+use crate::machine::ManufacturingErrors;
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{CoupledOptions, CoupledWear};
 
@@ -115,4 +116,30 @@ fn trap_ideal_joints_are_too_stiff() {
     // The gears carry the rest, as with ideal joints.
     let both = cycle.disc_share(0) + cycle.disc_share(1);
     assert!((both - 0.963).abs() < 3e-3, "{both}");
+}
+
+/// Machines that nobody has seen, with drawn errors: what wear asks for, started from the balance of a place nearby
+/// as it does, has the forces of the exact balance to a thousandth of the largest.
+#[test]
+fn wear_sees_the_forces_of_exact_balances_on_random_designs() {
+    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    for seed in 1..=12 {
+        let machine = crate::random_designs::sound_design(seed).0.machine();
+        let errors = ManufacturingErrors::draw(&machine, &tolerances, seed);
+        let settings = JointSettings { errors, ..JointSettings::default() };
+        let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
+        let torque = machine.rated.torque;
+        let mut start: Option<Vec<f64>> = None;
+        for index in 0..6 {
+            let crank = CrankAngle::from_radians(0.3 + 0.01 * f64::from(index));
+            let (discs, found) = meshing.pin_contacts(crank, torque, start.as_ref()).unwrap();
+            let (exact, _) = meshing.share(crank, torque, Some(&found)).unwrap();
+            let largest = exact.max_force();
+            for (a, b) in discs.iter().flatten().zip(exact.contacts()) {
+                let off = (a.force - b.force).abs() / largest;
+                assert!(off < 1e-3, "{seed}, {index}: {} against {}, largest {largest}", a.force, b.force);
+            }
+            start = Some(found);
+        }
+    }
 }
