@@ -75,12 +75,13 @@ impl PinContacts {
         let open = skim.then_some(self.reach + moved.lift);
         let bounded = !all && self.facets.is_none();
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
-        // τ of the first pin's place, in turns from 0 on.
-        let first_place = (-pose.angle / std::f64::consts::TAU).rem_euclid(1.0);
-        let mut next = Batch::default();
+        // With the place of the first pin, in turns of τ from 0 on.
+        let errors = self.error_floors.as_ref();
+        let errors = errors.map(|floors| (floors, (-pose.angle / std::f64::consts::TAU).rem_euclid(1.0)));
+        let (mut near, mut next) = (Batch::default(), Batch::default());
         for first in (0..self.pins.len()).step_by(LANES) {
             let count = LANES.min(self.pins.len() - first);
-            let mut near = Batch::default();
+            near.count = 0;
             for index in first..first + count {
                 let mut arm = self.pins[index].centre - pose.centre;
                 if let Some(shift) = moved.shifts.get(index) {
@@ -99,8 +100,8 @@ impl PinContacts {
                 // z_c τ grows by a turn less a pitch from pin to pin.
                 let turn = first_turn + index as f64 / self.pins.len() as f64;
                 let off = self.profile.pin_radius - self.pins[index].radius + self.relief_floor(turn);
-                let error = self.error_floors.as_ref().map_or(0.0, |floors| {
-                    let turn = first_place + index as f64 / self.pins.len() as f64;
+                let error = errors.map_or(0.0, |(floors, first)| {
+                    let turn = first + index as f64 / self.pins.len() as f64;
                     let within = ways[lane] < floors.reach();
                     if within {
                         floors.at(if turn < 1.0 { turn } else { turn - 1.0 })
@@ -234,8 +235,12 @@ impl PinContacts {
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
         let sliding_speed = along[0] * v[0] + along[1] * v[1] + along[2] * v[2];
-        let ContactForce { force, stiffness, damping, elastic, stored } =
-            self.contact.damped_force(-gap, approach_rate, 1.0 / designed_curvature);
+        // An open pin needs no radius.
+        let ContactForce { force, stiffness, damping, elastic, stored } = if gap >= 0.0 {
+            ContactForce::default()
+        } else {
+            self.contact.damped_force(-gap, approach_rate, 1.0 / designed_curvature)
+        };
         let friction = match &self.sliding {
             Some(sliding) if force > 0.0 => -force * sliding.share(sliding_speed).0,
             _ => 0.0,
