@@ -2,7 +2,7 @@
 
 mod balance;
 
-pub(super) use self::balance::{Course, Known};
+pub(super) use self::balance::Known;
 use super::preload::Freed;
 use super::{BearingJoints, Cause, JointSettings};
 use crate::contact::{PinContact, PinContacts};
@@ -34,7 +34,7 @@ pub struct BearingMeshing {
     /// How exact a balance is, as a share of each coordinate's scale.
     tolerance: f64,
     /// Deviations of balances.
-    known: Known<Course>,
+    known: Known<Vec<f64>>,
     /// Reliefs that freed a preloaded machine.
     pub(super) freed: Known<Freed>,
 }

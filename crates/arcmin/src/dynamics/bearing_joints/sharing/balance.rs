@@ -57,27 +57,6 @@ impl<T> Known<T> {
     }
 }
 
-/// The last balance at one place and the one before it, as deviations from the nominal machine.
-#[derive(Debug, Clone)]
-pub(in super::super) struct Course {
-    last: Vec<f64>,
-    before: Option<Vec<f64>>,
-}
-
-impl Course {
-    fn after(known: Option<Course>, found: Vec<f64>) -> Course {
-        Course { last: found, before: known.map(|known| known.last) }
-    }
-
-    /// As far on from the last as that was from the one before: ages follow each other in equal steps.
-    fn ahead(&self) -> Vec<f64> {
-        match &self.before {
-            Some(before) => self.last.iter().zip(before).map(|(last, before)| 2.0 * last - before).collect(),
-            None => self.last.clone(),
-        }
-    }
-}
-
 impl BearingMeshing {
     /// Balance under an output torque (N·m, positive against positive motion): all coordinates, and the
     /// largest force left. `start` is the deviation of an earlier one from the nominal machine, seen from its
@@ -246,9 +225,8 @@ impl BearingMeshing {
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
         let known = self.known.take(crank, torque);
-        let ahead = known.as_ref().map(Course::ahead);
-        let found = self.balance_from_afar(crank, torque, ahead.as_deref().or(start))?;
-        self.known.keep(crank, torque, Course::after(known, self.deviation(crank, &found.0)));
+        let found = self.balance_from_afar(crank, torque, known.as_deref().or(start))?;
+        self.known.keep(crank, torque, self.deviation(crank, &found.0));
         Ok(found)
     }
 
@@ -270,8 +248,7 @@ impl BearingMeshing {
             return self.balance_again(crank, torque, start);
         }
         let known = self.known.take(crank, torque);
-        let last = known.as_ref().map(|known| known.last.as_slice());
-        let start = last.or(start);
+        let start = known.as_deref().or(start);
         let found = match self.balance_nearby(crank, torque, start) {
             Ok(found) => found,
             Err(on_the_way) => self
@@ -279,8 +256,7 @@ impl BearingMeshing {
                 .or_else(|_| self.balance_within(TIGHT_JUMP, true, crank, 10.0 * torque, None))
                 .or_else(|_| self.balance_by_descent(crank, torque, start, on_the_way.as_deref()))?,
         };
-        let deviation = self.deviation(crank, &found.0);
-        self.known.keep(crank, torque, Course::after(known, deviation));
+        self.known.keep(crank, torque, self.deviation(crank, &found.0));
         Ok(found)
     }
 }
