@@ -50,7 +50,7 @@ pub struct Prediction {
     pub runs_away: Option<RunAway>,
 }
 
-/// Wear that has consumed flank or pin.
+/// Wear that has left a machine past any use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunAway {
     /// h.

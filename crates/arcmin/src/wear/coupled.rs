@@ -11,9 +11,11 @@ use crate::units::UM;
 
 mod rates;
 mod snapshot;
+mod stiff;
 
 use rates::Rates;
 pub use snapshot::WearSnapshot;
+use stiff::Stiffness;
 
 /// Numerical choices of the coupled prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +62,11 @@ fn runs_away(exposure: f64, depth: f64) -> WearError {
 
 /// Depth over pin radius at which flank or pin are gone.
 pub(crate) const WORN_OUT: f64 = 0.25;
+/// Times the limit of lost motion, of `LEAST_LIMIT` at least, that metal lost by the flanks alone opens at which a
+/// machine is past any use: an assumption, so far beyond what anybody runs that no history of interest ends there.
+const PAST_USE: f64 = 20.0;
+/// rad; a tighter limit is a wish of the application and does not say what a machine can go on with.
+const LEAST_LIMIT: f64 = crate::units::ARCMIN;
 /// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
 const RUN_AWAY: f64 = 0.02;
 /// The tolerance as a share of the depth reached, which takes over beyond 30 µm.
@@ -76,6 +83,15 @@ const UNCHECKED_UPDATES: usize = 5;
 /// A step that takes off less than this, in m, is not made smaller where its error is too large.
 const LEAST_INCREMENT: f64 = 0.01 * UM;
 
+/// Depth in m of flank or pin at which a machine is past any use: a quarter of the pin's radius is gone, or the flanks
+/// have opened `PAST_USE` times the limit of lost motion. A depth h off both flanks lets the output turn by 2 h/l, where
+/// l = e z_c is the largest lever arm of a pin.
+pub(crate) fn depth_past_use(machine: &Machine) -> f64 {
+    let lost_motion = PAST_USE * machine.limits.lost_motion.max(LEAST_LIMIT);
+    let open = 0.5 * lost_motion * machine.profile().largest_lever_arm();
+    open.min(WORN_OUT * machine.ring.pin_radius)
+}
+
 /// The running computation: advance it in exposure and read snapshots.
 #[derive(Debug)]
 pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
@@ -89,11 +105,17 @@ pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
     meshing: S,
     designed: Relief,
     state: WearSnapshot,
+    /// Depth in m at which the machine is past any use.
+    past_use: f64,
     updates: usize,
     /// Exposure of the next update as the last one would have it.
     step: Option<f64>,
     /// Where the next update may go by the midpoint.
     recent: Option<Recent>,
+    /// Where the next update may go by many looks.
+    stiffness: Option<Stiffness>,
+    /// Sets of crank positions used up: no two looks of different updates meet the same.
+    places: usize,
     /// Last solution per duty row and crank position: where the next one starts.
     starts: Vec<Option<S::Start>>,
 }
@@ -142,10 +164,19 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             machine,
             options,
             state,
+            past_use: depth_past_use(machine),
             updates: 0,
             step: None,
             recent: None,
+            stiffness: None,
+            places: 0,
         }
+    }
+
+    /// Goes on until flank or pin are gone, whatever play that leaves: for depths that were measured.
+    pub(super) fn to_any_play(mut self) -> Self {
+        self.past_use = WORN_OUT * self.machine.ring.pin_radius;
+        self
     }
 
     /// With the time that belongs to every exposure. Laws that depend on time need it, others take no notice.
@@ -183,13 +214,14 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
 
     /// Advances to the exposure `target` (s/Pa) by Heun's method, each step as long as its difference from
     /// Euler's lets it be. Where the places that an update sees bind the step, five in six updates go by the midpoint
-    /// to which the rates of the last one lead, with one look at the contacts in place of two. Where nothing wears
-    /// (no torque, no speed), the surfaces stay as they are.
+    /// to which the rates of the last one lead, with one look at the contacts in place of two. Where contacts that fit
+    /// closely bind it, five in six are long steps of many looks. Where nothing wears (no torque, no speed), the
+    /// surfaces stay as they are.
     ///
     /// # Errors
-    /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost a quarter
-    /// of the pin's radius, or more than `RUN_AWAY` of it and no load sharing is found any more. The state is
-    /// then the last one that held.
+    /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost
+    /// `depth_past_use`, or more than `RUN_AWAY` of the pin's radius and no load sharing is found any more. The
+    /// state is then the last one that held.
     pub fn advance_to(&mut self, target: f64) -> Result<(), WearError> {
         self.advance_until(target, |_| false)
     }
@@ -217,10 +249,13 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     fn update(&mut self, target: f64) -> Result<bool, WearError> {
         let before = self.state.clone();
         let depth = before.flank().deepest().0.max(before.pin().deepest().0);
-        if depth > WORN_OUT * self.machine.ring.pin_radius {
+        if depth > self.past_use {
             return Err(runs_away(before.exposure, depth));
         }
-        let step = match self.update_by_midpoint(&before, depth, target) {
+        let quick = self
+            .update_by_midpoint(&before, depth, target)
+            .or_else(|| self.update_by_many_looks(&before, depth, target));
+        let step = match quick {
             None => self.update_by_heun(&before, depth, target)?,
             step => step,
         };
@@ -229,6 +264,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             self.state.exposure = target;
         }
         self.updates += 1;
+        self.places += 1;
         Ok(true)
     }
 
@@ -296,6 +332,8 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         // A step cut short by the target says nothing against a longer one.
         self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
         let bound = self.largest_increment(depth) / largest;
+        let taken = Rates::sum(&[(&first, 0.5), (&second, 0.5)]).largest();
+        self.look_for_stiffness(depth, self.wanted_step(depth, largest), taken);
         // Not the error, but the places that an update sees.
         if self.meshing.pitches() > 1 && step * growth > bound {
             self.recent = Some(Recent { rates: second, unchecked: UNCHECKED_UPDATES });

@@ -16,7 +16,7 @@ pub mod parts;
 mod readings;
 mod smoothing;
 
-pub(crate) use coupled::WORN_OUT;
+pub(crate) use coupled::depth_past_use;
 pub use coupled::{CoupledOptions, CoupledWear, WearSnapshot};
 pub use deposit::FlankArc;
 pub use error::WearError;

@@ -195,3 +195,26 @@ fn steps_of_wear_hold_on_random_designs() {
         assert!(off.abs() < 0.015 && largest < 0.25 * UM, "{seed}: {off:e} {largest:e}");
     }
 }
+
+/// The depth at which a machine is past any use opens twenty times its limit of lost motion where the flanks lose it
+/// everywhere, and wear ends there with its history kept.
+#[test]
+fn wear_ends_where_a_machine_is_past_any_use() {
+    let mut machine = crate::templates::rv_40e_81();
+    machine.limits.lost_motion = 0.1 * crate::units::ARCMIN;
+    let depth = super::depth_past_use(&machine);
+    let mut meshing = machine.meshing(&Relief::uniform(depth));
+    let lost_motion = crate::load::lost_motion(&mut meshing, machine.rated.torque, 6).unwrap().arcmin();
+    // The discs carry 0.963 of the torque, the gears the rest, which lengthens the lever arm; contacts give way a little.
+    assert!((lost_motion / 20.0 - 0.963).abs() < 0.01, "{lost_motion}");
+    let options = CoupledOptions { crank_positions: 6, ..CoupledOptions::default() };
+    let mut wear = CoupledWear::new(&machine, options);
+    let Err(super::WearError::RunsAway { depth_um, exposure }) = wear.advance_to(f64::MAX) else {
+        panic!("it goes on for ever");
+    };
+    assert!(depth_um > depth / UM && depth_um < 1.05 * depth / UM, "{depth_um} {}", depth / UM);
+    assert_eq!(wear.state().exposure, exposure);
+    // Readings may lie deeper.
+    let mut wear = CoupledWear::new(&machine, options).to_any_play();
+    wear.advance_until(f64::MAX, |state| state.flank().deepest().0 > 1.1 * depth).unwrap();
+}

@@ -8,7 +8,7 @@ use crate::machine::Machine;
 use crate::report::{Tone, compact, significant};
 use crate::results::Value;
 use crate::units::{ARCMIN, HOUR, MPA, RPM, UM};
-use crate::wear::WORN_OUT;
+use crate::wear::depth_past_use;
 
 /// What can end a life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -243,13 +243,13 @@ impl Judged<'_> {
         .collect()
     }
 
-    /// Wear that has consumed flank or pin within the service life.
+    /// Wear that has left a machine past any use within the service life.
     fn runs_away(&self) -> Option<Limit> {
         self.prediction.runs_away.map(|end| Limit {
             kind: LimitKind::Wear,
             place: None,
             value: end.depth / UM,
-            allowed: WORN_OUT * self.machine.ring.pin_radius / UM,
+            allowed: depth_past_use(self.machine) / UM,
             hours: Some(end.hours),
             transient: false,
         })
@@ -329,7 +329,7 @@ impl Limit {
             }
             LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours:.0} h"),
             LimitKind::Wear => {
-                format!("Wear runs away: flank or pin are gone, {value} µm deep, after {hours:.1} h")
+                format!("Wear runs away: the machine is past any use, {value} µm deep, after {hours:.1} h")
             }
             LimitKind::ContactFatigue => {
                 format!("Flanks and pins are tired after {hours:.0} h (damage {value} by the end)")

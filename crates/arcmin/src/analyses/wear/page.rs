@@ -37,7 +37,7 @@ fn headline(wear: &Wear) -> String {
     let now = format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours());
     match wear.runs_away {
         Some(end) => format!(
-            "Wear runs away at {} h: flank or pin have lost {:.0} µm and are gone. {now}",
+            "Wear runs away at {} h: flank or pin have lost {:.0} µm, past any use. {now}",
             significant(end.hours, 3),
             end.depth / UM
         ),

@@ -26,6 +26,23 @@ impl Rates {
         self.flanks.iter().chain(&self.pins).flatten().copied().fold(0.0, f64::max)
     }
 
+    /// The sum of rates of the same surfaces, each times its factor.
+    pub(super) fn sum(parts: &[(&Rates, f64)]) -> Rates {
+        let of = |surfaces: fn(&Rates) -> &Vec<Vec<f64>>| {
+            let one = |surface: usize| {
+                let mut sum = vec![0.0; surfaces(parts[0].0)[surface].len()];
+                for (rates, factor) in parts {
+                    sum.iter_mut()
+                        .zip(&surfaces(rates)[surface])
+                        .for_each(|(sum, rate)| *sum += factor * rate);
+                }
+                sum
+            };
+            (0..surfaces(parts[0].0).len()).map(one).collect()
+        };
+        Rates { flanks: of(|rates| &rates.flanks), pins: of(|rates| &rates.pins) }
+    }
+
     /// Largest difference of two rates anywhere.
     pub(super) fn largest_difference(&self, other: &Rates) -> f64 {
         let pairs = self.flanks.iter().chain(&self.pins).zip(other.flanks.iter().chain(&other.pins));
@@ -56,9 +73,9 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let count = self.options.crank_positions;
         // The crank positions shift from update to update by the golden section, so that no place of the
         // flank is favoured.
-        let offset = (self.updates as f64 * 0.618_033_988_749_894_9).fract();
+        let offset = (self.places as f64 * 0.618_033_988_749_894_9).fract();
         // Each fraction of a pitch meets all places of the period within `count` updates.
-        let shift = if self.meshing.pitches() > 1 { self.updates % count } else { 0 };
+        let shift = if self.meshing.pitches() > 1 { self.places % count } else { 0 };
         let loaded = |duty: &DutyPoint| duty.torque != 0.0 && duty.share != 0.0;
         let tasks: Vec<Task> = (machine.duty.iter().enumerate())
             .filter(|(_, duty)| loaded(duty))
