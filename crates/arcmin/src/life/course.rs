@@ -151,7 +151,7 @@ impl<'a> Course<'a> {
     /// Goes on to the given hours.
     ///
     /// # Errors
-    /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` where the machine is past any use.
+    /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` where the machine is past use.
     pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
         let interval = self.machine.limits.service_life / HOUR / INTERVALS as f64;
         while self.hours < hours {

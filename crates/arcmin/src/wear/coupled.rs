@@ -62,8 +62,8 @@ fn runs_away(exposure: f64, depth: f64) -> WearError {
 
 /// Depth over pin radius at which flank or pin are gone.
 pub(crate) const WORN_OUT: f64 = 0.25;
-/// Times the limit of lost motion, of `LEAST_LIMIT` at least, that metal lost by the flanks alone opens at which a
-/// machine is past any use: an assumption, so far beyond what anybody runs that no history of interest ends there.
+/// Times the limit of lost motion, of `LEAST_LIMIT` at least, that the flanks alone open in a machine past
+/// any use: an assumption, so far beyond what anybody runs that no history of interest ends there.
 const PAST_USE: f64 = 20.0;
 /// rad; a tighter limit is a wish of the application and does not say what a machine can go on with.
 const LEAST_LIMIT: f64 = crate::units::ARCMIN;
@@ -83,9 +83,9 @@ const UNCHECKED_UPDATES: usize = 5;
 /// A step that takes off less than this, in m, is not made smaller where its error is too large.
 const LEAST_INCREMENT: f64 = 0.01 * UM;
 
-/// Depth in m of flank or pin at which a machine is past any use: a quarter of the pin's radius is gone, or the flanks
-/// have opened `PAST_USE` times the limit of lost motion. A depth h off both flanks lets the output turn by 2 h/l, where
-/// l = e z_c is the largest lever arm of a pin.
+/// Depth in m of flank or pin at which a machine is past any use: a quarter of the pin's radius is gone, or
+/// the flanks have opened `PAST_USE` times the limit of lost motion. A depth h off both flanks lets the output
+/// turn by 2 h/l, where l = e z_c is the largest lever arm of a pin.
 pub(crate) fn depth_past_use(machine: &Machine) -> f64 {
     let lost_motion = PAST_USE * machine.limits.lost_motion.max(LEAST_LIMIT);
     let open = 0.5 * lost_motion * machine.profile().largest_lever_arm();
@@ -214,14 +214,14 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
 
     /// Advances to the exposure `target` (s/Pa) by Heun's method, each step as long as its difference from
     /// Euler's lets it be. Where the places that an update sees bind the step, five in six updates go by the midpoint
-    /// to which the rates of the last one lead, with one look at the contacts in place of two. Where contacts that fit
-    /// closely bind it, five in six are long steps of many looks. Where nothing wears (no torque, no speed), the
-    /// surfaces stay as they are.
+    /// to which the rates of the last one lead, with one look at the contacts in place of two. Where contacts
+    /// that fit closely bind it, five in six are long steps of many looks. Where nothing wears (no torque, no
+    /// speed), the surfaces stay as they are.
     ///
     /// # Errors
     /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost
-    /// `depth_past_use`, or more than `RUN_AWAY` of the pin's radius and no load sharing is found any more. The
-    /// state is then the last one that held.
+    /// `depth_past_use`, or more than `RUN_AWAY` of the pin's radius and no load sharing is found any more.
+    /// The state is then the last one that held.
     pub fn advance_to(&mut self, target: f64) -> Result<(), WearError> {
         self.advance_until(target, |_| false)
     }

@@ -137,9 +137,13 @@ pub const SUMMARY: SummaryOf<Wear> = SummaryOf {
             q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
             q::WEAR_COEFFICIENT.of(|o| o.exposure.coefficient.into()),
             q::FLANK_UPDATES.of(|o| o.updates.into()),
-            quantity("runs_away_h", decimals(3), "Hours at which wear runs away: flank or pin have lost a quarter of the pin radius, or the flanks \
-                 alone open 20 times the limit of lost motion (of 1′ at least).")
-                .of(|o| o.runs_away.map(|end| end.hours).into()),
+            quantity(
+                "runs_away_h",
+                decimals(3),
+                "Hours at which wear runs away: flank or pin have lost a quarter of the pin radius, or the \
+                 flanks alone open 20 times the limit of lost motion (of 1′ at least).",
+            )
+            .of(|o| o.runs_away.map(|end| end.hours).into()),
             quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")
                 .of(|o| (o.increment / UM).into()),
             quantity("hours_to_50_um", decimals(0), "Hours until 50 µm of uniform depth.")
