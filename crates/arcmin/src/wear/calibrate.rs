@@ -61,7 +61,7 @@ impl WearCurve {
         mut enough: impl FnMut(f64, f64, f64) -> bool,
     ) -> Result<WearCurve, WearError> {
         let mut wear =
-            CoupledWear::with(machine, meshing, options.for_curves()).on_clock(clock).to_any_play();
+            CoupledWear::with(machine, meshing, options.for_curves()).on_clock(clock).at_any_play();
         // As long as the wear itself, for those who ask for it.
         let lost = |wear: &mut CoupledWear<'_, S>| match with_lost_motion {
             true => {

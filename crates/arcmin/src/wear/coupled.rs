@@ -174,7 +174,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     }
 
     /// Goes on until flank or pin are gone, whatever play that leaves: for depths that were measured.
-    pub(super) fn to_any_play(mut self) -> Self {
+    pub(super) fn at_any_play(mut self) -> Self {
         self.past_use = WORN_OUT * self.machine.ring.pin_radius;
         self
     }

@@ -215,6 +215,6 @@ fn wear_ends_where_a_machine_is_past_any_use() {
     assert!(depth_um > depth / UM && depth_um < 1.05 * depth / UM, "{depth_um} {}", depth / UM);
     assert_eq!(wear.state().exposure, exposure);
     // Readings may lie deeper.
-    let mut wear = CoupledWear::new(&machine, options).to_any_play();
+    let mut wear = CoupledWear::new(&machine, options).at_any_play();
     wear.advance_until(f64::MAX, |state| state.flank().deepest().0 > 1.1 * depth).unwrap();
 }
