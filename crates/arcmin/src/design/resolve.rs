@@ -22,8 +22,12 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
     let bearings = bearings(design);
     let crankshafts = crankshafts(design);
     let load = &design.load;
-    let rated =
-        DutyPoint { torque: *load.rated_torque_n_m, input_speed: *load.input_speed_rpm * RPM, share: 1.0 };
+    let rated = DutyPoint {
+        torque: *load.rated_torque_n_m,
+        input_speed: *load.input_speed_rpm * RPM,
+        share: 1.0,
+        forces: OutputForces::default(),
+    };
     let duty = if design.duty.is_empty() {
         vec![rated]
     } else {
@@ -31,6 +35,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
             torque: *row.torque_n_m,
             input_speed: *row.input_speed_rpm * RPM,
             share: *row.share,
+            forces: OutputForces { moment: *row.moment_n_m, axial: *row.axial_n, radial: *row.radial_n },
         };
         design.duty.iter().map(|at| row(at)).collect()
     };

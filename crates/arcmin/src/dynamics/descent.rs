@@ -39,7 +39,7 @@ pub(super) fn descend<S: System>(
     let scale = system.scale();
     let metric: Vec<f64> = scale.iter().map(|scale| 1.0 / (scale * scale)).collect();
     let rest = vec![0.0; n];
-    let mut lin = system.linearisation();
+    let mut lin = system.linearisation_at_rest();
     let mut position = start.to_vec();
     let mut force = vec![0.0; n];
     let (mut trial, mut trial_force, mut step) = (position.clone(), force.clone(), force.clone());

@@ -117,16 +117,9 @@ impl HousingMotion<'_> {
     /// Derivatives with respect to the modes of what has the derivatives `by_pose` with respect to (x, y, θ)
     /// of the disc: a pin that moves is a disc that moves the other way.
     pub fn rows(&self, disc: usize, pin: usize, by_pose: [f64; 3]) -> impl Iterator<Item = f64> + '_ {
-        (0..self.modes.len()).map(move |mode| {
-            let shape = self.housing.shape(mode, disc, pin);
-            -(by_pose[0] * shape.x + by_pose[1] * shape.y)
-        })
+        let shapes = self.housing.shapes(disc, pin).iter();
+        shapes.map(move |shape| -(by_pose[0] * shape.x + by_pose[1] * shape.y))
     }
-}
-
-/// Rows of three columns from three rows.
-fn transposed(lines: [Vec<f64>; 3]) -> Vec<[f64; 3]> {
-    (0..lines[0].len()).map(|m| [lines[0][m], lines[1][m], lines[2][m]]).collect()
 }
 
 /// Forces on (x, y, θ), the modes of a disc and those of the housing with their tangents, matrices row by row.
@@ -330,27 +323,27 @@ impl ElasticDiscs {
             }
             if let Some(pins) = motion.housing {
                 // The normal turns with the pin's way as it does with the disc's.
-                let by_mode: Vec<[f64; 3]> =
-                    transposed(hessian.map(|line| pins.rows(disc, contact.pin, line).collect::<Vec<f64>>()));
-                for (m, line) in by_mode.iter().enumerate() {
+                let by_mode = hessian.map(|line| pins.rows(disc, contact.pin, line).collect::<Vec<f64>>());
+                let shapes = pins.housing.shapes(disc, contact.pin);
+                for (m, shape) in shapes.iter().enumerate() {
+                    let row = (first + m) * width;
                     for a in 0..3 {
-                        reaction.stiffness[a * width + first + m] -= here.force * line[a];
-                        reaction.stiffness[(first + m) * width + a] -= here.force * line[a];
+                        let value = here.force * by_mode[a][m];
+                        reaction.stiffness[a * width + first + m] -= value;
+                        reaction.stiffness[row + a] -= value;
                     }
-                    for (l, value) in pins.rows(disc, contact.pin, *line).enumerate() {
-                        reaction.stiffness[(first + l) * width + first + m] -= here.force * value;
-                    }
+                    let (x, y) = (here.force * shape.x, here.force * shape.y);
+                    let line = reaction.stiffness[row + first..row + width].iter_mut();
+                    line.zip(by_mode[0].iter().zip(&by_mode[1]))
+                        .for_each(|(entry, (by_x, by_y))| *entry += x * by_x + y * by_y);
                 }
             }
         }
         self.add_rolling(disc, ring, &state, motion, (&mut rows, &mut pushes), &mut reaction);
         // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
-        let mut scratch = Vec::with_capacity(n);
-        let mut response = vec![0.0; n];
-        for b in 0..width {
-            (0..n).for_each(|i| response[i] = rows[i * width + b]);
-            state.forces.respond(&mut response, &mut scratch);
-            (0..n).for_each(|i| rows[i * width + b] = gain[i] * response[i]);
+        state.forces.respond_to_all(&mut rows, width);
+        for (row, gain) in rows.chunks_exact_mut(width).zip(&gain) {
+            row.iter_mut().for_each(|entry| *entry *= gain);
         }
         // Row by row, so that the compiler takes several entries at once.
         for i in (0..n).filter(|i| gain[*i] != 0.0) {

@@ -26,7 +26,7 @@ pub struct ElasticHousing {
     pins: usize,
     /// λ of every mode in m/N.
     compliance: Arc<Vec<f64>>,
-    /// φ, mode after mode, disc after disc, pin after pin, in the frame of the housing.
+    /// φ, disc after disc, pin after pin, mode after mode, in the frame of the housing.
     shapes: Arc<Vec<Vec2>>,
     /// c in m/N, and what a loose groove adds.
     own: f64,
@@ -64,15 +64,17 @@ impl ElasticHousing {
         let smooth = low - DMatrix::identity(basis.ncols(), basis.ncols()) * own;
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(smooth);
         let softest = eigenvalues.iter().fold(0.0_f64, |most, value| most.max(*value));
-        let (mut kept, mut shapes) = (Vec::new(), Vec::new());
-        for (mode, value) in eigenvalues.iter().enumerate().filter(|(_, value)| **value > LEAST * softest) {
-            kept.push(*value);
-            let ways = &basis * eigenvectors.column(mode);
-            for place in 0..discs * pins {
+        let soft: Vec<usize> =
+            (0..eigenvalues.len()).filter(|mode| eigenvalues[*mode] > LEAST * softest).collect();
+        let kept: Vec<f64> = soft.iter().map(|mode| eigenvalues[*mode]).collect();
+        let ways = &basis * eigenvectors.select_columns(&soft);
+        let shapes: Vec<Vec2> = (0..discs * pins)
+            .flat_map(|place| (0..soft.len()).map(move |mode| (place, mode)))
+            .map(|(place, mode)| {
                 let out = unit(TAU * (place % pins) as f64 / pins as f64);
-                shapes.push(ways[2 * place] * out + ways[2 * place + 1] * quarter_turn(out));
-            }
-        }
+                ways[(2 * place, mode)] * out + ways[(2 * place + 1, mode)] * quarter_turn(out)
+            })
+            .collect();
         Ok(ElasticHousing {
             discs,
             pins,
@@ -103,22 +105,18 @@ impl ElasticHousing {
         self.compliance.iter().map(|compliance| 1.0 / compliance)
     }
 
-    /// φ of a pin on one disc.
+    /// φ of a pin on one disc, mode after mode.
     #[inline]
-    pub(super) fn shape(&self, mode: usize, disc: usize, pin: usize) -> Vec2 {
-        self.shapes[(mode * self.discs + disc) * self.pins + pin]
+    pub(super) fn shapes(&self, disc: usize, pin: usize) -> &[Vec2] {
+        let count = self.count();
+        &self.shapes[(disc * self.pins + pin) * count..][..count]
     }
 
     /// Ways of all pins on one disc in m.
     pub(super) fn ways(&self, disc: usize, modes: &[f64]) -> Vec<Vec2> {
-        let mut ways = vec![Vec2::zeros(); self.pins];
-        for (mode, value) in modes.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-            let at = (mode * self.discs + disc) * self.pins;
-            ways.iter_mut()
-                .zip(&self.shapes[at..at + self.pins])
-                .for_each(|(way, shape)| *way += *value * shape);
-        }
-        ways
+        let way =
+            |pin: usize| modes.iter().zip(self.shapes(disc, pin)).map(|(value, shape)| *value * shape).sum();
+        (0..self.pins).map(way).collect()
     }
 
     /// Elastic energy in J under forces on the pins, radial and tangential, disc by disc: Σ ½ λ (φ·F)² and ½
@@ -129,7 +127,7 @@ impl ElasticHousing {
                 .map(|place| {
                     let out = unit(TAU * (place % self.pins) as f64 / self.pins as f64);
                     let force = forces[2 * place] * out + forces[2 * place + 1] * quarter_turn(out);
-                    self.shape(mode, place / self.pins, place % self.pins).dot(&force)
+                    self.shapes(place / self.pins, place % self.pins)[mode].dot(&force)
                 })
                 .sum()
         };
@@ -230,7 +228,7 @@ mod tests {
             if i.is_multiple_of(2) { out } else { quarter_turn(out) }
         };
         let push: f64 =
-            (0..size).map(|i| forces[i] * housing.shape(0, place(i).0, place(i).1).dot(&along(i))).sum();
+            (0..size).map(|i| forces[i] * housing.shapes(place(i).0, place(i).1)[0].dot(&along(i))).sum();
         let eta = push * housing.compliance[0];
         for i in 0..size {
             let (disc, pin) = place(i);

@@ -117,8 +117,8 @@ fn newton<S: System>(
     let n = system.size();
     let (mass, scale) = (system.mass(), system.scale());
     let rest = vec![0.0; n];
-    let mut lin = system.linearisation();
-    let mut trial_lin = system.linearisation();
+    let mut lin = system.linearisation_at_rest();
+    let mut trial_lin = system.linearisation_at_rest();
     let mut position = start.to_vec();
     let mut force = vec![0.0; n];
     let mut trial = vec![0.0; n];

@@ -28,7 +28,7 @@ pub(super) fn hasten<S: System>(
     let n = system.size();
     let (mass, scale) = (system.mass(), system.scale());
     let rest = vec![0.0; n];
-    let mut lin = system.linearisation();
+    let mut lin = system.linearisation_at_rest();
     let mut position = start.to_vec();
     let (mut force, mut step, mut trial) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let largest = |f: &[f64]| f.iter().fold(0.0, |m: f64, x| if x.abs() <= m { m } else { x.abs() });

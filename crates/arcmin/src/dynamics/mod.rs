@@ -27,7 +27,7 @@ mod table;
 
 pub(crate) use bearing_joints::JUMP;
 pub use bearing_joints::{
-    BearingJoints, BearingMeshing, Cause, JointSettings, LostMotionSplit, Part, RadialBearing,
+    BearingJoints, BearingMeshing, Cause, JointSettings, Lean, LostMotionSplit, Part, RadialBearing,
 };
 pub use drive::{Drive, InputMotion};
 pub use elastic_carrier::{ElasticCarrier, ElasticRims};

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::DynamicsError;
 use super::bearing_joints::element_stiffness;
-use crate::machine::{MainRows, RollerBearing, RollerKind};
+use crate::machine::{Machine, MainRows, RollerBearing, RollerKind};
 
 /// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner against the outer ring, or the load on the inner
 /// ring that goes with it (N, N·m), all about the middle of the pair.
@@ -154,6 +154,19 @@ const ITERATIONS: usize = 200;
 const TOLERANCE: f64 = 1e-10;
 
 impl MainBearings {
+    /// Those of a machine at its temperature.
+    pub fn of(machine: &Machine) -> MainBearings {
+        let mut pair = machine.solids.main_rows.clone();
+        pair.preload += machine.thermal.preload_growth(machine);
+        MainBearings::new(&pair)
+    }
+
+    /// The same of elements `factor` times stiffer.
+    pub fn stiffened(mut self, factor: f64) -> MainBearings {
+        self.rows.iter_mut().for_each(|row| row.stiffness *= factor);
+        self
+    }
+
     pub fn new(pair: &MainRows) -> MainBearings {
         let height = 0.5 * pair.spacing;
         // Back to back, contact lines spread: the row above stops the inner ring from going down.

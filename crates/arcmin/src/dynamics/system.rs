@@ -14,6 +14,11 @@ pub trait System {
     /// A linearisation of the right size, zero.
     fn linearisation(&self) -> Self::Linearisation;
 
+    /// One for a search at rest, which asks for no damping: systems that can leave it out do.
+    fn linearisation_at_rest(&self) -> Self::Linearisation {
+        self.linearisation()
+    }
+
     /// Diagonal of M in kg or kg·m², one entry per coordinate.
     fn mass(&self) -> &[f64];
 
@@ -102,6 +107,18 @@ pub struct DenseLinearisation {
     work: Vec<f64>,
 }
 
+impl DenseLinearisation {
+    /// Without damping, which is neither taken nor asked for.
+    pub fn at_rest(size: usize) -> DenseLinearisation {
+        DenseLinearisation { damping: Vec::new(), ..DenseLinearisation::new(size) }
+    }
+
+    /// Whether it takes damping.
+    pub fn takes_damping(&self) -> bool {
+        !self.damping.is_empty()
+    }
+}
+
 /// Coordinates from which on blocks are faster.
 const LARGE: usize = 96;
 
@@ -127,7 +144,21 @@ impl DenseLinearisation {
 
     #[inline]
     pub fn add_damping(&mut self, row: usize, column: usize, value: f64) {
-        self.damping[row * self.size + column] += value;
+        if let Some(entry) = self.damping.get_mut(row * self.size + column) {
+            *entry += value;
+        }
+    }
+
+    /// −∂Q_row/∂q of all coordinates.
+    #[inline]
+    pub fn stiffness_row(&mut self, row: usize) -> &mut [f64] {
+        &mut self.stiffness[row * self.size..][..self.size]
+    }
+
+    /// −∂Q_row/∂q̇ of all coordinates.
+    #[inline]
+    pub fn damping_row(&mut self, row: usize) -> &mut [f64] {
+        self.damping.get_mut(row * self.size..(row + 1) * self.size).unwrap_or_default()
     }
 
     /// Adds the damping times `rate` (1/s) to the stiffness: velocities that are q times the rate, less a
@@ -155,7 +186,7 @@ impl Linearisation for DenseLinearisation {
         for i in 0..n {
             for entry in [coordinate * n + i, i * n + coordinate] {
                 self.stiffness[entry] = 0.0;
-                self.damping[entry] = 0.0;
+                self.damping.get_mut(entry).into_iter().for_each(|damping| *damping = 0.0);
             }
         }
         self.stiffness[coordinate * n + coordinate] = 1.0;
@@ -164,8 +195,12 @@ impl Linearisation for DenseLinearisation {
     fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular> {
         let n = self.size;
         let a = &mut self.work;
-        for (entry, (k, c)) in a.iter_mut().zip(self.stiffness.iter().zip(&self.damping)) {
-            *entry = weights.stiffness * k + weights.damping * c;
+        if weights.damping == 0.0 {
+            a.iter_mut().zip(&self.stiffness).for_each(|(entry, k)| *entry = weights.stiffness * k);
+        } else {
+            for (entry, (k, c)) in a.iter_mut().zip(self.stiffness.iter().zip(&self.damping)) {
+                *entry = weights.stiffness * k + weights.damping * c;
+            }
         }
         for i in 0..n {
             a[i * n + i] += weights.mass * mass[i];

@@ -1,5 +1,7 @@
 //! Contacts that share an elastic disc: each one's approach depends on all forces.
 
+mod descent;
+
 use std::sync::Arc;
 
 use super::{DiscModel, DiscShape, FemError, FlankCompliance, FlexibleSettings, ReducedDisc, Stencil};
@@ -131,7 +133,8 @@ pub struct CoupledForces {
     rhs: Vec<f64>,
 }
 
-const MAX_ITERATIONS: usize = 60;
+/// Newton's method by itself takes three to six; from twenty on it goes round in circles.
+const MAX_ITERATIONS: usize = 20;
 /// Rounding of approaches of 1e-6 m allows 1e-10; forces settle far below the tolerance of any equilibrium.
 const TOLERANCE: f64 = 1e-11;
 /// Convergence is quadratic: a step from a residual below this ends within the tolerance.
@@ -145,17 +148,22 @@ impl CoupledForces {
         compliance: &FlankCompliance,
         contacts: &[CoupledContact],
     ) -> bool {
-        let n = contacts.len();
         self.set_compliance(compliance, contacts);
         self.seed(law, contacts);
+        let settled = self.newton(law, contacts) || self.descend(law, contacts);
+        self.flexural_energy = 0.5 * (0..contacts.len()).map(|i| self.force[i] * self.bent(i)).sum::<f64>();
+        settled
+    }
+
+    /// Newton's method from the forces there are. Returns whether it settled.
+    fn newton(&mut self, law: &LineContact, contacts: &[CoupledContact]) -> bool {
+        let n = contacts.len();
         let mut step = vec![0.0; n];
-        let mut settled = false;
         for _ in 0..MAX_ITERATIONS {
             let (largest, residual) = self.evaluate(law, contacts, &mut step);
-            settled = residual <= TOLERANCE * largest;
-            if settled {
+            if residual <= TOLERANCE * largest {
                 self.factorise(n);
-                break;
+                return true;
             }
             let unchanged = self.newton_step(&mut step, n);
             for i in 0..n {
@@ -163,12 +171,10 @@ impl CoupledForces {
             }
             if residual <= LAST_STEP * largest && unchanged {
                 self.local = (0..n).map(|i| contacts[i].approach - self.bent(i)).collect();
-                settled = true;
-                break;
+                return true;
             }
         }
-        self.flexural_energy = 0.5 * (0..n).map(|i| self.force[i] * self.bent(i)).sum::<f64>();
-        settled
+        false
     }
 
     /// (C F)_i in m.
@@ -301,6 +307,35 @@ impl CoupledForces {
             rhs[a] /= row[a];
             let x = rhs[a];
             rhs[..a].iter_mut().zip(row).for_each(|(r, l)| *r -= l * x);
+        }
+    }
+
+    /// [`CoupledForces::respond`] for `width` changes at once, contact by contact: whole rows are taken off each
+    /// other, which the compiler does several entries at a time.
+    pub fn respond_to_all(&self, changes: &mut [f64], width: usize) {
+        let count = self.active.len();
+        let mut rows: Vec<f64> = Vec::with_capacity(count * width);
+        self.active.iter().for_each(|i| rows.extend_from_slice(&changes[i * width..][..width]));
+        let less = |row: &mut [f64], factor: f64, other: &[f64]| {
+            row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
+        };
+        for a in 0..count {
+            let factors = &self.factor[a * count..=a * count + a];
+            let (done, rest) = rows.split_at_mut(a * width);
+            let row = &mut rest[..width];
+            done.chunks_exact(width).zip(factors).for_each(|(other, factor)| less(row, *factor, other));
+            row.iter_mut().for_each(|entry| *entry /= factors[a]);
+        }
+        for a in (0..count).rev() {
+            let factors = &self.factor[a * count..=a * count + a];
+            let (before, rest) = rows.split_at_mut(a * width);
+            let row = &mut rest[..width];
+            row.iter_mut().for_each(|entry| *entry /= factors[a]);
+            before.chunks_exact_mut(width).zip(factors).for_each(|(other, factor)| less(other, *factor, row));
+        }
+        changes.fill(0.0);
+        for (i, row) in self.active.iter().zip(rows.chunks_exact(width)) {
+            changes[i * width..][..width].copy_from_slice(row);
         }
     }
 

@@ -20,9 +20,9 @@ pub use options::{Bores, DiscBodies, Element, ErrorSource, FidelityOptions, Fram
 
 use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::{Choice, Design, InputFile};
-use crate::dynamics::{BearingMeshing, ElasticDiscs, JointSettings};
+use crate::dynamics::{BearingMeshing, ElasticDiscs, JointSettings, Lean};
 use crate::geometry::Relief;
-use crate::machine::{Batch, Machine, ManufacturingErrors};
+use crate::machine::{Batch, Machine, ManufacturingErrors, OutputForces};
 use crate::results::{Column, Value, quantities as q};
 
 /// How finely a machine is modelled.
@@ -33,6 +33,8 @@ pub struct Fidelity {
     pub elastic: Option<Elastic>,
     /// Elastic carrier, housing and rims; `None` for rigid ones.
     pub frame: Option<ElasticFrame>,
+    /// An output that leans in its main bearings: with elastic bodies, or under forces from outside.
+    pub lean: Option<Lean>,
     pub errors: ManufacturingErrors,
     pub source: ErrorSource,
     /// Seed of a drawn machine.
@@ -48,6 +50,7 @@ impl Fidelity {
             joints: Joints::Ideal,
             elastic: None,
             frame: None,
+            lean: None,
             errors: ManufacturingErrors::default(),
             source: ErrorSource::None,
             seed: None,
@@ -87,8 +90,31 @@ impl Fidelity {
         }
         if bends {
             fidelity.frame = Some(ElasticFrame::reduce(&machine, host)?);
+            fidelity.lean = Some(Lean::of(&machine, OutputForces::default()));
         }
         Ok(fidelity)
+    }
+
+    /// Lets forces from outside act on the output of a machine.
+    ///
+    /// # Errors
+    /// Wrong usage with ideal joints, which hold the output straight.
+    pub(crate) fn push_output(
+        &mut self,
+        machine: &Machine,
+        forces: OutputForces,
+    ) -> Result<(), AnalysisError> {
+        if forces.is_zero() {
+            return Ok(());
+        }
+        if self.joints == Joints::Ideal {
+            return Err(AnalysisError::usage(
+                "ideal joints hold the output straight, whatever tilts it",
+                "choose joints = bearings",
+            ));
+        }
+        self.lean = Some(Lean::of(machine, forces));
+        Ok(())
     }
 
     fn take_errors(
@@ -218,7 +244,8 @@ impl Fidelity {
     /// [`AnalysisError`] where bores tied to one spider leave the bearings no bores to move.
     pub fn joint_settings(&self) -> Result<JointSettings, AnalysisError> {
         let discs = self.free_discs()?;
-        let settings = JointSettings { errors: self.errors.clone(), discs, ..JointSettings::default() };
+        let (errors, lean) = (self.errors.clone(), self.lean.clone());
+        let settings = JointSettings { errors, discs, lean, ..JointSettings::default() };
         Ok(match &self.frame {
             Some(frame) => frame.on(settings),
             None => settings,
@@ -275,7 +302,11 @@ impl Fidelity {
                 format!(", machine drawn from the tolerances with seed {}", seed.unwrap_or(1))
             }
         };
-        format!("{joints}, {discs}{errors}")
+        let leans = match &self.lean {
+            Some(lean) if !lean.forces.is_zero() => ", leaning under forces from outside",
+            _ => "",
+        };
+        format!("{joints}, {discs}{leans}{errors}")
     }
 
     /// Seeds of everything drawn.

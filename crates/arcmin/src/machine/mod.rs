@@ -22,7 +22,7 @@ pub use kinematics::Kinematics;
 pub use part_wear::{PartWear, PartWearLaws, RollingWear};
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
-    Housing, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
+    Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis};
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction};

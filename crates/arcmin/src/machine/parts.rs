@@ -187,6 +187,23 @@ pub struct Friction {
     pub regularisation_speed: f64,
 }
 
+/// What acts on the output from outside beside the torque, about the middle of the main bearings.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OutputForces {
+    /// N·m, tilting.
+    pub moment: f64,
+    /// N, along the axis out of the machine.
+    pub axial: f64,
+    /// N, across it, in the plane of the moment.
+    pub radial: f64,
+}
+
+impl OutputForces {
+    pub fn is_zero(&self) -> bool {
+        *self == OutputForces::default()
+    }
+}
+
 /// An operating point with its share of the running time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DutyPoint {
@@ -196,6 +213,8 @@ pub struct DutyPoint {
     pub input_speed: f64,
     /// Share of the running time, the shares of a spectrum sum to 1.
     pub share: f64,
+    /// What tilts and pulls the output meanwhile.
+    pub forces: OutputForces,
 }
 
 /// How flanks, pins and the parts behind them wear.

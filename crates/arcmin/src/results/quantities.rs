@@ -206,7 +206,13 @@ pub const STIFFNESS: Quantity = quantity(
 pub const SOFT_STIFFNESS: Quantity = quantity(
     "soft_stiffness_n_m_per_arcmin",
     decimals(1),
-    "Slope of the loop between 3 and 15 % of rated torque.",
+    "Slope of the loop between 3 and 15 % of rated torque (K1 of makers' torsion curves).",
+);
+
+pub const MIDDLE_STIFFNESS: Quantity = quantity(
+    "middle_stiffness_n_m_per_arcmin",
+    decimals(1),
+    "Slope of the loop between 15 and 50 % of rated torque (K2; `stiffness_n_m_per_arcmin` is K3).",
 );
 
 pub const QUANTITY: Quantity = quantity("quantity", PLAIN, "Which quantity the row is about.");

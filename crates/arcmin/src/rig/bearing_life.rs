@@ -14,12 +14,29 @@ pub struct BearingLoad {
     pub forces: Vec<f64>,
     /// Largest force on one rolling element, N.
     pub largest_element: f64,
+    /// Largest axial force in N that the tapered supports of a crankshaft put on each other; 0 of all others.
+    pub axial: f64,
     /// Equivalent dynamic load P in N: mean of the 10/3rd (balls: third) power.
     pub equivalent: f64,
     /// C in N, given or by ISO 281.
     pub rating: f64,
     /// L10h in s: (C/P)^p 10⁶ turns at the relative speed of the rings.
     pub life: f64,
+}
+
+/// Axial force (N) on both tapered supports of a crankshaft under radial forces, each set against the other: the
+/// larger of F/(2 Y), Y = 0.4 cot α (ISO 281; makers' catalogues), which the more lightly loaded one takes up.
+fn induced_axial(support: &RollerBearing, radial: [f64; 2]) -> f64 {
+    match support.kind {
+        RollerKind::Tapered => radial[0].max(radial[1]) * support.contact_angle.tan() / 0.8,
+        RollerKind::Cylindrical | RollerKind::Ball => 0.0,
+    }
+}
+
+/// Dynamic equivalent load (N) of a row of rollers by ISO 281: F_r, or 0.4 F_r + Y F_a beyond F_a/F_r = 1.5 tan α.
+fn equivalent_load(support: &RollerBearing, radial: f64, axial: f64) -> f64 {
+    let slope = support.contact_angle.tan();
+    if axial <= 1.5 * slope * radial { radial } else { (0.4 * (radial + axial / slope)).max(radial) }
 }
 
 /// Basic dynamic radial load rating C in N by ISO 281: b_m f_c (L cos α)^(7/9) Z^(3/4) D^(29/27) for rollers
@@ -79,7 +96,10 @@ pub fn bearing_loads(
             .extend(["planet side", "far side"].map(|side| format!("support, crankshaft {}, {side}", k + 1)));
     }
     let mut forces = vec![Vec::with_capacity(positions); names.len()];
+    // What counts for the life, position by position.
+    let mut carried = forces.clone();
     let mut largest = vec![0.0_f64; names.len()];
+    let mut axial = vec![0.0_f64; names.len()];
     let direction = machine.rated.input_speed.signum();
     let mut deviation: Vec<f64> = Vec::new();
     for i in 0..positions {
@@ -96,35 +116,42 @@ pub fn bearing_loads(
             let loads = (0..discs)
                 .map(|j| model.turning_arm_load(k, j, &q).0)
                 .chain((0..2).map(|end| model.support_load(k, end, &q).0));
+            let first = at;
             for state in loads.collect::<Vec<_>>() {
-                forces[at].push(state.gradient[0].hypot(state.gradient[1]));
+                let force = state.gradient[0].hypot(state.gradient[1]);
+                forces[at].push(force);
+                carried[at].push(force);
                 largest[at] = largest[at].max(state.largest_element);
                 at += 1;
+            }
+            let support = &machine.bearings.crank_support;
+            let ends = [first + discs, first + discs + 1];
+            let along = induced_axial(support, ends.map(|end| forces[end][i]));
+            if along > 0.0 {
+                for end in ends {
+                    axial[end] = axial[end].max(along);
+                    carried[end][i] = equivalent_load(support, forces[end][i], along);
+                }
             }
         }
         deviation = q.iter().zip(&nominal).map(|(q, n)| q - n).collect();
     }
     // Both rings' relative turn: disc and carrier turn alike.
     let turns_per_second = (crank_speed - output_speed).abs() / TAU;
-    Ok(names
-        .into_iter()
-        .zip(forces)
-        .zip(largest)
-        .enumerate()
-        .map(|(index, ((name, forces), largest_element))| {
-            let bearing = if index % (discs + 2) < discs {
-                &machine.bearings.turning_arm
-            } else {
-                &machine.bearings.crank_support
-            };
-            let power = if bearing.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 };
-            let equivalent = (forces.iter().map(|f| f.powf(power)).sum::<f64>() / forces.len().max(1) as f64)
-                .powf(1.0 / power);
-            let rating = dynamic_load_rating(bearing);
-            let life = 1e6 * (rating / equivalent).powf(power) / turns_per_second;
-            BearingLoad { name, forces, largest_element, equivalent, rating, life }
-        })
-        .collect())
+    let load = |(index, (name, forces)): (usize, (String, Vec<f64>))| {
+        let bearing = match index % (discs + 2) < discs {
+            true => &machine.bearings.turning_arm,
+            false => &machine.bearings.crank_support,
+        };
+        let power = if bearing.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 };
+        let mean = carried[index].iter().map(|f| f.powf(power)).sum::<f64>() / positions.max(1) as f64;
+        let equivalent = mean.powf(1.0 / power);
+        let rating = dynamic_load_rating(bearing);
+        let life = 1e6 * (rating / equivalent).powf(power) / turns_per_second;
+        let (largest_element, axial) = (largest[index], axial[index]);
+        BearingLoad { name, forces, largest_element, axial, equivalent, rating, life }
+    };
+    Ok(names.into_iter().zip(forces).enumerate().map(load).collect())
 }
 
 impl BearingLoad {
@@ -135,5 +162,50 @@ impl BearingLoad {
 
     pub fn mean_force(&self) -> f64 {
         self.forces.iter().sum::<f64>() / self.forces.len().max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::templates::rv_40e_81;
+
+    /// Two equally loaded tapered supports of 15°: each pushes the other by F/(2 Y), Y = 1.49, and carries its
+    /// radial force alone; the unloaded one of two carries Y S = F/2.
+    #[test]
+    fn tapered_supports_push_each_other() {
+        let support = RollerBearing {
+            kind: RollerKind::Tapered,
+            contact_angle: 15.0_f64.to_radians(),
+            ..rv_40e_81().bearings.crank_support
+        };
+        let axial = induced_axial(&support, [3000.0, 3000.0]);
+        assert!((axial - 3000.0 / (2.0 * 1.492_82)).abs() < 0.1, "{axial}");
+        assert_eq!(equivalent_load(&support, 3000.0, axial), 3000.0);
+        let axial = induced_axial(&support, [3000.0, 0.0]);
+        assert!((equivalent_load(&support, 0.0, axial) - 1500.0).abs() < 1e-6);
+        let straight = RollerBearing { kind: RollerKind::Cylindrical, ..support };
+        assert_eq!(induced_axial(&straight, [3000.0, 0.0]), 0.0);
+    }
+
+    /// Of a machine with tapered supports the lighter support lives shorter than by its radial force alone.
+    #[test]
+    fn axial_forces_shorten_the_life_of_the_lighter_support() {
+        let mut machine = rv_40e_81();
+        let settings = JointSettings::default();
+        machine.bearings.crank_support.contact_angle = 0.2;
+        machine.bearings.crank_support.dynamic_load_rating = Some(20e3);
+        let supports = |machine: &Machine| -> Vec<BearingLoad> {
+            let loads = bearing_loads(machine, &settings, 8).unwrap();
+            loads.into_iter().filter(|load| load.name.starts_with("support")).collect()
+        };
+        machine.bearings.crank_support.kind = RollerKind::Cylindrical;
+        let straight = supports(&machine);
+        machine.bearings.crank_support.kind = RollerKind::Tapered;
+        let tapered = supports(&machine);
+        for (a, b) in tapered.iter().zip(&straight) {
+            assert!(a.axial > 0.0 && b.axial == 0.0);
+            assert!(a.equivalent >= b.equivalent && a.life <= b.life);
+        }
     }
 }

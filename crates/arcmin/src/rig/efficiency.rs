@@ -32,48 +32,60 @@ pub struct RunningTorques {
 /// Crank positions over which torques are averaged.
 const POSITIONS: usize = 8;
 
-/// Mean torque (N·m) that the drive puts in at the speed (rad/s) and output torque (N·m), both signed.
-fn input_torque(model: &mut BearingJoints, rated: f64, torque: f64, speed: f64) -> Result<f64, RigError> {
-    let ratio = model.kinematics().ratio();
-    let lobes = model.kinematics().lobe_count;
-    // The load opposes the motion of the output, which a carrier at rest turns round.
-    let torque = ratio.signum() * torque;
-    let mut sum = 0.0;
-    for i in 0..POSITIONS {
-        let sun = TAU * i as f64 / POSITIONS as f64 * ratio / lobes;
-        model.hold_sun(sun, speed);
-        let nominal = model.nominal_position_at(sun);
-        let velocity = model.nominal_velocity_at(sun, speed);
-        model.set_load(rated.copysign(torque));
-        let loaded = run(model, &nominal, velocity.clone())?;
-        model.set_load(torque);
-        let q = run(model, &loaded, velocity.clone())?;
-        let mut force = vec![0.0; q.len()];
-        let mut linearisation = model.linearisation();
-        sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, &mut linearisation).1;
-    }
-    Ok(sum / POSITIONS as f64)
+/// The running model, and its balances under rated torque of either sign, position by position: where the next
+/// search at the same place starts.
+struct Bench {
+    model: BearingJoints,
+    loaded: [[Option<Vec<f64>>; POSITIONS]; 2],
 }
 
-/// The model at an operating point; where the design gives a temperature, with the friction of that point.
-fn bench_at(
-    machine: &Machine,
-    settings: &JointSettings,
-    speed: f64,
-    torque: f64,
-) -> Result<BearingJoints, RigError> {
-    match machine.thermal.temperature {
-        None => bench(machine, settings),
-        Some(celsius) => {
-            let mut warm = machine.clone();
-            warm.friction = machine.friction_at(celsius, speed, torque).friction;
-            bench(&warm, settings)
+impl Bench {
+    fn new(machine: &Machine, settings: &JointSettings) -> Result<Bench, RigError> {
+        let settings = JointSettings { damped: false, ..settings.clone() };
+        Ok(Bench { model: BearingJoints::held(machine, &settings)?, loaded: Default::default() })
+    }
+
+    /// At an operating point; where the design gives a temperature, with the friction of that point.
+    fn at(machine: &Machine, settings: &JointSettings, speed: f64, torque: f64) -> Result<Bench, RigError> {
+        match machine.thermal.temperature {
+            None => Bench::new(machine, settings),
+            Some(celsius) => {
+                let mut warm = machine.clone();
+                warm.friction = machine.friction_at(celsius, speed, torque).friction;
+                Bench::new(&warm, settings)
+            }
         }
     }
-}
 
-fn bench(machine: &Machine, settings: &JointSettings) -> Result<BearingJoints, RigError> {
-    Ok(BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?)
+    /// i, without its sign.
+    fn ratio(&self) -> f64 {
+        self.model.kinematics().ratio().abs()
+    }
+
+    /// Mean torque (N·m) that the drive puts in at the speed (rad/s) and output torque (N·m), both signed.
+    fn input_torque(&mut self, rated: f64, torque: f64, speed: f64) -> Result<f64, RigError> {
+        let model = &mut self.model;
+        let ratio = model.kinematics().ratio();
+        let lobes = model.kinematics().lobe_count;
+        // The load opposes the motion of the output, which a carrier at rest turns round.
+        let torque = ratio.signum() * torque;
+        let mut sum = 0.0;
+        for (i, known) in self.loaded[usize::from(torque < 0.0)].iter_mut().enumerate() {
+            let sun = TAU * i as f64 / POSITIONS as f64 * ratio / lobes;
+            model.hold_sun(sun, speed);
+            let nominal = model.nominal_position_at(sun);
+            let velocity = model.nominal_velocity_at(sun, speed);
+            model.set_load(rated.copysign(torque));
+            let loaded = run(model, known.as_ref().unwrap_or(&nominal), velocity.clone())?;
+            model.set_load(torque);
+            let q = run(model, &loaded, velocity.clone())?;
+            *known = Some(loaded);
+            let mut force = vec![0.0; q.len()];
+            let mut linearisation = model.linearisation_at_rest();
+            sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, &mut linearisation).1;
+        }
+        Ok(sum / POSITIONS as f64)
+    }
 }
 
 /// η = T_out/(i T_in), from the balance of the running machine with friction at pins, needles, supports,
@@ -82,9 +94,9 @@ fn bench(machine: &Machine, settings: &JointSettings) -> Result<BearingJoints, R
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
 pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<EfficiencyMap, RigError> {
-    let mut model = bench(machine, settings)?;
+    let mut bench = Bench::new(machine, settings)?;
     let rated = machine.rated.torque.abs();
-    let ratio = model.kinematics().ratio().abs();
+    let ratio = bench.ratio();
     let warm = machine.thermal.temperature.is_some();
     let speed = machine.rated.input_speed.abs();
     let torques: Vec<f64> = [0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * rated).to_vec();
@@ -94,14 +106,16 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
         let mut row = Vec::with_capacity(torques.len());
         for torque in &torques {
             if warm {
-                model = bench_at(machine, settings, *speed, *torque)?;
+                bench.model = Bench::at(machine, settings, *speed, *torque)?.model;
             }
-            row.push(torque / (ratio * input_torque(&mut model, rated, *torque, *speed)?));
+            row.push(torque / (ratio * bench.input_torque(rated, *torque, *speed)?));
         }
         efficiency.push(row);
     }
-    let mut model = if warm { bench_at(machine, settings, speed, rated)? } else { model };
-    let at_rated = rated / (ratio * input_torque(&mut model, rated, rated, speed)?);
+    if warm {
+        bench.model = Bench::at(machine, settings, speed, rated)?.model;
+    }
+    let at_rated = rated / (ratio * bench.input_torque(rated, rated, speed)?);
     Ok(EfficiencyMap { torques, speeds, efficiency, rated: at_rated })
 }
 
@@ -135,9 +149,8 @@ pub fn heat_balance(machine: &Machine, settings: &JointSettings) -> Result<Optio
     let loss = |celsius: f64| -> Result<f64, RigError> {
         let mut at = machine.clone();
         at.thermal.temperature = Some(celsius);
-        let mut model = bench_at(&at, settings, speed, rated)?;
-        let ratio = model.kinematics().ratio().abs();
-        Ok((input_torque(&mut model, rated, rated, speed)? - rated / ratio) * speed)
+        let mut bench = Bench::at(&at, settings, speed, rated)?;
+        Ok((bench.input_torque(rated, rated, speed)? - rated / bench.ratio()) * speed)
     };
     let steady = settle(thermal.ambient, thermal.transfer * thermal.surface, loss)?;
     let warm = machine.friction_at(celsius, speed, rated);
@@ -175,21 +188,21 @@ fn settle<E>(ambient: f64, cooling: f64, loss: impl Fn(f64) -> Result<f64, E>) -
 pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<RunningTorques, RigError> {
     let rated = machine.rated.torque.abs();
     let speed = machine.rated.input_speed.abs();
-    let line = |model: &mut BearingJoints, speed: f64, side: f64| -> Result<(f64, f64), RigError> {
-        let one = input_torque(model, rated, side * 0.01 * rated, speed)?;
-        let two = input_torque(model, rated, side * 0.02 * rated, speed)?;
+    let line = |bench: &mut Bench, speed: f64, side: f64| -> Result<(f64, f64), RigError> {
+        let one = bench.input_torque(rated, side * 0.01 * rated, speed)?;
+        let two = bench.input_torque(rated, side * 0.02 * rated, speed)?;
         Ok((2.0 * one - two, (two - one) / (0.01 * rated)))
     };
-    let (no_load, _) = line(&mut bench_at(machine, settings, speed, 0.01 * rated)?, speed, 1.0)?;
+    let (no_load, _) = line(&mut Bench::at(machine, settings, speed, 0.01 * rated)?, speed, 1.0)?;
     // A machine that starts has no speed for the oil to drag at, yet Coulomb friction is to be fully
     // developed.
     let mut still = machine.clone();
     still.friction.oil_drag = 0.0;
     let slow = 0.2 * speed;
-    let mut model = bench_at(&still, settings, slow, 0.01 * rated)?;
-    let (starting, _) = line(&mut model, slow, 1.0)?;
+    let mut bench = Bench::at(&still, settings, slow, 0.01 * rated)?;
+    let (starting, _) = line(&mut bench, slow, 1.0)?;
     // Output driving: the load pushes along the motion, the input torque falls to zero.
-    let (offset, slope) = line(&mut model, slow, -1.0)?;
+    let (offset, slope) = line(&mut bench, slow, -1.0)?;
     let back_driving = if slope < 0.0 { offset / -slope } else { f64::INFINITY };
     Ok(RunningTorques { no_load, starting, back_driving })
 }
@@ -219,13 +232,13 @@ pub fn loss_lines(machine: &Machine, settings: &JointSettings) -> Result<Vec<Los
     SPEEDS
         .into_par_iter()
         .map(|share| {
-            let mut model = bench(machine, settings)?;
-            let ratio = model.kinematics().ratio().abs();
+            let mut bench = Bench::new(machine, settings)?;
+            let ratio = bench.ratio();
             let speed = share * machine.rated.input_speed.abs();
             let mut line = |side: f64| -> Result<(f64, f64, f64), RigError> {
                 let mut points = [(0.0, 0.0); SHARES.len()];
                 for (point, share) in points.iter_mut().zip(SHARES) {
-                    *point = (share * rated, input_torque(&mut model, rated, side * share * rated, speed)?);
+                    *point = (share * rated, bench.input_torque(rated, side * share * rated, speed)?);
                 }
                 let n = points.len() as f64;
                 let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
@@ -277,10 +290,9 @@ mod tests {
         let at = |celsius: f64, share: f64, load: f64| {
             let mut warm = machine.clone();
             warm.thermal.temperature = Some(celsius);
-            let mut model = bench_at(&warm, &settings, share * speed, load * rated).unwrap();
-            let ratio = model.kinematics().ratio();
-            let torque = input_torque(&mut model, rated, load * rated, share * speed).unwrap();
-            load * rated / (ratio * torque)
+            let mut bench = Bench::at(&warm, &settings, share * speed, load * rated).unwrap();
+            let torque = bench.input_torque(rated, load * rated, share * speed).unwrap();
+            load * rated / (bench.ratio() * torque)
         };
         let (cold, warm) = (at(20.0, 1.0, 1.0), at(60.0, 1.0, 1.0));
         assert!(warm > cold && cold > 0.5 && warm < 1.0, "{cold} {warm}");

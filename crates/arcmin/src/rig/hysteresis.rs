@@ -43,6 +43,8 @@ pub struct LoopFigures {
     pub stiffness: f64,
     /// The same between 3 % and 15 %: before all rollers carry.
     pub soft_stiffness: f64,
+    /// The same between 15 % and 50 %.
+    pub middle_stiffness: f64,
     /// Work lost in one cycle, J.
     pub work: f64,
 }
@@ -186,6 +188,7 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
         backlash,
         stiffness: mean(STIFFNESS_WINDOW.0, STIFFNESS_WINDOW.1)?,
         soft_stiffness: mean(LOST_MOTION_SHARE, 0.15)?,
+        middle_stiffness: mean(0.15, STIFFNESS_WINDOW.0)?,
         work,
     })
 }

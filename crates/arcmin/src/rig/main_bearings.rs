@@ -3,19 +3,8 @@
 use super::RigError;
 use super::bearing_life::dynamic_load_rating;
 use crate::dynamics::{ElementLoad, Five, MainBearings};
-use crate::machine::{Machine, RollerBearing, RollerKind};
+use crate::machine::{Machine, OutputForces, RollerBearing, RollerKind};
 use crate::units::HOUR;
-
-/// What acts on the output from outside, about the middle of the pair.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct OutputForces {
-    /// N·m, tilting.
-    pub moment: f64,
-    /// N, along the axis out of the machine.
-    pub axial: f64,
-    /// N, across it, in the plane of the moment.
-    pub radial: f64,
-}
 
 /// How the main bearings take it.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,15 +35,13 @@ pub struct MainBearingLoad {
 /// # Errors
 /// [`RigError::Balance`] if the rows have so much play that the load finds no hold.
 pub fn main_bearing_load(machine: &Machine, forces: OutputForces) -> Result<MainBearingLoad, RigError> {
-    let mut pair = machine.solids.main_rows.clone();
-    pair.preload += machine.thermal.preload_growth(machine);
-    let pair = &pair;
-    let bearings = MainBearings::new(pair);
+    let row = &machine.solids.main_rows.row;
+    let bearings = MainBearings::of(machine);
     let still = bearings.balance(&Five::zeros())?;
     let load = Five::from([forces.radial, 0.0, forces.axial, 0.0, forces.moment]);
     let found = bearings.balance(&load)?;
     let speed = machine.kinematics().speeds(machine.rated.input_speed).0.abs();
-    let turns = pair_life(&pair.row, &found.elements);
+    let turns = pair_life(row, &found.elements);
     let moved = found.displacement - still.displacement;
     Ok(MainBearingLoad {
         forces,

@@ -30,7 +30,7 @@ pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
     stiffness_split,
 };
-pub use main_bearings::{MainBearingLoad, OutputForces, main_bearing_load};
+pub use main_bearings::{MainBearingLoad, main_bearing_load};
 pub use orders::{NamedOrder, name_orders};
 pub use state::{MeasuredOnBench, RigPlan, RigState};
 pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};

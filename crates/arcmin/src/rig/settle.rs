@@ -37,6 +37,14 @@ impl System for Slow<'_> {
         self.model.linearisation()
     }
 
+    fn linearisation_at_rest(&self) -> DenseLinearisation {
+        match self.motion {
+            Motion::Running(_) => self.model.linearisation_at_rest(),
+            // Velocities follow the coordinates.
+            Motion::Creeping { .. } => self.linearisation(),
+        }
+    }
+
     fn mass(&self) -> &[f64] {
         self.model.mass()
     }

@@ -56,6 +56,10 @@ impl RigState {
         self.mean(|f| f.soft_stiffness)
     }
 
+    pub fn middle_stiffness(&self) -> f64 {
+        self.mean(|f| f.middle_stiffness)
+    }
+
     /// The transmission error forward at rated torque.
     pub fn forward_at_rated(&self) -> Option<&ErrorCurve> {
         forward_at_rated(&self.curves)

@@ -29,6 +29,7 @@ fn figures_of_a_loop_with_known_clearance_and_friction() {
     assert!((figures.backlash - 2.0 * (clearance + width)).abs() < 1e-12);
     assert!((figures.stiffness / k - 1.0).abs() < 1e-9);
     assert!((figures.soft_stiffness / k - 1.0).abs() < 1e-9);
+    assert!((figures.middle_stiffness / k - 1.0).abs() < 1e-9);
     // Branches 2 (w) apart over 2 T, and the clearance is crossed at zero torque, where it takes no work.
     assert!(
         (figures.work.abs() - 2.0 * rated * 2.0 * width).abs() < 0.02 * 4.0 * rated * width,
@@ -54,6 +55,8 @@ fn val_reference_machine_has_catalogue_figures() {
         let stiffness = figures.stiffness * ARCMIN;
         assert!((60.0..250.0).contains(&stiffness), "{stiffness}");
         assert!(figures.soft_stiffness < 0.9 * figures.stiffness);
+        assert!(figures.soft_stiffness < figures.middle_stiffness);
+        assert!(figures.middle_stiffness < figures.stiffness);
         // Without friction the two branches fall together: no work is lost.
         assert!(
             figures.work.abs() < 1e-3 * machine.rated.torque * 2.0 * machine.rated.torque / figures.stiffness,

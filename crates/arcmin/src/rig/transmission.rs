@@ -94,10 +94,12 @@ fn error_curve_until(
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
     let speed = direction * ratio.signum() * machine.rated.input_speed.abs();
-    // One turn of the crankshafts before, the same pins carried: the start is the balance of then, and as far from it
-    // as the place before this one is from the place before that one.
-    let per_turn = (positions as f64 / model.kinematics().lobe_count).round().max(1.0) as usize;
-    let mut deviations: Vec<Vec<f64>> = Vec::with_capacity(positions + 2);
+    // A nominal machine looks alike, seen from its carrier, whenever the crankshafts have turned once against it; one
+    // with errors meets the same pins after a turn of the crankshafts in space.
+    let nominal_machine = settings.errors.is_zero();
+    let kinematics = model.kinematics();
+    let repeats = if nominal_machine { kinematics.pin_count } else { kinematics.lobe_count };
+    let mut before = Before::new(positions as f64 / repeats);
     let mut points = Vec::with_capacity(positions + 1);
     for i in 0..=positions {
         if stops() {
@@ -108,27 +110,78 @@ fn error_curve_until(
         model.hold_sun(sun, speed);
         let nominal = model.nominal_position_at(sun);
         let velocity = model.nominal_velocity_at(sun, speed);
-        let deviation = |q: &[f64]| -> Vec<f64> { q.iter().zip(&nominal).map(|(q, n)| q - n).collect() };
-        if deviations.is_empty() {
+        let carrier = if nominal_machine { model.carrier_angle_at(sun) } else { 0.0 };
+        let deviation = |model: &BearingJoints, q: &[f64]| -> Vec<f64> {
+            let mut deviation: Vec<f64> = q.iter().zip(&nominal).map(|(q, n)| q - n).collect();
+            model.turn_ways(&mut deviation, -carrier);
+            deviation
+        };
+        if before.is_empty() {
             // Into the flank with a good part of the load first.
             model.set_load(direction * machine.rated.torque.abs().max(torque));
             let q = run(&model, &nominal, velocity.clone())?;
-            deviations.push(deviation(&q));
+            before.push(deviation(&model, &q));
         }
         model.set_load(direction * torque);
-        let last = deviations.len() - 1;
-        let start: Vec<f64> = if last < per_turn {
-            nominal.iter().zip(&deviations[last]).map(|(n, d)| n + d).collect()
-        } else {
-            let (now, then) = (&deviations[last], &deviations[last - per_turn]);
-            let next = &deviations[last + 1 - per_turn];
-            (0..nominal.len()).map(|j| nominal[j] + next[j] + (now[j] - then[j])).collect()
-        };
+        let mut start = before.next();
+        model.turn_ways(&mut start, carrier);
+        start.iter_mut().zip(&nominal).for_each(|(q, n)| *q += n);
         let q = run(&model, &start, velocity)?;
         points.push((output, model.output_error(&q)));
-        deviations.push(deviation(&q));
+        before.push(deviation(&model, &q));
     }
     Ok(Some(ErrorCurve { direction, torque, points }))
+}
+
+/// Deviations of the places before this one, seen from the carrier.
+struct Before {
+    /// Places after which everything repeats.
+    period: f64,
+    deviations: Vec<Vec<f64>>,
+}
+
+impl Before {
+    fn new(period: f64) -> Before {
+        Before { period, deviations: Vec::new() }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.deviations.is_empty()
+    }
+
+    fn push(&mut self, deviation: Vec<f64>) {
+        self.deviations.push(deviation);
+    }
+
+    /// Where the next place may be: as far from the place one period before as the last place was from the one a
+    /// period before that.
+    fn next(&self) -> Vec<f64> {
+        let last = self.deviations.len() - 1;
+        let now = &self.deviations[last];
+        match (self.at(last as f64 - self.period), self.at((last + 1) as f64 - self.period)) {
+            (Some(then), Some(next)) => now
+                .iter()
+                .zip(next.iter().zip(&then))
+                .map(|(now, (next, then))| next + (now - then))
+                .collect(),
+            _ => now.clone(),
+        }
+    }
+
+    /// Between places, by a cubic through the four next to it.
+    fn at(&self, place: f64) -> Option<Vec<f64>> {
+        let first = (place.floor() - 1.0).min(self.deviations.len() as f64 - 4.0);
+        if first < 0.0 {
+            return None;
+        }
+        let x = place - first;
+        let weights = [0.0, 1.0, 2.0, 3.0].map(|i| {
+            [0.0, 1.0, 2.0, 3.0].iter().filter(|j| **j != i).map(|j| (x - j) / (i - j)).product::<f64>()
+        });
+        let rows = &self.deviations[first as usize..first as usize + 4];
+        let sum = |k: usize| weights.iter().zip(rows).map(|(weight, row)| weight * row[k]).sum();
+        Some((0..rows[0].len()).map(sum).collect())
+    }
 }
 
 /// Transmission error of one output turn in both directions, held lightly and at rated torque: four curves in

@@ -2,10 +2,10 @@
 
 use crate::analyses::AnalysisError;
 use crate::analyses::rig::with_friction;
-use crate::dynamics::JointSettings;
+use crate::dynamics::{JointSettings, Lean};
 use crate::machine::{DutyPoint, Machine, RollerKind};
 use crate::results::{TableOf, decimals, quantities as q, quantity};
-use crate::rig::{BearingLoad, bearing_loads};
+use crate::rig::{BearingLoad, bearing_loads, dynamic_load_rating, main_bearing_load};
 use crate::units::HOUR;
 
 /// Basic rating life of one bearing at the duty.
@@ -20,7 +20,7 @@ pub struct BearingLife {
     pub life_h: f64,
 }
 
-/// All turning-arm bearings and crank supports.
+/// All turning-arm bearings and crank supports, and the main bearings where the duty tilts or pulls the output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingLives {
     pub bearings: Vec<BearingLife>,
@@ -72,12 +72,17 @@ pub fn bearing_lives(
     let mut rows: Vec<(f64, Vec<BearingLoad>)> = Vec::new();
     for row in machine.duty.iter().filter(acts) {
         let at_row = Machine { rated: DutyPoint { share: 1.0, ..*row }, ..machine.clone() };
-        let loads = bearing_loads(&at_row, settings, positions)
+        let lean = match row.forces.is_zero() {
+            true => settings.lean.clone(),
+            false => Some(Lean::of(machine, row.forces)),
+        };
+        let settings = JointSettings { lean, ..settings.clone() };
+        let loads = bearing_loads(&at_row, &settings, positions)
             .map_err(AnalysisError::compute("find the loads of the bearings"))?;
         rows.push((row.share, loads));
     }
     let count = rows.first().map_or(0, |(_, loads)| loads.len());
-    let bearings: Vec<BearingLife> = (0..count)
+    let mut bearings: Vec<BearingLife> = (0..count)
         .map(|index| {
             let of = |loads: &[BearingLoad]| (loads[index].life_h(), loads[index].rating);
             let damage: f64 = rows.iter().map(|(share, loads)| share / of(loads).0).sum();
@@ -94,8 +99,32 @@ pub fn bearing_lives(
             }
         })
         .collect();
+    bearings.extend(main_bearings(machine)?);
     let system: f64 = bearings.iter().map(|bearing| bearing.life_h.powf(-WEIBULL_SLOPE)).sum();
     Ok(BearingLives { bearings, system_h: system.powf(-1.0 / WEIBULL_SLOPE) })
+}
+
+/// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of the
+/// duty, damages added up; P from C, the life and the mean speed. Without such forces the mechanism leaves next to
+/// nothing on them.
+fn main_bearings(machine: &Machine) -> Result<Option<BearingLife>, AnalysisError> {
+    if machine.duty.iter().all(|row| row.forces.is_zero()) {
+        return Ok(None);
+    }
+    let (mut damage, mut turns) = (0.0, 0.0);
+    for row in machine.duty.iter().filter(|row| row.input_speed != 0.0 && row.share > 0.0) {
+        let at_row = Machine { rated: DutyPoint { share: 1.0, ..*row }, ..machine.clone() };
+        let found = main_bearing_load(&at_row, row.forces)
+            .map_err(AnalysisError::compute("load the main bearings"))?;
+        damage += row.share / found.life_h();
+        let speed = machine.kinematics().speeds(row.input_speed).0.abs();
+        turns += row.share * speed * HOUR / std::f64::consts::TAU;
+    }
+    let row = &machine.solids.main_rows.row;
+    let (life_h, rating) = (1.0 / damage, dynamic_load_rating(row));
+    let power = if row.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 };
+    let equivalent = rating * (1e6 / (life_h * turns)).powf(1.0 / power);
+    Ok((damage > 0.0).then(|| BearingLife { name: "main bearings".to_owned(), equivalent, rating, life_h }))
 }
 
 fn exponent(machine: &Machine, name: &str) -> f64 {

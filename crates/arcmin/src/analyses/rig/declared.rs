@@ -87,6 +87,12 @@ const BEARINGS: TableOf<BearingLoad> = TableOf {
             quantity("largest_element_force_n", decimals(0), "Largest force on one rolling element.")
                 .of(|b| b.largest_element.into()),
             quantity(
+                "axial_force_n",
+                decimals(0),
+                "Largest axial force that the tapered supports of a crankshaft put on each other; 0 of all others.",
+            )
+            .of(|b| b.axial.into()),
+            quantity(
                 "equivalent_load_n",
                 decimals(0),
                 "Equivalent dynamic load P over a crank turn (ISO 281).",
@@ -229,6 +235,13 @@ pub(super) const FIGURES: &[Figure] = &[
         measured: q::SOFT_STIFFNESS.named("measured.soft_stiffness_n_m_per_arcmin"),
         of: |s| s.soft_stiffness() * ARCMIN,
         of_loop: |f| f.soft_stiffness * ARCMIN,
+    },
+    Figure {
+        quantity: q::MIDDLE_STIFFNESS,
+        new: q::MIDDLE_STIFFNESS.named("new.middle_stiffness_n_m_per_arcmin"),
+        measured: q::MIDDLE_STIFFNESS.named("measured.middle_stiffness_n_m_per_arcmin"),
+        of: |s| s.middle_stiffness() * ARCMIN,
+        of_loop: |f| f.middle_stiffness * ARCMIN,
     },
 ];
 

@@ -11,10 +11,8 @@ use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::design::{Design, InputFile, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
-use crate::machine::{Friction, Machine};
-use crate::rig::{
-    ASSUMED_FRICTION, MainBearingLoad, MeasuredOnBench, OutputForces, RigPlan, RigState, main_bearing_load,
-};
+use crate::machine::{Friction, Machine, OutputForces};
+use crate::rig::{ASSUMED_FRICTION, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, main_bearing_load};
 
 pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
 pub const GUIDE: &str = "Virtual test bench: every body free in its bearings, no inertia. Input locked, output \
@@ -45,7 +43,7 @@ options! {
         positions: usize => default(4.0, 1.0, 360.0),
         /// Positions over the output turn.
         te_positions: usize => default(1024.0, 64.0, 65536.0),
-        /// Tilting moment on the output from outside, N·m: tilt, forces and life of the main bearings follow.
+        /// Tilting moment on the output from outside, N·m: the output leans in its main bearings, whose forces and life follow.
         moment_nm: f64 => default(0.0, 0.0, 1e7),
         /// Axial force on the output from outside, N, positive out of the machine.
         axial_n: f64 => default(0.0, -1e8, 1e8),
@@ -110,6 +108,9 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
         main_bearing_load(&machine, forces).map_err(AnalysisError::compute("load the main bearings"))?;
     let mut fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     fidelity.errors = machine.thermal.on(fidelity.errors, &machine);
+    // Forces from outside act on the bench; wear belongs to the duty.
+    let unpushed = fidelity.clone();
+    fidelity.push_output(&machine, forces)?;
     let wanted = |results: &[&str]| results.iter().any(|result| host.wants(result));
     let plan = RigPlan {
         loop_positions: options.positions,
@@ -132,7 +133,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     let (new, new_causes) = test(&WornState::new())?;
     let worn = if options.hours > 0.0 {
         // Wear belongs to the duty; friction on the bench does not change it.
-        Some(test(&worn_after(&nominal_friction, &fidelity, options.hours, host)?)?)
+        Some(test(&worn_after(&nominal_friction, &unpushed, options.hours, host)?)?)
     } else {
         None
     };

@@ -4,10 +4,10 @@ use super::Rig;
 use super::declared::{FIGURES, measured};
 use crate::analyses::Outcome;
 use crate::analyses::{Said, TextTable, causes};
+use crate::machine::OutputForces;
 use crate::report::rig::RigPage;
 use crate::report::{Page, Provenance, Section};
 use crate::results::Value;
-use crate::rig::OutputForces;
 
 const FURTHER: &[&str] = &[
     "te_rated_peak_to_peak_arcmin",

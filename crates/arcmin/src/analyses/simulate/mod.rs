@@ -32,7 +32,7 @@ use crate::dynamics::{
 };
 use crate::fidelity::{Facets, Fidelity, FidelityOptions};
 use crate::life::{WornState, worn_after};
-use crate::machine::Machine;
+use crate::machine::{Machine, OutputForces};
 use crate::units::{MM, UM};
 
 pub const ABOUT: &str = "Integrate the equations of motion: transmission error in time";
@@ -69,6 +69,12 @@ options! {
         load_file: Option<InputFile> => optional(0.0, 0.0),
         /// Steady drag torque at the output against the motion.
         drag_nm: f64 => default(0.0, 0.0, 1e6),
+        /// Tilting moment on the output from outside, N·m; joints = bearings.
+        moment_nm: f64 => default(0.0, 0.0, 1e7),
+        /// Axial force on the output from outside, N, positive out of the machine.
+        axial_n: f64 => default(0.0, -1e8, 1e8),
+        /// Radial force on the output from outside in the middle of the main bearings, N, in the plane of the moment.
+        radial_n: f64 => default(0.0, -1e8, 1e8),
         /// How the input is driven.
         drive: DriveKind => default_word("speed"),
         /// Input speed. Left out: the rated speed.
@@ -191,11 +197,13 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
     }
     let drive = inputs::drive(options, &machine, host)?;
     let load = inputs::load(options, &machine, host)?;
-    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
+    let mut fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     let worn = match options.hours {
         Some(hours) => worn_after(&machine, &fidelity, hours, host)?,
         None => WornState::uniform(options.wear_um.unwrap_or(0.0) * UM),
     };
+    let forces = OutputForces { moment: options.moment_nm, axial: options.axial_n, radial: options.radial_n };
+    fidelity.push_output(&machine, forces)?;
     let size = options.facet_mm * MM;
     let facets = match options.flank {
         Flank::Smooth => None,

@@ -68,6 +68,11 @@ pub trait Sink {
     /// Velocity-dependent forces: force[i] on coordinate index[i], matrix −∂(force)/∂(velocity) row by row.
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
 
+    /// Whether the matrices of dampers are asked for.
+    fn takes_damping(&self) -> bool {
+        true
+    }
+
     /// How friction changes with the loads: −∂(force)/∂(coordinate) row by row.
     fn friction_slope(&mut self, _index: &[usize], _matrix: &[f64]) {}
 
@@ -96,17 +101,24 @@ impl Assembly<'_> {
         }
     }
 
-    /// Calls `add` for all pairs of free coordinates with the entry of a matrix given row by row.
+    /// Adds a matrix given row by row to the rows of the linearisation that `row` picks, for all pairs of free
+    /// coordinates.
     fn scatter(
         &mut self,
         index: &[usize],
         matrix: &[f64],
-        add: fn(&mut DenseLinearisation, usize, usize, f64),
+        row: fn(&mut DenseLinearisation, usize) -> &mut [f64],
     ) {
-        let n = index.len();
-        for (i, row) in index.iter().enumerate().filter(|(_, row)| **row < self.size) {
-            for (j, column) in index.iter().enumerate().filter(|(_, column)| **column < self.size) {
-                add(self.linearisation, *row, *column, matrix[i * n + j]);
+        for (at, line) in index.iter().zip(matrix.chunks_exact(index.len())) {
+            if *at >= self.size {
+                continue;
+            }
+            let into = row(self.linearisation, *at);
+            for (column, value) in index.iter().zip(line) {
+                // Coordinates that are held lie behind the row's end.
+                if let Some(entry) = into.get_mut(*column) {
+                    *entry += value;
+                }
             }
         }
     }
@@ -117,7 +129,7 @@ impl Sink for Assembly<'_> {
         for (i, row) in element.index.iter().enumerate() {
             self.add_force(*row, -element.gradient[i]);
         }
-        self.scatter(element.index, element.hessian, DenseLinearisation::add_stiffness);
+        self.scatter(element.index, element.hessian, DenseLinearisation::stiffness_row);
         self.balance.stored += element.stored;
     }
 
@@ -125,12 +137,16 @@ impl Sink for Assembly<'_> {
         for (i, row) in index.iter().enumerate() {
             self.add_force(*row, force[i]);
         }
-        self.scatter(index, matrix, DenseLinearisation::add_damping);
+        self.scatter(index, matrix, DenseLinearisation::damping_row);
         self.balance.dissipation += dissipation;
     }
 
+    fn takes_damping(&self) -> bool {
+        self.linearisation.takes_damping()
+    }
+
     fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {
-        self.scatter(index, matrix, DenseLinearisation::add_stiffness);
+        self.scatter(index, matrix, DenseLinearisation::stiffness_row);
     }
 
     fn onset(&mut self, rate: f64) {

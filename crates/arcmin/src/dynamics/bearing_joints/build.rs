@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use super::elastic::BoreMode;
 use super::joints::{
-    Bending, Designed, Frame, Gears, Joint, Journal, Losses, Modes, PinRing, Place, Support, Torsion,
+    Bending, Designed, Frame, Gears, Joint, Journal, Losses, MainPair, Modes, OutsideForces, PinRing, Place,
+    Support, Torsion,
 };
 use super::layout::{Degrees, Layout};
 use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
@@ -13,7 +15,9 @@ use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
-use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
+use crate::machine::{
+    BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, OutputForces, RunOut,
+};
 
 /// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
 /// kHz.
@@ -60,6 +64,7 @@ impl BearingJoints {
             seats: settings.carrier.is_some(),
             rims: settings.rims.as_ref().map_or(0, ElasticRims::count),
             housing_modes: settings.housing.as_ref().map_or(0, ElasticHousing::count),
+            lean: settings.lean.is_some(),
         };
         if free_input && degrees.input_shaft {
             DynamicsError::require(
@@ -148,15 +153,32 @@ impl Parts<'_> {
         }
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
         let seat = self.errors().carrier;
-        bearings.main = add(Box::new(Support {
-            part: Part::Housing,
-            cause: Some(Cause::MainBearingClearance),
-            index: [cx, cy, carrier, hx, hy],
-            stiffness: machine.bearings.main.radial * scale,
-            clearance: 0.5 * machine.bearings.main.clearance,
-            seat: Arm { radius: seat.amplitude, phase: seat.phase },
-            loss_time,
-        }));
+        let seat = Arm { radius: seat.amplitude, phase: seat.phase };
+        if let (Some(lean), Some([about_x, about_y, z])) = (&self.settings.lean, layout.lean()) {
+            bearings.main = add(Box::new(MainPair {
+                rows: lean.rows.clone().stiffened(scale),
+                index: [cx, cy, carrier, hx, hy, about_x, about_y, z],
+                seat,
+                loss_time,
+            }));
+            let OutputForces { moment, axial, radial } = lean.forces;
+            // The housing, where it is the output, leans the other way in the carrier.
+            let (on, sign) = if layout.housing_moves() { ([hx, hy], -1.0) } else { ([cx, cy], 1.0) };
+            add(Box::new(OutsideForces {
+                index: [on[0], on[1], about_x, about_y, z],
+                force: [radial, 0.0, 0.0, sign * moment, sign * axial],
+            }));
+        } else {
+            bearings.main = add(Box::new(Support {
+                part: Part::Housing,
+                cause: Some(Cause::MainBearingClearance),
+                index: [cx, cy, carrier, hx, hy],
+                stiffness: machine.bearings.main.radial * scale,
+                clearance: 0.5 * machine.bearings.main.clearance,
+                seat,
+                loss_time,
+            }));
+        }
         add(Box::new(Support {
             part: Part::GearStage,
             cause: None,
@@ -247,9 +269,7 @@ impl Parts<'_> {
             index: [at, at + 1, layout.crank_angle(k), cx, cy, carrier],
             arm: Arm { radius: amplitude, phase },
             bore: layout.carrier_bores[k],
-            modes: layout.seats.get(k).map_or_else(Vec::new, |ends| {
-                vec![(ends[end][0], Vec2::new(1.0, 0.0)), (ends[end][1], Vec2::new(0.0, 1.0))]
-            }),
+            modes: self.seat_modes(k, end),
             rim: layout
                 .seats
                 .get(k)
@@ -258,6 +278,22 @@ impl Parts<'_> {
             alike: 2 * layout.cranks,
             losses: self.losses,
         }
+    }
+
+    /// What moves a crank seat on the carrier: its own two ways, and the lean of a carrier whose main bearings stand
+    /// in the middle between the supports.
+    fn seat_modes(&self, k: usize, end: usize) -> Vec<BoreMode> {
+        let mut modes = Vec::new();
+        if let Some(ends) = self.layout.seats.get(k) {
+            let ways = [(ends[end][0], Vec2::new(1.0, 0.0)), (ends[end][1], Vec2::new(0.0, 1.0))];
+            modes.extend(ways.map(BoreMode::of_body));
+        }
+        if let Some([about_x, about_y, _]) = self.layout.lean() {
+            let height = (end as f64 - 0.5) * self.machine.bearings.crank_support_span;
+            let ways = [(about_x, Vec2::new(0.0, -height)), (about_y, Vec2::new(height, 0.0))];
+            modes.extend(ways.map(|(at, by)| BoreMode { at, by, turns: false }));
+        }
+        modes
     }
 
     fn turning_arm(&self, k: usize, j: usize) -> Journal {
@@ -272,12 +308,12 @@ impl Parts<'_> {
         let mounting = self.kinematics.mounting_angle(j);
         let angle = crank_place(self.machine, k) - mounting;
         let mut modes: Vec<_> = self.settings.discs.as_ref().map_or_else(Vec::new, |discs| {
-            layout.modes(j).enumerate().map(|(m, at)| (at, discs.bore(j, m, k))).collect()
+            layout.modes(j).enumerate().map(|(m, at)| BoreMode::of_body((at, discs.bore(j, m, k)))).collect()
         });
         if let (Some(rims), Some(coordinates)) = (&self.settings.rims, layout.rims.get(j)) {
             let back = unit(-mounting);
             let carried = rims.carried(k).iter().map(|way| turned(*way, back));
-            modes.extend(coordinates.iter().copied().zip(carried));
+            modes.extend(coordinates.iter().copied().zip(carried).map(BoreMode::of_body));
         }
         Journal {
             place: Place::TurningArm,

@@ -3,9 +3,23 @@
 use super::assembly::{Element, Sink};
 use crate::geometry::{Vec2, quarter_turn};
 
-/// A mode that moves one end of a bearing: its coordinate and the displacement of the bore centre per unit of
-/// it.
-pub(super) type BoreMode = (usize, Vec2);
+/// A mode that moves one end of a bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BoreMode {
+    /// Number of its coordinate.
+    pub at: usize,
+    /// Displacement of the bore centre per unit of it.
+    pub by: Vec2,
+    /// Whether that displacement turns with the body or stands in space.
+    pub turns: bool,
+}
+
+impl BoreMode {
+    /// Of the body itself.
+    pub fn of_body((at, by): (usize, Vec2)) -> BoreMode {
+        BoreMode { at, by, turns: true }
+    }
+}
 
 /// Hands on elements of a bearing whose body, coordinates 3 and 4 of six or more, is moved by modes as well: what
 /// acts on the body's place acts on a mode by its displacement of the bore.
@@ -21,23 +35,37 @@ const ANGLE: usize = 5;
 
 impl WithModes<'_> {
     fn index(&self, index: &[usize]) -> Vec<usize> {
-        index.iter().copied().chain(self.modes.iter().map(|mode| mode.0)).collect()
+        index.iter().copied().chain(self.modes.iter().map(|mode| mode.at)).collect()
     }
 
     fn vector(&self, vector: &[f64]) -> Vec<f64> {
         vector
             .iter()
             .copied()
-            .chain(self.modes.iter().map(|(_, by)| by.x * vector[PLACE[0]] + by.y * vector[PLACE[1]]))
+            .chain(
+                self.modes
+                    .iter()
+                    .map(|BoreMode { by, .. }| by.x * vector[PLACE[0]] + by.y * vector[PLACE[1]]),
+            )
             .collect()
     }
 
+    /// Row by row in one piece: this is asked for at every bearing of every evaluation.
     fn matrix(&self, matrix: &[f64], own: usize) -> Vec<f64> {
-        let wide: Vec<Vec<f64>> = matrix.chunks_exact(own).map(|row| self.vector(row)).collect();
-        let mode = |(_, by): &BoreMode| {
-            wide[PLACE[0]].iter().zip(&wide[PLACE[1]]).map(|(x, y)| by.x * x + by.y * y).collect::<Vec<f64>>()
-        };
-        wide.iter().cloned().chain(self.modes.iter().map(mode)).flatten().collect()
+        let width = own + self.modes.len();
+        let mut wide = vec![0.0; width * width];
+        for (into, row) in wide.chunks_exact_mut(width).zip(matrix.chunks_exact(own)) {
+            into[..own].copy_from_slice(row);
+            for (entry, BoreMode { by, .. }) in into[own..].iter_mut().zip(self.modes) {
+                *entry = by.x * row[PLACE[0]] + by.y * row[PLACE[1]];
+            }
+        }
+        let (of_body, of_modes) = wide.split_at_mut(own * width);
+        let [x, y] = PLACE.map(|at| &of_body[at * width..][..width]);
+        for (into, BoreMode { by, .. }) in of_modes.chunks_exact_mut(width).zip(self.modes) {
+            into.iter_mut().zip(x.iter().zip(y)).for_each(|(entry, (x, y))| *entry = by.x * x + by.y * y);
+        }
+        wide
     }
 }
 
@@ -49,7 +77,7 @@ impl Sink for WithModes<'_> {
         let own = element.index.len();
         let mut hessian = self.matrix(element.hessian, own);
         let width = own + self.modes.len();
-        for (m, (_, by)) in self.modes.iter().enumerate() {
+        for (m, BoreMode { by, .. }) in self.modes.iter().enumerate().filter(|(_, mode)| mode.turns) {
             // The modes' displacement turns with the disc. A force along the place is one against the
             // gradient of the bearing's displacement.
             let across = quarter_turn(*by);
@@ -71,12 +99,12 @@ impl Sink for WithModes<'_> {
         if self.modes.is_empty() {
             return self.sink.damper(index, force, matrix, dissipation);
         }
-        self.sink.damper(
-            &self.index(index),
-            &self.vector(force),
-            &self.matrix(matrix, index.len()),
-            dissipation,
-        );
+        let matrix = if self.takes_damping() { self.matrix(matrix, index.len()) } else { Vec::new() };
+        self.sink.damper(&self.index(index), &self.vector(force), &matrix, dissipation);
+    }
+
+    fn takes_damping(&self) -> bool {
+        self.sink.takes_damping()
     }
 
     fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {

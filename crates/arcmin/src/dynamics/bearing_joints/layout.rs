@@ -33,6 +33,8 @@ pub(super) struct Layout {
     /// Per disc: coordinates of the rims of its bores.
     pub rims: Vec<Vec<usize>>,
     housing_modes: Vec<usize>,
+    /// (φ_x, φ_y, z) of the carrier against the housing.
+    lean: Option<[usize; 3]>,
 }
 
 /// What turns apart from its neighbour.
@@ -50,6 +52,8 @@ pub(super) struct Degrees {
     pub rims: usize,
     /// Modes of the housing.
     pub housing_modes: usize,
+    /// The carrier's axis from that of the housing.
+    pub lean: bool,
 }
 
 impl Layout {
@@ -123,6 +127,13 @@ impl Layout {
             let (mass, scale) = (0.5 * machine.housing.mass / places, place_scale * places.sqrt());
             registry.add(row(mass, scale, degrees.housing_modes))
         });
+        let lean_body = degrees.lean.then(|| {
+            // Half of the moment of inertia about the axis is that of a thin body across it.
+            let across = axis(0.5 * machine.carrier.inertia, ARCMIN, true);
+            let axes = vec![across, across, axis(machine.carrier.mass, place_scale, true)];
+            // What leans turns with the carrier as a way in the plane does.
+            registry.add(Body { axes, has_place: true, follows: Follows::Centre })
+        });
         let sun = registry.add(Body {
             axes: place(sun_mass(machine), true).to_vec(),
             has_place: true,
@@ -182,6 +193,7 @@ impl Layout {
             carrier_bores,
             seats: seat_bodies.iter().map(|ends| ends.map(|end| coordinates.of(end).to_vec())).collect(),
             rims: rim_bodies.iter().map(|body| coordinates.of(*body).to_vec()).collect(),
+            lean: lean_body.map(three),
             housing_modes: ring_body.map_or_else(Vec::new, |body| coordinates.of(body).to_vec()),
             coordinates,
         }
@@ -228,6 +240,11 @@ impl Layout {
             [only] => only..only + 1,
             [] => 0..0,
         }
+    }
+
+    /// (φ_x, φ_y, z) of a carrier that leans against the housing.
+    pub fn lean(&self) -> Option<[usize; 3]> {
+        self.lean
     }
 
     /// x of every centre that moves in the plane.

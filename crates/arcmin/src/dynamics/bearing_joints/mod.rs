@@ -25,6 +25,7 @@ mod tests;
 
 pub use assembly::Part;
 pub use causes::Cause;
+
 pub(super) use roller::element_stiffness;
 pub use roller::{BearingState, RadialBearing};
 pub use sharing::{BearingMeshing, LostMotionSplit};
@@ -34,13 +35,30 @@ use build::Bearings;
 use joints::{Joint, PinRing, State};
 use layout::Layout;
 
-use super::{Drive, DynamicsError, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
+use super::{
+    Drive, DynamicsError, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, MainBearings, OutputLoad,
+};
 use crate::geometry::{Relief, Vec2, unit};
-use crate::machine::{Kinematics, Machine, ManufacturingErrors, PartWear};
+use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, PartWear};
 
 /// Share of the rated torque that a jump of contact forces may leave unbalanced: it winds the machine up by some
 /// 2e-4'.
 pub(crate) const JUMP: f64 = 1e-4;
+
+/// An output that leans in its main bearings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lean {
+    pub rows: MainBearings,
+    /// What acts on the output from outside, in the plane of x and the axis.
+    pub forces: OutputForces,
+}
+
+impl Lean {
+    /// In the main bearings of a machine, under forces from outside.
+    pub fn of(machine: &Machine, forces: OutputForces) -> Lean {
+        Lean { rows: MainBearings::of(machine), forces }
+    }
+}
 
 /// What the model takes beside the machine.
 #[derive(Debug, Clone)]
@@ -60,6 +78,9 @@ pub struct JointSettings {
     pub housing: Option<ElasticHousing>,
     /// Bores of the discs that go out of round; round ones without.
     pub rims: Option<ElasticRims>,
+    /// An output that leans, its main bearings as rows of rolling elements; without, they are one radial support
+    /// and the output stands straight.
+    pub lean: Option<Lean>,
     /// Multiplies the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the
     /// machine as it is.
     pub stiffness_scale: f64,
@@ -78,6 +99,7 @@ impl Default for JointSettings {
             carrier: None,
             housing: None,
             rims: None,
+            lean: None,
             stiffness_scale: 1.0,
             damped: true,
         }
@@ -127,7 +149,10 @@ impl Arm {
 /// Elastic bodies add coordinates of their own: the ways of the carrier's crank seats and their going out of
 /// round, that of the discs' bores, and the smooth modes of the ring of pins ([`ElasticHousing`]).
 ///
-/// The planet sits at the first support. Not modelled: tilt and axial motion, the cage's own motion.
+/// With [`Lean`] the carrier leans and moves along its axis against the housing: the crank seats at its two ends
+/// go with it, and forces from outside act on the output.
+///
+/// The planet sits at the first support. Not modelled: discs that lean, the cage's own motion.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     kinematics: Kinematics,
@@ -205,6 +230,19 @@ impl BearingJoints {
         let h = 1e-6;
         let (ahead, behind) = (self.nominal_position_at(sun + h), self.nominal_position_at(sun - h));
         ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
+    }
+
+    /// Angle of the nominal carrier in rad at a sun angle.
+    pub(crate) fn carrier_angle_at(&self, sun: f64) -> f64 {
+        if self.layout.housing_moves() { 0.0 } else { sun / self.kinematics.ratio() }
+    }
+
+    /// Turns what is a way in the plane of every body by an angle (rad), in place.
+    pub(crate) fn turn_ways(&self, ways: &mut [f64], angle: f64) {
+        let (sin, cos) = angle.sin_cos();
+        for x in self.layout.centres() {
+            (ways[x], ways[x + 1]) = (cos * ways[x] - sin * ways[x + 1], sin * ways[x] + cos * ways[x + 1]);
+        }
     }
 
     /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and

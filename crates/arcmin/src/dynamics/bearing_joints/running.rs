@@ -23,6 +23,10 @@ impl System for Running<'_> {
         self.model.linearisation()
     }
 
+    fn linearisation_at_rest(&self) -> DenseLinearisation {
+        self.model.linearisation_at_rest()
+    }
+
     fn mass(&self) -> &[f64] {
         self.model.mass()
     }

@@ -251,11 +251,7 @@ impl BearingMeshing {
     }
 
     fn turn(&self, deviation: &mut [f64], angle: f64) {
-        let (sin, cos) = angle.sin_cos();
-        for x in self.model.layout.centres() {
-            (deviation[x], deviation[x + 1]) =
-                (cos * deviation[x] - sin * deviation[x + 1], sin * deviation[x] + cos * deviation[x + 1]);
-        }
+        self.model.turn_ways(deviation, angle);
     }
 
     /// dT/dφ at the output of the whole machine in N·m/rad.

@@ -96,6 +96,10 @@ impl System for BearingJoints {
         DenseLinearisation::new(self.layout.size())
     }
 
+    fn linearisation_at_rest(&self) -> DenseLinearisation {
+        DenseLinearisation::at_rest(self.layout.size())
+    }
+
     fn mass(&self) -> &[f64] {
         &self.mass
     }

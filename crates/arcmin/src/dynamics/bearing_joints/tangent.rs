@@ -12,7 +12,7 @@ impl BearingJoints {
     /// contact holds, in the middle of its clearance, takes no force, but its place is not defined by
     /// stiffness; its inertia then keeps it where it is. `None` where not even the output is held.
     pub(crate) fn motion_per_torque(&self, position: &[f64]) -> Option<Vec<f64>> {
-        let mut linearisation = self.linearisation();
+        let mut linearisation = self.linearisation_at_rest();
         self.forces_at_rest(position, &mut linearisation);
         // The tangent that balances are found with leaves out small terms (slopes of flank errors, say). Where hardly
         // anything holds a body, these decide.
@@ -47,7 +47,7 @@ impl BearingJoints {
         position: &[f64],
         mut known: DenseLinearisation,
     ) -> DenseLinearisation {
-        let mut scratch = self.linearisation();
+        let mut scratch = self.linearisation_at_rest();
         let mut place = position.to_vec();
         for (column, scale) in self.scale().iter().enumerate() {
             let step = DIFFERENCE * scale;

@@ -95,11 +95,12 @@ pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&Mea
     columns.extend(states.iter().map(|(name, _)| Column::number(name.clone(), "")));
     let measured = measured.filter(|m| !m.figures.is_empty());
     columns.extend(measured.map(|_| Column::number("measured", "")));
-    let rows: [(&str, f64, fn(&LoopFigures) -> f64); 5] = [
+    let rows: [(&str, f64, fn(&LoopFigures) -> f64); 6] = [
         ("Lost motion, arcmin", 1.0 / ARCMIN, |f| f.lost_motion),
         ("Backlash, arcmin", 1.0 / ARCMIN, |f| f.backlash),
         ("Torsional stiffness 50–100 %, N·m/arcmin", ARCMIN, |f| f.stiffness),
         ("Torsional stiffness 3–15 %, N·m/arcmin", ARCMIN, |f| f.soft_stiffness),
+        ("Torsional stiffness 15–50 %, N·m/arcmin", ARCMIN, |f| f.middle_stiffness),
         ("Work lost in one loop, J", 1.0, |f| f.work.abs()),
     ];
     let cell = |figures: &[LoopFigures], unit: f64, of: fn(&LoopFigures) -> f64| {

@@ -56,8 +56,7 @@ pub(in super::super) struct Journal {
     pub arm: Arm,
     /// Centre of the bore from the body's centre.
     pub bore: Arm,
-    /// Modes of the body that move its bore: their coordinates, and the bore's displacement per unit of a
-    /// mode in the frame of the body.
+    /// What moves the bore beside the body's place, seen from the body where it turns with it.
     pub modes: Vec<BoreMode>,
     /// The bore's rim, where it may go out of round.
     pub rim: Option<Rim>,
@@ -75,12 +74,16 @@ impl Journal {
             return Vec::new();
         }
         let rotation = unit(q[self.index[5]]);
-        self.modes.iter().map(|(mode, by)| (*mode, turned(*by, rotation))).collect()
+        let now = |mode: &BoreMode| BoreMode {
+            by: if mode.turns { turned(mode.by, rotation) } else { mode.by },
+            ..*mode
+        };
+        self.modes.iter().map(now).collect()
     }
 
     /// Inner ring's centre from the shaft's axis and bore from the body's centre.
     fn arms(&self, q: &[f64], modes: &[BoreMode]) -> (Vec2, Vec2) {
-        let moved = modes.iter().map(|(mode, by)| q[*mode] * by).sum::<Vec2>();
+        let moved = modes.iter().map(|mode| q[mode.at] * mode.by).sum::<Vec2>();
         (self.arm.at(q[self.index[2]]), self.bore.at(q[self.index[5]]) + moved)
     }
 
@@ -240,7 +243,7 @@ impl Joint for Journal {
             });
         }
         let mut rate = self.index.map(|i| at.v[i]);
-        for (mode, by) in &modes {
+        for BoreMode { at: mode, by, .. } in &modes {
             rate[3] += at.v[*mode] * by.x;
             rate[4] += at.v[*mode] * by.y;
         }

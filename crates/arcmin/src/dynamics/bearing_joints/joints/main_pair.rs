@@ -1,0 +1,223 @@
+use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State};
+use crate::dynamics::bearing_joints::Arm;
+use crate::dynamics::bearing_joints::assembly::Element;
+use crate::dynamics::{Five, MainBearings};
+use crate::geometry::{Vec2, quarter_turn};
+
+/// The two rows of the main bearings between the carrier, which leans in them, and the housing.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct MainPair {
+    pub rows: MainBearings,
+    /// (x, y, θ) of the carrier, (x, y) of the housing; (φ_x, φ_y, z) of the carrier against the housing.
+    pub index: [usize; 8],
+    /// What the rows hold on the carrier, from its centre.
+    pub seat: Arm,
+    /// Ratio of damping to stiffness in s.
+    pub loss_time: f64,
+}
+
+/// Rows of x, y, z, φ_x, φ_y over the coordinates.
+type Rows = [[f64; 8]; 5];
+
+impl MainPair {
+    fn seat_at(&self, q: &[f64]) -> Vec2 {
+        if self.seat.radius == 0.0 { Vec2::zeros() } else { self.seat.at(q[self.index[2]]) }
+    }
+
+    fn displacement(&self, q: &[f64]) -> Five {
+        let [x, y, _, hx, hy, lean_x, lean_y, z] = self.index;
+        let seat = self.seat_at(q);
+        Five::from([q[x] - q[hx] + seat.x, q[y] - q[hy] + seat.y, q[z], q[lean_x], q[lean_y]])
+    }
+
+    fn rows(&self, q: &[f64]) -> Rows {
+        let along = quarter_turn(self.seat_at(q));
+        let mut rows = [[0.0; 8]; 5];
+        (rows[0][0], rows[0][2], rows[0][3]) = (1.0, along.x, -1.0);
+        (rows[1][1], rows[1][2], rows[1][4]) = (1.0, along.y, -1.0);
+        (rows[2][7], rows[3][5], rows[4][6]) = (1.0, 1.0, 1.0);
+        rows
+    }
+}
+
+impl Joint for MainPair {
+    fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
+        let (state, rows) = (self.rows.react(&self.displacement(at.q)), self.rows(at.q));
+        let by = |a: usize, b: usize| -> f64 {
+            (0..5)
+                .map(|i| rows[i][a] * (0..5).map(|j| state.stiffness[(i, j)] * rows[j][b]).sum::<f64>())
+                .sum()
+        };
+        let mut hessian: [f64; 64] = std::array::from_fn(|k| by(k / 8, k % 8));
+        let damping = hessian.map(|k| self.loss_time * k);
+        let seat = self.seat_at(at.q);
+        hessian[2 * 8 + 2] -= state.load[0] * seat.x + state.load[1] * seat.y;
+        let gradient: [f64; 8] = std::array::from_fn(|a| (0..5).map(|i| state.load[i] * rows[i][a]).sum());
+        sink.element(&Element {
+            part: Part::Housing,
+            index: &self.index,
+            gradient: &gradient,
+            hessian: &hessian,
+            stored: state.stored,
+        });
+        if self.loss_time > 0.0 {
+            let rate = self.index.map(|i| at.v[i]);
+            let pull: [f64; 8] =
+                std::array::from_fn(|a| -(0..8).map(|b| damping[a * 8 + b] * rate[b]).sum::<f64>());
+            let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
+            sink.damper(&self.index, &pull, &damping, dissipation);
+        }
+    }
+
+    /// As if the rows held the carrier in the middle: what play they have is along the axis.
+    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+        let (at, rows) = (self.displacement(q), self.rows(q));
+        let stiffness = self.rows.react(&Five::zeros()).stiffness;
+        for axis in 0..2 {
+            let (gradient, value) = (&rows[axis][..5], at[axis]);
+            let stiffness = stiffness[(axis, axis)].max(1.0);
+            add(Limit::Bond(Distance { index: &self.index[..5], gradient, value, stiffness }));
+        }
+        self.index[5..].iter().for_each(|lean| add(Limit::Held(*lean)));
+    }
+
+    fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
+        let here = self.displacement(at.q);
+        let load = self.rows.react(&here).load;
+        add(Cause::Elastic, load.dot(&here));
+        if let Some(nominal) = nominal.of_errors() {
+            add(Cause::ManufacturingErrors, -load.dot(&self.displacement(nominal)));
+        }
+    }
+
+    fn boxed(&self) -> Box<dyn Joint> {
+        Box::new(self.clone())
+    }
+}
+
+/// Constant forces on the output from outside.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct OutsideForces {
+    /// Coordinates and the force (N, N·m) on each.
+    pub index: [usize; 5],
+    pub force: [f64; 5],
+}
+
+impl Joint for OutsideForces {
+    fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
+        let gradient = self.force.map(|force| -force);
+        let stored = gradient.iter().zip(&self.index).map(|(g, i)| g * at.q[*i]).sum();
+        sink.element(&Element {
+            part: Part::Housing,
+            index: &self.index,
+            gradient: &gradient,
+            hessian: &[0.0; 25],
+            stored,
+        });
+    }
+
+    fn limits(&self, _: &[f64], _: &mut dyn FnMut(Limit<'_>)) {}
+
+    /// What they do elsewhere, the elastic approaches of all joints hold.
+    fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
+        add(Cause::Elastic, self.stored(at));
+    }
+
+    fn boxed(&self) -> Box<dyn Joint> {
+        Box::new(self.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::dynamics::bearing_joints::{BearingJoints, JointSettings, Lean};
+    use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
+    use crate::machine::{FixedMember, Machine, OutputForces};
+    use crate::rig::main_bearing_load;
+    use crate::templates::rv_40e_81;
+    use crate::units::ARCMIN;
+
+    fn model(machine: &Machine, forces: OutputForces, torque: f64) -> (BearingJoints, Vec<f64>) {
+        let settings = JointSettings {
+            lean: Some(Lean::of(machine, forces)),
+            damped: false,
+            ..JointSettings::default()
+        };
+        let mut model = BearingJoints::held(machine, &settings).unwrap();
+        model.hold_sun(1.7, 0.0);
+        model.set_load(torque);
+        let control = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-6, ..Default::default() };
+        let start = model.nominal_position_at(1.7);
+        let found = solve_equilibrium(&model, 0.0, &start, control).unwrap();
+        (model, found.position)
+    }
+
+    /// Forces are differences of the stored energy and tangents those of the forces, under forces from outside,
+    /// whichever member is at rest.
+    #[test]
+    fn a_leaning_output_derives_from_its_energy() {
+        for fixed in [FixedMember::Housing, FixedMember::Carrier] {
+            let machine = Machine { fixed_member: fixed, ..rv_40e_81() };
+            let forces = OutputForces { moment: 300.0, axial: -2000.0, radial: 1500.0 };
+            let (model, position) = model(&machine, forces, machine.rated.torque);
+            let (n, rest) = (model.size(), vec![0.0; model.size()]);
+            let at = |q: &[f64]| {
+                let (mut force, mut tangent) = (vec![0.0; n], model.linearisation_at_rest());
+                let balance = model.evaluate(0.0, q, &rest, &mut force, &mut tangent);
+                let torque = q[model.output_index()] * machine.rated.torque;
+                (balance.stored + torque, force, tangent)
+            };
+            let place: Vec<f64> = position
+                .iter()
+                .zip(model.scale())
+                .enumerate()
+                .map(|(i, (q, scale))| q + 0.02 * scale * ((i * 7919 % 13) as f64 / 6.0 - 1.0))
+                .collect();
+            let (_, force, tangent) = at(&place);
+            let work = |i: usize| model.scale()[i];
+            let largest = (0..n).fold(0.0_f64, |most, i| most.max((force[i] * work(i)).abs()));
+            for (column, lean) in model.layout.lean().unwrap().into_iter().chain([0, 1, 5]).enumerate() {
+                let step = 1e-4 * model.scale()[lean];
+                let ends = [step, -step].map(|way| {
+                    let mut moved = place.clone();
+                    moved[lean] += way;
+                    at(&moved)
+                });
+                let slope = (ends[1].0 - ends[0].0) / (2.0 * step);
+                assert!(
+                    ((slope - force[lean]) * work(lean)).abs() < 1e-5 * largest,
+                    "{fixed:?} {column}: {slope} {}",
+                    force[lean]
+                );
+                let stiffest =
+                    (0..n).fold(0.0_f64, |most, i| most.max((tangent.stiffness(i, lean) * work(i)).abs()));
+                for row in 0..n {
+                    let slope = (ends[1].1[row] - ends[0].1[row]) / (2.0 * step);
+                    let error = ((slope - tangent.stiffness(row, lean)) * work(row)).abs();
+                    assert!(error < 1e-3 * stiffest, "{fixed:?} {row} by {lean}: {slope}");
+                }
+            }
+        }
+    }
+
+    /// Nothing but the main bearings holds the carrier upright: a moment leans it as it leans the pair by itself,
+    /// and a moment the other way leans it the other way.
+    #[test]
+    fn a_moment_leans_the_carrier_as_the_pair_alone() {
+        for machine in [rv_40e_81(), crate::templates::design("rv-80e").unwrap().machine()] {
+            let lean = |moment: f64| {
+                let forces = OutputForces { moment, ..OutputForces::default() };
+                let (model, position) = model(&machine, forces, 0.05 * machine.rated.torque);
+                let [about_x, about_y, _] = model.layout.lean().unwrap();
+                [position[about_x], position[about_y]]
+            };
+            let (ahead, still, behind) = (lean(200.0), lean(0.0), lean(-200.0));
+            let alone =
+                main_bearing_load(&machine, OutputForces { moment: 200.0, ..Default::default() }).unwrap();
+            let tilt = 0.5 * (ahead[1] - behind[1]);
+            assert!((tilt / alone.tilt - 1.0).abs() < 0.01, "{} {}", tilt / ARCMIN, alone.tilt / ARCMIN);
+            assert!((ahead[1] + behind[1] - 2.0 * still[1]).abs() < 0.02 * tilt);
+            assert!(still[1].abs() < 0.05 * tilt, "{}", still[1] / ARCMIN);
+        }
+    }
+}
