@@ -169,6 +169,7 @@ pub fn catalogue_life_at_duty(machine: &Machine, hours: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::OutputForces;
 
     /// One row: the life of the bench. Two halves at full and half torque: 2/(1 + 2^(−10/3)) of it, as near as
     /// loads follow the torque.
@@ -194,6 +195,36 @@ mod tests {
         let expected = 2.0 / (1.0 + 0.5_f64.powf(10.0 / 3.0));
         let found = of_two.worst().unwrap().life_h / worst;
         assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+    }
+
+    /// A duty that tilts the output puts the main bearings among the lives: a single row as the bench says, two
+    /// rows by their damages; a duty that does not leaves them out.
+    #[test]
+    fn a_tilting_duty_wears_the_main_bearings() {
+        let mut machine = crate::templates::rv_40e_81();
+        let settings = JointSettings::default();
+        let lives = |machine: &Machine| bearing_lives(machine, &settings, 6).unwrap();
+        let of_main = |lives: &BearingLives| {
+            lives
+                .bearings
+                .iter()
+                .find(|bearing| bearing.name == "main bearings")
+                .map(|bearing| bearing.life_h)
+        };
+        let upright = lives(&machine);
+        assert_eq!(of_main(&upright), None);
+        let forces = |moment: f64| OutputForces { moment, axial: 500.0, radial: 0.0 };
+        let row = |share: f64, moment: f64| DutyPoint { share, forces: forces(moment), ..machine.rated };
+        let alone = |moment: f64| main_bearing_load(&machine, forces(moment)).unwrap().life_h();
+        let (heavy, light) = (alone(700.0), alone(300.0));
+        let (one, two) = (vec![row(1.0, 700.0)], vec![row(0.25, 700.0), row(0.75, 300.0)]);
+        machine.duty = one;
+        let tilted = lives(&machine);
+        assert!((of_main(&tilted).unwrap() / heavy - 1.0).abs() < 1e-12);
+        assert!(tilted.system_h < upright.system_h);
+        machine.duty = two;
+        let expected = 1.0 / (0.25 / heavy + 0.75 / light);
+        assert!((of_main(&lives(&machine)).unwrap() / expected - 1.0).abs() < 1e-12);
     }
 
     /// At rated torque and 15 rpm of the output the catalogue's life is the life.
