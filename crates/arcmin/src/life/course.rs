@@ -78,6 +78,43 @@ pub struct Course<'a> {
     parts: PartsFollower<'a>,
     exposure: Exposure,
     hours: f64,
+    way: Way,
+}
+
+/// States on the way, evenly many updates apart and never many: what is known of a machine that wears away before the
+/// next station.
+#[derive(Debug, Clone)]
+struct Way {
+    states: Vec<WornState>,
+    /// Updates from one state to the next, and since the last one.
+    every: usize,
+    since: usize,
+}
+
+/// States on the way at least, once there have been as many updates.
+const ON_THE_WAY: usize = 12;
+
+impl Way {
+    fn new() -> Way {
+        Way { states: Vec::new(), every: 1, since: 0 }
+    }
+
+    fn see(&mut self, state: impl FnOnce() -> WornState) {
+        self.since += 1;
+        if self.since < self.every {
+            return;
+        }
+        self.since = 0;
+        self.states.push(state());
+        if self.states.len() == 2 * ON_THE_WAY {
+            self.every *= 2;
+            let mut number = 0_usize;
+            self.states.retain(|_| {
+                number += 1;
+                number.is_multiple_of(2)
+            });
+        }
+    }
 }
 
 impl<'a> Course<'a> {
@@ -112,6 +149,7 @@ impl<'a> Course<'a> {
             machine,
             exposure,
             hours: 0.0,
+            way: Way::new(),
         })
     }
 
@@ -132,6 +170,11 @@ impl<'a> Course<'a> {
     /// The machine as it is now.
     pub fn state(&self) -> WornState {
         WornState { hours: self.hours, surfaces: self.wear.state().clone(), part_wear: *self.parts.wear() }
+    }
+
+    /// Some states on the way after these hours.
+    pub fn on_the_way_after(&self, hours: f64) -> impl Iterator<Item = &WornState> {
+        self.way.states.iter().filter(move |state| state.hours > hours)
     }
 
     /// Joints that share load, with the surfaces reached.
@@ -163,8 +206,13 @@ impl<'a> Course<'a> {
                 self.wear.set_part_wear(self.parts.wear());
             }
             let mut stopped = false;
-            let exposure = &self.exposure;
-            let goes_on = self.wear.advance_until(exposure.at(next * HOUR), |_| {
+            let (exposure, parts, way) = (&self.exposure, &self.parts, &mut self.way);
+            let goes_on = self.wear.advance_until(exposure.at(next * HOUR), |surfaces| {
+                way.see(|| WornState {
+                    hours: exposure.time_at(surfaces.exposure) / HOUR,
+                    surfaces: surfaces.clone(),
+                    part_wear: *parts.wear(),
+                });
                 stopped = progress.is_cancelled();
                 stopped
             });
@@ -200,4 +248,29 @@ pub fn worn_after(
     let mut course = Course::new(machine, fidelity, CoupledOptions::default())?;
     course.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
     Ok(course.state())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However many updates there are, between a dozen and two dozen states are kept, as many updates apart, and the
+    /// last of them is near the end.
+    #[test]
+    fn the_way_keeps_a_dozen_states_of_any_number() {
+        for updates in [5, 12, 23, 24, 100, 1000, 1033] {
+            let mut way = Way::new();
+            for update in 1..=updates {
+                way.see(|| WornState { hours: update as f64, ..WornState::new() });
+            }
+            let hours: Vec<f64> = way.states.iter().map(|state| state.hours).collect();
+            assert!(
+                hours.len() >= ON_THE_WAY.min(updates) && hours.len() < 2 * ON_THE_WAY,
+                "{updates}: {hours:?}"
+            );
+            let step = hours[1] - hours[0];
+            assert!(hours.windows(2).all(|pair| pair[1] - pair[0] == step), "{updates}: {hours:?}");
+            assert!(updates as f64 - hours[hours.len() - 1] < step, "{updates}: {hours:?}");
+        }
+    }
 }

@@ -120,12 +120,22 @@ pub fn predict(
         progress.report("wear", share);
     }
     let joints = course.meshing().clone();
-    let points = states
+    let mut points = states
         .par_chunks(STATES_IN_A_ROW)
         .map(|states| follow(&course, &joints, states, options, progress))
         .collect::<Result<Vec<Vec<LifePoint>>, WearError>>()
         .map_err(failed())?
         .concat();
+    if runs_away.is_some() {
+        // As far as the machine still shares its load.
+        let last = states.last().map_or(0.0, |state| state.hours);
+        let lost: Vec<WornState> = course.on_the_way_after(last).cloned().collect();
+        let known = |state| follow(&course, &joints, std::slice::from_ref(state), options, progress).ok();
+        points.extend(lost.iter().map_while(known).flatten());
+        if progress.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+    }
     let (updates, exposure) = (course.updates(), *course.exposure());
     let history: Vec<(f64, f64)> =
         points.iter().map(|point| (point.hours(), point.lost_motion.radians())).collect();

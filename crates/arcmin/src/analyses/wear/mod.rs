@@ -169,6 +169,11 @@ fn coupled(
     }
     let (exposure, updates) = (*course.exposure(), course.updates());
     let joints = course.meshing().clone();
+    let last = states.last().map_or(0.0, |state| state.hours);
+    let lost: Vec<WornState> = match runs_away {
+        Some(_) => course.on_the_way_after(last).cloned().collect(),
+        None => Vec::new(),
+    };
     drop(course);
     let follow = |states: &[WornState]| -> Result<Vec<Station>, WearError> {
         let mut joints = joints.clone();
@@ -186,7 +191,12 @@ fn coupled(
         Ok(stations)
     };
     let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();
-    let stations = stations.map_err(failed())?.concat();
+    let mut stations = stations.map_err(failed())?.concat();
+    // Of a machine that wears away, as far as it still shares its load.
+    stations.extend(lost.iter().map_while(|state| follow(std::slice::from_ref(state)).ok()).flatten());
+    if host.is_cancelled() {
+        return Err(AnalysisError::Stopped);
+    }
     let (mode, hours_to_50_um) = (Mode::Coupled, None);
     Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um, runs_away })
 }
