@@ -24,7 +24,7 @@ static CHECKPOINTED: AtomicBool = AtomicBool::new(false);
 pub(super) static KEEPS_PARTS: AtomicBool = AtomicBool::new(false);
 /// How long a run that was asked to stop may take to end by itself and keep its last state. Nothing is lost by
 /// ending it then: results appear whole at the end, checkpoints whole on the way.
-const GRACE: Duration = Duration::from_millis(120);
+const GRACE: Duration = Duration::from_millis(90);
 /// Work shorter than this needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// A run that is killed loses this much at most.

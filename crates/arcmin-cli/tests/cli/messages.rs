@@ -139,6 +139,8 @@ fn option_errors_name_the_option() {
 fn combinations_that_mean_nothing_say_why() {
     let directory = with_design();
     let d = directory.path();
+    write(d, "load.csv", "time_s,torque_n_m\n0,0\n1,412\n");
+    write(d, "drive.csv", "time_s,speed_rpm\n0,0\n1,1500\n");
     let ideal_only = "help: it knows ideal joints and rigid discs only: --joints ideal, --discs rigid";
     for (arguments, words) in [
         (
