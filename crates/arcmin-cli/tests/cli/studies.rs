@@ -175,7 +175,8 @@ fn an_interrupted_study_keeps_its_samples() {
 fn a_study_interrupted_at_once_says_so() {
     let directory = with_study();
     let d = directory.path();
-    let study = "design = \"d.toml\"\nanalysis = \"life\"\nresults = [\"lost_motion_arcmin\"]\ntolerances = true\n\
+    let study = "design = \"d.toml\"\nanalysis = \"life\"\nresults = [\"lost_motion_arcmin\"]\n\
+                 tolerances = true\n\
                  [method]\nkind = \"random\"\nsamples = 50\nseed = 7\n";
     write(d, "slow.toml", study);
     let child = Command::new(binary())

@@ -314,7 +314,7 @@ fn the_verdict_of_the_bench_has_its_hours() {
     assert!(new.contains("(L10) at rated torque and speed; 7500 h are planned."));
 }
 
-/// The curve of a calibration ends where wear was followed to, and its band does: neither goes on as a flat line.
+/// The curve of a calibration ends where wear was followed to, and so does its band: neither goes on flat.
 #[test]
 fn the_curve_of_a_calibration_never_stands_still() {
     let directory = with_design();

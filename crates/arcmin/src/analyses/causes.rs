@@ -132,7 +132,7 @@ pub(crate) fn largest(point: &PartsPoint) -> Vec<(String, f64)> {
     causes
 }
 
-/// What the bench read from its loops, in rad, where friction set it apart from the lost motion that has causes.
+/// What the bench read from its loops (rad), in arcmin, where friction set it apart from what has causes.
 fn apart(at: &CausesAt, bench: Option<f64>) -> Option<f64> {
     bench.filter(|read| (read - at.point.lost_motion.whole).abs() > 5e-4 * ARCMIN).map(|read| read / ARCMIN)
 }
@@ -148,8 +148,8 @@ pub(crate) fn said(at: &CausesAt, bench: Option<f64>) -> Vec<Said> {
     let whole = split.whole / ARCMIN;
     let title = match apart(at, bench) {
         Some(read) => format!(
-            "lost motion without friction, {state}: {whole:.3}′ (between the mid-points of the loop, with friction: \
-             {read:.3}′)"
+            "lost motion without friction, {state}: {whole:.3}′ (between the mid-points of the loop, with \
+             friction: {read:.3}′)"
         ),
         None => format!("lost motion of the whole machine, {state}: {whole:.3}′"),
     };

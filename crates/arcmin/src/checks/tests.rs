@@ -103,8 +103,8 @@ fn val_contact_pressure_of_the_closed_form() {
     assert!((pressure / 1316.0 - 1.0).abs() < 2e-3, "{pressure}");
 }
 
-/// Interference presses the more the tighter it is; it is a warning until it dents, and an error at once where
-/// the load alone is too much.
+/// Interference presses the more the tighter it is; it is a warning until it dents, and an error at once
+/// where the load alone is too much.
 #[test]
 fn pressure_of_a_preload_rises_with_it() {
     use Severity::{Error, Info, Warning};

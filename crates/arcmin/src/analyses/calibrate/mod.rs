@@ -224,8 +224,8 @@ fn lives(
     lives
 }
 
-/// The prediction over time, as far as readings and limit reach and wear was followed. Where the fastest wear of
-/// the band leaves what was followed, the band ends.
+/// The prediction over time, as far as readings and limit reach and wear was followed. Where the fastest wear
+/// of the band leaves what was followed, the band ends.
 fn curve(growth: &Growth, fit: &Fit, rows: &[Row], lives: &[MachineLife]) -> Vec<CurvePoint> {
     let last = rows.iter().map(|row| row.observed.reading.time / HOUR).fold(0.0, f64::max);
     let limits = lives.iter().filter_map(|life| life.hours).map(|hours| 1.05 * hours);

@@ -113,7 +113,7 @@ pub(super) fn page(contact: &Contact) -> Page {
 
 /// Steps of the meshing angle in which the largest contact is shown.
 const NOMINAL_STEPS: usize = 180;
-/// With errors every pin bears differently: a step must meet them all, or the curve jumps from one to the next.
+/// With errors every pin bears differently: a step must meet them all, or the curve jumps between them.
 const STEPS_WITH_ERRORS: usize = 60;
 
 /// The largest value in each of equal steps of the meshing angle, over all pins and discs, where it was met.
