@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use arcmin::analyses::AnalysisError;
 use arcmin::checks::Finding;
 use arcmin::design::{DesignError, DesignErrorKind, Presence, SectionSchema};
+use arcmin::report::is_hidden;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
 use crate::arguments::long_name;
@@ -134,7 +135,7 @@ pub fn warn(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", visible(line));
 }
 
-/// A text with as many bytes and no control characters but ends of lines and tabs, so that places in it stay.
+/// A text with as many bytes and no hidden characters but ends of lines and tabs, so that places in it stay.
 fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text.chars().peekable();
@@ -142,7 +143,7 @@ fn printable(text: &str) -> String {
         match c {
             '\n' | '\t' => shown.push(c),
             '\r' if rest.peek() == Some(&'\n') => shown.push(c),
-            c if c.is_control() => (0..c.len_utf8()).for_each(|_| shown.push('?')),
+            c if is_hidden(c) => (0..c.len_utf8()).for_each(|_| shown.push('?')),
             c => shown.push(c),
         }
     }

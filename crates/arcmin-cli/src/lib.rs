@@ -10,6 +10,8 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use failure::Failure;
+
 pub use run::terminal_text;
 
 /// What was typed after the name of the program, for summaries and reports. Under Python it is not what the
@@ -33,9 +35,15 @@ pub fn run_command(arguments: Vec<OsString>) -> u8 {
     let matches = match arguments::command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
         Err(error) => {
-            // Nobody is left to be told if the stream is closed.
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
+            return match error.print() {
+                // A reader who left early has read enough.
+                Err(cause) if cause.kind() != std::io::ErrorKind::BrokenPipe && !error.use_stderr() => {
+                    let failure = Failure::Write { path: PathBuf::from("standard output"), cause };
+                    failure.print();
+                    failure.exit_status()
+                }
+                _ => u8::try_from(error.exit_code()).unwrap_or(2),
+            };
         }
     };
     match commands::run(&matches) {

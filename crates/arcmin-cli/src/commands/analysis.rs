@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use arcmin::analyses::{Analysis, AnalysisError, identity};
+use arcmin::analyses::{Analysis, AnalysisError, Outcome, identity};
 use arcmin::checks::{Finding, Severity, check_design};
 use arcmin::design::SectionSchema;
 use arcmin::study::band::MACHINES;
@@ -13,7 +13,7 @@ use super::Ending;
 use super::study::Lives;
 use crate::arguments::options_text;
 use crate::failure::Failure;
-use crate::run::{Results, Terminal, read_design, say, say_findings, terminal_text};
+use crate::run::{Results, Terminal, is_checkpointed, read_design, say, say_findings, terminal_text};
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
     let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
@@ -27,13 +27,12 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let is_check = analysis.name == "check";
     let errors: Vec<Finding> =
         check_design(&design).into_iter().filter(|finding| finding.severity == Severity::Error).collect();
-    let ending = if errors.is_empty() { Ending::Fine } else { Ending::ErrorFindings };
     if is_check && matches.get_flag("json") {
         let host = Terminal::new(path, Path::new("."), Path::new("."), true);
         let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
         let text = serde_json::to_string_pretty(&outcome.summary().to_json());
         say(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
-        return Ok(ending);
+        return Ok(ending_of(found_by_check(outcome.as_ref())));
     }
     let quiet = matches.get_flag("quiet");
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
@@ -51,6 +50,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     host.set_identity(&identity);
     let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
     host.clear();
+    let found = if is_check { found_by_check(outcome.as_ref()) } else { errors.len() };
     let lives = if analysis.name == "life" && matches.get_flag("band") {
         let machines = matches.get_one::<u64>("band-machines").copied().unwrap_or(MACHINES);
         Some(Lives::compute(&design, &options, machines, &host, &out, quiet)?)
@@ -85,7 +85,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     if let Some(lives) = &lives {
         summary.insert("band".to_owned(), lives.band().to_json());
     }
-    summary.insert("error_findings".to_owned(), json!(errors.len()));
+    summary.insert("error_findings".to_owned(), json!(found));
     let names = results.publish(summary)?;
     host.discard_checkpoint();
     if !quiet {
@@ -102,8 +102,17 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     }
     match outcome.failure() {
         Some(reason) => Err(Failure::Unfinished { reason }),
-        None => Ok(ending),
+        None => Ok(ending_of(found)),
     }
+}
+
+/// Error findings of `check`, which looks at the files that a design names as well.
+fn found_by_check(outcome: &dyn Outcome) -> usize {
+    outcome.summary().number("errors").map_or(0, |errors| errors as usize)
+}
+
+fn ending_of(errors: usize) -> Ending {
+    if errors == 0 { Ending::Fine } else { Ending::ErrorFindings }
 }
 
 /// An error of an analysis as the command says it: where the design has error findings, they are the cause to
@@ -114,6 +123,9 @@ fn answered<T>(
     findings: &[Finding],
 ) -> Result<T, Failure> {
     result.map_err(|error| {
+        if matches!(error, AnalysisError::Stopped) && is_checkpointed() {
+            return Failure::Ended;
+        }
         let finding = findings.first().cloned().map(Box::new);
         Failure::Analysis { error, options: Some(options), finding }
     })

@@ -16,7 +16,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{Terminal, read_design, say, write_file};
+use crate::run::{LARGEST_TABLE, Terminal, read_bounded, read_design, say, write_file};
 
 pub fn export() -> Command {
     let formats =
@@ -242,7 +242,7 @@ pub fn run_import(matches: &ArgMatches) -> Result<Ending, Failure> {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })
+    read_bounded(path, LARGEST_TABLE).map_err(|cause| Failure::Read { path: path.to_owned(), cause })
 }
 
 fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use arcmin::analyses::joint::{JointOptions, joint, pin_loads};
 use arcmin::design::Design;
 use arcmin::exchange::fmu::{Depth, LoadFlange, ModelDescription, UnitData, instantiation_token};
+use arcmin::report::printable;
 use clap::{Arg, ArgMatches, Command, value_parser};
 use zip::write::SimpleFileOptions;
 
@@ -262,8 +263,8 @@ fn documentation(unit: &ModelDescription) -> String {
          <p>{1}</p>\n<p>Written by arcmin {2}. Turns count positive against the clock; a torque on a flange is positive \
          along positive motion.</p>\n<table>\n<tr><th>variable</th><th>unit</th><th>meaning</th></tr>\n{rows}</table>\n\
          </body></html>\n",
-        escape(&unit.model_name),
-        escape(&unit.description),
+        escape(&printable(&unit.model_name)),
+        escape(&printable(&unit.description)),
         escape(&unit.version)
     )
 }

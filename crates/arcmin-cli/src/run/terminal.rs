@@ -3,17 +3,17 @@
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use arcmin::analyses::{AnalysisError, Host, Origin};
 use arcmin::design::InputFile;
 use arcmin::progress::Progress;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::output::withdraw;
 use super::pace::Pace;
-use super::write_file;
+use super::{LARGEST_TABLE, read_bounded, write_file};
 use crate::failure::{Failure, warn};
 
 /// Set by Ctrl-C or SIGTERM.
@@ -24,7 +24,7 @@ static CHECKPOINTED: AtomicBool = AtomicBool::new(false);
 pub(super) static KEEPS_PARTS: AtomicBool = AtomicBool::new(false);
 /// How long a run that was asked to stop may take to end by itself and keep its last state. Nothing is lost by
 /// ending it then: results appear whole at the end, checkpoints whole on the way.
-const GRACE: Duration = Duration::from_millis(120);
+const GRACE: Duration = Duration::from_millis(90);
 /// Work shorter than this needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// A run that is killed loses this much at most.
@@ -38,6 +38,11 @@ pub fn is_stopped() -> bool {
     CANCELLED.load(Ordering::Relaxed)
 }
 
+/// Whether --resume can go on from what this run has kept.
+pub fn is_checkpointed() -> bool {
+    CHECKPOINTED.load(Ordering::SeqCst)
+}
+
 /// What a signal asks for: first the computation ends by itself; if it takes longer than [`GRACE`], the process
 /// is ended for it.
 fn stop() {
@@ -46,7 +51,7 @@ fn stop() {
     }
     std::thread::sleep(GRACE);
     let _nothing_is_written_any_more = withdraw();
-    let failure = if CHECKPOINTED.load(Ordering::SeqCst) {
+    let failure = if is_checkpointed() {
         Failure::Ended
     } else if KEEPS_PARTS.load(Ordering::SeqCst) {
         Failure::Unfinished { reason: "stopped; the same command goes on from there".to_owned() }
@@ -61,12 +66,23 @@ fn stop() {
     std::process::exit(2);
 }
 
-fn progress_bar() -> ProgressBar {
+/// What is known of the stage that runs: its pace and the share of it told last.
+type Stage = Arc<Mutex<(Pace, f64)>>;
+
+/// A bar with the words of the stage. It is drawn anew while nothing is told as well: the last word before a
+/// long silence would be lost otherwise, and a clock that stands looks like a program that hangs.
+fn progress_bar(stage: &Stage, started: Instant) -> ProgressBar {
     let bar = ProgressBar::new(1000);
+    let stage = Arc::clone(stage);
+    let words = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+        let stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = out.write_str(&stage.0.words(started.elapsed(), stage.1));
+    };
     // The bar gives way on a narrow terminal, the words do not.
-    if let Ok(style) = ProgressStyle::with_template("{msg:20!} {wide_bar} {prefix}") {
-        bar.set_style(style);
+    if let Ok(style) = ProgressStyle::with_template("{msg:20!} {wide_bar} {words}") {
+        bar.set_style(style.with_key("words", words));
     }
+    bar.enable_steady_tick(Duration::from_millis(500));
     bar
 }
 
@@ -74,7 +90,7 @@ fn progress_bar() -> ProgressBar {
 pub struct Terminal {
     started: Instant,
     /// `None` where nobody watches: quiet, or standard error is not a terminal.
-    bar: Option<Mutex<Option<(ProgressBar, Pace)>>>,
+    bar: Option<Mutex<Option<(ProgressBar, Stage)>>>,
     /// Directory of the design file.
     beside_design: PathBuf,
     out: PathBuf,
@@ -128,12 +144,18 @@ impl Progress for Terminal {
         // Whoever finds the lock taken has nothing to add: progress is shown often enough.
         let Ok(mut shown) = shown.try_lock() else { return };
         let now = self.started.elapsed();
-        let (bar, pace) = shown.get_or_insert_with(|| (progress_bar(), Pace::new(stage, now, share)));
-        if pace.stage != stage {
-            *pace = Pace::new(stage, now, share);
+        let (bar, pace) = shown.get_or_insert_with(|| {
+            let pace = Arc::new(Mutex::new((Pace::new(stage, now, share), share)));
+            (progress_bar(&pace, self.started), pace)
+        });
+        let mut pace = pace.lock().unwrap_or_else(PoisonError::into_inner);
+        if pace.0.stage != stage {
+            pace.0 = Pace::new(stage, now, share);
         }
+        pace.1 = share;
+        // The bar asks for its words while it is drawn.
+        drop(pace);
         bar.set_message(stage.to_owned());
-        bar.set_prefix(pace.words(now, share));
         // A stage that is not over is never shown as done.
         bar.set_position((share.clamp(0.0, 1.0) * 1000.0).min(999.0) as u64);
     }
@@ -149,7 +171,7 @@ impl Host for Terminal {
             Origin::Design => self.beside_design.join(&file.0),
             Origin::Options => PathBuf::from(&file.0),
         };
-        std::fs::read(&path).map_err(|cause| AnalysisError::Input {
+        read_bounded(&path, LARGEST_TABLE).map_err(|cause| AnalysisError::Input {
             file: path.display().to_string(),
             line: None,
             message: format!("cannot be read: {cause}"),
@@ -175,7 +197,7 @@ impl Host for Terminal {
             .map_err(|cause| Failure::Write { path: self.cache.clone(), cause })
             .and_then(|()| write_file(&self.cache.join(name), bytes));
         if let Err(failure) = written {
-            warn(&format!("{failure}; the next run computes it again"));
+            warn(&format!("warning: {failure}; the next run computes it again"));
         }
     }
 

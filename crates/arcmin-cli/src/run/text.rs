@@ -3,6 +3,7 @@
 use std::io::{IsTerminal, Write};
 
 use arcmin::analyses::{Said, TextTable};
+use arcmin::report::is_hidden;
 use comfy_table::{CellAlignment, presets};
 
 use crate::failure::Failure;
@@ -42,9 +43,9 @@ pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// Without control characters, which names in a file could hand to the terminal.
+/// Without hidden characters, which names in a file could hand to the terminal.
 pub fn visible(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\n' && c != '\t' { '\u{fffd}' } else { c }).collect()
+    text.chars().map(|c| if is_hidden(c) && c != '\n' && c != '\t' { '\u{fffd}' } else { c }).collect()
 }
 
 /// Lines and tables as one text.

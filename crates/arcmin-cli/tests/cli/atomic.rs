@@ -44,8 +44,17 @@ fn a_full_disk_is_a_clear_error_and_keeps_earlier_results() {
 #[test]
 fn a_full_standard_output_is_an_error() {
     let directory = with_design();
-    for arguments in ["keys", "check d.toml", "check d.toml --json", "new --list", "completions bash", "man"]
-    {
+    for arguments in [
+        "keys",
+        "check d.toml",
+        "check d.toml --json",
+        "new --list",
+        "completions bash",
+        "man",
+        "--help",
+        "life --help",
+        "--version",
+    ] {
         let script = format!("\"$0\" {arguments} > /dev/full");
         let mut command = Command::new("bash");
         let output =
@@ -63,7 +72,7 @@ fn a_full_standard_output_is_an_error() {
 #[test]
 fn a_reader_who_leaves_early_does_no_harm() {
     let directory = with_design();
-    for arguments in ["check d.toml", "keys"] {
+    for arguments in ["check d.toml", "keys", "life --help"] {
         let script = format!("\"$0\" {arguments} | head -c 1 > /dev/null; exit ${{PIPESTATUS[0]}}");
         let mut command = Command::new("bash");
         let output =

@@ -154,3 +154,29 @@ fn hostile_imports_are_refused_with_line_and_remedy() {
     }
     assert!(!d.join("out/d/import/flank.toml").exists() && !d.join("out/d/import/duty.toml").exists());
 }
+
+/// A name is data: it ends no comment of a source text and leaves no character that XML forbids.
+#[test]
+fn names_do_no_harm_in_other_programs() {
+    let directory = with_design();
+    let d = directory.path();
+    edit(d, "name = \"RV-40E-81\"", "name = \"a\\u001B[2J---b\\nsystem('x')\\u202Ec\"");
+    good(d, &["export", "joint", "d.toml", "--hours", "0", "--out", "j"]);
+    for name in names(&d.join("j")) {
+        let text = read(d, &format!("j/{name}"));
+        assert!(!text.contains(['\u{1b}', '\u{202e}']), "{name}");
+        assert!(!text.lines().any(|line| line.starts_with("system")), "{name}");
+        if text.starts_with("<?xml") {
+            let comments = text.split("<!--").skip(1).map(|rest| rest.split("-->").next().unwrap());
+            assert!(comments.into_iter().all(|comment| !comment.contains("--")), "{name}");
+        }
+    }
+    good(d, &["export", "fmu", "d.toml", "--fmi", "2", "--out", "f"]);
+    let unit = names(&d.join("f")).remove(0);
+    let bytes = std::fs::read(d.join("f").join(unit)).unwrap();
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
+    let mut description = String::new();
+    let mut file = archive.by_name("modelDescription.xml").unwrap();
+    std::io::Read::read_to_string(&mut file, &mut description).unwrap();
+    assert!(!description.contains(['\u{1b}', '\u{202e}']));
+}

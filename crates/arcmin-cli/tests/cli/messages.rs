@@ -139,6 +139,8 @@ fn option_errors_name_the_option() {
 fn combinations_that_mean_nothing_say_why() {
     let directory = with_design();
     let d = directory.path();
+    write(d, "load.csv", "time_s,torque_n_m\n0,0\n1,412\n");
+    write(d, "drive.csv", "time_s,speed_rpm\n0,0\n1,1500\n");
     let ideal_only = "help: it knows ideal joints and rigid discs only: --joints ideal, --discs rigid";
     for (arguments, words) in [
         (
@@ -164,6 +166,18 @@ fn combinations_that_mean_nothing_say_why() {
         (
             &["simulate", "--errors", "given"],
             &["ideal joints have no place for manufacturing errors", "help: choose --joints bearings"],
+        ),
+        (
+            &["simulate", "--load-file", "load.csv"],
+            &["load.csv would not be read", "help: it goes with --load table, stepped or duty-cycle"],
+        ),
+        (
+            &["simulate", "--drive-file", "drive.csv"],
+            &["drive.csv would not be read", "help: it goes with --drive speed-table or torque-table"],
+        ),
+        (
+            &["simulate", "--torque-nm", "412"],
+            &["a torque loads nothing here (--torque-nm)", "help: it goes with --load constant or sine"],
         ),
         (&["rig", "--seed", "3"], &["a seed draws nothing here", "help: it goes with --errors drawn"]),
         (&["rig", "--errors", "given"], &["the design gives no manufacturing errors", "[errors]"]),
@@ -208,4 +222,13 @@ fn names_with_control_characters_reach_no_terminal() {
     write(d, "\u{1b}[31m.csv", "hours,depth_um\n1,\u{1b}[0m\n");
     let said = refused(d, &["calibrate", "x.toml", "\u{1b}[31m.csv", "--out", "p"]);
     assert!(!said.contains('\u{1b}'), "{said:?}");
+}
+
+/// A device that never ends is no design and no table, and takes no more memory than one.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_without_end_are_refused() {
+    let directory = with_design();
+    let said = refused(directory.path(), &["check", "/dev/zero"]);
+    assert!(said.contains("cannot read /dev/zero: it is longer than 16 MB"), "{said}");
 }

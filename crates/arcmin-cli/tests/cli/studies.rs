@@ -169,6 +169,31 @@ fn an_interrupted_study_keeps_its_samples() {
     assert_eq!(read(d, "o/samples.csv").lines().count() as u64, there + 1);
 }
 
+/// Stopped before its first sample a study says that it was stopped, not that somebody forgot to run it.
+#[cfg(unix)]
+#[test]
+fn a_study_interrupted_at_once_says_so() {
+    let directory = with_study();
+    let d = directory.path();
+    let study = "design = \"d.toml\"\nanalysis = \"life\"\nresults = [\"lost_motion_arcmin\"]\n\
+                 tolerances = true\n\
+                 [method]\nkind = \"random\"\nsamples = 50\nseed = 7\n";
+    write(d, "slow.toml", study);
+    let child = Command::new(binary())
+        .args(["study", "slow.toml", "--out", "o"])
+        .current_dir(d)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    let (_, complaint) = texts(&output);
+    assert_eq!(output.status.code(), Some(2), "{complaint}");
+    assert!(complaint.contains("goes on from there") && !complaint.contains("no samples"), "{complaint}");
+}
+
 #[test]
 fn study_files_are_refused_with_their_lines() {
     let directory = with_study();

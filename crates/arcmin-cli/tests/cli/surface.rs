@@ -298,3 +298,32 @@ fn the_same_bytes_on_any_number_of_threads() {
         }
     }
 }
+
+/// The bench says of which age its verdict is, and names a bearing that does not last as planned.
+#[test]
+fn the_verdict_of_the_bench_has_its_hours() {
+    let directory = with_design();
+    let d = directory.path();
+    let few = ["--positions", "1", "--te-positions", "64"];
+    good(d, &[&["rig", "d.toml", "--hours", "100", "--out", "worn"][..], &few].concat());
+    good(d, &[&["rig", "d.toml", "--out", "new"][..], &few].concat());
+    assert!(read(d, "worn/report.html").contains("Lost motion after 100 h, "));
+    let new = read(d, "new/report.html");
+    assert!(new.contains("Lost motion when new, "));
+    assert!(figure(&summary(d, "new"), "shortest_bearing_life_h") < 7500.0);
+    assert!(new.contains("(L10) at rated torque and speed; 7500 h are planned."));
+}
+
+/// The curve of a calibration ends where wear was followed to, and so does its band: neither goes on flat.
+#[test]
+fn the_curve_of_a_calibration_never_stands_still() {
+    let directory = with_design();
+    let d = directory.path();
+    write(d, "read.csv", "hours,lost_motion_arcmin\n0,0.70\n600,0.72\n1500,0.73\n3000,0.76\n");
+    good(d, &["calibrate", "d.toml", "read.csv", "--joints", "ideal", "--out", "c"]);
+    for name in ["lost_motion_increase_arcmin", "lost_motion_increase_high_arcmin"] {
+        let values = column(d, "c/calibration_curve.csv", name);
+        let values: Vec<f64> = values.iter().filter_map(|cell| cell.parse().ok()).collect();
+        assert!(values.len() > 60 && values.windows(2).all(|pair| pair[1] > pair[0]), "{name}: {values:?}");
+    }
+}

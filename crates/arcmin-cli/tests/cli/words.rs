@@ -188,3 +188,19 @@ fn completions_and_manual_page_name_the_commands() {
     assert!(good(directory.path(), &["completions", "bash"]).contains("simulate"));
     assert!(good(directory.path(), &["man"]).starts_with(".ie"));
 }
+
+/// Files that a design names are part of it: that one is missing is an error finding like any other.
+#[test]
+fn check_looks_for_the_files_of_a_design() {
+    let directory = with_design();
+    let d = directory.path();
+    edit(d, "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"gone.csv\"\n[tolerances]");
+    for arguments in [&["check", "d.toml", "--out", "o"][..], &["check", "d.toml", "--json"]] {
+        let output = arcmin(d, arguments);
+        let (said, complaint) = texts(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}{complaint}");
+        assert!(said.contains("gone.csv"), "{said}");
+    }
+    let summary = summary(d, "o");
+    assert_eq!((figure(&summary, "errors"), figure(&summary, "error_findings")), (1.0, 1.0));
+}

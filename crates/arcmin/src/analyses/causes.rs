@@ -132,18 +132,28 @@ pub(crate) fn largest(point: &PartsPoint) -> Vec<(String, f64)> {
     causes
 }
 
-/// For the terminal.
-pub(crate) fn said(at: &CausesAt) -> Vec<Said> {
+/// What the bench read from its loops (rad), in arcmin, where friction set it apart from what has causes.
+fn apart(at: &CausesAt, bench: Option<f64>) -> Option<f64> {
+    bench.filter(|read| (read - at.point.lost_motion.whole).abs() > 5e-4 * ARCMIN).map(|read| read / ARCMIN)
+}
+
+/// For the terminal; `bench` is the lost motion (rad) read from loops with friction, where there are any.
+pub(crate) fn said(at: &CausesAt, bench: Option<f64>) -> Vec<Said> {
     let split = &at.point.lost_motion;
     let row = |cause: String, arcmin: f64| vec![format!("  {cause}"), format!("{arcmin:.3}′")];
     let mut rows: Vec<Vec<String>> =
         shown(&[split], 5e-4).into_iter().map(|(cause, values)| row(cause, values[0])).collect();
     rows.push(row("not explained".to_owned(), split.residual() / ARCMIN));
     let state = if at.hours > 0.0 { format!("after {:.0} h", at.hours) } else { "new".to_owned() };
-    vec![
-        Said::line(format!("lost motion of the whole machine, {state}: {:.3}′", split.whole / ARCMIN)),
-        Said::Table(TextTable { header: Vec::new(), rows }),
-    ]
+    let whole = split.whole / ARCMIN;
+    let title = match apart(at, bench) {
+        Some(read) => format!(
+            "lost motion without friction, {state}: {whole:.3}′ (between the mid-points of the loop, with \
+             friction: {read:.3}′)"
+        ),
+        None => format!("lost motion of the whole machine, {state}: {whole:.3}′"),
+    };
+    vec![Said::line(title), Said::Table(TextTable { header: Vec::new(), rows })]
 }
 
 const MEANING: &str = "friction aside, input locked; mean over all places that repeat (a turn of the \
@@ -166,15 +176,18 @@ pub(crate) fn section(rows: &[CausesAt]) -> Section {
     Section::new("causes", "Lost motion by cause", blocks)
 }
 
-/// For the report of one state: which cause gives how much.
-pub(crate) fn shares(at: &CausesAt) -> Block {
+/// For the report of one state: which cause gives how much. `bench` as in [`said`].
+pub(crate) fn shares(at: &CausesAt, bench: Option<f64>) -> Block {
     let split = &at.point.lost_motion;
     let rows =
         shown(&[split], 1e-4).into_iter().map(|(cause, values)| (cause, values[0], String::new())).collect();
     let state = if at.hours > 0.0 { format!("After {:.0} h", at.hours) } else { "New".to_owned() };
+    let with_friction = apart(at, bench).map_or(String::new(), |read| {
+        format!(" With friction the mid-points of the loop are {read:.4} arcmin apart.")
+    });
     let note = format!(
         "{state}, {MEANING}. Of {:.4} arcmin in all {:.4} arcmin are left unexplained (terms of second order in \
-         the displacements).",
+         the displacements).{with_friction}",
         split.whole / ARCMIN,
         // No minus before a rounded zero.
         (split.residual() / ARCMIN * 1e4).round() / 1e4 + 0.0
@@ -218,5 +231,21 @@ mod tests {
         assert_eq!(causes.len(), 1);
         assert!((causes[0].1 - 0.5).abs() < 1e-12 && causes[0].0.contains("manufacturing errors"));
         assert_eq!(TABLE.fill([&row]).numbers("manufacturing_errors_arcmin").unwrap()[0].round(), -5.0);
+    }
+
+    /// Two figures of lost motion never stand beside each other under one name: where friction sets the bench
+    /// apart, both are said with what they are.
+    #[test]
+    fn lost_motion_with_friction_is_told_apart() {
+        let row = at(|cause| if cause == Cause::Elastic { 0.57 } else { 0.0 }, 0.57);
+        let title = |bench: Option<f64>| match said(&row, bench).remove(0) {
+            Said::Line(line) => line,
+            other => panic!("{other:?}"),
+        };
+        let apart = title(Some(0.155 * ARCMIN));
+        assert!(apart.contains("without friction") && apart.contains("with friction: 0.155′"), "{apart}");
+        for bench in [None, Some(0.57 * ARCMIN)] {
+            assert_eq!(title(bench), "lost motion of the whole machine, after 100 h: 0.570′");
+        }
     }
 }

@@ -103,6 +103,36 @@ fn val_contact_pressure_of_the_closed_form() {
     assert!((pressure / 1316.0 - 1.0).abs() < 2e-3, "{pressure}");
 }
 
+/// Interference presses the more the tighter it is; it is a warning until it dents, and an error at once
+/// where the load alone is too much.
+#[test]
+fn pressure_of_a_preload_rises_with_it() {
+    use Severity::{Error, Info, Warning};
+    let of = |offset: &str, torque: &str| {
+        let offset = format!("equidistant_offset_um = {offset}");
+        let edits = [("equidistant_offset_um = 0", offset.as_str()), ("rated_torque_n_m = 412", torque)];
+        let findings = findings(0, &edits);
+        let finding = findings.iter().find(|finding| finding.code == "contact-pressure").unwrap();
+        (finding.severity, finding.value)
+    };
+    let rated = "rated_torque_n_m = 412";
+    let mut before = 0.0;
+    for (offset, severity) in [
+        ("-1", Info),
+        ("-2", Info),
+        ("-4", Warning),
+        ("-6", Warning),
+        ("-8", Warning),
+        ("-10", Warning),
+        ("-15", Error),
+    ] {
+        let found = of(offset, rated);
+        assert!(found.0 == severity && found.1 > before, "{offset} µm: {found:?} after {before} MPa");
+        before = found.1;
+    }
+    assert_eq!(of("-0.1", "rated_torque_n_m = 1500").0, Error);
+}
+
 #[test]
 fn shipped_designs_have_no_error_findings() {
     for template in 0..TEMPLATES.len() {

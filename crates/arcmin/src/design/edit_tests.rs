@@ -212,6 +212,28 @@ fn all_typos_of_a_file_are_told_at_once() {
     assert!(error.others.iter().all(|other| other.line() > Some(14) && other.hint().is_some()));
 }
 
+/// Words, laws and materials as well as numbers, each once.
+#[test]
+fn all_values_that_cannot_be_are_told_at_once() {
+    let mut text = design().text().to_owned();
+    for (right, wrong) in [
+        ("fixed_member = \"housing\"", "fixed_member = \"hosing\""),
+        ("material = \"20CrMnTi\"", "material = \"20CrMmTi\""),
+        ("kind = \"tapered\"", "kind = \"taperd\""),
+        ("law = \"line-hertz\"", "law = \"line-herz\""),
+        ("share = 1.0", "share = \"all\""),
+    ] {
+        assert!(text.contains(right), "{right}");
+        text = text.replacen(right, wrong, 1);
+    }
+    let error = Design::parse(&text, "d.toml").unwrap_err();
+    let all: Vec<_> = error.all().map(|error| error.key().unwrap()).collect();
+    let wrong =
+        ["fixed_member", "carrier.material", "bearings.crank_support.kind", "contact.law", "duty[0].share"];
+    assert_eq!(all, wrong);
+    assert!(error.all().take(4).all(|error| error.hint().unwrap().contains("did you mean")));
+}
+
 section! {
     /// Options of a run.
     pub struct Sample {

@@ -6,7 +6,9 @@ use super::error::{DesignErrorKind, Source};
 use super::hint;
 use super::schema::{At, Key, Kind, Presence, SectionSchema};
 use super::tree::{Branch, Item, Node, number};
+use super::values::choice;
 use super::{DesignError, InputFile};
+use crate::materials::Material;
 
 pub(super) type Result<T> = std::result::Result<T, Box<DesignError>>;
 
@@ -173,8 +175,8 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Every key of this table and those inside of it that the schema does not have, and every number and switch
-    /// that cannot be one.
+    /// Every key of this table and those inside of it that the schema does not have, and every value that the
+    /// schema alone refuses.
     fn collect_wrong(
         &self,
         schema: &SectionSchema,
@@ -220,6 +222,9 @@ impl<'a> Table<'a> {
                         Kind::Number => f64::read(key, &entry.item, self).err(),
                         Kind::Count => usize::read(key, &entry.item, self).err(),
                         Kind::Flag => bool::read(key, &entry.item, self).err(),
+                        Kind::Text => String::read(key, &entry.item, self).err(),
+                        Kind::Choice(words) => choice(words, key, &entry.item, self).err(),
+                        Kind::Material(_) => Material::read(key, &entry.item, self).err(),
                         _ => None,
                     };
                     if let Some(mut error) = error {

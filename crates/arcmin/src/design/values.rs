@@ -147,28 +147,30 @@ impl<T: FieldValue> FieldValue for Option<T> {
     }
 }
 
+/// Which of the words it is.
+pub(super) fn choice(
+    words: &[(&'static str, &'static str)],
+    key: &Key,
+    item: &Item,
+    table: &Table<'_>,
+) -> Result<usize> {
+    let known = || words.iter().map(|word| word.0);
+    let Node::Text(text) = &item.node else {
+        return Err(table.wrong_type(key, format!("one of {}", hint::quoted(known())), item));
+    };
+    known().position(|word| word == text.as_ref()).ok_or_else(|| {
+        let kind = DesignErrorKind::UnknownChoice { key: key.name.to_owned(), choice: text.to_string() };
+        table.source.error(kind, item.span.clone(), Some(hint::for_word(text, known())))
+    })
+}
+
 impl<T: Choice> FieldValue for T {
     fn kind() -> Kind {
         Kind::Choice(T::WORDS)
     }
 
     fn read(key: &Key, item: &Item, table: &Table<'_>) -> Result<T> {
-        let Node::Text(text) = &item.node else {
-            return Err(table.wrong_type(
-                key,
-                format!("one of {}", hint::quoted(T::WORDS.iter().map(|word| word.0))),
-                item,
-            ));
-        };
-        match T::WORDS.iter().position(|(word, _)| *word == text.as_ref()) {
-            Some(index) => Ok(T::VALUES[index]),
-            None => {
-                let kind =
-                    DesignErrorKind::UnknownChoice { key: key.name.to_owned(), choice: text.to_string() };
-                let hint = hint::for_word(text, T::WORDS.iter().map(|word| word.0));
-                Err(table.source.error(kind, item.span.clone(), Some(hint)))
-            }
-        }
+        Ok(T::VALUES[choice(T::WORDS, key, item, table)?])
     }
 
     fn absent(key: &Key, table: &Table<'_>) -> Result<T> {

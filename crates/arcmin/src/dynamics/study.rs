@@ -1,5 +1,3 @@
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use rayon::prelude::*;
 
 use super::{
@@ -9,7 +7,7 @@ use super::{
 use crate::fem::FlexibleDiscs;
 use crate::geometry::Relief;
 use crate::machine::Machine;
-use crate::progress::{Progress, Silent};
+use crate::progress::{Counter, Progress, Silent, Unseen};
 use crate::units::ARCMIN;
 
 /// Static and dynamic transmission error of one model over a list of wear states.
@@ -106,6 +104,7 @@ pub fn spread_over_starts(
     count: usize,
     progress: &dyn Progress,
 ) -> Result<StartSpread, DynamicsError> {
+    let done = Counter::new("perturbed starts", count, progress);
     let runs = (0..count)
         .into_par_iter()
         .map(|i| {
@@ -115,6 +114,7 @@ pub fn spread_over_starts(
             start[model.output_index()] += 0.1 * ARCMIN * place;
             let mut run = Run::from_state(model.clone(), plan, &start, &vec![0.0; start.len()])?;
             run.finish(progress)?;
+            done.one_more();
             Ok(run.result().statistics)
         })
         .collect::<Result<Vec<_>, DynamicsError>>()?;
@@ -177,7 +177,7 @@ fn study<M: Into<Model>>(
     progress: &dyn Progress,
     model: impl Fn(&Relief, OutputLoad) -> Result<M, DynamicsError> + Sync,
 ) -> Result<TransmissionErrorStudy, DynamicsError> {
-    let (total, done) = (2 * wear.len(), AtomicUsize::new(0));
+    let done = Counter::new("simulation", 2 * wear.len(), progress);
     let jobs: Vec<(usize, bool)> = (0..wear.len()).flat_map(|i| [(i, false), (i, true)]).collect();
     let mut results = jobs
         .into_par_iter()
@@ -186,12 +186,12 @@ fn study<M: Into<Model>>(
             let mut run = Run::new(model, settings.plan, progress)?;
             run.finish(progress)?;
             let spread = if !loaded && settings.perturbed_starts > 0 {
-                Some(spread_over_starts(run.model(), settings.plan, settings.perturbed_starts, progress)?)
+                let unseen = Unseen(progress);
+                Some(spread_over_starts(run.model(), settings.plan, settings.perturbed_starts, &unseen)?)
             } else {
                 None
             };
-            let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress.report("simulation", finished as f64 / total as f64);
+            done.one_more();
             Ok((run.result(), spread))
         })
         .collect::<Result<Vec<_>, DynamicsError>>()?

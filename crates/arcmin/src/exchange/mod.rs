@@ -99,7 +99,8 @@ impl Stamp {
     pub fn of(design: &crate::design::Design) -> Stamp {
         Stamp {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            design_name: (*design.name).clone(),
+            // It stands in comments of source text, which a line of its own would leave.
+            design_name: crate::report::printable(&design.name),
             design_hash: design.short_hash(),
         }
     }

@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 use super::{CacheError, CarrierShape, Compliance, FemError, HousingShape, RimShape};
 use crate::machine::{Hold, Machine};
 use crate::materials::Material;
+use crate::progress::{Counter, Progress};
 
 /// Elastic carrier and housing.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,10 +43,16 @@ impl BodyShapes {
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
-    pub fn reduce(&self) -> Result<ElasticBodies, FemError> {
+    pub fn reduce(&self, progress: &dyn Progress) -> Result<ElasticBodies, FemError> {
+        let done = Counter::new("condensing carrier and housing", 3, progress);
         let ((carrier, housing), rims) = rayon::join(
-            || rayon::join(|| self.carrier.compliance(), || self.housing.compliance()),
-            || self.rims.compliance(),
+            || {
+                rayon::join(
+                    || done.after(|| self.carrier.compliance()),
+                    || done.after(|| self.housing.compliance()),
+                )
+            },
+            || done.after(|| self.rims.compliance()),
         );
         Ok(ElasticBodies { carrier: carrier?, housing: housing?, rims: rims? })
     }

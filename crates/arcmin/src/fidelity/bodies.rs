@@ -27,7 +27,6 @@ impl ElasticFrame {
     /// Condenses the bodies of a machine, or takes them from the host's cache. A damaged or foreign cache
     /// entry is replaced.
     pub(super) fn reduce(machine: &Machine, host: &dyn Host) -> Result<ElasticFrame, AnalysisError> {
-        host.report("condensing carrier and housing", 0.0);
         let shapes = BodyShapes::of(machine);
         let name = format!("bodies-{}.reduced", &shapes.key_hex()[..16]);
         let cached = host.cached(&name).and_then(|bytes| shapes.from_bytes(&bytes).ok());
@@ -38,7 +37,7 @@ impl ElasticFrame {
                     return Err(AnalysisError::Stopped);
                 }
                 let bodies = shapes
-                    .reduce()
+                    .reduce(host)
                     .map_err(AnalysisError::compute("mesh the elastic carrier and housing"))?;
                 host.cache(&name, &shapes.to_bytes(&bodies));
                 bodies

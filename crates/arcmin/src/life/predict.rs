@@ -8,7 +8,7 @@ use crate::analyses::AnalysisError;
 use crate::fidelity::{Fidelity, MachineMeshing};
 use crate::load::lost_motion;
 use crate::machine::{Machine, OutputAngle};
-use crate::progress::Progress;
+use crate::progress::{Counter, Progress};
 use crate::units::{HOUR, UM};
 use crate::wear::{CoupledOptions, Exposure, WearError};
 
@@ -120,9 +120,10 @@ pub fn predict(
         progress.report("wear", share);
     }
     let joints = course.meshing().clone();
+    let done = Counter::new("accuracy", states.len(), progress);
     let mut points = states
         .par_chunks(STATES_IN_A_ROW)
-        .map(|states| follow(&course, &joints, states, options, progress))
+        .map(|states| follow(&course, &joints, states, options, &done))
         .collect::<Result<Vec<Vec<LifePoint>>, WearError>>()
         .map_err(failed())?
         .concat();
@@ -130,7 +131,8 @@ pub fn predict(
         // As far as the machine still shares its load.
         let last = states.last().map_or(0.0, |state| state.hours);
         let lost: Vec<WornState> = course.on_the_way_after(last).cloned().collect();
-        let known = |state| follow(&course, &joints, std::slice::from_ref(state), options, progress).ok();
+        let done = Counter::new("accuracy", lost.len(), progress);
+        let known = |state| follow(&course, &joints, std::slice::from_ref(state), options, &done).ok();
         points.extend(lost.iter().map_while(known).flatten());
         if progress.is_cancelled() {
             return Err(AnalysisError::Stopped);
@@ -156,14 +158,14 @@ fn follow(
     joints: &MachineMeshing,
     states: &[WornState],
     options: LifeOptions,
-    progress: &dyn Progress,
+    done: &Counter<'_>,
 ) -> Result<Vec<LifePoint>, WearError> {
     let machine = course.machine();
     let mut joints = joints.clone();
     let mut in_bearings = course.parts().meshing().clone();
     let mut points = Vec::with_capacity(states.len());
     for state in states {
-        if progress.is_cancelled() {
+        if done.is_cancelled() {
             return Err(WearError::Stopped);
         }
         state.put_on(machine, &mut joints);
@@ -186,6 +188,7 @@ fn follow(
             causes,
             state: state.clone(),
         });
+        done.one_more();
     }
     Ok(points)
 }
@@ -213,6 +216,8 @@ fn search_limit(
     let mut searched_hours = service_hours;
     let mut in_bearings = course.parts().meshing().clone();
     while hours_to_limit.is_none() && searched_hours < furthest {
+        progress
+            .report("looking for the limit", (searched_hours - service_hours) / (furthest - service_hours));
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
         let lost = course.advance_to(hours, progress).and_then(|()| {
             let state = course.state();
@@ -270,6 +275,29 @@ mod tests {
         assert_eq!(crossing(&[(0.0, 2.0), (10.0, 3.0)], 1.0), Some(0.0));
         assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 1.0), Some(2.5));
         assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 5.0), None);
+    }
+
+    /// What comes after wear takes its time as well: it is a stage of its own, counted to its end.
+    #[test]
+    fn every_stage_is_told() {
+        struct Told(std::sync::Mutex<Vec<(String, f64)>>);
+        impl Progress for Told {
+            fn report(&self, stage: &str, share: f64) {
+                self.0.lock().unwrap().push((stage.to_owned(), share));
+            }
+            fn is_cancelled(&self) -> bool {
+                false
+            }
+        }
+        let machine = crate::templates::rv_40e_81();
+        let options = LifeOptions { intervals: 5, crank_positions: 6, ..LifeOptions::default() };
+        let told = Told(Default::default());
+        predict(&machine, &Fidelity::ideal(), options, &told, |_| ()).unwrap();
+        let told = told.0.into_inner().unwrap();
+        for (stage, at_least) in [("wear", 6), ("accuracy", 7), ("looking for the limit", 1)] {
+            let shares: Vec<f64> = told.iter().filter(|(name, _)| name == stage).map(|told| told.1).collect();
+            assert!(shares.len() >= at_least && shares[0] < 0.2, "{stage}: {shares:?}");
+        }
     }
 
     #[test]

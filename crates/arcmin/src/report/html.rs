@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::plot::{Tone, Width};
-use super::text::{escaped, push_escaped, push_inline, slug};
+use super::text::{capitalised, escaped, push_escaped, push_inline, slug};
 use super::{Block, Page, Reference, Section, Shares, Table, Verdict};
 
 const STYLE: &[&str] = &[include_str!("assets/page.css"), include_str!("assets/figures.css")];
@@ -294,9 +294,10 @@ impl Writer<'_> {
     }
 
     fn shares(&mut self, shares: &Shares) {
-        let amount = |value: f64| if value.is_finite() { value.max(0.0) } else { 0.0 };
+        let amount = |value: f64| if value.is_finite() { value } else { 0.0 };
+        // What takes away from the whole counts against it: the shares add up to 100 % with their signs.
         let total: f64 = shares.rows.iter().map(|row| amount(row.1)).sum();
-        let largest = shares.rows.iter().map(|row| amount(row.1)).fold(0.0, f64::max);
+        let largest = shares.rows.iter().map(|row| amount(row.1).abs()).fold(0.0, f64::max);
         let of = |value: f64, whole: f64| if whole > 0.0 { 100.0 * amount(value) / whole } else { 0.0 };
         let _ = writeln!(
             self.out,
@@ -318,10 +319,11 @@ impl Writer<'_> {
             let _ = writeln!(
                 self.out,
                 "</th><td class=\"number\">{}</td><td class=\"number\">{:.1} %</td><td class=\"bar\" aria-hidden=\"true\">\
-                 <i style=\"width:{:.2}%\"></i></td></tr>",
+                 <i{} style=\"width:{:.2}%\"></i></td></tr>",
                 super::significant(*value, 3),
                 of(*value, total),
-                of(*value, largest)
+                if amount(*value) < 0.0 { " class=\"less\"" } else { "" },
+                of(value.abs(), largest)
             );
         }
         self.out.push_str("</tbody></table>");
@@ -401,11 +403,6 @@ fn is_half(block: &Block) -> bool {
         Block::Note(..) => true,
         _ => false,
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// With a capital, and a full stop unless it has its own end.

@@ -161,3 +161,16 @@ fn significant_digits_as_engineers_write_them() {
         assert_eq!(significant(value, digits), expected);
     }
 }
+
+/// What takes away from the whole is shown with its sign, and the shares add up to all of it.
+#[test]
+fn shares_add_up_with_their_signs() {
+    let rows = [("clearance", 0.5), ("elastic", 0.2), ("preload", -0.1)];
+    let rows = rows.map(|(label, value)| (label.to_owned(), value, String::new())).to_vec();
+    let shares = Shares { title: "Causes".into(), unit: "arcmin".into(), rows, note: String::new() };
+    let html = page_of(vec![Block::Shares(shares)]).render();
+    for share in ["83.3 %", "33.3 %", "-16.7 %"] {
+        assert!(html.contains(share), "{share}");
+    }
+    assert!(html.contains("<i class=\"less\" style=\"width:20.00%\">"));
+}

@@ -2,7 +2,19 @@
 
 use std::fmt::Write;
 
-/// Appends `text` with the five characters escaped that mean something in HTML text or attributes; control
+/// Whether a character shows nothing and moves or turns what stands around it: control characters, and the
+/// signs that set the direction of writing, with which a name can make a line read otherwise than it is.
+pub fn is_hidden(character: char) -> bool {
+    character.is_control()
+        || matches!(character, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A text of one line in which hidden characters have become the sign for what cannot be shown.
+pub fn printable(text: &str) -> String {
+    text.chars().map(|c| if is_hidden(c) { '\u{fffd}' } else { c }).collect()
+}
+
+/// Appends `text` with the five characters escaped that mean something in HTML text or attributes; hidden
 /// characters, which names in a file may hold, become the sign for what cannot be shown.
 pub(super) fn push_escaped(out: &mut String, text: &str) {
     for character in text.chars() {
@@ -12,10 +24,16 @@ pub(super) fn push_escaped(out: &mut String, text: &str) {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            other if other.is_control() && !matches!(other, '\n' | '\t') => out.push('\u{fffd}'),
+            other if is_hidden(other) && !matches!(other, '\n' | '\t') => out.push('\u{fffd}'),
             other => out.push(other),
         }
     }
+}
+
+/// With a capital letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 pub(super) fn escaped(text: &str) -> String {

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::dynamics::{JointSettings, SpectrumLine, order_spectrum};
 use crate::machine::Machine;
-use crate::progress::Progress;
+use crate::progress::{Counter, Progress};
 
 /// All results of the bench for one state of the machine.
 #[derive(Debug, Clone)]
@@ -115,14 +115,14 @@ impl RigState {
         let suns: Vec<f64> =
             (0..plan.loop_positions).map(|i| turn * i as f64 / plan.loop_positions as f64).collect();
         let rated = machine.rated.torque.abs();
-        progress.report("hysteresis loops", 0.0);
+        let done = Counter::new("hysteresis loops", suns.len(), progress);
         let loops = suns
             .par_iter()
             .map(|sun| {
                 if progress.is_cancelled() {
                     Ok(None)
                 } else {
-                    hysteresis_loop(machine, settings, *sun).map(Some)
+                    done.after(|| hysteresis_loop(machine, settings, *sun)).map(Some)
                 }
             })
             .collect::<Result<Option<Vec<_>>, _>>()?;

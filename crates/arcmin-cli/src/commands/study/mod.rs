@@ -176,8 +176,11 @@ impl Job {
             Some(search) => self.search(search)?,
             None => self.compute(&self.study.plan, "samples", Shard::WHOLE)?,
         };
-        self.report(results)?;
-        if cancelled { Err(self.stopped()) } else { Ok(Ending::Fine) }
+        match self.report(results) {
+            // Stopped before its first sample there is nothing to report, which is no mistake of the user.
+            Ok(()) | Err(Failure::Usage { .. }) if cancelled => Err(self.stopped()),
+            reported => reported.map(|()| Ending::Fine),
+        }
     }
 
     fn shard(&self, shard: Shard) -> Result<Ending, Failure> {

@@ -224,16 +224,22 @@ fn lives(
     lives
 }
 
-/// The prediction over time, as far as readings and limit reach.
+/// The prediction over time, as far as readings and limit reach and wear was followed. Where the fastest wear
+/// of the band leaves what was followed, the band ends.
 fn curve(growth: &Growth, fit: &Fit, rows: &[Row], lives: &[MachineLife]) -> Vec<CurvePoint> {
     let last = rows.iter().map(|row| row.observed.reading.time / HOUR).fold(0.0, f64::max);
     let limits = lives.iter().filter_map(|life| life.hours).map(|hours| 1.05 * hours);
     let end = limits.filter(|hours| *hours <= 8.0 * last).fold(1.2 * last, f64::max);
+    let end = end.min(fit.law.time_at(growth.last()) / HOUR).max(last);
+    let followed = growth.last() * (1.0 + 1e-9);
     let point = |index: usize| {
         let hours = end * index as f64 / CURVE_POINTS as f64;
         let of = |value: &dyn Fn(f64) -> f64| {
-            let at = |law: &Exposure| value(law.at(hours * HOUR));
-            (at(&fit.law), fit.band(at))
+            let at = |law: &Exposure| {
+                let exposure = law.at(hours * HOUR);
+                if exposure <= followed { value(exposure) } else { f64::INFINITY }
+            };
+            (value(fit.law.at(hours * HOUR)), fit.band(at).filter(|(_, high)| high.is_finite()))
         };
         CurvePoint { hours, depth: of(&|x| growth.depth(x)), increase: of(&|x| growth.increase(x)) }
     };

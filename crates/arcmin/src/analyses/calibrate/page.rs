@@ -5,7 +5,7 @@ use super::{Calibrated, CurvePoint, MachineLife, Row};
 use crate::analyses::Said;
 use crate::report::{
     Annotation, Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style,
-    Table, Tone, Verdict, compact, significant,
+    Table, Tone, Verdict, capitalised, compact, significant,
 };
 use crate::units::{ARCMIN, HOUR, UM};
 use crate::wear::{CONFIDENCE, Estimate, Measured, Parameter};
@@ -128,10 +128,7 @@ pub(super) fn page(calibrated: &Calibrated) -> Page {
 
 /// With a capital and a full stop.
 fn sentence_of(text: &str) -> String {
-    let mut letters = text.chars();
-    let capital: String =
-        letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect());
-    format!("{}.", capital.trim_end_matches('.'))
+    format!("{}.", capitalised(text).trim_end_matches('.'))
 }
 
 fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {

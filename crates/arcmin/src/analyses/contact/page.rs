@@ -8,6 +8,7 @@ use crate::report::{
     Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant,
 };
 use crate::units::{ARCMIN, DEG, MPA};
+use std::f64::consts::TAU;
 
 const FIGURES: &[&str] = &[
     "max_force_n",
@@ -110,6 +111,27 @@ pub(super) fn page(contact: &Contact) -> Page {
     }
 }
 
+/// Steps of the meshing angle in which the largest contact is shown.
+const NOMINAL_STEPS: usize = 180;
+/// With errors every pin bears differently: a step must meet them all, or the curve jumps between them.
+const STEPS_WITH_ERRORS: usize = 60;
+
+/// The largest value in each of equal steps of the meshing angle, over all pins and discs, where it was met.
+fn largest_in_steps(
+    forces: &[FlankForce],
+    steps: usize,
+    value: &dyn Fn(&FlankForce) -> f64,
+) -> Vec<(f64, f64)> {
+    let step = |force: &FlankForce| ((force.meshing_angle / TAU + 0.5) * steps as f64).floor();
+    let largest = |forces: &[FlankForce]| {
+        forces
+            .iter()
+            .map(|force| (force.meshing_angle / DEG, value(force)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    forces.chunk_by(|a, b| step(a) == step(b)).filter_map(largest).collect()
+}
+
 fn angle_axis() -> Axis {
     Axis::new("Meshing angle", "°").between(-180.0, 180.0)
 }
@@ -126,14 +148,9 @@ fn blocks(contact: &Contact) -> Vec<Block> {
         Answer::Equilibrium(answer) => answer,
     };
     let law = contact.machine.line_contact();
-    let cells = 180;
-    let forces: Vec<FlankForce> =
-        (0..contact.machine.disc_count).flat_map(|disc| answer.cycle.flank_cells(disc, cells).1).collect();
-    let largest = |value: &dyn Fn(&FlankForce) -> f64| {
-        let mut points: Vec<(f64, f64)> = forces.iter().map(|f| (f.meshing_angle / DEG, value(f))).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        points
-    };
+    let steps = if contact.fidelity.errors.is_zero() { NOMINAL_STEPS } else { STEPS_WITH_ERRORS };
+    let forces = answer.cycle.flank_forces();
+    let largest = |value: &dyn Fn(&FlankForce) -> f64| largest_in_steps(&forces, steps, value);
     let force = Plot::new("Force along the flank", angle_axis(), Axis::new("Largest force", "N").from_zero())
         .with(Series::line("largest of all pins", largest(&|f| f.force)))
         .noted("Largest force of any pin at each meshing angle, over everything that repeats.")
@@ -170,4 +187,24 @@ fn blocks(contact: &Contact) -> Vec<Block> {
             .noted("Of the teeth alone with ideal joints, of the whole machine in bearings.")
             .half();
     vec![Block::Plot(force), Block::Plot(pressure), Block::Plot(error), Block::Plot(stiffness)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two discs that bear differently, met at angles between each other: one curve over both, not a zigzag.
+    #[test]
+    fn the_largest_of_all_discs_is_one_curve() {
+        let met = |degrees: f64, force: f64| FlankForce {
+            meshing_angle: degrees * DEG,
+            force,
+            relative_curvature: 1.0,
+        };
+        let forces: Vec<FlankForce> =
+            (0..360).map(|i| met(f64::from(i) - 179.5, if i % 2 == 0 { 100.0 } else { 10.0 })).collect();
+        let curve = largest_in_steps(&forces, 60, &|f| f.force);
+        assert_eq!(curve.len(), 60);
+        assert!(curve.iter().all(|point| point.1 == 100.0), "{curve:?}");
+    }
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::bearings::{self, bearing_lives};
-use super::verdict::{LifeVerdict, LimitKind};
+use super::verdict::{LifeVerdict, Limit, LimitKind};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
 use crate::fidelity::{Fidelity, MachineMeshing};
@@ -102,6 +102,31 @@ const POSITIONS: usize = 36;
 /// Times as many where it takes the whole ring to repeat, as in the prediction.
 const RING_POSITIONS: usize = 4;
 
+/// What may be changed against a limit. What the duty asks for, and findings, say themselves what to change.
+fn levers(kind: LimitKind) -> Vec<&'static Lever> {
+    match kind {
+        LimitKind::LostMotion | LimitKind::Backlash => ACCURACY.iter().collect(),
+        LimitKind::TransmissionError => ACCURACY.iter().chain(LESS_TORQUE).collect(),
+        LimitKind::BearingLife => LIFE.iter().collect(),
+        LimitKind::ContactPressure | LimitKind::ContactFatigue => PRESSURE.iter().collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The limit that advice is about: the one that ends the life first, or, where that one says itself what to
+/// change, the first of the others that are not kept.
+fn subject(verdict: &LifeVerdict) -> Option<(LimitKind, Vec<&'static Lever>)> {
+    let Some(first) = verdict.limited_by() else {
+        return Some((LimitKind::LostMotion, levers(LimitKind::LostMotion)));
+    };
+    let hours = |limit: &Limit| limit.hours.unwrap_or(f64::INFINITY);
+    let mut others: Vec<&Limit> =
+        verdict.limits.iter().filter(|limit| !limit.is_kept(verdict.service_h)).collect();
+    others.sort_by(|a, b| hours(a).total_cmp(&hours(b)));
+    let all = std::iter::once(first).chain(others);
+    all.map(|limit| (limit.kind, levers(limit.kind))).find(|(_, levers)| !levers.is_empty())
+}
+
 /// The best three changes against what ends the life first.
 ///
 /// Slopes are differences at a twentieth of a realistic change; the best three are computed again with the
@@ -116,16 +141,8 @@ pub(super) fn advise(
     verdict: &LifeVerdict,
     host: &dyn Host,
 ) -> Result<Vec<Advice>, AnalysisError> {
-    let kind = verdict.limited_by().map_or(LimitKind::LostMotion, |limit| limit.kind);
+    let Some((kind, levers)) = subject(verdict) else { return Ok(Vec::new()) };
     let question = Question { kind, fidelity, prediction };
-    let levers: Vec<&Lever> = match kind {
-        LimitKind::LostMotion | LimitKind::Backlash => ACCURACY.iter().collect(),
-        LimitKind::TransmissionError => ACCURACY.iter().chain(LESS_TORQUE).collect(),
-        LimitKind::BearingLife => LIFE.iter().collect(),
-        LimitKind::ContactPressure | LimitKind::ContactFatigue => PRESSURE.iter().collect(),
-        // What the duty asks for, and findings, say themselves what to change.
-        _ => return Ok(Vec::new()),
-    };
     let machine = design.machine();
     let (Some(before), Some(rough)) =
         (question.ask(&machine, 0.0, bearings::POSITIONS), question.ask(&machine, 0.0, ROUGH))

@@ -1,6 +1,6 @@
 //! Static and dynamic transmission error of the multibody model along the predicted life.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::analyses::AnalysisError;
 use crate::analyses::simulate::dynamics;
@@ -47,17 +47,35 @@ pub(super) struct Job {
 
 /// Collects runs from whichever thread did them.
 #[derive(Default)]
-pub(super) struct Runs(Mutex<Vec<(Job, Result<RunResult, AnalysisError>)>>);
+pub(super) struct Runs {
+    done: Mutex<Vec<(Job, Result<RunResult, AnalysisError>)>>,
+    /// How many runs there are, as soon as nothing else is left to wait for.
+    awaited: OnceLock<usize>,
+}
 
 impl Runs {
     pub fn run(&self, job: Job, machine: &Machine, fidelity: &Fidelity, progress: &dyn Progress) {
         let result = simulate(&job, machine, fidelity, progress);
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push((job, result));
+        self.done.lock().unwrap_or_else(PoisonError::into_inner).push((job, result));
+        self.tell(progress);
+    }
+
+    /// From now on the runs are what is waited for: `count` in all.
+    pub fn wait_for(&self, count: usize, progress: &dyn Progress) {
+        let _ = self.awaited.set(count);
+        self.tell(progress);
+    }
+
+    fn tell(&self, progress: &dyn Progress) {
+        if let Some(count) = self.awaited.get() {
+            let done = self.done.lock().unwrap_or_else(PoisonError::into_inner).len();
+            progress.report("simulation", done as f64 / (*count).max(1) as f64);
+        }
     }
 
     /// The ages in order, or the first error.
     pub fn ages(self) -> Result<Vec<Age>, AnalysisError> {
-        let mut runs = self.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut runs = self.done.into_inner().unwrap_or_else(PoisonError::into_inner);
         runs.sort_by_key(|(job, _)| (job.point, job.loaded));
         let mut ages = Vec::with_capacity(runs.len() / 2);
         let mut runs = runs.into_iter();

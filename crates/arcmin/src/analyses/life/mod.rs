@@ -152,16 +152,19 @@ fn predict_with_runs(
     let wanted = ages::points(settings.intervals);
     let runs = ages::Runs::default();
     let prediction = rayon::scope(|scope| {
-        let mut reached = 0;
-        predict(machine, fidelity, settings, host, |state| {
+        let (mut reached, mut begun) = (0, 0);
+        let prediction = predict(machine, fidelity, settings, host, |state| {
             if wanted.contains(&reached) {
                 for job in ages::jobs(reached, state) {
                     let runs = &runs;
                     scope.spawn(move |_| runs.run(job, machine, fidelity, host));
+                    begun += 1;
                 }
             }
             reached += 1;
-        })
+        });
+        runs.wait_for(begun, host);
+        prediction
     })?;
     Ok((prediction, runs.ages()?))
 }

@@ -9,8 +9,8 @@ use crate::analyses::{Said, TextTable, causes};
 use crate::checks::{Severity, worst};
 use crate::fidelity::Joints;
 use crate::report::{
-    Block, Column, KeyFigure, Page, Provenance, Section, Table, Tone, Verdict, compact, findings_table,
-    references_to, significant,
+    Block, Column, KeyFigure, Page, Provenance, Section, Table, Tone, Verdict, capitalised, compact,
+    findings_table, references_to, significant,
 };
 use crate::units::{ARCMIN, HOUR};
 
@@ -49,7 +49,7 @@ pub(super) fn said(life: &Life) -> Vec<Said> {
     let table = declared::life_table(life);
     said.push(Said::columns(&table, &shown_columns(life), shown_rows(life)));
     said.push(Said::line(""));
-    said.extend(life.causes_over_hours().last().map(causes::said).unwrap_or_default());
+    said.extend(life.causes_over_hours().last().map(|at| causes::said(at, None)).unwrap_or_default());
     if !life.advice.is_empty() {
         said.push(Said::line("what to change first:"));
         said.extend(life.advice.iter().map(|advice| Said::line(format!("  {}", advice.text))));
@@ -126,7 +126,7 @@ pub(super) fn page(life: &Life) -> Page {
         Section::new("load", "Load sharing", figures::load(life)),
     ];
     if let Some(at) = life.causes_over_hours().last() {
-        sections[2].blocks.push(causes::shares(at));
+        sections[2].blocks.push(causes::shares(at, None));
     }
     if !life.ages.is_empty() {
         sections.push(Section::new(
@@ -267,11 +267,6 @@ fn physics(life: &Life) -> String {
         text.push_str(" Manufacturing errors are left out; `errors = drawn` shows a machine of the series.");
     }
     text
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn summary(life: &Life, verdict: &Verdict) -> String {

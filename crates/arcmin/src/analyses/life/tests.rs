@@ -147,6 +147,22 @@ fn advice_is_about_the_limit_that_is_reached() {
 }
 
 /// Advice on the pressure of a drawn machine starts from the pressure that the verdict names.
+/// A duty that asks for too much says itself what to change; the bearings that do not last are advised on.
+#[test]
+fn advice_goes_on_to_the_next_limit() {
+    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = design.with("limits.start_stop_torque_n_m", 400.0).unwrap();
+    let options = Options::parse("points = 4\nquasi_static = true", "test").unwrap();
+    let life = run(&design, &options, &NoHost).unwrap();
+    assert_eq!(life.verdict.limited_by().unwrap().kind, LimitKind::StartStopTorque);
+    assert_eq!(life.advice.len(), 3);
+    assert!(
+        life.advice.iter().all(|advice| advice.text.contains("shortest bearing life")),
+        "{:?}",
+        life.advice
+    );
+}
+
 #[test]
 fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
     let design = crate::templates::design("rv-40e-81").unwrap();

@@ -6,7 +6,7 @@ use crate::analyses::Outcome;
 use crate::analyses::{Said, TextTable, causes};
 use crate::machine::OutputForces;
 use crate::report::rig::RigPage;
-use crate::report::{Page, Provenance, Section};
+use crate::report::{Page, Provenance, Section, capitalised};
 use crate::results::Value;
 
 const FURTHER: &[&str] = &[
@@ -68,7 +68,7 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
         said.push(Said::figures(&rig.summary(), UNDER_FORCES));
     }
     if let Some(at) = rig.causes_at().last() {
-        said.extend(causes::said(at));
+        said.extend(causes::said(at, Some(rig.state().lost_motion())));
     }
     said
 }
@@ -80,13 +80,15 @@ pub(super) fn page(rig: &Rig) -> Page {
         new: &rig.new,
         worn: rig.worn.as_ref().map(|(state, _)| state),
         measured: rig.measured.as_ref(),
-        errors: (!rig.fidelity.errors.is_zero()).then(|| format!("{}.", rig.fidelity.sentence())),
+        errors: (!rig.fidelity.errors.is_zero())
+            .then(|| format!("{}.", capitalised(&rig.fidelity.sentence()))),
         friction_assumed: rig.friction_assumed,
     }
     .page();
     page.verdict.answers.push(("Which physics".to_owned(), rig.fidelity.sentence()));
     if let Some(at) = rig.causes_at().last() {
-        let section = Section::new("causes", "Lost motion by cause", vec![causes::shares(at)]);
+        let shares = causes::shares(at, Some(rig.state().lost_motion()));
+        let section = Section::new("causes", "Lost motion by cause", vec![shares]);
         page.sections.insert(1, section);
     }
     page

@@ -57,6 +57,9 @@ pub(super) fn drive(options: &Options, machine: &Machine, host: &dyn Host) -> Re
         let rows = pairs(file, Column::number("time_s").rising(), column, unit, host)?;
         TimeTable::new("drive table", &rows).map_err(AnalysisError::compute("read the drive"))
     };
+    if !matches!(options.drive, DriveKind::SpeedTable | DriveKind::TorqueTable) {
+        unread(&options.drive_file, "drive_file", "drive = speed-table or torque-table")?;
+    }
     Ok(match options.drive {
         DriveKind::Speed => Drive::SpeedLaw { speed, rise_time },
         DriveKind::Angle => Drive::AngleLaw { speed, rise_time },
@@ -77,6 +80,15 @@ pub(super) fn load(
         pairs(file, first, "torque_n_m", 1.0, host)
     };
     let time = || Column::number("time_s").rising();
+    if !matches!(options.load, LoadKind::Table | LoadKind::Stepped | LoadKind::DutyCycle) {
+        unread(&options.load_file, "load_file", "load = table, stepped or duty-cycle")?;
+    }
+    if options.load == LoadKind::None && options.torque_nm.is_some() {
+        return Err(AnalysisError::usage(
+            "a torque loads nothing here (torque_nm)",
+            "it goes with load = constant or sine",
+        ));
+    }
     Ok(match options.load {
         LoadKind::None => OutputLoad::None,
         LoadKind::Constant => OutputLoad::Constant { torque },
@@ -96,6 +108,14 @@ fn needed<'a>(
     option: &str,
 ) -> Result<&'a InputFile, AnalysisError> {
     file.as_ref().ok_or_else(|| AnalysisError::usage(message, format!("name it with {option}")))
+}
+
+/// A file that is named but would not be read is a mistake.
+fn unread(file: &Option<InputFile>, option: &str, choice: &str) -> Result<(), AnalysisError> {
+    file.as_ref().map_or(Ok(()), |file| {
+        let message = format!("{} would not be read ({option})", file.0);
+        Err(AnalysisError::usage(message, format!("it goes with {choice}")))
+    })
 }
 
 /// Two columns of a file; the second is multiplied by `unit`.

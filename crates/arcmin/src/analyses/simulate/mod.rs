@@ -225,7 +225,6 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
     let unloaded =
         options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
     let spread = if unloaded && broke_off.is_none() && options.starts > 0 {
-        host.report("perturbed starts", 0.0);
         let spread = spread_over_starts(motion.model(), plan, options.starts, host);
         Some(spread.map_err(dynamics("simulate perturbed starts"))?)
     } else {

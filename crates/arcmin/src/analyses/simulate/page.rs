@@ -22,7 +22,8 @@ pub(super) fn said(run: &Simulate) -> Vec<Said> {
             te.rms / ARCMIN
         )));
     }
-    if let Some(spread) = &run.spread {
+    // A run that ends before its window has no figures that could spread.
+    if let Some(spread) = run.spread.as_ref().filter(|spread| !spread.runs.is_empty()) {
         said.push(Said::line(format!(
             "{} perturbed starts: mean spreads over {:.4}′, RMS over {:.4}′, all within ±{:.4}′",
             spread.runs.len(),

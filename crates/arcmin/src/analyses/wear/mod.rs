@@ -17,6 +17,7 @@ use crate::geometry::Relief;
 use crate::life::{Accuracy, Course, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy, travel};
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
+use crate::progress::Counter;
 use crate::units::{HOUR, UM};
 use crate::wear::paper::PaperWear;
 use crate::wear::{CoupledOptions, Exposure, WearError};
@@ -175,6 +176,7 @@ fn coupled(
         None => Vec::new(),
     };
     drop(course);
+    let done = Counter::new("accuracy", states.len() + lost.len(), host);
     let follow = |states: &[WornState]| -> Result<Vec<Station>, WearError> {
         let mut joints = joints.clone();
         let mut stations = Vec::with_capacity(states.len());
@@ -187,6 +189,7 @@ fn coupled(
             let accuracy = accuracy(&machine, &mut joints, flank, state.hours, POSITIONS)?;
             let travel = travel(&machine, &mut joints, POSITIONS)?;
             stations.push(Station { state: state.clone(), accuracy, travel, handbook: None });
+            done.one_more();
         }
         Ok(stations)
     };

@@ -67,11 +67,12 @@ fn units(tag: &str) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
+    let text = text.replace('\n', " ");
+    crate::report::printable(&text)
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
-        .replace('\n', " ")
 }
 
 impl ModelDescription {

@@ -367,9 +367,7 @@ fn number(value: f64) -> String {
 
 /// Text inside of XML comments and attributes.
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
-        .replace("--", "- -")
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+    // Twice, as three in a row leave two.
+    text.replace("--", "- -").replace("--", "- -")
 }

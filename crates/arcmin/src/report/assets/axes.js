@@ -146,3 +146,14 @@ function seriesColours(series) {
     return 'ordered' in colour ? orderedColour(colour.ordered) : `var(--s${colour.palette % 7})`;
   });
 }
+
+// Lines of one colour are told apart by their dashes: what is dashed by itself, and colours that come round again.
+function seriesDashes(series, colours) {
+  const used = {};
+  return series.map((one, index) => {
+    if (/band|bars|markers/.test(one.style) && one.style !== 'line_markers') return 'none';
+    const key = `${colours[index]} ${one.style}`, before = used[key] || 0;
+    used[key] = before + 1;
+    return one.style === 'dashed' ? ['7 4', '14 4', '3 4'][before % 3] : ['none', '2 3', '16 4'][before % 3];
+  });
+}

@@ -64,7 +64,7 @@ function svgText(svg, title, legend = []) {
   if (title) svgElement('text', { x: 4, y: 18 - head, style: `${font}14px;font-weight:600`, fill: ink }, outer, title);
   legend.forEach((entry, index) => {
     const x = 4 + (index % columns) * width / columns, y = 38 + Math.floor(index / columns) * 18 - head;
-    svgElement('line', { x1: x, x2: x + 18, y1: y - 4, y2: y - 4, stroke: colourOf(entry.colour), 'stroke-width': 3, 'stroke-dasharray': entry.dashed ? '5 3' : 'none' }, outer);
+    svgElement('line', { x1: x, x2: x + 18, y1: y - 4, y2: y - 4, stroke: colourOf(entry.colour), 'stroke-width': 3, 'stroke-dasharray': entry.dash }, outer);
     svgElement('text', { x: x + 24, y, style: `${font}12px`, fill: ink }, outer, entry.name);
   });
   for (const name of ['x', 'y', 'width', 'height', 'style', 'tabindex', 'role']) copy.removeAttribute(name);

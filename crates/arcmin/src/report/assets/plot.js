@@ -24,7 +24,7 @@ class PlotFigure {
   }
 
   svgFile() {
-    const legend = this.plot.series.map((one, index) => ({ name: one.name, colour: this.colours[index], dashed: one.style === 'dashed', shown: this.visible[index] })).filter(one => one.shown && one.name);
+    const legend = this.plot.series.map((one, index) => ({ name: one.name, colour: this.colours[index], dash: this.dashes[index], shown: this.visible[index] })).filter(one => one.shown && one.name);
     this.hideCursor();
     return svgText(this.svg, this.plot.title, legend);
   }
@@ -33,13 +33,14 @@ class PlotFigure {
     const legend = this.figure.querySelector('.legend');
     legend.textContent = '';
     this.colours = seriesColours(this.plot.series);
+    this.dashes = seriesDashes(this.plot.series, this.colours);
     if (this.plot.series.length < 2) return;
     this.plot.series.forEach((one, index) => {
       const button = htmlElement('button', { type: 'button', 'aria-pressed': this.visible[index], title: 'Show or hide; double-click shows only this' }, legend);
       const swatch = svgElement('svg', { width: 20, height: 12, 'aria-hidden': 'true' }, button), colour = this.colours[index];
       if (one.style === 'band') svgElement('rect', { width: 20, height: 12, style: `fill:${colour};fill-opacity:.3` }, swatch);
       else if (one.style === 'bars') svgElement('rect', { x: 7, width: 6, height: 12, style: `fill:${colour}` }, swatch);
-      else if (one.style !== 'markers') svgElement('path', { d: 'M0 6H20', style: `stroke:${colour};stroke-width:${one.strong ? 3.4 : 2.2};stroke-dasharray:${one.style === 'dashed' ? '5 3' : 'none'}` }, swatch);
+      else if (one.style !== 'markers') svgElement('path', { d: 'M0 6H20', style: `stroke:${colour};stroke-width:${one.strong ? 3.4 : 2.2};stroke-dasharray:${this.dashes[index]}` }, swatch);
       if (one.style === 'markers' || one.style === 'line_markers') this.marker(swatch, 10, 6, index);
       htmlElement('span', {}, button, one.name);
       button.addEventListener('click', () => this.toggle(index));
@@ -115,6 +116,7 @@ class PlotFigure {
     for (const mark of plot.annotations) this.drawAnnotation(body, mark, false);
     const order = this.shown().sort((a, b) => layer(a.one) - layer(b.one));
     for (const { one, index } of order) this.drawSeries(body, one, index);
+    this.labels = [];
     for (const mark of plot.annotations) this.drawAnnotation(body, mark, true);
     this.cursor = svgElement('g', { 'data-transient': '' }, svg);
     this.resetTool.disabled = !(this.zoomed.x || this.zoomed.y);
@@ -144,24 +146,40 @@ class PlotFigure {
   drawAnnotation(parent, mark, texts) {
     const { xs, ys, area } = this;
     const colour = { bad: 'var(--bad)', caution: 'var(--caution)', good: 'var(--good)' }[mark.tone] || 'var(--soft)';
-    const text = (x, y, anchor) => svgElement('text', { class: 'note-text', x, y, 'text-anchor': anchor, style: `fill:${colour}` }, parent, mark.label);
+    const text = (...places) => { const [x, y, anchor] = this.freePlace(mark.label, places); svgElement('text', { class: 'note-text', x, y, 'text-anchor': anchor, style: `fill:${colour}` }, parent, mark.label); };
     if (mark.kind === 'horizontal') {
       const y = ys.at(mark.at);
-      if (texts) text(area.right - 6, y < area.top + 18 ? y + 15 : y - 6, 'end');
+      const above = [area.right - 6, y - 6, 'end'], below = [area.right - 6, y + 15, 'end'];
+      if (texts) text(...(y < area.top + 18 ? [below] : [above, below, [area.left + 6, y - 6, 'start']]));
       else svgElement('line', { class: 'limit', x1: area.left, x2: area.right, y1: y, y2: y, style: `stroke:${colour}` }, parent);
     } else if (mark.kind === 'vertical') {
       const x = xs.at(mark.at), late = x > (area.left + area.right) / 2;
-      if (texts) text(late ? x - 6 : x + 6, area.top + 15, late ? 'end' : 'start');
+      const sides = [[x - 6, area.top + 15, 'end'], [x + 6, area.top + 15, 'start']];
+      if (texts) text(...(late ? sides : sides.reverse()));
       else svgElement('line', { class: 'limit', x1: x, x2: x, y1: area.top, y2: area.bottom, style: `stroke:${colour}` }, parent);
     } else if (mark.kind === 'span') {
       const from = xs.at(mark.from), to = xs.at(mark.to);
-      if (texts) text((Math.max(from, area.left) + Math.min(to, area.right)) / 2, area.top + 15, 'middle');
+      if (texts) text([(Math.max(from, area.left) + Math.min(to, area.right)) / 2, area.top + 15, 'middle']);
       else svgElement('rect', { class: 'span', x: from, y: area.top, width: Math.max(0, to - from), height: area.bottom - area.top }, parent);
     } else if (texts) {
       const x = xs.at(mark.x), y = ys.at(mark.y), late = x > (area.left + area.right) / 2;
       svgElement('circle', { cx: x, cy: y, r: 4.5, style: 'fill:none;stroke:var(--ink);stroke-width:1.4' }, parent);
-      text(late ? x - 9 : x + 9, y < area.top + 22 ? y + 17 : y - 8, late ? 'end' : 'start');
+      const left = at => [x - 9, at, 'end'], right = at => [x + 9, at, 'start'], sides = late ? [left, right] : [right, left];
+      const level = sides.map(side => side(y + 4)), below = sides.map(side => side(y + 17));
+      // Above its own point; beside it where a neighbour's label stands there.
+      text(...(y < area.top + 22 ? below : [[x, y - 9, 'middle'], ...level, ...below]));
     }
+  }
+
+  // The first place at which a label covers none before it; the first of all where there is none.
+  freePlace(label, places) {
+    const wide = 6.6 * label.length, high = 13;
+    const box = ([x, y, anchor]) => { const left = anchor === 'end' ? x - wide : anchor === 'middle' ? x - wide / 2 : x; return { left, right: left + wide, top: y - high, bottom: y }; };
+    const inside = ({ left, right }) => left >= this.area.left && right <= this.area.right;
+    const meets = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    const place = places.find(one => inside(box(one)) && !this.labels.some(other => meets(box(one), other))) || places[0];
+    this.labels.push(box(place));
+    return place;
   }
 
   drawSeries(parent, one, index) {
@@ -182,7 +200,7 @@ class PlotFigure {
       return;
     }
     if (one.style !== 'markers') {
-      svgElement('path', { class: one.strong ? 'curve strong' : 'curve', d: this.linePath(one, known), style: `stroke:${colour};stroke-dasharray:${one.style === 'dashed' ? '7 4' : 'none'}` }, parent);
+      svgElement('path', { class: one.strong ? 'curve strong' : 'curve', d: this.linePath(one, known), style: `stroke:${colour};stroke-dasharray:${this.dashes[index]}` }, parent);
     }
     if (one.style === 'markers' || one.style === 'line_markers') x.forEach((value, at) => { if (known(at)) this.marker(parent, xs.at(value), ys.at(y[at]), index); });
   }

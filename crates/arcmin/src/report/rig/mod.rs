@@ -7,7 +7,7 @@ use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdic
 use crate::dynamics::Part;
 use crate::machine::Machine;
 use crate::rig::{BearingLoad, MeasuredOnBench, NamedOrder, RigState};
-use crate::units::ARCMIN;
+use crate::units::{ARCMIN, HOUR};
 
 /// Results of a bench run, lent for rendering.
 #[derive(Debug, Clone)]
@@ -42,31 +42,56 @@ impl RigPage<'_> {
         let state = self.state();
         let lost = state.lost_motion();
         let limit = self.machine.limits.lost_motion;
-        let tone = if lost <= limit { Tone::Good } else { Tone::Bad };
-        let mut verdict = Verdict::new(
-            tone,
-            format!(
-                "Lost motion {} arcmin {} the limit of {} arcmin.",
-                significant(lost / ARCMIN, 3),
-                if lost <= limit { "stays within" } else { "exceeds" },
-                significant(limit / ARCMIN, 3)
-            ),
+        let shortest = state.bearings.iter().min_by(|a, b| a.life_h().total_cmp(&b.life_h()));
+        let planned = self.machine.limits.service_life / HOUR;
+        let tired = shortest.filter(|bearing| bearing.life_h() < planned);
+        let tone = if lost <= limit && tired.is_none() { Tone::Good } else { Tone::Bad };
+        let age = match self.worn {
+            Some(worn) => format!("after {} h", compact(worn.hours, 6)),
+            None => "when new".to_owned(),
+        };
+        let mut headline = format!(
+            "Lost motion {age}, {} arcmin, {} the limit of {} arcmin.",
+            significant(lost / ARCMIN, 3),
+            if lost <= limit { "stays within" } else { "exceeds" },
+            significant(limit / ARCMIN, 3)
         );
+        if let Some(bearing) = tired {
+            headline.push_str(&format!(
+                " The bearing “{}” lasts {} h (L10) at rated torque and speed; {} h are planned.",
+                bearing.name,
+                compact(bearing.life_h().round(), 6),
+                compact(planned, 6)
+            ));
+        }
+        let mut verdict = Verdict::new(tone, headline);
         let figure = |label: &str, value: f64, unit: &str, note: &str| {
             KeyFigure::new(label, significant(value, 3), unit, note)
         };
         verdict.figures = vec![
-            figure("Lost motion", lost / ARCMIN, "arcmin", "between the mid-points at ± 3 % of rated torque"),
-            figure("Backlash", state.backlash() / ARCMIN, "arcmin", "width of the loop at zero torque"),
+            figure(
+                "Lost motion",
+                lost / ARCMIN,
+                "arcmin",
+                &format!("{age}, between the mid-points at ± 3 % of rated torque"),
+            ),
+            figure(
+                "Backlash",
+                state.backlash() / ARCMIN,
+                "arcmin",
+                &format!("{age}, width of the loop at zero torque"),
+            ),
             figure(
                 "Torsional stiffness",
                 state.stiffness() * ARCMIN,
                 "N·m/arcmin",
-                "slope between 50 and 100 % of rated torque",
+                &format!("{age}, slope between 50 and 100 % of rated torque"),
             ),
         ];
         let efficiency = state.efficiency.as_ref().map(|map| 100.0 * map.rated);
-        verdict.figures.extend(efficiency.map(|e| figure("Efficiency", e, "%", "at rated torque and speed")));
+        verdict.figures.extend(
+            efficiency.map(|e| figure("Efficiency", e, "%", &format!("{age}, at rated torque and speed"))),
+        );
         let softest = state.split.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         verdict.answers.extend(softest.map(|(part, c)| {
             (
@@ -78,7 +103,6 @@ impl RigPage<'_> {
                 ),
             )
         }));
-        let shortest = state.bearings.iter().min_by(|a, b| a.life_h().total_cmp(&b.life_h()));
         let life = |b: &BearingLoad| {
             format!("{}: L10h {} h at rated torque and speed", b.name, significant(b.life_h(), 3))
         };

@@ -6,6 +6,7 @@ use crate::dynamics::{
 };
 use crate::fem::{BodyShapes, DiscModel, FlexibleDiscs, FlexibleSettings};
 use crate::machine::Hold;
+use crate::progress::Silent;
 use crate::templates::{TEMPLATES, rv_40e_81};
 use crate::units::ARCMIN;
 
@@ -153,7 +154,7 @@ fn coarse(machine: &Machine) -> ElasticBodies {
     shapes.housing.sizes = shapes.housing.sizes.map(|size| 1.3 * size);
     shapes.housing.layers = [1, 1];
     shapes.rims.size *= 1.5;
-    shapes.reduce().unwrap()
+    shapes.reduce(&Silent).unwrap()
 }
 
 /// With carrier, housing, grooves and rims elastic: the parts of the compliance add up to the whole within
@@ -284,7 +285,7 @@ fn predict(
     let start = std::time::Instant::now();
     let shapes = BodyShapes::of(machine);
     let known = cache.iter().find(|(known, _)| *known == shapes).map(|(_, bodies)| bodies.clone());
-    let bodies = known.unwrap_or_else(|| shapes.reduce().unwrap());
+    let bodies = known.unwrap_or_else(|| shapes.reduce(&Silent).unwrap());
     cache.push((shapes, bodies.clone()));
     let cold = start.elapsed().as_secs_f64();
     let settings = JointSettings {

@@ -163,7 +163,7 @@ impl StudyFile {
                 };
                 return Err(source.error(kind, entry.item.span, None));
             };
-            given = branch.entries.iter().map(|e| (e.key.to_string(), e.key_span.clone())).collect();
+            given = branch.entries.iter().map(|e| (e.key.replace('-', "_"), e.key_span.clone())).collect();
             let spans =
                 branch.entries.iter().map(|e| (e.key_span.start, e.item.span.end.max(e.key_span.end)));
             let (first, last) =
@@ -175,6 +175,11 @@ impl StudyFile {
                 c => " ".repeat(c.len_utf8()),
             };
             options = text.char_indices().map(blank).collect();
+            // On the command line words of a name are joined by hyphens.
+            for entry in branch.entries.iter().filter(|entry| entry.key.contains('-')) {
+                options
+                    .replace_range(entry.key_span.clone(), &text[entry.key_span.clone()].replace('-', "_"));
+            }
             // Options within braces are separated by commas, which a section is not.
             if text.get(..first).is_some_and(|before| before.trim_end().ends_with('{')) {
                 options =

@@ -95,6 +95,24 @@ fn what_is_wrong_is_said_where_it_stands() {
     }
 }
 
+/// Options are named as on the command line, where `--wear-um` has a hyphen; in Python it has an underscore.
+#[test]
+fn options_take_the_names_of_the_command_line() {
+    let with = |line: &str| {
+        let text = STUDY.replacen("joints = \"ideal\"", &format!("joints = \"ideal\"\n{line}"), 1);
+        StudyFile::parse(&text, "study.toml").unwrap()
+    };
+    let normal = |line: &str| {
+        let analysis = crate::analyses::by_name("contact").unwrap();
+        analysis.normal_options(with(line).options(), "study.toml").unwrap().text
+    };
+    assert_eq!(normal("wear-um = 3"), normal("wear_um = 3"));
+    assert_ne!(normal("wear-um = 3"), normal("wear-um = 4"));
+    // A text keeps its hyphens.
+    assert!(with("method = \"closed-form\"").options().contains("\"closed-form\""));
+    assert!(changed("joints = \"ideal\"", "wear-mm = 3").is_err_and(|told| told.contains("wear_um")));
+}
+
 #[test]
 fn options_within_braces_are_options_too() {
     let text = STUDY.replacen("[options]\njoints = \"ideal\"\n", "", 1).replacen(
