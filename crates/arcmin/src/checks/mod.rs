@@ -11,6 +11,8 @@ mod strength;
 mod tests;
 mod windows;
 
+pub(crate) use strength::CONTACT_PRESSURE;
+
 use crate::design::Design;
 use crate::machine::Machine;
 

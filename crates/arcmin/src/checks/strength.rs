@@ -13,6 +13,9 @@ const BALANCE_POSITIONS: usize = 6;
 /// Hertz pressure in Pa above which steel keeps a dent of a ten-thousandth of its diameter (ISO 76).
 const DENTING_PRESSURE: f64 = 4e9;
 
+/// Code of the finding on the pressure of the new machine.
+pub(crate) const CONTACT_PRESSURE: &str = "contact-pressure";
+
 /// Overlap in m below which flanks fit: rounding.
 const OVERLAP: f64 = -1e-9;
 
@@ -25,7 +28,7 @@ fn contact_pressure(machine: &Machine) -> Finding {
     let contact = machine.line_contact();
     let limit = machine.limits.contact_pressure;
     let finding = |severity, message, value| Finding {
-        code: "contact-pressure",
+        code: CONTACT_PRESSURE,
         severity,
         message,
         value,

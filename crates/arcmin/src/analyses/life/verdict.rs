@@ -2,7 +2,7 @@
 
 use super::bearings::{BearingLives, catalogue_life_at_duty};
 use super::fatigue::fatigue;
-use crate::checks::{Finding, Severity};
+use crate::checks::{CONTACT_PRESSURE, Finding, Severity};
 use crate::life::{LifePoint, Prediction};
 use crate::machine::Machine;
 use crate::report::{Tone, compact, significant};
@@ -129,7 +129,7 @@ impl Judged<'_> {
         limits.extend(self.bearing_life(service_h));
         limits.extend(self.of_the_maker(service_h));
         limits.extend(self.runs_away());
-        limits.extend(self.findings());
+        limits.extend(errors(self.findings));
         LifeVerdict { limits, service_h, searched_h: self.prediction.searched_hours }
     }
 
@@ -254,23 +254,24 @@ impl Judged<'_> {
             transient: false,
         })
     }
+}
 
-    fn findings(&self) -> Option<Limit> {
-        let errors: Vec<&str> = self
-            .findings
-            .iter()
-            .filter(|finding| finding.severity == Severity::Error)
-            .map(|finding| finding.code)
-            .collect();
-        (!errors.is_empty()).then(|| Limit {
-            kind: LimitKind::Findings,
-            place: Some(errors.join(", ")),
-            value: errors.len() as f64,
-            allowed: 0.0,
-            hours: Some(0.0),
-            transient: false,
-        })
-    }
+/// Errors of the checks. How long the pressure stays below its limit is a limit of its own, so what the checks say of
+/// the new machine's is not counted again.
+fn errors(findings: &[Finding]) -> Option<Limit> {
+    let errors: Vec<&str> = findings
+        .iter()
+        .filter(|finding| finding.severity == Severity::Error && finding.code != CONTACT_PRESSURE)
+        .map(|finding| finding.code)
+        .collect();
+    (!errors.is_empty()).then(|| Limit {
+        kind: LimitKind::Findings,
+        place: Some(errors.join(", ")),
+        value: errors.len() as f64,
+        allowed: 0.0,
+        hours: Some(0.0),
+        transient: false,
+    })
 }
 
 /// A value over hours against what is allowed: when it is exceeded for good, and whether it was before
@@ -436,65 +437,4 @@ impl LifeVerdict {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn limit(kind: LimitKind, hours: Option<f64>) -> Limit {
-        Limit {
-            kind,
-            place: Some("turning arm".to_owned()),
-            value: 1.0,
-            allowed: 2.0,
-            hours,
-            transient: false,
-        }
-    }
-
-    fn verdict(limits: Vec<Limit>) -> LifeVerdict {
-        LifeVerdict { limits, service_h: 7500.0, searched_h: 30_000.0 }
-    }
-
-    /// Lost motion kept for 9235 h of 7500 is no green tick where a bearing lasts 4885 h.
-    #[test]
-    fn the_worst_limit_speaks_first() {
-        let both = verdict(vec![
-            limit(LimitKind::LostMotion, Some(9235.0)),
-            limit(LimitKind::BearingLife, Some(4885.0)),
-        ]);
-        assert!(!both.ok());
-        assert_eq!(both.tone(), Tone::Bad);
-        assert_eq!(both.hours_to_limit(), Some(4885.0));
-        assert_eq!(both.limited_by().unwrap().kind, LimitKind::BearingLife);
-        assert!(both.headline().starts_with("The bearing “turning arm” lasts 4885 h"), "{}", both.headline());
-    }
-
-    #[test]
-    fn the_tone_follows_the_first_limit() {
-        for (hours, tone) in [
-            (Some(5000.0), Tone::Bad),
-            (Some(8000.0), Tone::Caution),
-            (Some(20_000.0), Tone::Good),
-            (None, Tone::Good),
-        ] {
-            let one = verdict(vec![limit(LimitKind::LostMotion, hours)]);
-            assert_eq!(one.tone(), tone, "{hours:?}: {}", one.headline());
-            assert_eq!(one.ok(), tone != Tone::Bad);
-        }
-    }
-
-    /// Exceeded while contacts wear in, exceeded from the start for good, exceeded later, never.
-    #[test]
-    fn a_pressure_of_wearing_in_is_told_apart() {
-        let of = |values: [f64; 6]| {
-            let history: Vec<(f64, f64)> =
-                values.iter().enumerate().map(|(i, value)| (1500.0 * i as f64, *value)).collect();
-            let limit = worn_in(&history, 2000.0, 7500.0);
-            (limit.hours, limit.transient)
-        };
-        assert_eq!(of([2400.0, 2100.0, 1900.0, 1800.0, 1700.0, 1700.0]), (None, true));
-        assert_eq!(of([2400.0, 2300.0, 2200.0, 2100.0, 2050.0, 2010.0]), (Some(0.0), false));
-        let (hours, transient) = of([1500.0, 1600.0, 1700.0, 1900.0, 2100.0, 2300.0]);
-        assert!(!transient && (hours.unwrap() - 5250.0).abs() < 1e-6);
-        assert_eq!(of([1500.0; 6]), (None, false));
-    }
-}
+mod tests;
