@@ -1,12 +1,13 @@
 """Reference values for the finite element disc: geometry meshed by gmsh, solved by CalculiX.
 
 Neither program shares a line with arcmin: gmsh makes its own quadratic mesh of the analytic flank, CalculiX its own elements and eigensolver.
-Usage: python make_reference.py   (needs the Python package gmsh and the program ccx; writes reference.csv here)
+Usage: python make_reference.py [windowed]   (needs the Python package gmsh and the program ccx; writes reference.csv and windowed.csv here)
 """
 import csv
 import math
 import os
 import subprocess
+import sys
 import tempfile
 
 import gmsh
@@ -97,7 +98,24 @@ GAUSS_8 = [(s * x, w) for x, w in ((0.1834346424956498, 0.3626837833783620), (0.
                                    (0.7966664774136267, 0.2223810344533745), (0.9602898564975363, 0.1012285362903763)) for s in (-1, 1)]
 
 
-def mesh(size_flank, size_inner, layers, size_load):
+def window(g, middle, size):
+    """A rounded annular sector as a curve loop: 0.08 R_p of metal to the centre hole, the bores and the root circle, corners of the same radius."""
+    c = 0.08 * RP
+    a, b, h = HOLE_R + c, RP - R_PIN - A - c, math.pi / 2 - math.asin((BORE_R + c) / BORE_AT)
+    point = lambda r, angle: g.addPoint(r * math.cos(middle + angle), r * math.sin(middle + angle), 0, size)
+    far, near = math.sqrt((b - c) ** 2 - c * c), math.sqrt((a + c) ** 2 - c * c)
+    outer, inner = math.asin(c / (b - c)), math.asin(c / (a + c))
+    axis = g.addPoint(0, 0, 0)
+    # On either side: end of the outer arc, ends of the straight side, end of the inner arc, middles of the corners.
+    low, high = ([point(b, s * (h - outer)), point(far, s * h), point(near, s * h), point(a, s * (h - inner)),
+                  point(b - c, s * (h - outer)), point(a + c, s * (h - inner))] for s in (-1, 1))
+    arc_between = g.addCircleArc
+    return g.addCurveLoop([
+        arc_between(low[0], axis, high[0]), arc_between(high[0], high[4], high[1]), g.addLine(high[1], high[2]), arc_between(high[2], high[5], high[3]),
+        arc_between(high[3], axis, low[3]), arc_between(low[3], low[5], low[2]), g.addLine(low[2], low[1]), arc_between(low[1], low[4], low[0])])
+
+
+def mesh(size_flank, size_inner, layers, size_load, windows=()):
     """Quadratic mesh; returns nodes {tag: (x, y, z)}, elements [tags], tags of bore nodes, load patches and reading nodes."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
@@ -130,7 +148,7 @@ def mesh(size_flank, size_inner, layers, size_load):
         loops.append(g.addCurveLoop(arcs))
         if bore:
             bore_curves += arcs
-    surface = g.addPlaneSurface(loops)
+    surface = g.addPlaneSurface(loops + [window(g, middle, size_inner) for middle in windows])
     reading = []
     for _, p, l in LOADS:
         (x, y), n = flank(tau_of(p, l))
@@ -247,14 +265,31 @@ def static(nodes, elements, bore, load_nodes, read_nodes, case):
     return own, cross
 
 
-def write(rows):
-    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "reference.csv"), "w", newline="") as file:
+def write(rows, name="reference.csv"):
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), name), "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["quantity", "value", "unit"])
         writer.writerows(rows)
 
 
+def windowed():
+    """The disc with windows for the pillars of the carrier, in plane stress."""
+    plane = mesh(0.5, 1.6, 0, 0.1, (0.0, math.pi))
+    rows = [("plane_elements", len(plane[1]), "")]
+    for k, f in enumerate(modal(*plane[:3], "CPS6", False, 13)[3:13]):
+        rows.append((f"plane_free_{k + 1}", f"{f:.4f}", "Hz"))
+    for k, f in enumerate(modal(*plane[:3], "CPS6", True, 10)):
+        rows.append((f"plane_clamped_{k + 1}", f"{f:.4f}", "Hz"))
+    for case, (name, _, _) in enumerate(LOADS):
+        own, cross = static(*plane, case)
+        rows.append((f"plane_own_{name}", f"{own * 1e-6 * SHEET / WIDTH:.8e}", "m/N"))
+        rows += [(f"plane_cross_{name}_{other}", f"{value * 1e-6 * SHEET / WIDTH:.8e}", "m/N") for other, value in cross]
+    write(rows, "windowed.csv")
+
+
 def main():
+    if sys.argv[1:] == ["windowed"]:
+        return windowed()
     rows = []
     version = subprocess.run(["ccx", "-v"], capture_output=True, text=True).stdout.strip().split()[-1]
     rows.append(("ccx_version", version, ""))
@@ -279,6 +314,7 @@ def main():
     write(rows)
     for row in rows:
         print(*row)
+    windowed()
 
 
 if __name__ == "__main__":
