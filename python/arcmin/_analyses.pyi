@@ -337,6 +337,9 @@ def simulate(
     period_s: float = 0.3,
     load_file: _File | None = None,
     drag_nm: float = 0.0,
+    moment_nm: float = 0.0,
+    axial_n: float = 0.0,
+    radial_n: float = 0.0,
     drive: Literal["speed", "angle", "speed-table", "torque-table", "governed"] = "speed",
     speed_rpm: float | None = None,
     rise_s: float = 0.1,
@@ -365,6 +368,8 @@ class RigResult(Result):
     def stiffness_n_m_per_arcmin(self) -> Any: ...
     @property
     def soft_stiffness_n_m_per_arcmin(self) -> Any: ...
+    @property
+    def middle_stiffness_n_m_per_arcmin(self) -> Any: ...
     @property
     def hours(self) -> Any: ...
     @property
