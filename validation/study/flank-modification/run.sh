@@ -1,5 +1,5 @@
 #!/bin/sh
-# The worked case: unmodified machines, the handbook's modification, free form. `run.sh [DIR]`; half an hour on two cores.
+# The worked case: unmodified machines, the handbook's modification, free form. `run.sh [DIR]`; some 40 minutes on two quiet cores.
 # The limit of the pressure in both searches is what 95 % of the unmodified machines stay below.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
