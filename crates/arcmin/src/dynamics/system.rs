@@ -107,18 +107,6 @@ pub struct DenseLinearisation {
     work: Vec<f64>,
 }
 
-impl DenseLinearisation {
-    /// Without damping, which is neither taken nor asked for.
-    pub fn at_rest(size: usize) -> DenseLinearisation {
-        DenseLinearisation { damping: Vec::new(), ..DenseLinearisation::new(size) }
-    }
-
-    /// Whether it takes damping.
-    pub fn takes_damping(&self) -> bool {
-        !self.damping.is_empty()
-    }
-}
-
 /// Coordinates from which on blocks are faster.
 const LARGE: usize = 96;
 
@@ -130,6 +118,16 @@ impl DenseLinearisation {
             damping: vec![0.0; size * size],
             work: vec![0.0; size * size],
         }
+    }
+
+    /// Without damping, which is neither taken nor asked for.
+    pub fn at_rest(size: usize) -> DenseLinearisation {
+        DenseLinearisation { damping: Vec::new(), ..DenseLinearisation::new(size) }
+    }
+
+    /// Whether it takes damping.
+    pub fn takes_damping(&self) -> bool {
+        !self.damping.is_empty()
     }
 
     pub fn clear(&mut self) {

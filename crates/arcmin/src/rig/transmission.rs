@@ -224,3 +224,32 @@ pub(super) fn watched_error_curves(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What repeats after a number of places that is not whole, beside a drift: the next place is foretold far better
+    /// than by the last one. Before a period has gone by, the last place is all there is to say.
+    #[test]
+    fn what_repeats_is_foretold() {
+        let (period, drift) = (26.256, 0.003);
+        let wave = |i: usize| (std::f64::consts::TAU * i as f64 / period).sin();
+        let mut before = Before::new(period);
+        let (mut far, mut last) = (0.0_f64, 0.0_f64);
+        for i in 0..100 {
+            let here = [wave(i) + drift * i as f64, 2.0 * wave(i + 5)];
+            if i > 0 {
+                let next = before.next();
+                if i < 27 {
+                    assert_eq!(next[0], wave(i - 1) + drift * (i - 1) as f64);
+                } else if i > 31 {
+                    far = far.max((next[0] - here[0]).abs()).max((next[1] - here[1]).abs());
+                    last = last.max((here[0] - (wave(i - 1) + drift * (i - 1) as f64)).abs());
+                }
+            }
+            before.push(here.to_vec());
+        }
+        assert!(far < 5e-4 && last > 0.2, "{far} {last}");
+    }
+}

@@ -25,7 +25,6 @@ mod tests;
 
 pub use assembly::Part;
 pub use causes::Cause;
-
 pub(super) use roller::element_stiffness;
 pub use roller::{BearingState, RadialBearing};
 pub use sharing::{BearingMeshing, LostMotionSplit};
