@@ -325,8 +325,8 @@ fn val_carrier_is_that_of_calculix() {
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
-/// Compliances of the housing within 1 %, pins loaded over their whole length, both discs' shares alike, and the
-/// first ten frequencies within 0.5 %; `what` ends the names of the reference's quantities.
+/// Compliances of the housing within 1 %, pins loaded over their whole length, both discs' shares alike, and
+/// the first ten frequencies within 0.5 %; `what` ends the names of the reference's quantities.
 fn assert_housing(what: &str) {
     let shape = HousingShape::of(&rv_40e_81());
     let body = shape.body().unwrap();
