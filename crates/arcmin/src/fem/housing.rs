@@ -209,8 +209,8 @@ impl HousingShape {
         });
         mesh.check()?;
         let level = 2 * flange.start * mesh.plane.nodes.len();
-        // Rims of what is held, the flange's foot and the shoulders of the seats. The foot at the held face lies
-        // so close to the bolts that elements between the two would lean both ways.
+        // Rims of what is held, the flange's foot and the shoulders of the seats. The foot at the held face
+        // lies so close to the bolts that elements between the two would lean both ways.
         let mut sharp = vec![false; mesh.nodes.len()];
         let mut mark = |curve: usize, layer: usize| {
             let first = 2 * layer * mesh.plane.nodes.len();
