@@ -1,7 +1,7 @@
 """Reference values for the elastic carrier and housing: solids meshed by gmsh (OpenCASCADE), solved by CalculiX.
 
 Neither program shares a line with arcmin. The dimensions are those that arcmin assumes for the RV-40E-81 of designs/rv-40e-81.toml.
-Usage: python make_bodies_reference.py [carrier|housing] (needs the Python package gmsh and the program ccx; writes bodies.csv here)
+Usage: python make_bodies_reference.py [carrier|housing] [statics|modes] (needs the Python package gmsh and the program ccx; writes bodies.csv here)
 """
 import csv
 import math
@@ -194,10 +194,48 @@ def solve(name, nodes, elements, held, material, loads, under):
             value = sum(x * table[t][0] + y * table[t][1] for t, (x, y) in load.items())
             rows.append((f"{name}_{case}_{other}", f"{value * 1e-6:.8e}", "m/N"))
             print(*rows[-1], flush=True)
-    lines = deck(nodes, elements, held, material) + ["*STEP", "*FREQUENCY", "10", "*NODE PRINT, NSET=HELD, TOTALS=ONLY", "RF", "*END STEP"]
-    for k, f in enumerate(frequencies(run(lines))[:10]):
-        rows.append((f"{name}_frequency_{k + 1}", f"{f:.4f}", "Hz"))
-        print(*rows[-1], flush=True)
+    return rows
+
+
+def quarter(make):
+    """The part of a solid with x > 0 and y > 0."""
+    def cut():
+        make()
+        box = [(3, gmsh.model.occ.addBox(0, 0, -1, 200, 200, 200))]
+        gmsh.model.occ.intersect([solid for solid in gmsh.model.occ.getEntities(3) if solid != box[0]], box)
+    return cut
+
+
+def modes(name, make, size, sizes_at, edges, held_at, material, classes):
+    """Rows of the ten lowest frequencies, each extrapolated from two meshes.
+
+    Both solids are symmetric about x = 0 and y = 0: a quarter under the conditions of each class of symmetry (S: no motion
+    through the plane, A: through it alone; y = 0 first) has all modes. At the rim of a clamp and at reentrant edges, whose
+    displacements go with about the root of the distance, frequencies of these elements come down with the first power of their
+    size there: what the mesh of half the size brings is taken once more.
+    """
+    found = {}
+    for edge in edges:
+        nodes, elements, _ = mesh(quarter(make), size, sizes_at(edge))
+        held = {t for t, p in nodes.items() if held_at(p)}
+        planes = [[t for t, p in nodes.items() if abs(p[axis]) < 1e-6 and t not in held] for axis in (1, 0)]
+        print(name, "edges", edge, "elements", len(elements), flush=True)
+        for kind in classes:
+            lines = deck(nodes, elements, held, material)
+            for name_of_plane, axis, plane, sign in zip(("Y0", "X0"), (2, 1), planes, kind):
+                lines += [f"*NSET, NSET={name_of_plane}"] + [f"{t}," for t in plane] + ["*BOUNDARY"]
+                lines += [f"{name_of_plane},{k},{k}" for k in (1, 2, 3) if (k == axis) == (sign == "S")]
+            lines += ["*STEP", "*FREQUENCY", "7", "*NODE PRINT, NSET=HELD, TOTALS=ONLY", "RF", "*END STEP"]
+            found[kind, edge] = frequencies(run(lines))[:7]
+            print(kind, *found[kind, edge], flush=True)
+    # Where x and y are alike (the housing), the classes SA and AS have the same frequencies.
+    both = [(kind, fine, coarse) for kind in classes for coarse, fine in zip(found[kind, edges[0]], found[kind, edges[1]])
+            for _ in range(2 if kind == "SA" and "AS" not in classes else 1)]
+    rows = []
+    for k, (kind, fine, coarse) in enumerate(sorted(both, key=lambda mode: 2 * mode[1] - mode[2])[:10]):
+        rows.append((f"{name}_frequency_{k + 1}", f"{2 * fine - coarse:.2f}", "Hz"))
+        rows.append((f"{name}_frequency_{k + 1}_on_the_finer_mesh", f"{fine:.2f}", "Hz"))
+        print(*rows[-2], kind, flush=True)
     return rows
 
 
@@ -205,8 +243,22 @@ def cosine(order, start):
     return lambda angle: math.cos(order * (angle - start)) / math.pi
 
 
-def carrier(size=5.0):
-    nodes, elements, faces = mesh(carrier_solid, size, None)
+def carrier_sizes(edge):
+    """Elements of twice a given edge where pillars meet plates."""
+    inner, outer, half, _ = pillar()
+
+    def at(x, y, z):
+        r, angle = math.hypot(x, y), abs(math.atan2(y, abs(x)))
+        radial, across = max(inner - r, r - outer), (angle - half) * r
+        inside = max(radial, across)
+        away = -inside if inside < 0 else math.hypot(max(radial, 0), max(across, 0))
+        return min(4.0, *(2 * edge + 0.4 * math.hypot(away, z - face) for face in (PLATE, PLATE + GAP)))
+    return at
+
+
+def carrier_under_loads(edge):
+    nodes, elements, faces = mesh(carrier_solid, 4.0, carrier_sizes(edge))
+    print("carrier, edges", edge, "elements", len(elements), flush=True)
     end = 2 * PLATE + GAP
     held = [t for t, p in nodes.items() if abs(p[2] - end) < 1e-6]
     loads = {}
@@ -222,11 +274,45 @@ def carrier(size=5.0):
     return rows + solve("carrier", nodes, elements, held, CARRIER, loads, ["seat00x", "seat00y", "seat01x", "seat00cos2"])
 
 
-def housing(size=10.0):
-    near = lambda x, y, z: 2.8 if PLATE - 0.5 < z < PLATE + GAP + 0.5 and math.hypot(x, y) < RP + PIN + 0.5 else size
-    nodes, elements, faces = mesh(housing_solid, size, near)
-    bolts = [(1.365 * RP * math.cos(2 * math.pi * k / 16), 1.365 * RP * math.sin(2 * math.pi * k / 16)) for k in range(16)]
-    held = [t for t, p in nodes.items() if abs(p[2] - PLATE) < 1e-6 and any(math.dist(p[:2], b) < 0.09 * RP + 1e-4 for b in bolts)]
+def carrier_modes():
+    at_end = lambda p: abs(p[2] - 2 * PLATE - GAP) < 1e-6
+    return modes("carrier", carrier_solid, 4.0, carrier_sizes, (1.6, 0.8), at_end, CARRIER, ("SS", "SA", "AS", "AA"))
+
+
+def bolts():
+    return [(1.365 * RP * math.cos(2 * math.pi * k / 16), 1.365 * RP * math.sin(2 * math.pi * k / 16)) for k in range(16)]
+
+
+def on_bolt(p):
+    return abs(p[2] - PLATE) < 1e-6 and any(math.dist(p[:2], b) < 0.09 * RP + 1e-4 for b in bolts())
+
+
+def housing_sizes(edge, size):
+    """Elements of a given edge at the rims of the bolts' faces, four times as wide at the reentrant edges of the ring."""
+    def at(x, y, z):
+        r, step = math.hypot(x, y), 2 * math.pi / 16
+        bolt = step * round(math.atan2(y, x) / step)
+        rim = math.hypot(x - 1.365 * RP * math.cos(bolt), y - 1.365 * RP * math.sin(bolt)) - 0.09 * RP
+        grooves = 2.5 if PLATE - 0.5 < z < PLATE + GAP + 0.5 and r < RP + PIN + 0.5 else size
+        sharp = min(math.hypot(r - edge_at, z - face) for edge_at in (1.12 * RP, 1.25 * RP) for face in (PLATE, PLATE + GAP))
+        return min(grooves, edge + 0.8 * math.hypot(rim, z - PLATE), 4 * edge + 0.8 * sharp)
+    return at
+
+
+def statics(under_loads):
+    """Displacements on two meshes, extrapolated as frequencies are."""
+    coarse, fine = (under_loads(edge) for edge in (1.6, 0.8))
+    rows = [fine[0]]
+    for (name, value, unit), (_, finer, _) in zip(coarse[1:], fine[1:]):
+        rows.append((name, f"{2 * float(finer) - float(value):.8e}", unit))
+        rows.append((f"{name}_on_the_finer_mesh", finer, unit))
+    return rows
+
+
+def housing_under_loads(edge, size=7.0):
+    nodes, elements, faces = mesh(housing_solid, size, housing_sizes(edge, size))
+    print("housing, edges", edge, "elements", len(elements), flush=True)
+    held = [t for t, p in nodes.items() if on_bolt(p)]
     reach = math.pi / 2 + math.asin(0.5 * PIN / RP)
     loads = {}
     for pin in (0, 3, 20):
@@ -242,16 +328,23 @@ def housing(size=10.0):
     return rows + solve("housing", nodes, elements, held, HOUSING, loads, ["pin0r", "pin3t"])
 
 
+def housing_modes():
+    return modes("housing", housing_solid, 5.0, lambda edge: housing_sizes(edge, 5.0), (0.8, 0.4), on_bolt, HOUSING, ("SS", "SA", "AA"))
+
+
 def main():
     path = os.path.join(HERE, "bodies.csv")
     rows = []
     if os.path.exists(path):
         with open(path, newline="") as file:
             rows = list(csv.reader(file))[1:]
-    for name, make in [("carrier", carrier), ("housing", housing)]:
-        if len(sys.argv) > 1 and name not in sys.argv[1:]:
+    parts = [("carrier", "statics", lambda: carrier_under_loads(1.6)), ("carrier", "modes", carrier_modes),
+             ("housing", "statics", lambda: statics(housing_under_loads)), ("housing", "modes", housing_modes)]
+    for name, what, make in parts:
+        if not {name, what} >= set(sys.argv[1:]):
             continue
-        rows = [row for row in rows if not row[0].startswith(name)] + make()
+        of_part = lambda row: row[0].startswith(name) and ("_frequency_" in row[0]) == (what == "modes")
+        rows = [row for row in rows if not of_part(row)] + make()
         with open(path, "w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(["quantity", "value", "unit"])

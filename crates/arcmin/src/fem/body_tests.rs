@@ -85,6 +85,40 @@ fn val_annular_plate_twists_in_shear() {
     assert!((found / expected - 1.0).abs() < 2e-3, "{}", found / expected);
 }
 
+/// A plate clamped on the middle of one face: elements drawn towards the rim keep the metal where it was, and
+/// come nearer to what meshes of plain elements, whose error is of first order, are extrapolated to.
+#[test]
+fn val_edges_drawn_towards_the_rim_of_a_clamp() {
+    let (radius, thickness) = (20e-3, 8e-3);
+    let frequency = |size: f64, layers: usize, drawn: bool| {
+        let domain = PlaneDomain {
+            boundaries: vec![(circle(0.0, 0.0, radius), size, 0), (circle(0.0, 0.0, 0.5 * radius), size, 0)],
+            interior_size: size,
+        };
+        let (plane, regions) = PlaneMesh::triangulate_regions(&domain, |bits| bits & 1 == 1).unwrap();
+        let cuts: Vec<f64> = (0..=layers).map(|k| thickness * k as f64 / layers as f64).collect();
+        let mesh = Mesh::layered(plane, &cuts, |_, _| true);
+        let mut sharp = vec![false; mesh.nodes.len()];
+        mesh.plane.nodes_of(1).into_iter().for_each(|node| sharp[node] = true);
+        let mesh = if drawn { mesh.drawn_towards(&sharp) } else { mesh };
+        let mut held = vec![[false; 3]; mesh.nodes.len()];
+        for (triangle, bits) in mesh.plane.triangles.iter().zip(&regions) {
+            if bits >> 1 == 1 {
+                triangle.iter().for_each(|node| held[*node] = [true; 3]);
+            }
+        }
+        let body = Body::new(mesh, regions, steel(), &held).unwrap();
+        let expected = PI * radius * radius * thickness * steel().density;
+        assert!((body.solid_mass() / expected - 1.0).abs() < 2e-4, "{}", body.solid_mass() / expected);
+        body.frequencies(1).unwrap()[0]
+    };
+    let (coarse, fine) = (frequency(4e-3, 2, false), frequency(2e-3, 4, false));
+    let exact = 2.0 * fine - coarse;
+    let drawn = frequency(4e-3, 2, true);
+    assert!(coarse > 1.005 * exact, "{coarse} {exact}");
+    assert!((drawn / exact - 1.0).abs() < 0.4 * (coarse / exact - 1.0), "{coarse} {fine} {drawn} {exact}");
+}
+
 fn coarse_carrier() -> CarrierShape {
     let shape = CarrierShape::of(&rv_40e_81());
     CarrierShape { size: 2.0 * shape.size, layers: [1, 2], ..shape }
@@ -252,30 +286,15 @@ fn reference(quantity: &str) -> f64 {
     row.split(',').nth(1).unwrap().parse().unwrap()
 }
 
-fn assert_near(quantity: &str, found: f64, scale: f64, tolerance: f64) {
+/// How far a value is from the reference, as a share of `scale`.
+fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
     let expected = reference(quantity);
-    let apart = (found - expected).abs() / scale;
     println!("{quantity}: {found:e} {expected:e} {:.3} %", 100.0 * (found - expected) / scale);
-    assert!(apart < tolerance, "{quantity}: {found:e}, reference {expected:e}, apart {apart}");
+    ((found - expected) / scale).abs()
 }
 
-/// The first ten frequencies of the carrier within 0.5 %.
-fn assert_carrier_frequencies(shape: &CarrierShape) {
-    for (k, found) in shape.body().unwrap().frequencies(10).unwrap().into_iter().enumerate() {
-        let quantity = format!("carrier_frequency_{}", k + 1);
-        assert_near(&quantity, found, reference(&quantity), 0.005);
-    }
-}
-
-/// On the mesh that the model takes.
-#[test]
-#[ignore = "open: the seventh frequency is 0.51 % above that of the reference, for its mesh"]
-fn val_carrier_rings_like_that_of_calculix() {
-    assert_carrier_frequencies(&CarrierShape::of(&rv_40e_81()));
-}
-
-/// Compliance between the crank seats within 1 % (of the geometric mean of their own); frequencies on elements 0.7
-/// times as wide as those of the model.
+/// Compliance between the crank seats within 1 % (of the geometric mean of their own), and the first ten
+/// frequencies within 0.5 % of what the two meshes of the reference are extrapolated to.
 #[test]
 #[ignore = "half a minute; the solver of the reference is not run"]
 fn val_carrier_is_that_of_calculix() {
@@ -292,20 +311,23 @@ fn val_carrier_is_that_of_calculix() {
     let mut all: Vec<String> =
         (0..8).map(|i| format!("seat{}{}{}", i / 4, i / 2 % 2, names[i % 2])).collect();
     all.extend(["seat00cos2".to_owned(), "seat00sin2".to_owned()]);
+    let (mut apart, mut detuned) = (0.0_f64, 0.0_f64);
     for under in ["seat00x", "seat00y", "seat01x", "seat00cos2"] {
         for other in &all {
             let (i, j) = (place(under), place(other));
             let scale = (c.at(i, i) * c.at(j, j)).sqrt();
-            assert_near(&format!("carrier_{under}_{other}"), c.at(i, j), scale, 0.01);
+            apart = apart.max(distance(&format!("carrier_{under}_{other}"), c.at(i, j), scale));
         }
     }
-    assert_carrier_frequencies(&CarrierShape { size: 0.7 * shape.size, ..shape });
+    for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
+        detuned = detuned.max(distance(&format!("carrier_frequency_{}", k + 1), found, found));
+    }
+    assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
-/// Compliances of the housing within 1 %: pins loaded over their whole length, both discs' shares alike.
-#[test]
-#[ignore = "half a minute; the solver of the reference is not run"]
-fn val_housing_is_that_of_calculix() {
+/// Compliances of the housing within 1 %, pins loaded over their whole length, both discs' shares alike, and
+/// the first ten frequencies within 0.5 %; `what` ends the names of the reference's quantities.
+fn assert_housing(what: &str) {
     let shape = HousingShape::of(&rv_40e_81());
     let body = shape.body().unwrap();
     let loads = shape.loads(&body);
@@ -323,26 +345,34 @@ fn val_housing_is_that_of_calculix() {
     }
     let unit: Vec<NodalLoad> = chosen.iter().map(|(_, load)| load.clone()).collect();
     let c = body.compliance(&unit);
+    let (mut apart, mut detuned) = (0.0_f64, 0.0_f64);
     for (i, (under, _)) in chosen.iter().enumerate() {
         if !["pin0r", "pin3t"].contains(&under.as_str()) {
             continue;
         }
         for (j, (other, _)) in chosen.iter().enumerate() {
             let scale = (c.at(i, i) * c.at(j, j)).sqrt();
-            assert_near(&format!("housing_{under}_{other}"), c.at(i, j), scale, 0.01);
+            apart = apart.max(distance(&format!("housing_{under}_{other}{what}"), c.at(i, j), scale));
         }
     }
+    for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
+        detuned = detuned.max(distance(&format!("housing_frequency_{}{what}", k + 1), found, found));
+    }
+    assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
-/// Its first ten frequencies within 0.5 %.
+/// Against the finer mesh of the reference.
 #[test]
-#[ignore = "open: the first frequency is 1.4 % below that of the reference, cause not found"]
-fn val_housing_rings_like_that_of_calculix() {
-    let body = HousingShape::of(&rv_40e_81()).body().unwrap();
-    for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
-        let quantity = format!("housing_frequency_{}", k + 1);
-        assert_near(&quantity, found, reference(&quantity), 0.005);
-    }
+#[ignore = "half a minute; the solver of the reference is not run"]
+fn val_housing_is_that_of_calculix() {
+    assert_housing("_on_the_finer_mesh");
+}
+
+/// Against what the two meshes of the reference are extrapolated to.
+#[test]
+#[ignore = "open: up to 1.6 % of compliances and 1.4 % of frequencies, for the mesh"]
+fn val_housing_is_what_calculix_comes_to() {
+    assert_housing("");
 }
 
 /// How compliances of the shipped solids go with the mesh.

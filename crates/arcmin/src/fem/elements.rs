@@ -150,7 +150,9 @@ pub fn stiffness_tet10(nodes: &[[f64; 3]; 10], material: &Material) -> ([f64; 90
     let mu = 0.5 * e / (1.0 + nu);
     let mut k = [0.0; 900];
     let mut smallest = f64::INFINITY;
-    for (at, weight) in TETRAHEDRON_4 {
+    // Constant strain on an element drawn towards a sharp edge gives terms of third degree.
+    let rule = if is_drawn(nodes) { &TETRAHEDRON_15[..] } else { &TETRAHEDRON_4[..] };
+    for (at, weight) in rule.iter().copied() {
         let (b, determinant) = physical_gradient_tet10(nodes, at);
         smallest = smallest.min(determinant);
         let w = weight * determinant;
@@ -171,6 +173,15 @@ pub fn stiffness_tet10(nodes: &[[f64; 3]; 10], material: &Material) -> ([f64; 90
     }
     mirror_blocks(&mut k, 10, 3);
     (k, smallest)
+}
+
+/// Whether a mid-side node lies nearer to one end of its edge than to the other: see
+/// [`Mesh::drawn_towards`](super::Mesh::drawn_towards).
+fn is_drawn(nodes: &[[f64; 3]; 10]) -> bool {
+    TET_EDGES.into_iter().enumerate().any(|(k, [a, b])| {
+        let [a, b, middle] = [nodes[a], nodes[b], nodes[4 + k]].map(Vector3::from);
+        (2.0 * middle - a - b).dot(&(b - a)).abs() > 0.05 * (b - a).norm_squared()
+    })
 }
 
 /// ∫ ρ N_i N_j dV of a T6, 6×6; each component of displacement has the same.
