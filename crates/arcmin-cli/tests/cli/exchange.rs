@@ -171,7 +171,8 @@ fn names_do_no_harm_in_other_programs() {
             assert!(comments.into_iter().all(|comment| !comment.contains("--")), "{name}");
         }
     }
-    good(d, &["export", "fmu", "d.toml", "--fmi", "2", "--out", "f"]);
+    write(d, "library.so", "a library");
+    good(d, &["export", "fmu", "d.toml", "--fmi", "2", "--library", "library.so", "--out", "f"]);
     let unit = names(&d.join("f")).remove(0);
     let bytes = std::fs::read(d.join("f").join(unit)).unwrap();
     let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
