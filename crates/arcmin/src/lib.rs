@@ -15,6 +15,7 @@ pub mod exchange;
 pub mod fem;
 pub mod fidelity;
 pub mod geometry;
+mod kernels;
 pub mod life;
 pub mod load;
 pub mod machine;

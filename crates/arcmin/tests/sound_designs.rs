@@ -5,7 +5,7 @@
 mod support;
 
 use arcmin::design::Design;
-use arcmin::dynamics::{BearingMeshing, JointSettings, System};
+use arcmin::dynamics::{BearingMeshing, JointSettings};
 use arcmin::fidelity::Fidelity;
 use arcmin::geometry::Relief;
 use arcmin::life::{LifeOptions, predict};
@@ -181,8 +181,8 @@ fn val_friction_in_load_sharing_is_that_of_the_bench() {
         let (q, _) = running.balance(CrankAngle::from_radians(crank), machine.rated().torque, None).unwrap();
         let model = running.model();
         let velocity = model.nominal_velocity_at(ratio * -crank / machine.kinematics().lobe_count, speed);
-        let (mut force, mut linearisation) = (vec![0.0; q.len()], model.linearisation());
-        sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, &mut linearisation).1;
+        let mut force = vec![0.0; q.len()];
+        sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, None).1;
     }
     let efficiency = machine.rated().torque / (ratio * sum / 8.0);
     let bench = rig::efficiency_map(&machine, &settings).unwrap().rated;

@@ -1,10 +1,13 @@
 mod contacts;
+mod reaction;
 mod rolling;
 mod split;
 
 use std::sync::Arc;
 
 use contacts::{DiscContacts, REACH};
+pub(super) use reaction::ElasticReaction;
+use reaction::Products;
 pub(super) use split::DiscSplit;
 
 use super::{DynamicsError, ElasticHousing};
@@ -120,18 +123,6 @@ impl HousingMotion<'_> {
         let shapes = self.housing.shapes(disc, pin).iter();
         shapes.map(move |shape| -(by_pose[0] * shape.x + by_pose[1] * shape.y))
     }
-}
-
-/// Forces on (x, y, θ), the modes of a disc and those of the housing with their tangents, matrices row by row.
-#[derive(Debug, Clone, Default)]
-pub(super) struct ElasticReaction {
-    pub force: Vec<f64>,
-    /// −∂Q/∂(x, y, θ, q, η).
-    pub stiffness: Vec<f64>,
-    pub damping: Vec<f64>,
-    pub stored: f64,
-    pub dissipation: f64,
-    pub onset_rate: f64,
 }
 
 impl ElasticDiscs {
@@ -259,17 +250,24 @@ impl ElasticDiscs {
         all
     }
 
-    /// Everything that pins and elasticity do to a disc.
-    pub(super) fn react(&self, disc: usize, ring: &PinContacts, motion: DiscMotion<'_>) -> ElasticReaction {
+    /// Everything that pins and elasticity do to a disc; the matrices are empty where no `tangents` are asked for.
+    pub(super) fn react(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        motion: DiscMotion<'_>,
+        tangents: bool,
+    ) -> ElasticReaction {
         let count = motion.modes.len();
         let first = 3 + count;
         let width = first + motion.housing.map_or(0, |pins| pins.modes.len());
         let state = self.contacts(disc, ring, motion);
         let n = state.contacts.len();
+        let matrix = || vec![0.0; if tangents { width * width } else { 0 }];
         let mut reaction = ElasticReaction {
             force: vec![0.0; width],
-            stiffness: vec![0.0; width * width],
-            damping: vec![0.0; width * width],
+            stiffness: matrix(),
+            damping: matrix(),
             stored: state.forces.flexural_energy,
             ..ElasticReaction::default()
         };
@@ -277,7 +275,7 @@ impl ElasticDiscs {
         // Rows −∂s/∂z, and what each force does to the coordinates, friction included.
         let (mut rows, mut pushes) = (vec![0.0; n * width], vec![0.0; n * width]);
         let mut gain = vec![0.0; n];
-        let v = [motion.velocity.centre.x, motion.velocity.centre.y, motion.velocity.angle];
+        let mut products = Products::new(width);
         for (i, contact) in state.contacts.iter().enumerate() {
             let (local, rate) = (state.forces.local[i], state.rate[i]);
             let here = law.damped_force(local, rate, state.coupled[i].equivalent_radius);
@@ -297,60 +295,47 @@ impl ElasticDiscs {
                 continue;
             }
             gain[i] = here.stiffness / state.forces.local_stiffness[i];
-            let (share, slope) =
-                ring.sliding().map_or((0.0, 0.0), |sliding| sliding.share(contact.sliding_speed));
+            let sliding = ring.sliding().map(|sliding| sliding.share(contact.sliding_speed));
+            let (share, slope) = sliding.unwrap_or_default();
             reaction.dissipation += share * here.force * contact.sliding_speed;
             let push = &mut pushes[i * width..(i + 1) * width];
             push.copy_from_slice(row);
             push.iter_mut().zip(contact.along).for_each(|(push, along)| *push -= share * along);
+            reaction.force.iter_mut().zip(&*push).for_each(|(sum, push)| *sum += here.force * push);
+            if !tangents {
+                continue;
+            }
             let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
-            for a in 0..width {
-                reaction.force[a] += here.force * push[a];
-            }
-            if here.damping != 0.0 {
-                for (line, push) in reaction.damping.chunks_exact_mut(width).zip(&*push) {
-                    line.iter_mut().zip(&*row).for_each(|(entry, row)| *entry += here.damping * push * row);
-                }
-            }
+            reaction.add_damping(&here, (row, push), slope, contact, (&hessian, motion.velocity));
+            // The normal turns with the pin's way as it does with the disc's.
             for a in 0..3 {
-                let rate_slope = hessian[a][0] * v[0] + hessian[a][1] * v[1] + hessian[a][2] * v[2];
-                for b in 0..3 {
-                    reaction.stiffness[a * width + b] -= here.force * hessian[a][b];
-                    reaction.stiffness[b * width + a] += here.damping * rate_slope * push[b];
-                    reaction.damping[a * width + b] +=
-                        here.force * slope * contact.along[a] * contact.along[b];
-                }
-            }
-            if let Some(pins) = motion.housing {
-                // The normal turns with the pin's way as it does with the disc's.
-                let by_mode = hessian.map(|line| pins.rows(disc, contact.pin, line).collect::<Vec<f64>>());
-                let shapes = pins.housing.shapes(disc, contact.pin);
-                for (m, shape) in shapes.iter().enumerate() {
-                    let row = (first + m) * width;
-                    for a in 0..3 {
-                        let value = here.force * by_mode[a][m];
-                        reaction.stiffness[a * width + first + m] -= value;
-                        reaction.stiffness[row + a] -= value;
+                let seen = |by_pose: [f64; 3], into: &mut [f64]| {
+                    into[..3].copy_from_slice(&by_pose);
+                    if let Some(pins) = motion.housing {
+                        let ways = pins.rows(disc, contact.pin, by_pose);
+                        into[first..].iter_mut().zip(ways).for_each(|(into, way)| *into = way);
                     }
-                    let (x, y) = (here.force * shape.x, here.force * shape.y);
-                    let line = reaction.stiffness[row + first..row + width].iter_mut();
-                    line.zip(by_mode[0].iter().zip(&by_mode[1]))
-                        .for_each(|(entry, (by_x, by_y))| *entry += x * by_x + y * by_y);
-                }
+                };
+                let along: [f64; 3] = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
+                products.push(
+                    |row| seen(along, row),
+                    |row| {
+                        seen(hessian[a].map(|entry| -here.force * entry), row);
+                    },
+                );
             }
         }
-        self.add_rolling(disc, ring, &state, motion, (&mut rows, &mut pushes), &mut reaction);
-        // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
-        state.forces.respond_to_all(&mut rows, width);
-        for (row, gain) in rows.chunks_exact_mut(width).zip(&gain) {
-            row.iter_mut().for_each(|entry| *entry *= gain);
-        }
-        // Row by row, so that the compiler takes several entries at once.
-        for i in (0..n).filter(|i| gain[*i] != 0.0) {
-            let (push, response) = (&pushes[i * width..][..width], &rows[i * width..][..width]);
-            for (line, push) in reaction.stiffness.chunks_exact_mut(width).zip(push) {
-                line.iter_mut().zip(response).for_each(|(entry, response)| *entry += push * response);
+        let wanted = tangents.then_some(&mut products);
+        let matrices = (&mut rows[..], &mut pushes[..]);
+        self.add_rolling(disc, ring, &state, motion, matrices, (&mut reaction.force, wanted));
+        if tangents {
+            // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
+            state.forces.respond_to_all(&mut rows, width);
+            for (row, gain) in rows.chunks_exact_mut(width).zip(&gain) {
+                row.iter_mut().for_each(|entry| *entry *= gain);
             }
+            products.extend(&pushes, &rows);
+            products.add_to(&mut reaction.stiffness);
         }
         self.add_modal_forces(disc, motion, &mut reaction);
         reaction
@@ -364,8 +349,9 @@ impl ElasticDiscs {
             reaction.stored += 0.5 * square * q * q;
             reaction.dissipation += damping * rate * rate;
             reaction.force[3 + m] -= square * q + damping * rate;
-            reaction.stiffness[(3 + m) * (width + 1)] += square;
-            reaction.damping[(3 + m) * (width + 1)] += damping;
+            let diagonal = (3 + m) * (width + 1);
+            reaction.stiffness.get_mut(diagonal).into_iter().for_each(|entry| *entry += square);
+            reaction.damping.get_mut(diagonal).into_iter().for_each(|entry| *entry += damping);
         }
     }
 

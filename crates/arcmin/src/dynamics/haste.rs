@@ -1,74 +1,81 @@
 //! The short way to a state of rest, from a start that is nearly one.
 
 use super::equilibrium::{Equilibrium, EquilibriumControl};
-use super::{Linearisation, System, Weights};
+use super::system::LARGE;
+use super::{Balance, Linearisation, System, Weights};
 
 /// Steps after which the start was not so good.
-const STEPS: usize = 12;
+const STEPS: usize = 16;
 /// A step this short, in units of the system's scale, may be the last by what the one before it tells.
 const SHORT: f64 = 1e-3;
-/// Share of the work along a step that may be left at its end when it is taken for one of quadratic convergence.
-const LEFT: f64 = 1e-3;
 /// Work against a step over that along it from which on the step is blocked; two such steps are enough.
 const BLOCKED: f64 = 100.0;
+/// After a step longer than this, in units of the system's scale, the tangent is taken anew; in a small system, whose
+/// tangent comes nearly for nothing with the forces, after every step.
+const FAR: f64 = 1e-3;
+/// From this share of the step before on, steps shrink too slowly for an old tangent.
+const SLOW: f64 = 0.2;
+/// Steps by an old tangent shrink by shares, where Newton's leave far less than they promise: they must be this much
+/// shorter for as good an end.
+const SHARPER: f64 = 0.1;
 
-/// Newton's method without a safety net: `None` where it does not converge within a dozen steps from `start`.
+/// Newton's method without a safety net: `None` where it does not converge within some steps from `start`.
 ///
 /// From a balance of neighbouring loads or surfaces it takes fewer steps than a search that looks after itself.
 /// Contacts that close on the way stiffen the machine, so a step may go far past the balance; where the work
-/// against it exceeds the work along it, it is cut where the straight line between both vanishes. Steps shrink
-/// quadratically near the balance: the one after a step s is about s² over the one before it, and a step after
-/// which that is less than a tenth of the tolerance is the last.
+/// against it exceeds the work along it, it is cut where the straight line between both vanishes.
+///
+/// Near the balance the tangent changes little from step to step, and in a large system to take and factorise it is
+/// most of the work: there steps go on with the last factors and what the steps since have told of the change (Broyden 1965, his first
+/// update, kept as the steps themselves: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, ch. 7).
+/// The step after one of length s is about s² over the one before it, and shorter than what the forces left along s
+/// tell; where that is less than a tenth of the tolerance a step is the last.
 pub(super) fn hasten<S: System>(
     system: &S,
     time: f64,
     start: &[f64],
     control: EquilibriumControl,
 ) -> Option<Equilibrium> {
-    let n = system.size();
-    let (mass, scale) = (system.mass(), system.scale());
-    let rest = vec![0.0; n];
-    let mut lin = system.linearisation_at_rest();
-    let mut position = start.to_vec();
-    let (mut force, mut step, mut trial) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let largest = |f: &[f64]| f.iter().fold(0.0, |m: f64, x| if x.abs() <= m { m } else { x.abs() });
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let evaluate = |position: &[f64], force: &mut [f64], lin: &mut S::Linearisation| {
-        let balance = system.evaluate(time, position, &rest, force, lin);
-        if let Some(held) = control.held {
-            force[held] = 0.0;
-            lin.hold(held);
-        }
-        balance
-    };
-    let mut balance = evaluate(&position, &mut force, &mut lin);
+    let mut search = Search::new(system, time, start, control);
+    let (mut step, mut trial) = (vec![0.0; start.len()], vec![0.0; start.len()]);
+    let far = if start.len() < LARGE { 0.0 } else { FAR };
+    let mut balance = search.take_tangent();
     let mut before = 0.0;
     let mut blocked = false;
     for iterations in 0..STEPS {
-        let residual = largest(&force);
+        let residual = search.residual();
         if residual <= control.force_tolerance {
-            return Some(Equilibrium { residual, position, balance, iterations });
+            return Some(Equilibrium { residual, position: search.position, balance, iterations });
         }
-        step.copy_from_slice(&force);
-        lin.solve(mass, Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 }, &mut step).ok()?;
-        let length = step.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
-        if !length.is_finite() || dot(&step, &force) <= 0.0 {
+        search.next_step(&mut step)?;
+        let mut length = search.length(&step);
+        if search.is_old() && !(length <= SLOW * before) {
+            search.take_tangent();
+            search.next_step(&mut step)?;
+            length = search.length(&step);
+        }
+        let tolerance = if search.is_old() { SHARPER * control.tolerance } else { control.tolerance };
+        let first = dot(&search.force, &step);
+        if !length.is_finite() || first <= 0.0 {
             return None;
         }
         let shortening = (control.trust / length).min(1.0);
         step.iter_mut().for_each(|x| *x *= shortening);
-        let first = dot(&force, &step);
-        trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, x))| *t = q + x);
-        balance = evaluate(&trial, &mut force, &mut lin);
-        let along = dot(&force, &step);
+        let first = shortening * first;
+        trial.iter_mut().zip(search.position.iter().zip(&step)).for_each(|(t, (q, x))| *t = q + x);
+        std::mem::swap(&mut search.position, &mut trial);
+        balance = if length > far { search.take_tangent() } else { search.keep_tangent(&step) };
+        let along = dot(&search.force, &step);
         if !along.is_finite() {
             return None;
         }
         let next = length * length / before;
-        let shrinks = length <= SHORT && next <= 0.1 * control.tolerance && along.abs() <= LEFT * first;
-        if length <= control.tolerance || shrinks {
-            let residual = largest(&force);
-            return Some(Equilibrium { residual, position: trial, balance, iterations: iterations + 1 });
+        let left = (length * along / first).abs();
+        let shrinks = length <= SHORT && next.max(left) <= 0.1 * tolerance;
+        if length <= tolerance || shrinks {
+            let residual = search.residual();
+            let position = search.position;
+            return Some(Equilibrium { residual, position, balance, iterations: iterations + 1 });
         }
         before = length;
         // The secant leaves next to nothing of a step that runs into a contact on its way, and of the next.
@@ -80,14 +87,113 @@ pub(super) fn hasten<S: System>(
         }
         if along < -first {
             let share = first / (first - along);
-            trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, x))| *t = q + share * x);
-            balance = evaluate(&trial, &mut force, &mut lin);
+            search
+                .position
+                .iter_mut()
+                .zip(trial.iter().zip(&step))
+                .for_each(|(t, (q, x))| *t = q + share * x);
+            balance = search.take_tangent();
             // What follows a cut step says nothing about convergence.
             before = 0.0;
         }
-        std::mem::swap(&mut position, &mut trial);
     }
     None
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A place with its forces, the tangent taken last, and the whole steps made with it since.
+struct Search<'a, S: System> {
+    system: &'a S,
+    time: f64,
+    control: EquilibriumControl,
+    rest: Vec<f64>,
+    position: Vec<f64>,
+    force: Vec<f64>,
+    tangent: S::Linearisation,
+    is_factorised: bool,
+    /// Steps since, each with its square, coordinates in units of the system's scale.
+    steps: Vec<(Vec<f64>, f64)>,
+}
+
+impl<'a, S: System> Search<'a, S> {
+    fn new(system: &'a S, time: f64, start: &[f64], control: EquilibriumControl) -> Search<'a, S> {
+        Search {
+            system,
+            time,
+            control,
+            rest: vec![0.0; start.len()],
+            position: start.to_vec(),
+            force: vec![0.0; start.len()],
+            tangent: system.linearisation_at_rest(),
+            is_factorised: false,
+            steps: Vec::new(),
+        }
+    }
+
+    /// Largest force that is left, in N or N·m.
+    fn residual(&self) -> f64 {
+        self.force.iter().fold(0.0, |most: f64, x| if x.abs() <= most { most } else { x.abs() })
+    }
+
+    fn length(&self, step: &[f64]) -> f64 {
+        step.iter().zip(self.system.scale()).fold(0.0, |most: f64, (x, scale)| most.max(x.abs() / scale))
+    }
+
+    /// Whether the tangent is that of another place.
+    fn is_old(&self) -> bool {
+        !self.steps.is_empty()
+    }
+
+    /// Forces and tangent here.
+    fn take_tangent(&mut self) -> Balance {
+        self.steps.clear();
+        self.is_factorised = false;
+        let Search { system, time, position, rest, .. } = self;
+        let balance = system.evaluate(*time, position, rest, &mut self.force, &mut self.tangent);
+        if let Some(held) = self.control.held {
+            self.force[held] = 0.0;
+            self.tangent.hold(held);
+        }
+        balance
+    }
+
+    /// Forces here, a step from where they were known.
+    fn keep_tangent(&mut self, step: &[f64]) -> Balance {
+        let scaled: Vec<f64> = step.iter().zip(self.system.scale()).map(|(x, scale)| x / scale).collect();
+        let square = dot(&scaled, &scaled);
+        self.steps.push((scaled, square));
+        let balance = self.system.evaluate_forces(self.time, &self.position, &self.rest, &mut self.force);
+        if let Some(held) = self.control.held {
+            self.force[held] = 0.0;
+        }
+        balance
+    }
+
+    /// The next step from here.
+    fn next_step(&mut self, step: &mut [f64]) -> Option<()> {
+        step.copy_from_slice(&self.force);
+        if !self.is_factorised {
+            let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
+            self.tangent.solve(self.system.mass(), weights, step).ok()?;
+            self.is_factorised = true;
+            return Some(());
+        }
+        self.tangent.solve_again(step).ok()?;
+        let scale = self.system.scale();
+        step.iter_mut().zip(scale).for_each(|(x, scale)| *x /= scale);
+        for pair in self.steps.windows(2) {
+            let [(made, square), (next, _)] = pair else { break };
+            let share = dot(made, step) / square;
+            step.iter_mut().zip(next).for_each(|(x, next)| *x += share * next);
+        }
+        let (made, square) = self.steps.last()?;
+        let grown = 1.0 - dot(made, step) / square;
+        step.iter_mut().zip(scale).for_each(|(x, scale)| *x *= scale / grown);
+        Some(())
+    }
 }
 
 #[cfg(test)]

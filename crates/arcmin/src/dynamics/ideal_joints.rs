@@ -326,7 +326,7 @@ impl IdealJoints {
         balance: &mut Balance,
     ) {
         if let Some(motion) = self.load.motion() {
-            motion.impose(time, IdealJoints::OUTPUT, inertia, force, lin, balance);
+            motion.impose(time, IdealJoints::OUTPUT, inertia, force, Some(lin), balance);
         }
     }
 

@@ -68,14 +68,16 @@ impl GivenMotion {
         coordinate: usize,
         inertia: f64,
         force: &mut [f64],
-        linearisation: &mut DenseLinearisation,
+        linearisation: Option<&mut DenseLinearisation>,
         balance: &mut Balance,
     ) {
         let own = inertia * self.acceleration;
         balance.load_torque = force[coordinate] - own;
         balance.load_power = balance.load_torque * self.at(time).1;
         force[coordinate] = own;
-        linearisation.hold(coordinate);
+        if let Some(linearisation) = linearisation {
+            linearisation.hold(coordinate);
+        }
     }
 }
 

@@ -61,6 +61,10 @@ impl System for Model {
         each!(self, model => model.linearisation())
     }
 
+    fn linearisation_at_rest(&self) -> DenseLinearisation {
+        each!(self, model => model.linearisation_at_rest())
+    }
+
     fn mass(&self) -> &[f64] {
         each!(self, model => model.mass())
     }
@@ -78,6 +82,10 @@ impl System for Model {
         linearisation: &mut DenseLinearisation,
     ) -> Balance {
         each!(self, model => model.evaluate(time, position, velocity, force, linearisation))
+    }
+
+    fn evaluate_forces(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64]) -> Balance {
+        each!(self, model => model.evaluate_forces(time, position, velocity, force))
     }
 
     fn next_breakpoint(&self, time: f64) -> Option<f64> {

@@ -1,5 +1,7 @@
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{PartialPivLu, Solve};
 use serde::{Deserialize, Serialize};
+
+use crate::kernels::cleared;
 
 /// A mechanical system in second-order form, M q̈ = Q(q, q̇, t) with a constant diagonal mass matrix M.
 ///
@@ -36,6 +38,12 @@ pub trait System {
         linearisation: &mut Self::Linearisation,
     ) -> Balance;
 
+    /// The forces alone, for a search that knows the tangent well enough; the balance is that of
+    /// [`System::evaluate`].
+    fn evaluate_forces(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64]) -> Balance {
+        self.evaluate(time, position, velocity, force, &mut self.linearisation_at_rest())
+    }
+
     /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end
     /// there.
     fn next_breakpoint(&self, _time: f64) -> Option<f64> {
@@ -58,6 +66,13 @@ pub trait Linearisation {
     /// # Errors
     /// [`Singular`] if the matrix has no inverse or holds a value that is not finite.
     fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular>;
+
+    /// Solves the system of the last [`Linearisation::solve`] for another right-hand side, whatever has become of the
+    /// matrices since.
+    ///
+    /// # Errors
+    /// As there.
+    fn solve_again(&self, rhs: &mut [f64]) -> Result<(), Singular>;
 
     /// Holds a coordinate: no force moves it, and it moves nothing.
     fn hold(&mut self, coordinate: usize);
@@ -104,11 +119,15 @@ pub struct DenseLinearisation {
     size: usize,
     stiffness: Vec<f64>,
     damping: Vec<f64>,
+    /// What was factorised last: factors row by row, with the row that each one changed places with, or those of
+    /// faer.
     work: Vec<f64>,
+    exchanged: Vec<usize>,
+    blocks: Option<PartialPivLu<f64>>,
 }
 
 /// Coordinates from which on blocks are faster.
-const LARGE: usize = 96;
+pub(super) const LARGE: usize = 96;
 
 impl DenseLinearisation {
     pub fn new(size: usize) -> DenseLinearisation {
@@ -117,6 +136,8 @@ impl DenseLinearisation {
             stiffness: vec![0.0; size * size],
             damping: vec![0.0; size * size],
             work: vec![0.0; size * size],
+            exchanged: Vec::with_capacity(size),
+            blocks: None,
         }
     }
 
@@ -204,10 +225,43 @@ impl Linearisation for DenseLinearisation {
             a[i * n + i] += weights.mass * mass[i];
         }
         if n >= LARGE {
-            let factor = faer::MatRef::from_row_major_slice(a, n, n).partial_piv_lu();
-            factor.solve_in_place(faer::MatMut::from_column_major_slice_mut(rhs, n, 1));
-            return if rhs.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Singular) };
+            let matrix = faer::MatRef::from_row_major_slice(a, n, n);
+            self.blocks = Some(cleared(|| matrix.partial_piv_lu()));
+        } else {
+            self.eliminate()?;
         }
+        self.solve_again(rhs)
+    }
+
+    fn solve_again(&self, rhs: &mut [f64]) -> Result<(), Singular> {
+        let (n, a) = (self.size, &self.work);
+        if let Some(factor) = &self.blocks {
+            cleared(|| factor.solve_in_place(faer::MatMut::from_column_major_slice_mut(rhs, n, 1)));
+        } else {
+            for (column, pivot) in self.exchanged.iter().enumerate() {
+                rhs.swap(column, *pivot);
+                let known = rhs[column];
+                for row in column + 1..n {
+                    rhs[row] -= a[row * n + column] * known;
+                }
+            }
+            for row in (0..n).rev() {
+                let (solved_from, entries) = (row + 1, &a[row * n..(row + 1) * n]);
+                let known = entries[solved_from..].iter().zip(&rhs[solved_from..]);
+                let sum = known.fold(rhs[row], |sum, (entry, x)| sum - entry * x);
+                rhs[row] = sum / entries[row];
+            }
+        }
+        if rhs.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Singular) }
+    }
+}
+
+impl DenseLinearisation {
+    /// Gaussian elimination of what is in `work`: the factors of every column are left below the diagonal. Rows change
+    /// places from the pivot's column on, so that a factor stays where its row was.
+    fn eliminate(&mut self) -> Result<(), Singular> {
+        let (n, a) = (self.size, &mut self.work);
+        self.exchanged.clear();
         for column in 0..n {
             let mut pivot = column;
             for row in column + 1..n {
@@ -219,32 +273,26 @@ impl Linearisation for DenseLinearisation {
             if !(largest.abs() > 0.0 && largest.is_finite()) {
                 return Err(Singular);
             }
+            self.exchanged.push(pivot);
             if pivot != column {
                 for k in column..n {
                     a.swap(column * n + k, pivot * n + k);
                 }
-                rhs.swap(column, pivot);
             }
             // Slices of known length, so that the compiler takes several entries of a row at once.
             let (above, below) = a.split_at_mut((column + 1) * n);
             let pivot_row = &above[column * n + column + 1..];
-            for (offset, row) in below.chunks_exact_mut(n).enumerate() {
+            for row in below.chunks_exact_mut(n) {
                 let factor = row[column] / largest;
+                row[column] = factor;
                 if factor != 0.0 {
                     for (entry, pivot) in row[column + 1..].iter_mut().zip(pivot_row) {
                         *entry -= factor * pivot;
                     }
-                    rhs[column + 1 + offset] -= factor * rhs[column];
                 }
             }
         }
-        for row in (0..n).rev() {
-            let (solved_from, entries) = (row + 1, &a[row * n..(row + 1) * n]);
-            let known = entries[solved_from..].iter().zip(&rhs[solved_from..]);
-            let sum = known.fold(rhs[row], |sum, (entry, x)| sum - entry * x);
-            rhs[row] = sum / entries[row];
-        }
-        if rhs.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Singular) }
+        Ok(())
     }
 }
 
@@ -277,6 +325,13 @@ mod tests {
         let rhs = nalgebra::DVector::from_vec(rhs);
         let left = (&matrix * nalgebra::DVector::from_vec(x.clone()) - &rhs).norm();
         assert!(left < 1e-12 * rhs.norm(), "{n}: {left:e}");
+        // The same factors for another right-hand side, whatever the matrices hold by then.
+        lin.clear();
+        let mut again: Vec<f64> = x.iter().rev().copied().collect();
+        lin.solve_again(&mut again).unwrap();
+        let reversed = nalgebra::DVector::from_iterator(n, x.iter().rev().copied());
+        let left = (&matrix * nalgebra::DVector::from_vec(again) - &reversed).norm();
+        assert!(left < 1e-12 * reversed.norm(), "{n}: {left:e}");
         let expected = matrix.lu().solve(&rhs).unwrap();
         for i in 0..n {
             assert!((x[i] - expected[i]).abs() < 1e-12 * expected.norm(), "{n} {i}");

@@ -11,14 +11,14 @@
 //! the displacement of a place under its own load, is read at the depth h: above it the line-contact formula
 //! of the contact law holds, which measures the approach to that depth, and nothing is counted twice.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat};
 
 use super::disc::DiscModel;
 use super::flank::{FlankStations, LOBE_REFINEMENT, NodalWeights, Stencil};
 use super::reduced::{FlankCompliance, ReducedDisc};
 use super::solve::{ModeRange, symmetric_eigen};
 use super::{FemError, MeshQuality};
+use crate::kernels::product;
 
 /// How well the reduced disc stands for the mesh, and what the mesh is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +91,7 @@ impl DiscModel {
         };
         let (eigenvalues, combination) = self.orthonormal_combination(&basis, static_energy)?;
         let mut shapes: Mat<f64> = Mat::zeros(inner, eigenvalues.len());
-        matmul(&mut shapes, Accum::Replace, &basis, &combination, 1.0, Par::Seq);
+        product(shapes.as_mut(), Accum::Replace, basis.as_ref(), combination.as_ref(), 1.0);
 
         let mut compliance = FlankCompliance::new(&stations, compliance, own);
         compliance.refine_own(&self.own_detail(&stations)?);
@@ -179,7 +179,7 @@ impl DiscModel {
         let mut weighted: Mat<f64> = Mat::zeros(basis.nrows(), n);
         self.inner_mass.multiply(basis.as_ref(), weighted.as_mut());
         let mut m: Mat<f64> = Mat::zeros(n, n);
-        matmul(&mut m, Accum::Replace, basis.transpose(), &weighted, 1.0, Par::Seq);
+        product(m.as_mut(), Accum::Replace, basis.transpose(), weighted.as_ref(), 1.0);
         // Shapes scaled to unit mass, then whitened; directions that others already span are dropped.
         let scale: Vec<f64> = (0..n).map(|i| 1.0 / m[(i, i)].sqrt()).collect();
         let scaled = Mat::from_fn(n, n, |i, j| 0.5 * (m[(i, j)] + m[(j, i)]) * scale[i] * scale[j]);
@@ -189,14 +189,14 @@ impl DiscModel {
             Mat::from_fn(n, kept.len(), |i, k| scale[i] * vectors[(i, kept[k])] / values[kept[k]].sqrt());
         let k = Mat::from_fn(n, n, |i, j| stiffness(i.min(j), i.max(j)));
         let mut half: Mat<f64> = Mat::zeros(n, kept.len());
-        matmul(&mut half, Accum::Replace, &k, &whitening, 1.0, Par::Seq);
+        product(half.as_mut(), Accum::Replace, k.as_ref(), whitening.as_ref(), 1.0);
         let mut projected: Mat<f64> = Mat::zeros(kept.len(), kept.len());
-        matmul(&mut projected, Accum::Replace, whitening.transpose(), &half, 1.0, Par::Seq);
+        product(projected.as_mut(), Accum::Replace, whitening.transpose(), half.as_ref(), 1.0);
         let symmetric =
             Mat::from_fn(kept.len(), kept.len(), |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
         let (eigenvalues, rotation) = symmetric_eigen(symmetric.as_ref())?;
         let mut combination: Mat<f64> = Mat::zeros(n, kept.len());
-        matmul(&mut combination, Accum::Replace, &whitening, &rotation, 1.0, Par::Seq);
+        product(combination.as_mut(), Accum::Replace, whitening.as_ref(), rotation.as_ref(), 1.0);
         Ok((eigenvalues, combination))
     }
 

@@ -1,7 +1,6 @@
 //! Sparse Cholesky factors, static solutions and lowest modes. Everything here runs on the calling thread.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::{
     LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
@@ -9,6 +8,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side};
 
 use super::{FemError, SymmetricMatrix};
+use crate::kernels::{cleared, product};
 
 /// A = P L Lᵀ Pᵀ of a symmetric positive definite matrix (approximate minimum degree ordering, supernodal,
 /// faer).
@@ -33,8 +33,8 @@ impl Cholesky {
             MemBuffer::try_new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()))
                 .map_err(|_| failed("out of memory".to_owned()))?;
         let a = SparseColMatRef::new(pattern, &matrix.values);
-        symbolic
-            .factorize_numeric_llt(
+        let factorised = cleared(|| {
+            let factor = symbolic.factorize_numeric_llt(
                 &mut values,
                 a,
                 Side::Lower,
@@ -42,8 +42,12 @@ impl Cholesky {
                 Par::Seq,
                 MemStack::new(&mut memory),
                 Default::default(),
-            )
-            .map_err(|_| failed("it is not positive definite; is the body held?".to_owned()))?;
+            );
+            factor.is_ok()
+        });
+        if !factorised {
+            return Err(failed("it is not positive definite; is the body held?".to_owned()));
+        }
         Ok(Cholesky { symbolic, values })
     }
 
@@ -55,12 +59,8 @@ impl Cholesky {
     /// Overwrites the columns of `b` with A⁻¹ b.
     pub fn solve(&self, b: MatMut<'_, f64>) {
         let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(b.ncols(), Par::Seq));
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            b,
-            Par::Seq,
-            MemStack::new(&mut memory),
-        );
+        let factor = LltRef::new(&self.symbolic, &self.values);
+        cleared(|| factor.solve_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut memory)));
     }
 }
 
@@ -137,23 +137,10 @@ pub fn lowest_modes(
         mass.multiply(next.as_ref(), weighted.as_mut());
         for _ in 0..2 {
             let mut coefficients: Mat<f64> = Mat::zeros(filled, BLOCK);
-            matmul(
-                &mut coefficients,
-                Accum::Replace,
-                weighted_basis.subcols(0, filled).transpose(),
-                &next,
-                1.0,
-                Par::Seq,
-            );
-            matmul(&mut next, Accum::Add, basis.subcols(0, filled), &coefficients, -1.0, Par::Seq);
-            matmul(
-                &mut weighted,
-                Accum::Add,
-                weighted_basis.subcols(0, filled),
-                &coefficients,
-                -1.0,
-                Par::Seq,
-            );
+            let known = weighted_basis.subcols(0, filled);
+            product(coefficients.as_mut(), Accum::Replace, known.transpose(), next.as_ref(), 1.0);
+            product(next.as_mut(), Accum::Add, basis.subcols(0, filled), coefficients.as_ref(), -1.0);
+            product(weighted.as_mut(), Accum::Add, known, coefficients.as_ref(), -1.0);
             for i in 0..filled {
                 for j in 0..columns {
                     projected[(i, size + j)] += coefficients[(i, j)];
@@ -205,7 +192,7 @@ pub fn lowest_modes(
             };
             let chosen = Mat::from_fn(size, keep, |i, k| vectors[(i, size - 1 - k)]);
             let mut shapes = Mat::zeros(n, keep);
-            matmul(&mut shapes, Accum::Replace, basis.subcols(0, size), &chosen, 1.0, Par::Seq);
+            product(shapes.as_mut(), Accum::Replace, basis.subcols(0, size), chosen.as_ref(), 1.0);
             return Ok(Modes { eigenvalues: (0..keep).map(value).collect(), shapes });
         }
         if size == most {
@@ -232,15 +219,17 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), 
         Default::default(),
     ))
     .map_err(|_| failed("out of memory".to_owned()))?;
-    faer::linalg::evd::self_adjoint_evd(
-        matrix,
-        values.as_mut(),
-        Some(vectors.as_mut()),
-        Par::Seq,
-        MemStack::new(&mut memory),
-        Default::default(),
-    )
-    .map_err(|error| failed(format!("{error:?}")))?;
+    let solve = || {
+        faer::linalg::evd::self_adjoint_evd(
+            matrix,
+            values.as_mut(),
+            Some(vectors.as_mut()),
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        )
+    };
+    cleared(solve).map_err(|error| failed(format!("{error:?}")))?;
     Ok((values.column_vector().iter().copied().collect(), vectors))
 }
 

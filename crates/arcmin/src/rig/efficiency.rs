@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::RigError;
 use super::settle::run;
-use crate::dynamics::{BearingJoints, JointSettings, System};
+use crate::dynamics::{BearingJoints, JointSettings};
 use crate::machine::Machine;
 
 /// Efficiency over output torque and input speed.
@@ -81,8 +81,7 @@ impl Bench {
             let q = run(model, &loaded, velocity.clone())?;
             *known = Some(loaded);
             let mut force = vec![0.0; q.len()];
-            let mut linearisation = model.linearisation_at_rest();
-            sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, &mut linearisation).1;
+            sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, None).1;
         }
         Ok(sum / POSITIONS as f64)
     }

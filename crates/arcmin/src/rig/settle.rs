@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use super::RigError;
 use crate::dynamics::{
     Balance, BearingJoints, DenseLinearisation, EquilibriumControl, JUMP, System, solve_equilibrium,
@@ -16,6 +18,17 @@ enum Motion<'a> {
 struct Slow<'a> {
     model: &'a BearingJoints,
     motion: Motion<'a>,
+}
+
+impl Slow<'_> {
+    fn velocity(&self, position: &[f64]) -> Cow<'_, [f64]> {
+        match &self.motion {
+            Motion::Running(velocity) => Cow::Borrowed(velocity),
+            Motion::Creeping { from, interval } => {
+                position.iter().zip(*from).map(|(q, q0)| (q - q0) / interval).collect()
+            }
+        }
+    }
 }
 
 /// Sliding in m within one step below which regularised friction still grows. Real contacts give way by some
@@ -61,16 +74,15 @@ impl System for Slow<'_> {
         force: &mut [f64],
         linearisation: &mut DenseLinearisation,
     ) -> Balance {
-        match &self.motion {
-            Motion::Running(velocity) => self.model.evaluate(time, position, velocity, force, linearisation),
-            Motion::Creeping { from, interval } => {
-                let velocity: Vec<f64> =
-                    position.iter().zip(*from).map(|(q, q0)| (q - q0) / interval).collect();
-                let balance = self.model.evaluate(time, position, &velocity, force, linearisation);
-                linearisation.fold_damping(1.0 / interval);
-                balance
-            }
+        let balance = self.model.evaluate(time, position, &self.velocity(position), force, linearisation);
+        if let Motion::Creeping { interval, .. } = self.motion {
+            linearisation.fold_damping(1.0 / interval);
         }
+        balance
+    }
+
+    fn evaluate_forces(&self, time: f64, position: &[f64], _: &[f64], force: &mut [f64]) -> Balance {
+        self.model.evaluate_forces(time, position, &self.velocity(position), force)
     }
 
     fn crank_angle(&self, position: &[f64]) -> f64 {

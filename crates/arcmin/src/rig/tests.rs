@@ -339,7 +339,7 @@ fn single_losses_have_closed_forms() {
 /// friction at once.
 #[test]
 fn power_balances_with_all_frictions() {
-    use crate::dynamics::{BearingJoints, System};
+    use crate::dynamics::BearingJoints;
     let rough = Machine { friction: ASSUMED_FRICTION, ..machine() };
     let mut model =
         BearingJoints::held(&rough, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
@@ -351,15 +351,13 @@ fn power_balances_with_all_frictions() {
             let (nominal, velocity) = (model.nominal_position_at(sun), model.nominal_velocity_at(sun, speed));
             let q = settle::run(&model, &nominal, velocity.clone()).unwrap();
             let mut force = vec![0.0; q.len()];
-            let mut linearisation = model.linearisation();
-            let (balance, input) =
-                model.evaluate_with_input(0.0, &q, &velocity, &mut force, &mut linearisation);
+            let (balance, input) = model.evaluate_with_input(0.0, &q, &velocity, &mut force, None);
             // Rate of the stored energy along the motion, the sun going on as well.
             let h = 1e-7;
             let mut stored = |side: f64| {
                 let moved: Vec<f64> = q.iter().zip(&velocity).map(|(q, v)| q + side * h * v).collect();
                 model.hold_sun(sun + side * h * speed, speed);
-                model.evaluate_with_input(0.0, &moved, &velocity, &mut force, &mut linearisation).0.stored
+                model.evaluate_with_input(0.0, &moved, &velocity, &mut force, None).0.stored
             };
             let taken_up = (stored(1.0) - stored(-1.0)) / (2.0 * h);
             let balance_left = input * speed - balance.load_power - balance.dissipation - taken_up;

@@ -68,6 +68,11 @@ pub trait Sink {
     /// Velocity-dependent forces: force[i] on coordinate index[i], matrix −∂(force)/∂(velocity) row by row.
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
 
+    /// Whether Hessians of elements and slopes of friction are asked for; where not, they may be empty.
+    fn takes_stiffness(&self) -> bool {
+        true
+    }
+
     /// Whether the matrices of dampers are asked for.
     fn takes_damping(&self) -> bool {
         true
@@ -80,11 +85,11 @@ pub trait Sink {
     fn onset(&mut self, _rate: f64) {}
 }
 
-/// Sums forces and tangents. Coordinates from number `size` on are held or prescribed; the torque on a
+/// Sums forces, and tangents where there is somewhere to put them. Coordinates from number `size` on are held or prescribed; the torque on a
 /// prescribed input is kept aside.
 pub struct Assembly<'a> {
     pub force: &'a mut [f64],
-    pub linearisation: &'a mut DenseLinearisation,
+    pub linearisation: Option<&'a mut DenseLinearisation>,
     pub size: usize,
     pub input: usize,
     /// Torque of the machine on a prescribed input in N·m.
@@ -109,11 +114,12 @@ impl Assembly<'_> {
         matrix: &[f64],
         row: fn(&mut DenseLinearisation, usize) -> &mut [f64],
     ) {
+        let Some(linearisation) = self.linearisation.as_deref_mut() else { return };
         for (at, line) in index.iter().zip(matrix.chunks_exact(index.len())) {
             if *at >= self.size {
                 continue;
             }
-            let into = row(self.linearisation, *at);
+            let into = row(linearisation, *at);
             for (column, value) in index.iter().zip(line) {
                 // Coordinates that are held lie behind the row's end.
                 if let Some(entry) = into.get_mut(*column) {
@@ -141,8 +147,12 @@ impl Sink for Assembly<'_> {
         self.balance.dissipation += dissipation;
     }
 
+    fn takes_stiffness(&self) -> bool {
+        self.linearisation.is_some()
+    }
+
     fn takes_damping(&self) -> bool {
-        self.linearisation.takes_damping()
+        self.linearisation.as_ref().is_some_and(|linearisation| linearisation.takes_damping())
     }
 
     fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {

@@ -75,9 +75,12 @@ impl Sink for WithModes<'_> {
             return self.sink.element(element);
         }
         let own = element.index.len();
-        let mut hessian = self.matrix(element.hessian, own);
+        let stiffness = self.takes_stiffness();
+        let mut hessian = if stiffness { self.matrix(element.hessian, own) } else { Vec::new() };
         let width = own + self.modes.len();
-        for (m, BoreMode { by, .. }) in self.modes.iter().enumerate().filter(|(_, mode)| mode.turns) {
+        for (m, BoreMode { by, .. }) in
+            self.modes.iter().enumerate().filter(|(_, mode)| stiffness && mode.turns)
+        {
             // The modes' displacement turns with the disc. A force along the place is one against the
             // gradient of the bearing's displacement.
             let across = quarter_turn(*by);
@@ -103,11 +106,18 @@ impl Sink for WithModes<'_> {
         self.sink.damper(&self.index(index), &self.vector(force), &matrix, dissipation);
     }
 
+    fn takes_stiffness(&self) -> bool {
+        self.sink.takes_stiffness()
+    }
+
     fn takes_damping(&self) -> bool {
         self.sink.takes_damping()
     }
 
     fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {
+        if !self.takes_stiffness() {
+            return;
+        }
         if self.modes.is_empty() {
             return self.sink.friction_slope(index, matrix);
         }

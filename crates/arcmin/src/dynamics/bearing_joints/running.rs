@@ -46,6 +46,10 @@ impl System for Running<'_> {
         self.model.evaluate(time, position, &self.velocity, force, linearisation)
     }
 
+    fn evaluate_forces(&self, time: f64, position: &[f64], _: &[f64], force: &mut [f64]) -> Balance {
+        self.model.evaluate_forces(time, position, &self.velocity, force)
+    }
+
     fn crank_angle(&self, position: &[f64]) -> f64 {
         self.model.crank_angle(position)
     }

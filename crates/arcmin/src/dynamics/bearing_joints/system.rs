@@ -33,22 +33,24 @@ impl BearingJoints {
         }
     }
 
-    /// Everything at one state; returns powers and the torque (N·m) that the drive puts on the sun.
+    /// Everything at one state, tangents where they are wanted; returns powers and the torque (N·m) that the drive puts on the sun.
     pub fn evaluate_with_input(
         &self,
         time: f64,
         position: &[f64],
         velocity: &[f64],
         force: &mut [f64],
-        linearisation: &mut DenseLinearisation,
+        mut linearisation: Option<&mut DenseLinearisation>,
     ) -> (Balance, f64) {
         let (q, v) = self.full(time, position, velocity);
-        linearisation.clear();
+        if let Some(linearisation) = linearisation.as_deref_mut() {
+            linearisation.clear();
+        }
         force.fill(0.0);
         let (size, input) = (self.layout.size(), self.layout.input());
         let mut assembly = Assembly {
             force,
-            linearisation,
+            linearisation: linearisation.as_deref_mut(),
             size,
             input,
             prescribed_torque: 0.0,
@@ -116,7 +118,11 @@ impl System for BearingJoints {
         force: &mut [f64],
         linearisation: &mut DenseLinearisation,
     ) -> Balance {
-        self.evaluate_with_input(time, position, velocity, force, linearisation).0
+        self.evaluate_with_input(time, position, velocity, force, Some(linearisation)).0
+    }
+
+    fn evaluate_forces(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64]) -> Balance {
+        self.evaluate_with_input(time, position, velocity, force, None).0
     }
 
     fn next_breakpoint(&self, time: f64) -> Option<f64> {

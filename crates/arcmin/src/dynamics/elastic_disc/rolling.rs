@@ -1,4 +1,4 @@
-use super::{DiscContacts, DiscMotion, ElasticDiscs, ElasticReaction};
+use super::{DiscContacts, DiscMotion, ElasticDiscs, Products};
 use crate::contact::{PinContacts, Rolling};
 use crate::geometry::Vec2;
 
@@ -20,6 +20,9 @@ impl ElasticDiscs {
     /// is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc:
     /// the tangents that go with φ′ are a per cent there. Those of the curvature are left out, as on the
     /// rigid disc.
+    ///
+    /// `rows` and `pushes` of all contacts change with the places; what else the tangent gets goes into `products`,
+    /// where there are any.
     pub(super) fn add_rolling(
         &self,
         disc: usize,
@@ -27,34 +30,34 @@ impl ElasticDiscs {
         state: &DiscContacts,
         motion: DiscMotion<'_>,
         (rows, pushes): (&mut [f64], &mut [f64]),
-        reaction: &mut ElasticReaction,
+        (force, mut products): (&mut [f64], Option<&mut Products>),
     ) {
-        let width = reaction.force.len();
-        let first = 3 + motion.modes.len();
+        let (width, first) = (force.len(), 3 + motion.modes.len());
+        let (mut by_place, mut pushed) = (vec![0.0; width], vec![0.0; width]);
         for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| state.forces.force[*i] > 0.0) {
             let Travel { rolling, bent, pull, turns } = self.travel(disc, ring, state, motion.modes, i);
-            let force = state.forces.force[i];
+            let own = state.forces.force[i];
             let push: [f64; 3] =
-                std::array::from_fn(|a| pull * rolling.by_pose[a] + force * rolling.gap_slope[a]);
-            let mut by_place = rolling.by_pose.to_vec();
-            let mut pushed = push.to_vec();
-            by_place.resize(first, 0.0);
-            pushed.resize(first, 0.0);
-            if let Some(pins) = motion.housing {
-                by_place.extend(pins.rows(disc, contact.pin, rolling.by_pose));
-                pushed.extend(pins.rows(disc, contact.pin, push));
-            }
-            for a in (0..3).chain(first..width) {
-                for (m, turn) in turns.iter().enumerate() {
-                    let coupling = force * turn * by_place[a];
-                    reaction.stiffness[a * width + 3 + m] -= coupling;
-                    reaction.stiffness[(3 + m) * width + a] -= coupling;
+                std::array::from_fn(|a| pull * rolling.by_pose[a] + own * rolling.gap_slope[a]);
+            for (into, by_pose) in [(&mut by_place, rolling.by_pose), (&mut pushed, push)] {
+                into[..3].copy_from_slice(&by_pose);
+                if let Some(pins) = motion.housing {
+                    let ways = pins.rows(disc, contact.pin, by_pose);
+                    into[first..].iter_mut().zip(ways).for_each(|(into, way)| *into = way);
                 }
-                reaction.force[a] += pushed[a];
-                // The approach changes with the place as well.
-                rows[i * width + a] += bent * by_place[a];
-                pushes[i * width + a] += bent * by_place[a];
             }
+            force.iter_mut().zip(&pushed).for_each(|(sum, push)| *sum += push);
+            // The approach changes with the place as well.
+            for all in [&mut *rows, &mut *pushes] {
+                let row = all[i * width..][..width].iter_mut();
+                row.zip(&by_place).for_each(|(entry, by_place)| *entry += bent * by_place);
+            }
+            let Some(products) = products.as_deref_mut() else { continue };
+            let turn = |row: &mut [f64]| {
+                row[3..first].iter_mut().zip(&turns).for_each(|(entry, turn)| *entry = -own * turn);
+            };
+            products.push(|row| row.copy_from_slice(&by_place), turn);
+            products.push(turn, |row| row.copy_from_slice(&by_place));
         }
     }
 

@@ -21,7 +21,7 @@ impl ElasticDiscs {
         g: &[f64],
     ) -> DiscSplit {
         let (count, width) = (motion.modes.len(), g.len());
-        let stiffness = self.react(disc, ring, motion).stiffness;
+        let stiffness = self.react(disc, ring, motion, true).stiffness;
         let whole: f64 =
             (0..width).map(|a| (0..width).map(|b| g[a] * stiffness[a * width + b] * g[b]).sum::<f64>()).sum();
         let state = self.contacts(disc, ring, motion);

@@ -158,7 +158,7 @@ impl FlexibleJoints {
         let (modes, rates) = self.modal_state(disc, position, velocity, angle, speed);
         let (pose, rate) = self.rigid.disc_state(disc, angle, speed);
         let motion = DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None };
-        let reaction = self.discs.react(disc, &self.rigid.rings[disc], motion);
+        let reaction = self.discs.react(disc, &self.rigid.rings[disc], motion, true);
         balance.stored += reaction.stored;
         balance.dissipation += reaction.dissipation;
         balance.onset_rate = balance.onset_rate.max(reaction.onset_rate);

@@ -2,10 +2,11 @@ use super::super::StiffnessSplit;
 use super::super::stiffness_split;
 use super::*;
 use crate::dynamics::{
-    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, FlexibleOptions, Part, System,
+    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, EquilibriumControl,
+    FlexibleOptions, Lean, Part, System, solve_equilibrium,
 };
 use crate::fem::{BodyShapes, DiscModel, FlexibleDiscs, FlexibleSettings};
-use crate::machine::Hold;
+use crate::machine::{FixedMember, Hold, OutputForces};
 use crate::progress::Silent;
 use crate::templates::{TEMPLATES, rv_40e_81};
 use crate::units::ARCMIN;
@@ -90,8 +91,7 @@ fn loads_of_the_carrier_balance_the_torque() {
     assert!((torque.abs() / machine.rated.torque - 1.0).abs() < 1e-6, "{torque}");
     // Pins turn the housing by the torque less what the sun takes, about T/i.
     let rest = vec![0.0; q.len()];
-    let (mut force, mut linearisation) = (rest.clone(), model.linearisation());
-    let (_, sun) = model.evaluate_with_input(0.0, &q, &rest, &mut force, &mut linearisation);
+    let (_, sun) = model.evaluate_with_input(0.0, &q, &rest, &mut rest.clone(), None);
     assert!((sun.abs() * machine.kinematics().ratio() / machine.rated.torque - 1.0).abs() < 0.01, "{sun}");
     let loads = model.housing_loads(&q);
     assert_eq!(loads.len(), shapes.housing.main_seat(1) + 2);
@@ -208,6 +208,54 @@ fn everything_elastic_in_one_model() {
         };
         let (hard, rigid) = (error(&hard), error(&bare));
         assert!((hard - rigid).abs() < 1e-4, "{torque}: {hard} {rigid}");
+    }
+}
+
+/// Forces asked for alone are those that come with a tangent, bit for bit, whichever member is at rest.
+#[test]
+fn forces_do_not_depend_on_whether_tangents_are_asked_for() {
+    let machine = rv_40e_81();
+    let bodies = coarse(&machine);
+    let all = JointSettings {
+        lean: Some(Lean::of(&machine, OutputForces { moment: 200.0, ..OutputForces::default() })),
+        ..elastic(&machine, &bodies)
+    };
+    for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
+        for settings in [&JointSettings::default(), &all] {
+            let mut model =
+                BearingJoints::held(&Machine { fixed_member, ..machine.clone() }, settings).unwrap();
+            model.hold_sun(0.7, 300.0);
+            model.set_load(0.6 * machine.rated.torque);
+            let (nominal, speed) = (model.nominal_position_at(0.7), model.nominal_velocity_at(0.7, 300.0));
+            let place = creep(&model, 1e-3, &nominal).unwrap();
+            let (mut with, mut alone) = (vec![0.0; place.len()], vec![1.0; place.len()]);
+            let balance = model.evaluate(0.0, &place, &speed, &mut with, &mut model.linearisation());
+            assert_eq!(model.evaluate_forces(0.0, &place, &speed, &mut alone), balance);
+            assert_eq!(alone, with);
+            assert!(balance.stored > 0.0);
+        }
+    }
+}
+
+/// In a system this large the last steps go by tangents of places before: they end where exact ones do.
+#[test]
+fn kept_tangents_lead_to_the_same_balance() {
+    let machine = rv_40e_81();
+    let settings = elastic(&machine, &coarse(&machine));
+    let mut model = BearingJoints::held(&machine, &settings).unwrap();
+    let control = EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-6, ..Default::default() };
+    let exact = EquilibriumControl { tolerance: 1e-11, ..control };
+    for sun in [0.0, 3.3, 17.0] {
+        model.hold_sun(sun, 0.0);
+        model.set_load(0.9 * machine.rated.torque);
+        let near = solve_equilibrium(&model, 0.0, &model.nominal_position_at(sun), control).unwrap();
+        model.set_load(machine.rated.torque);
+        let short = solve_equilibrium(&model, 0.0, &near.position, control).unwrap();
+        let long = solve_equilibrium(&model, 0.0, &near.position, exact).unwrap();
+        assert!(short.iterations < 12, "{}", short.iterations);
+        for ((a, b), scale) in short.position.iter().zip(&long.position).zip(model.scale()) {
+            assert!((a - b).abs() < 1e-7 * scale, "{sun}: {a} {b}");
+        }
     }
 }
 

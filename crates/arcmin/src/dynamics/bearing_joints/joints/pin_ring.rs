@@ -173,7 +173,8 @@ impl PinRing {
         sink.damper(&index, &vec![0.0; force.len()], damping, dissipation);
     }
 
-    /// Q = Gᵀ f with G from [`Self::seen`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f.
+    /// Q = Gᵀ f with G from [`Self::seen`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f where that is
+    /// asked for.
     fn hand_on_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, _] } = *forces;
         let seen = self.seen(pose, q);
@@ -183,6 +184,9 @@ impl PinRing {
         let motions: Vec<[(usize, f64); 3]> = places.chain(modes).collect();
         let (own, width) = (force.len(), motions.len());
         let through = |m: &[f64]| -> Vec<f64> {
+            if m.is_empty() {
+                return Vec::new();
+            }
             let mut seen = vec![0.0; width * width];
             for (i, by_row) in motions.iter().enumerate() {
                 for (j, by_column) in motions.iter().enumerate() {
@@ -193,16 +197,18 @@ impl PinRing {
             seen
         };
         let mut hessian = through(stiffness);
-        // J R f: how the force on the disc turns with the housing.
-        let turning = quarter_turn(turned(Vec2::new(force[0], force[1]), unit(q[self.place[5]])));
-        for (i, value) in [(0, turning.x), (1, turning.y), (3, -turning.x), (4, -turning.y)] {
-            hessian[i * width + 5] -= value;
-            hessian[5 * width + i] -= value;
-        }
-        hessian[5 * width + 5] += force[0] * pose.centre.x + force[1] * pose.centre.y;
         let gradient: Vec<f64> =
             motions.iter().map(|by_row| -by_row.iter().map(|(a, g)| g * force[*a]).sum::<f64>()).collect();
         let index: Vec<usize> = self.place.iter().copied().chain(self.modes()).collect();
+        // J R f: how the force on the disc turns with the housing.
+        let turning = quarter_turn(turned(Vec2::new(force[0], force[1]), unit(q[self.place[5]])));
+        if !hessian.is_empty() {
+            for (i, value) in [(0, turning.x), (1, turning.y), (3, -turning.x), (4, -turning.y)] {
+                hessian[i * width + 5] -= value;
+                hessian[5 * width + i] -= value;
+            }
+            hessian[5 * width + 5] += force[0] * pose.centre.x + force[1] * pose.centre.y;
+        }
         let element =
             Element { part: Part::Teeth, index: &index, gradient: &gradient, hessian: &hessian, stored };
         sink.element(&element);
@@ -226,7 +232,7 @@ impl Joint for PinRing {
                 self.hand_on(motion.pose, at.q, &forces, sink);
             }
             Some(Modes { body, .. }) => {
-                let reaction = body.react(self.disc, &self.contacts, motion);
+                let reaction = body.react(self.disc, &self.contacts, motion, sink.takes_stiffness());
                 let forces = Forces {
                     force: &reaction.force,
                     stiffness: &reaction.stiffness,
