@@ -1,5 +1,3 @@
-use std::cmp::Ordering;
-
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
@@ -191,7 +189,7 @@ impl CmaEs {
             return no("designs differ in their number of constraints");
         }
         for (place, outcome) in self.ask().into_iter().zip(outcomes) {
-            if self.best.as_ref().is_none_or(|(_, best)| better(outcome, best)) {
+            if self.best.as_ref().is_none_or(|(_, best)| outcome.compare(best).is_lt()) {
                 self.best = Some((place, outcome.clone()));
             }
         }
@@ -252,16 +250,6 @@ impl CmaEs {
         // The step cannot grow without end on a plateau, nor below what the unit cube can tell apart.
         let growth = ((p.c_step / p.damping) * (norm / p.length - 1.0)).clamp(-1.0, 1.0).exp();
         self.step = (self.step * growth).clamp(1e-15, 1e3);
-    }
-}
-
-/// Deb's (2000) order: kept constraints before broken ones, then the goal, or what is broken least.
-fn better(one: &Outcome, other: &Outcome) -> bool {
-    let (a, b) = (one.violation(), other.violation());
-    match a.total_cmp(&b) {
-        Ordering::Less => true,
-        Ordering::Greater => false,
-        Ordering::Equal => a == 0.0 && one.goals < other.goals,
     }
 }
 

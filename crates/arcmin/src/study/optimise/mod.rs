@@ -12,6 +12,9 @@ mod tests;
 
 pub use cma::CmaEs;
 pub use nsga2::Nsga2;
+
+use std::cmp::Ordering;
+
 use serde::{Deserialize, Serialize};
 
 /// What one design gave.
@@ -42,6 +45,16 @@ impl Outcome {
 
     pub fn is_feasible(&self) -> bool {
         self.violation() == 0.0
+    }
+
+    /// The better one is less, in the order of Deb (2000): kept constraints before broken ones, then the goals, the
+    /// first one first, or what is broken least.
+    pub fn compare(&self, other: &Outcome) -> Ordering {
+        let goals = || match self.goals.partial_cmp(&other.goals) {
+            Some(order) if self.is_feasible() => order,
+            _ => Ordering::Equal,
+        };
+        self.violation().total_cmp(&other.violation()).then_with(goals)
     }
 }
 

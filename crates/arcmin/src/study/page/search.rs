@@ -247,10 +247,14 @@ impl SearchReport<'_> {
         columns.extend(self.compared.iter().map(|compared| Column::number(compared.name.clone(), "")));
         let machines = match (self.search.machines, self.standing.done.last().map(|stage| stage.stage)) {
             (1, _) => "Every design is computed once: machines do not differ.".to_owned(),
-            (_, Some(Stage::Check)) => format!(
-                "Judged by {} fresh machines, which the search has not seen; it judged by {}.",
-                self.search.check_machines, self.search.machines
-            ),
+            (_, Some(Stage::Check)) => {
+                let check = self.standing.done.last().map_or(0, |stage| stage.designs.len() - 1);
+                format!(
+                    "Judged by {} fresh machines, which the search has not seen; it judged by {}. Designs checked: \
+                     {check}, those that did best in the search at several distances from the limits.",
+                    self.search.check_machines, self.search.machines
+                )
+            }
             (machines, _) => format!("Judged by the {machines} machines of the search."),
         };
         Table { title: "What was found".into(), columns, rows: self.comparison(), note: machines }
