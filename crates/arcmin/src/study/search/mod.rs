@@ -290,10 +290,10 @@ impl Search {
     fn best(&self, optimiser: &Optimiser, done: &[DoneStage]) -> Vec<(Vec<f64>, Outcome)> {
         let mut best = optimiser.best();
         let start = done.first().and_then(|start| Some((start.designs.first()?, start.outcomes.first()?)));
-        if let (1, Some((place, outcome))) = (self.goals.len(), start) {
-            if !best.iter().any(|found| found.1.compare(outcome).is_lt()) {
-                best = vec![(place.clone(), outcome.clone())];
-            }
+        if let (1, Some((place, outcome))) = (self.goals.len(), start)
+            && !best.iter().any(|found| found.1.compare(outcome).is_lt())
+        {
+            best = vec![(place.clone(), outcome.clone())];
         }
         best
     }
