@@ -416,7 +416,7 @@ def rig(
     vtu: bool = False,
     hours: float = 0.0,
     measured: Sequence[_File] | None = None,
-    positions: int = 4,
+    positions: int = 5,
     te_positions: int = 1024,
     moment_nm: float = 0.0,
     axial_n: float = 0.0,

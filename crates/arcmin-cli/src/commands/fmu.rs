@@ -50,7 +50,7 @@ pub fn command() -> Command {
         )
         .arg(choice("joints", "bearings", vec!["bearings", "ideal"]).help("Joints of the multibody model"))
         .args(fidelity_args())
-        .arg(number("positions", "4", "Map: crank positions at which the loop is run"))
+        .arg(number("positions", "5", "Map: crank positions at which the loop is run"))
         .arg(number("te-positions", "1024", "Map: positions over the output turn"))
         .arg(
             Arg::new("library")

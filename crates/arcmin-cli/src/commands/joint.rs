@@ -30,7 +30,7 @@ pub fn command() -> Command {
                 .help("Ages in hours of the duty, with commas between"),
         )
         .args(fidelity_args())
-        .arg(number("positions", "4", "Crank positions at which the loop is run"))
+        .arg(number("positions", "5", "Crank positions at which the loop is run"))
         .arg(number("te-positions", "1024", "Positions over the output turn"))
         .arg(number("timestep-ms", "1", "Time step of the robot simulation in ms, for the damping it needs"))
         .arg(out())
