@@ -108,6 +108,18 @@ pub(super) struct DiscMotion<'a> {
     pub housing: Option<HousingMotion<'a>>,
 }
 
+impl DiscMotion<'_> {
+    /// Writes derivatives with respect to (x, y, θ), modes of the disc aside, into a row over (x, y, θ, q, η): a pin
+    /// that moves is a disc that moves the other way.
+    fn spread(&self, disc: usize, pin: usize, by_pose: [f64; 3], row: &mut [f64]) {
+        row[..3].copy_from_slice(&by_pose);
+        if let Some(pins) = self.housing {
+            let ways = pins.rows(disc, pin, by_pose);
+            row[3 + self.modes.len()..].iter_mut().zip(ways).for_each(|(entry, way)| *entry = way);
+        }
+    }
+}
+
 /// Modes of an elastic housing, which move its pins.
 #[derive(Clone, Copy)]
 pub(super) struct HousingMotion<'a> {
@@ -285,18 +297,14 @@ impl ElasticDiscs {
             reaction.stored += here.stored;
             reaction.dissipation += (here.force - here.elastic) * rate;
             let row = &mut rows[i * width..(i + 1) * width];
-            row[..3].copy_from_slice(&contact.gradient);
+            motion.spread(disc, contact.pin, contact.gradient, row);
             row[3..first].copy_from_slice(&state.shape[i * count..(i + 1) * count]);
-            if let Some(pins) = motion.housing {
-                let ways = pins.rows(disc, contact.pin, contact.gradient);
-                row[first..].iter_mut().zip(ways).for_each(|(row, way)| *row = way);
-            }
             if here.force <= 0.0 {
                 continue;
             }
             gain[i] = here.stiffness / state.forces.local_stiffness[i];
-            let sliding = ring.sliding().map(|sliding| sliding.share(contact.sliding_speed));
-            let (share, slope) = sliding.unwrap_or_default();
+            let (share, slope) =
+                ring.sliding().map_or((0.0, 0.0), |sliding| sliding.share(contact.sliding_speed));
             reaction.dissipation += share * here.force * contact.sliding_speed;
             let push = &mut pushes[i * width..(i + 1) * width];
             push.copy_from_slice(row);
@@ -309,19 +317,11 @@ impl ElasticDiscs {
             reaction.add_damping(&here, (row, push), slope, contact, (&hessian, motion.velocity));
             // The normal turns with the pin's way as it does with the disc's.
             for a in 0..3 {
-                let seen = |by_pose: [f64; 3], into: &mut [f64]| {
-                    into[..3].copy_from_slice(&by_pose);
-                    if let Some(pins) = motion.housing {
-                        let ways = pins.rows(disc, contact.pin, by_pose);
-                        into[first..].iter_mut().zip(ways).for_each(|(into, way)| *into = way);
-                    }
-                };
                 let along: [f64; 3] = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
+                let turning = hessian[a].map(|entry| -here.force * entry);
                 products.push(
-                    |row| seen(along, row),
-                    |row| {
-                        seen(hessian[a].map(|entry| -here.force * entry), row);
-                    },
+                    |row| motion.spread(disc, contact.pin, along, row),
+                    |row| motion.spread(disc, contact.pin, turning, row),
                 );
             }
         }
@@ -349,9 +349,11 @@ impl ElasticDiscs {
             reaction.stored += 0.5 * square * q * q;
             reaction.dissipation += damping * rate * rate;
             reaction.force[3 + m] -= square * q + damping * rate;
-            let diagonal = (3 + m) * (width + 1);
-            reaction.stiffness.get_mut(diagonal).into_iter().for_each(|entry| *entry += square);
-            reaction.damping.get_mut(diagonal).into_iter().for_each(|entry| *entry += damping);
+            if !reaction.stiffness.is_empty() {
+                let diagonal = (3 + m) * (width + 1);
+                reaction.stiffness[diagonal] += square;
+                reaction.damping[diagonal] += damping;
+            }
         }
     }
 

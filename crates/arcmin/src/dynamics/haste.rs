@@ -26,8 +26,10 @@ const SHARPER: f64 = 0.1;
 /// against it exceeds the work along it, it is cut where the straight line between both vanishes.
 ///
 /// Near the balance the tangent changes little from step to step, and in a large system to take and factorise it is
-/// most of the work: there steps go on with the last factors and what the steps since have told of the change (Broyden 1965, his first
-/// update, kept as the steps themselves: Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, ch. 7).
+/// most of the work. There steps go on with the last factors and with what the steps since have told of the change:
+/// Broyden's first update (1965), kept as the steps themselves (Kelley, Iterative Methods for Linear and Nonlinear
+/// Equations, 1995, ch. 7).
+///
 /// The step after one of length s is about s² over the one before it, and shorter than what the forces left along s
 /// tell; where that is less than a tenth of the tolerance a step is the last.
 pub(super) fn hasten<S: System>(
@@ -112,8 +114,8 @@ struct Search<'a, S: System> {
     rest: Vec<f64>,
     position: Vec<f64>,
     force: Vec<f64>,
+    /// Factorised by the first step with it.
     tangent: S::Linearisation,
-    is_factorised: bool,
     /// Steps since, each with its square, coordinates in units of the system's scale.
     steps: Vec<(Vec<f64>, f64)>,
 }
@@ -128,7 +130,6 @@ impl<'a, S: System> Search<'a, S> {
             position: start.to_vec(),
             force: vec![0.0; start.len()],
             tangent: system.linearisation_at_rest(),
-            is_factorised: false,
             steps: Vec::new(),
         }
     }
@@ -150,7 +151,6 @@ impl<'a, S: System> Search<'a, S> {
     /// Forces and tangent here.
     fn take_tangent(&mut self) -> Balance {
         self.steps.clear();
-        self.is_factorised = false;
         let Search { system, time, position, rest, .. } = self;
         let balance = system.evaluate(*time, position, rest, &mut self.force, &mut self.tangent);
         if let Some(held) = self.control.held {
@@ -175,21 +175,18 @@ impl<'a, S: System> Search<'a, S> {
     /// The next step from here.
     fn next_step(&mut self, step: &mut [f64]) -> Option<()> {
         step.copy_from_slice(&self.force);
-        if !self.is_factorised {
+        let Some((made, square)) = self.steps.last() else {
             let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
-            self.tangent.solve(self.system.mass(), weights, step).ok()?;
-            self.is_factorised = true;
-            return Some(());
-        }
+            return self.tangent.solve(self.system.mass(), weights, step).ok();
+        };
         self.tangent.solve_again(step).ok()?;
         let scale = self.system.scale();
         step.iter_mut().zip(scale).for_each(|(x, scale)| *x /= scale);
         for pair in self.steps.windows(2) {
-            let [(made, square), (next, _)] = pair else { break };
-            let share = dot(made, step) / square;
+            let [(earlier, square), (next, _)] = pair else { break };
+            let share = dot(earlier, step) / square;
             step.iter_mut().zip(next).for_each(|(x, next)| *x += share * next);
         }
-        let (made, square) = self.steps.last()?;
         let grown = 1.0 - dot(made, step) / square;
         step.iter_mut().zip(scale).for_each(|(x, scale)| *x *= scale / grown);
         Some(())

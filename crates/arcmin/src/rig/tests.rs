@@ -484,3 +484,30 @@ fn one_curve_is_that_of_all() {
         assert_eq!(one.spectrum, all.spectrum);
     }
 }
+
+/// As many crank positions as the bench takes by default stand for many, with two crankshafts and with three; four
+/// fall together by twos where there are two.
+#[test]
+fn five_crank_positions_stand_for_many() {
+    let mut three = machine();
+    three.crankshafts.count = 3;
+    let large = crate::templates::design("rv-80e").unwrap().machine();
+    for machine in [machine(), large, three] {
+        let over = |positions: usize| {
+            let plan = RigPlan {
+                loop_positions: positions,
+                error_positions: 16,
+                every_curve: false,
+                running: false,
+            };
+            let settings = JointSettings::default();
+            let state = RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent);
+            let state = state.unwrap().unwrap();
+            [state.lost_motion(), state.soft_stiffness()]
+        };
+        let [many, five, four] = [17, 5, 4].map(over);
+        let apart = |few: [f64; 2]| (0..2).map(|k| (few[k] / many[k] - 1.0).abs()).fold(0.0, f64::max);
+        assert!(apart(five) < 0.01, "{five:?} {many:?}");
+        assert!(machine.crankshafts.count != 2 || apart(four) > 2.0 * apart(five), "{four:?} {many:?}");
+    }
+}

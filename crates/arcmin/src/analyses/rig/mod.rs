@@ -39,7 +39,7 @@ options! {
         hours: f64 => default(0.0, 0.0, 1e7),
         /// A measured curve, evaluated by the same code and drawn over ours; may be given several times. A loop has the columns torque_n_m, angle_arcmin, branch (falling or rising) and, for several loops, position; a transmission error has output_angle_deg, te_arcmin and, for several curves, direction and torque_n_m.
         measured: Vec<InputFile> => optional(0.0, 0.0),
-        // Four fall together by twos where there are two crankshafts: stiffness read there was 4 % off.
+        // With two crankshafts every place comes twice in a turn: four positions would be two.
         /// Crank positions at which the loop is run, evenly over a turn of the crankshafts.
         positions: usize => default(5.0, 1.0, 360.0),
         /// Positions over the output turn.

@@ -85,8 +85,8 @@ pub trait Sink {
     fn onset(&mut self, _rate: f64) {}
 }
 
-/// Sums forces, and tangents where there is somewhere to put them. Coordinates from number `size` on are held or prescribed; the torque on a
-/// prescribed input is kept aside.
+/// Sums forces, and tangents where there is somewhere to put them. Coordinates from number `size` on are held or
+/// prescribed; the torque on a prescribed input is kept aside.
 pub struct Assembly<'a> {
     pub force: &'a mut [f64],
     pub linearisation: Option<&'a mut DenseLinearisation>,

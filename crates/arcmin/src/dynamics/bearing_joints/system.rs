@@ -33,7 +33,8 @@ impl BearingJoints {
         }
     }
 
-    /// Everything at one state, tangents where they are wanted; returns powers and the torque (N·m) that the drive puts on the sun.
+    /// Everything at one state, tangents where they are wanted; returns powers and the torque (N·m) that the drive
+    /// puts on the sun.
     pub fn evaluate_with_input(
         &self,
         time: f64,

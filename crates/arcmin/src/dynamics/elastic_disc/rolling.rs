@@ -39,13 +39,8 @@ impl ElasticDiscs {
             let own = state.forces.force[i];
             let push: [f64; 3] =
                 std::array::from_fn(|a| pull * rolling.by_pose[a] + own * rolling.gap_slope[a]);
-            for (into, by_pose) in [(&mut by_place, rolling.by_pose), (&mut pushed, push)] {
-                into[..3].copy_from_slice(&by_pose);
-                if let Some(pins) = motion.housing {
-                    let ways = pins.rows(disc, contact.pin, by_pose);
-                    into[first..].iter_mut().zip(ways).for_each(|(into, way)| *into = way);
-                }
-            }
+            motion.spread(disc, contact.pin, rolling.by_pose, &mut by_place);
+            motion.spread(disc, contact.pin, push, &mut pushed);
             force.iter_mut().zip(&pushed).for_each(|(sum, push)| *sum += push);
             // The approach changes with the place as well.
             for all in [&mut *rows, &mut *pushes] {

@@ -237,6 +237,27 @@ fn forces_do_not_depend_on_whether_tangents_are_asked_for() {
     }
 }
 
+/// The same on machines that nobody has seen, where they stand nominally: most contacts press there or nearly so.
+#[test]
+fn forces_alone_are_the_same_on_random_machines() {
+    for seed in 1..=30 {
+        let machine = crate::random_designs::sound_design(seed).0.machine();
+        let mut model = BearingJoints::held(&machine, &JointSettings::default()).unwrap();
+        model.hold_sun(0.7, 300.0);
+        model.set_load(machine.rated.torque);
+        let speed = model.nominal_velocity_at(0.7, 300.0);
+        // Every coordinate a little further, none by as much as the next.
+        let nominal = model.nominal_position_at(0.7);
+        let moved = nominal.iter().zip(model.scale()).enumerate();
+        let place: Vec<f64> = moved.map(|(i, (q, scale))| q + scale * (0.3 * i as f64).sin()).collect();
+        let (mut with, mut alone) = (vec![0.0; place.len()], vec![1.0; place.len()]);
+        let balance = model.evaluate(0.0, &place, &speed, &mut with, &mut model.linearisation());
+        assert_eq!(model.evaluate_forces(0.0, &place, &speed, &mut alone), balance, "{seed}");
+        assert_eq!(alone, with, "{seed}");
+        assert!(balance.stored > 0.0, "{seed}");
+    }
+}
+
 /// In a system this large the last steps go by tangents of places before: they end where exact ones do.
 #[test]
 fn kept_tangents_lead_to_the_same_balance() {

@@ -109,6 +109,11 @@ impl SearchReport<'_> {
         .collect()
     }
 
+    /// The stage of fresh machines, once it is there.
+    fn check(&self) -> Option<&DoneStage> {
+        self.standing.done.last().filter(|stage| stage.stage == Stage::Check)
+    }
+
     fn complete(&self) -> bool {
         self.standing.next.is_none()
     }
@@ -134,10 +139,12 @@ impl SearchReport<'_> {
             format!("{label} {} → {} {unit}", significant(from, 4), significant(to, 4)).trim_end().to_owned()
         });
         let goals = goals.collect::<Vec<_>>().join(", ");
-        let kept = if best.outcome.is_feasible() {
-            "all limits kept"
-        } else {
-            "but it does not keep all limits, and nothing that was tried does"
+        let kept = match (best.outcome.is_feasible(), self.check()) {
+            (true, _) => "all limits kept",
+            (false, None) => "but it does not keep all limits, and nothing that was tried does",
+            (false, Some(_)) => {
+                "but it does not keep all limits on fresh machines, and nothing that was checked does"
+            }
         };
         let tone = if best.outcome.is_feasible() { Tone::Good } else { Tone::Bad };
         let count = match self.standing.best.len() {
@@ -245,19 +252,24 @@ impl SearchReport<'_> {
     fn comparison_table(&self) -> Table {
         let mut columns = vec![Column::text("")];
         columns.extend(self.compared.iter().map(|compared| Column::number(compared.name.clone(), "")));
-        let machines = match (self.search.machines, self.standing.done.last().map(|stage| stage.stage)) {
-            (1, _) => "Every design is computed once: machines do not differ.".to_owned(),
-            (_, Some(Stage::Check)) => {
-                let check = self.standing.done.last().map_or(0, |stage| stage.designs.len() - 1);
-                format!(
-                    "Judged by {} fresh machines, which the search has not seen; it judged by {}. Designs checked: \
-                     {check}, those that did best in the search at several distances from the limits.",
-                    self.search.check_machines, self.search.machines
-                )
+        let Search { machines, check_machines, ref goals, .. } = *self.search;
+        let note = match self.check() {
+            _ if machines == 1 => "Every design is computed once: machines do not differ.".to_owned(),
+            None => format!("Judged by the {machines} machines of the search."),
+            Some(check) => {
+                let fresh = format!(
+                    "Judged by {check_machines} fresh machines, which the search has not seen; it judged by {machines}."
+                );
+                match (goals.len(), check.designs.len() - 1) {
+                    (1, count) => format!(
+                        "{fresh} Designs checked beside that as it stands: {count}, the best of the search at several \
+                         distances from the limits."
+                    ),
+                    _ => fresh,
+                }
             }
-            (machines, _) => format!("Judged by the {machines} machines of the search."),
         };
-        Table { title: "What was found".into(), columns, rows: self.comparison(), note: machines }
+        Table { title: "What was found".into(), columns, rows: self.comparison(), note }
     }
 
     /// The page, without provenance.

@@ -1,4 +1,4 @@
-use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
 use crate::dynamics::bearing_joints::Arm;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::{Five, MainBearings};
@@ -49,7 +49,7 @@ impl Joint for MainPair {
                 .sum()
         };
         let mut hessian: [f64; 64] = std::array::from_fn(|k| by(k / 8, k % 8));
-        let damping = hessian.map(|k| self.loss_time * k);
+        damp(&self.index, &hessian, self.loss_time, at, sink);
         let seat = self.seat_at(at.q);
         hessian[2 * 8 + 2] -= state.load[0] * seat.x + state.load[1] * seat.y;
         let gradient: [f64; 8] = std::array::from_fn(|a| (0..5).map(|i| state.load[i] * rows[i][a]).sum());
@@ -60,13 +60,6 @@ impl Joint for MainPair {
             hessian: &hessian,
             stored: state.stored,
         });
-        if self.loss_time > 0.0 {
-            let rate = self.index.map(|i| at.v[i]);
-            let pull: [f64; 8] =
-                std::array::from_fn(|a| -(0..8).map(|b| damping[a * 8 + b] * rate[b]).sum::<f64>());
-            let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
-            sink.damper(&self.index, &pull, &damping, dissipation);
-        }
     }
 
     /// As if the rows held the carrier in the middle: what play they have is along the axis.

@@ -127,6 +127,18 @@ impl Clone for Box<dyn Joint> {
     }
 }
 
+/// Damping in proportion to a stiffness K, row by row over the coordinates listed: −τ K v with τ in s.
+fn damp(index: &[usize], stiffness: &[f64], loss_time: f64, at: State<'_>, sink: &mut dyn Sink) {
+    if !(loss_time > 0.0) {
+        return;
+    }
+    let matrix: Vec<f64> = stiffness.iter().map(|k| loss_time * k).collect();
+    let along = |row: &[f64]| -> f64 { row.iter().zip(index).map(|(entry, i)| entry * at.v[*i]).sum() };
+    let force: Vec<f64> = matrix.chunks_exact(index.len()).map(|row| -along(row)).collect();
+    let dissipation = -along(&force);
+    sink.damper(index, &force, &matrix, dissipation);
+}
+
 /// Sums stored energies.
 struct Stored(f64);
 

@@ -1,4 +1,4 @@
-use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
 use crate::dynamics::bearing_joints::Arm;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn, unit};
@@ -65,7 +65,7 @@ impl Joint for Support {
                 }
             }
         }
-        let damping = hessian.map(|k| self.loss_time * k);
+        damp(&index, &hessian, self.loss_time, at, sink);
         hessian[12] -= force.dot(&seat);
         let gradient: [f64; 5] = std::array::from_fn(|a| force.x * rows[0][a] + force.y * rows[1][a]);
         sink.element(&Element {
@@ -75,13 +75,6 @@ impl Joint for Support {
             hessian: &hessian,
             stored: 0.5 * stiffness * depth * depth,
         });
-        if self.loss_time > 0.0 {
-            let rate = index.map(|i| at.v[i]);
-            let pull: [f64; 5] =
-                std::array::from_fn(|a| -(0..5).map(|b| damping[a * 5 + b] * rate[b]).sum::<f64>());
-            let dissipation = -pull.iter().zip(&rate).map(|(f, v)| f * v).sum::<f64>();
-            sink.damper(&index, &pull, &damping, dissipation);
-        }
     }
 
     /// Within a clearance, tangents all around the circle and one where the body stands.

@@ -1,0 +1,110 @@
+use super::*;
+use crate::geometry::unit;
+
+#[test]
+fn slope_along_the_flank_has_the_derivative_that_newton_uses() {
+    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let relief = Relief::from_samples(
+        Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect(),
+    );
+    let at = |tau: f64| Place { tau, e: unit(tau), ez: unit(40.0 * tau) };
+    for i in 0..60 {
+        let tau = 0.4 + 0.0027 * i as f64;
+        let p = profile.trace(tau) + crate::geometry::Vec2::new(2e-5, -1e-5);
+        let station = |tau: f64| Station::new(p, &profile.worn_at(at(tau), &relief));
+        let slope = |tau: f64| station(tau).slope;
+        let h = 1e-7;
+        let difference = (slope(tau + h) - slope(tau - h)) / (2.0 * h);
+        let exact = station(tau).slope_by_tau;
+        // The difference quotient has rounding of 1e-16/h and the third derivative's h².
+        assert!((difference / exact - 1.0).abs() < 1e-5, "{tau}: {difference} {exact}");
+    }
+}
+
+/// The enclosed closest point is that of Newton's method where this one settles. On a flank so wavy that a pin
+/// finds several, it is one of them: no place beside it is nearer.
+#[test]
+fn the_enclosed_closest_point_is_one() {
+    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let depth = |wave: f64| {
+        let at = move |phi: f64| 1e-5 * (1.3 + (2.0 * phi).sin() + wave * (60.0 * phi).cos());
+        Relief::from_samples(Relief::grid(720).map(at).collect())
+    };
+    let reach = SEARCHED / 39.0;
+    for (wave, several) in [(0.0, false), (0.3, true)] {
+        let relief = depth(wave);
+        let mut differ = 0;
+        for i in 0..400 {
+            let tau = 0.4 + 0.0004 * f64::from(i);
+            let p = profile.trace(tau) + 2e-5 * unit(f64::from(i));
+            let foot = profile.foot(p, tau);
+            let ends = [foot.tau - reach, foot.tau + reach];
+            let enclosed = profile.closest_between(p, ends, foot.place, &relief, 3e-3);
+            let free = profile.closest_on_worn(p, &foot, &relief, 3e-3);
+            differ += usize::from((enclosed.gap - free.gap).abs() > 1e-12);
+            for closest in [&enclosed, &free] {
+                let gap = |tau: f64| {
+                    let place = Place { tau, e: unit(tau), ez: unit(40.0 * tau) };
+                    profile.worn_at(place, &relief).reach(p).norm() - 3e-3
+                };
+                for side in [-1e-5, 1e-5] {
+                    let beside = gap(closest.tau + side);
+                    assert!(beside >= closest.gap - 1e-15, "{tau}: {} {beside}", closest.gap);
+                }
+            }
+        }
+        assert_eq!(differ > 0, several, "{differ} of 400");
+    }
+}
+
+#[test]
+fn designed_curvature_has_its_rate() {
+    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let at = |phi: f64| {
+        let trace = profile.trace_curvature(phi.cos());
+        let rate = profile.designed_curvature_rate(phi.sin(), profile.speed_factor(phi.cos()), trace);
+        (profile.designed_curvature(trace, 3.001e-3), rate)
+    };
+    for i in 0..90 {
+        let phi = -3.1 + 0.07 * f64::from(i);
+        let (value, rate) = at(phi);
+        let exact = profile.relative_curvature(phi.cos(), 3.001e-3);
+        assert!((value / exact - 1.0).abs() < 1e-12, "{phi}");
+        let h = 1e-5;
+        // φ falls with τ.
+        let difference = -39.0 * (at(phi + h).0 - at(phi - h).0) / (2.0 * h);
+        assert!((rate - difference).abs() < 1e-6 * (rate.abs() + 1e4), "{phi}: {rate} {difference}");
+    }
+}
+
+/// Along the flank, between the samples of the depth: curvature against three points of the worn flank, and a
+/// trace carried on by a short way against that found there.
+#[test]
+fn course_of_the_worn_flank_agrees_with_its_points() {
+    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let relief = Relief::from_samples(
+        Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect(),
+    );
+    let at = |tau: f64| profile.worn_at(Place { tau, e: unit(tau), ez: unit(40.0 * tau) }, &relief);
+    let point = |tau: f64| {
+        let here = at(tau);
+        here.trace.c - here.depth_below_trace * here.trace.normal()
+    };
+    for i in 0..120 {
+        let tau = 0.41 + 0.0027 * f64::from(i);
+        let h = 2e-6;
+        let (a, m, b) = (point(tau - h), point(tau), point(tau + h));
+        let (first, second) = ((b - a) / (2.0 * h), (b - 2.0 * m + a) / (h * h));
+        let expected = -cross(first, second) / first.norm().powi(3);
+        let here = at(tau);
+        let scale = expected.abs().max(50.0);
+        assert!((here.curvature() - expected).abs() < 2e-3 * scale, "{tau}: {expected}");
+        let way = 4e-6;
+        let (carried, there) = (here.trace.moved(way), at(tau + way).trace);
+        assert!((carried.c - there.c).norm() < 1e-16, "{tau}");
+        assert!((carried.tangent - there.tangent).norm() < 1e-10, "{tau}");
+        let size = there.turning.abs() + 40.0;
+        assert!((carried.turning - there.turning).abs() < 1e-7 * size, "{tau}");
+        assert!((carried.speed / there.speed - 1.0).abs() < 1e-9, "{tau}");
+    }
+}
