@@ -7,7 +7,7 @@ use crate::exchange::{JointExport, JointInertia, JointState, Stamp};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{WornState, worn_after};
 use crate::load::ShareLoad;
-use crate::rig::{RigPlan, RigState, error_curve, loss_lines};
+use crate::rig::{Curves, RigPlan, RigState, error_curve, loss_lines};
 
 /// What to measure.
 #[derive(Debug, Clone)]
@@ -47,7 +47,7 @@ pub fn joint(design: &Design, options: &JointOptions, host: &dyn Host) -> Result
     let plan = RigPlan {
         loop_positions: options.positions,
         error_positions: options.error_positions,
-        every_curve: true,
+        curves: Curves::Every,
         running: true,
     };
     let bench = |error| AnalysisError::compute("run the test bench")(error);

@@ -30,6 +30,9 @@ pub struct EquilibriumControl {
     pub jump_tolerance: f64,
     /// A coordinate that does not move, whatever pulls at it.
     pub held: Option<usize>,
+    /// Whether the start is so far off that other contacts may press where the balance is: then the first steps look
+    /// which ones they meet, which costs as much as an evaluation or two.
+    pub from_afar: bool,
     /// Descent in energy where Newton's method fails: sure, but long. Whoever knows other places to start from
     /// tries those first.
     pub descent: bool,
@@ -44,6 +47,7 @@ impl Default for EquilibriumControl {
             trust: 1.0,
             jump_tolerance: 0.0,
             held: None,
+            from_afar: false,
             descent: true,
         }
     }

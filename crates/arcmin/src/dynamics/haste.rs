@@ -1,6 +1,7 @@
 //! The short way to a state of rest, from a start that is nearly one.
 
 use super::equilibrium::{Equilibrium, EquilibriumControl};
+use super::foresight::{Foresight, Here};
 use super::system::LARGE;
 use super::{Balance, Linearisation, System, Weights};
 
@@ -18,6 +19,12 @@ const SLOW: f64 = 0.2;
 /// Steps by an old tangent shrink by shares, where Newton's leave far less than they promise: they must be this much
 /// shorter for as good an end.
 const SHARPER: f64 = 0.1;
+/// A step longer than this, in units of the system's scale, may meet contacts that the tangent does not know.
+const BLIND: f64 = 0.1;
+/// What holds back bodies that hang loose, as a share of the mass term that moves them by a unit of scale: at first and
+/// at most, and its growth where a step that minded the contacts went too far.
+const INERTIA: (f64, f64) = (1e-2, 10.0);
+const GROWTH: f64 = 10.0;
 
 /// Newton's method without a safety net: `None` where it does not converge within some steps from `start`.
 ///
@@ -29,6 +36,8 @@ const SHARPER: f64 = 0.1;
 /// most of the work. There steps go on with the last factors and with what the steps since have told of the change:
 /// Broyden's first update (1965), kept as the steps themselves (Kelley, Iterative Methods for Linear and Nonlinear
 /// Equations, 1995, ch. 7).
+///
+/// Where the start is from afar, steps mind the contacts on their way ([`Foresight`]).
 ///
 /// The step after one of length s is about s² over the one before it, and shorter than what the forces left along s
 /// tell; where that is less than a tenth of the tolerance a step is the last.
@@ -44,20 +53,30 @@ pub(super) fn hasten<S: System>(
     let mut balance = search.take_tangent();
     let mut before = 0.0;
     let mut blocked = false;
+    let mut was_cut = false;
     for iterations in 0..STEPS {
         let residual = search.residual();
         if residual <= control.force_tolerance {
             return Some(Equilibrium { residual, position: search.position, balance, iterations });
         }
-        search.next_step(&mut step)?;
+        let mut minded = None;
+        if search.next_step(&mut step).is_none() {
+            // Something hangs loose.
+            step.fill(0.0);
+            minded = Some(search.mind_contacts(&mut step)?);
+        }
         let mut length = search.length(&step);
         if search.is_old() && !(length <= SLOW * before) {
             search.take_tangent();
             search.next_step(&mut step)?;
             length = search.length(&step);
         }
+        if minded.is_none() && !search.is_old() && (was_cut || length > BLIND) {
+            minded = search.mind_contacts(&mut step);
+            length = search.length(&step);
+        }
         let tolerance = if search.is_old() { SHARPER * control.tolerance } else { control.tolerance };
-        let first = dot(&search.force, &step);
+        let first = minded.unwrap_or_else(|| dot(&search.force, &step));
         if !length.is_finite() || first <= 0.0 {
             return None;
         }
@@ -87,7 +106,12 @@ pub(super) fn hasten<S: System>(
             }
             blocked = true;
         }
-        if along < -first {
+        was_cut = along < -first;
+        if minded.is_some() {
+            let inertia = search.inertia * if was_cut { GROWTH } else { 1.0 / GROWTH };
+            search.inertia = inertia.clamp(INERTIA.0, INERTIA.1);
+        }
+        if was_cut {
             let share = first / (first - along);
             search
                 .position
@@ -116,6 +140,8 @@ struct Search<'a, S: System> {
     force: Vec<f64>,
     /// Factorised by the first step with it.
     tangent: S::Linearisation,
+    foresight: Option<Foresight<S::Linearisation>>,
+    inertia: f64,
     /// Steps since, each with its square, coordinates in units of the system's scale.
     steps: Vec<(Vec<f64>, f64)>,
 }
@@ -130,6 +156,8 @@ impl<'a, S: System> Search<'a, S> {
             position: start.to_vec(),
             force: vec![0.0; start.len()],
             tangent: system.linearisation_at_rest(),
+            foresight: None,
+            inertia: INERTIA.0,
             steps: Vec::new(),
         }
     }
@@ -170,6 +198,20 @@ impl<'a, S: System> Search<'a, S> {
             self.force[held] = 0.0;
         }
         balance
+    }
+
+    /// Makes a step from here one that minds the contacts on its way; the work that it should do.
+    fn mind_contacts(&mut self, step: &mut [f64]) -> Option<f64> {
+        let Search { system, time, control, position, force, tangent, .. } = self;
+        if !control.from_afar {
+            return None;
+        }
+        let scales = system.mass().iter().zip(system.scale());
+        let natural =
+            force.iter().zip(scales).fold(0.0, |most: f64, (f, (m, s))| most.max(f.abs() / (m * s)));
+        let inertia = self.inertia * natural;
+        let here = Here { time: *time, position, force, tangent, inertia, held: control.held };
+        self.foresight.get_or_insert_with(|| Foresight::new(*system)).mind(*system, &here, step)
     }
 
     /// The next step from here.

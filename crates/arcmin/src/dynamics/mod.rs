@@ -8,6 +8,7 @@ mod elastic_disc;
 mod elastic_housing;
 mod equilibrium;
 mod error;
+mod foresight;
 mod gear_mesh;
 mod haste;
 mod ideal_joints;
@@ -51,5 +52,5 @@ pub use study::{
     StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study,
     simulate_rigid, spread_over_starts, transmission_error_study,
 };
-pub use system::{Balance, DenseLinearisation, Linearisation, Singular, System, Weights};
+pub use system::{Balance, DenseLinearisation, Gap, Linearisation, Singular, System, Weights};
 pub use table::TimeTable;

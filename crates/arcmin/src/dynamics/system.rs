@@ -44,6 +44,10 @@ pub trait System {
         self.evaluate(time, position, velocity, force, &mut self.linearisation_at_rest())
     }
 
+    /// Shows the gaps nearer than `reach` (m) that open and close between bodies. None are shown by systems whose
+    /// contacts are not to be foretold.
+    fn gaps(&self, _time: f64, _position: &[f64], _reach: f64, _see: &mut dyn FnMut(&Gap<'_>)) {}
+
     /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end
     /// there.
     fn next_breakpoint(&self, _time: f64) -> Option<f64> {
@@ -74,8 +78,29 @@ pub trait Linearisation {
     /// As there.
     fn solve_again(&self, rhs: &mut [f64]) -> Result<(), Singular>;
 
+    /// Takes over the stiffness of another, and no damping.
+    fn copy_stiffness(&mut self, from: &Self);
+
+    /// Adds a spring of stiffness k (N/m) along a gradient g by the coordinates listed, k g gᵀ; coordinates from
+    /// [`System::size`] on do not move.
+    fn add_spring(&mut self, index: &[usize], gradient: &[f64], stiffness: f64);
+
     /// Holds a coordinate: no force moves it, and it moves nothing.
     fn hold(&mut self, coordinate: usize);
+}
+
+/// A gap between two bodies, to first order in the displacement.
+#[derive(Debug, Clone, Copy)]
+pub struct Gap<'a> {
+    /// Coordinates that it depends on, those held or prescribed included, and its gradient by them.
+    pub index: &'a [usize],
+    pub gradient: &'a [f64],
+    /// m; negative where the bodies press.
+    pub width: f64,
+    /// How the bodies press, in N; nothing where the gap is open.
+    pub force: f64,
+    /// Tangent stiffness in N/m; where the gap is open, about what it will be.
+    pub stiffness: f64,
 }
 
 /// Factors of mass, damping and stiffness in the matrix of an implicit step.
@@ -200,6 +225,22 @@ impl DenseLinearisation {
 }
 
 impl Linearisation for DenseLinearisation {
+    fn copy_stiffness(&mut self, from: &Self) {
+        self.stiffness.copy_from_slice(&from.stiffness);
+        self.damping.fill(0.0);
+    }
+
+    fn add_spring(&mut self, index: &[usize], gradient: &[f64], stiffness: f64) {
+        for (row, g) in index.iter().zip(gradient).filter(|(row, _)| **row < self.size) {
+            let line = &mut self.stiffness[row * self.size..][..self.size];
+            for (column, h) in index.iter().zip(gradient) {
+                if let Some(entry) = line.get_mut(*column) {
+                    *entry += stiffness * g * h;
+                }
+            }
+        }
+    }
+
     fn hold(&mut self, coordinate: usize) {
         let n = self.size;
         for i in 0..n {

@@ -33,7 +33,9 @@ pub use hysteresis::{
 pub use main_bearings::{MainBearingLoad, main_bearing_load};
 pub use orders::{NamedOrder, name_orders};
 pub use state::{MeasuredOnBench, RigPlan, RigState};
-pub use transmission::{ErrorCurve, TransmissionSettings, error_curve, transmission_error_curves};
+pub use transmission::{
+    Curves, ErrorCurve, PinLoads, TransmissionSettings, error_curve, transmission_error_curves,
+};
 
 use crate::dynamics::DynamicsError;
 use crate::machine::Friction;

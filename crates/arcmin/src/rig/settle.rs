@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 use super::RigError;
 use crate::dynamics::{
-    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, JUMP, System, solve_equilibrium,
+    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Gap, JUMP, System, solve_equilibrium,
 };
 use crate::units::ARCMIN;
 
@@ -36,7 +36,7 @@ impl Slow<'_> {
 const PRESLIDING: f64 = 2e-8;
 /// Accuracy of the output angle in arcmin (and of all other coordinates likewise): far below the 1e-4' that
 /// anybody reads.
-const TOLERANCE: f64 = 1e-7;
+const TOLERANCE: f64 = 1e-6;
 
 /// In N or N·m. Angles of many turns (shaft 40 rad, sun 500 rad) are rounded to 1e-14 rad and more, which
 /// times radius and stiffness of all contacts leaves some 1e-6 where bodies just touch. At the output this is
@@ -85,6 +85,10 @@ impl System for Slow<'_> {
         self.model.evaluate_forces(time, position, &self.velocity(position), force)
     }
 
+    fn gaps(&self, time: f64, position: &[f64], reach: f64, see: &mut dyn FnMut(&Gap<'_>)) {
+        self.model.gaps(time, position, reach, see);
+    }
+
     fn crank_angle(&self, position: &[f64]) -> f64 {
         self.model.crank_angle(position)
     }
@@ -128,7 +132,10 @@ struct Settling<'m, M> {
 impl<'a, M: Fn() -> Motion<'a>> Settling<'_, M> {
     fn solve(&self, model: &BearingJoints, start: &[f64]) -> Result<Vec<f64>, RigError> {
         let slow = Slow { model, motion: (self.motion)() };
-        Ok(solve_equilibrium(&slow, 0.0, start, control(model, self.jump))?.position)
+        // Places of a turn that follow each other lie far apart; loads that change slowly do not.
+        let from_afar = matches!(slow.motion, Motion::Running(_));
+        let control = EquilibriumControl { from_afar, ..control(model, self.jump) };
+        Ok(solve_equilibrium(&slow, 0.0, start, control)?.position)
     }
 
     /// Where the balance is not found at once, the frictionless machine is solved first, whose forces derive from an

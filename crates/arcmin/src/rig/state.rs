@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::transmission::watched_error_curves;
+use super::transmission::{Curves, watched_error_curves};
 use super::{
     BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, NamedOrder, RigError,
     RunningTorques, StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop,
@@ -20,8 +20,7 @@ pub struct RigState {
     pub loops: Vec<Vec<LoopPoint>>,
     pub figures: Vec<LoopFigures>,
     pub split: StiffnessSplit,
-    /// Forward and backward held lightly, forward and backward at rated torque; the third alone if no more is
-    /// asked for.
+    /// As many as are asked for, in the order of [`Curves`].
     pub curves: Vec<ErrorCurve>,
     /// At rated torque, forward.
     pub spectrum: Vec<SpectrumLine>,
@@ -64,6 +63,12 @@ impl RigState {
     pub fn forward_at_rated(&self) -> Option<&ErrorCurve> {
         forward_at_rated(&self.curves)
     }
+
+    /// The transmission error forward, held lightly.
+    pub fn forward_held(&self) -> Option<&ErrorCurve> {
+        let rated = self.forward_at_rated()?.torque;
+        self.curves.iter().find(|curve| curve.direction > 0.0 && curve.torque < rated)
+    }
 }
 
 fn forward_at_rated(curves: &[ErrorCurve]) -> Option<&ErrorCurve> {
@@ -89,8 +94,7 @@ pub struct RigPlan {
     pub loop_positions: usize,
     /// Positions over the output turn of the transmission error.
     pub error_positions: usize,
-    /// Whether the transmission error is measured backward and held lightly as well.
-    pub every_curve: bool,
+    pub curves: Curves,
     /// Whether the running machine is tested: efficiency, torques, heat, bearings.
     pub running: bool,
 }
@@ -142,7 +146,7 @@ impl RigState {
         }
         let test =
             TransmissionSettings { positions: plan.error_positions, ..TransmissionSettings::new(machine) };
-        let Some(curves) = watched_error_curves(machine, settings, test, plan.every_curve, progress)? else {
+        let Some(curves) = watched_error_curves(machine, settings, test, plan.curves, progress)? else {
             return Ok(None);
         };
         let spectrum =

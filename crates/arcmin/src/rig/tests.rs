@@ -1,6 +1,7 @@
 use super::*;
-use crate::dynamics::{JointSettings, Part};
-use crate::machine::{Machine, ManufacturingErrors, RollerBearing, RollerKind};
+use crate::dynamics::{BearingMeshing, JointSettings, Part};
+use crate::load::ShareLoad;
+use crate::machine::{Friction, Machine, ManufacturingErrors, RollerBearing, RollerKind};
 use crate::units::ARCMIN;
 
 fn machine() -> Machine {
@@ -473,16 +474,37 @@ fn one_curve_is_that_of_all() {
     let others = [other.machine(), random].map(|machine| (machine.clone(), drawn(&machine)));
     for (machine, errors) in machines.into_iter().chain(others) {
         let settings = JointSettings { errors, ..JointSettings::default() };
-        let test = |every_curve| {
-            let plan = RigPlan { loop_positions: 1, error_positions: 48, every_curve, running: false };
+        let test = |curves| {
+            let plan = RigPlan { loop_positions: 1, error_positions: 48, curves, running: false };
             RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent).unwrap().unwrap()
         };
-        let (one, all) = (test(false), test(true));
-        assert_eq!((one.curves.len(), all.curves.len()), (1, 4));
+        let [one, two, all] = [Curves::Rated, Curves::Forward, Curves::Every].map(test);
+        assert_eq!([&one, &two, &all].map(|state| state.curves.len()), [1, 2, 4]);
+        assert_eq!(one.forward_held(), None);
+        assert_eq!(two.forward_held(), all.forward_held());
+        assert_eq!(two.forward_held().unwrap().torque, 0.01 * machine.rated.torque.abs());
         assert_eq!(one.forward_at_rated(), all.forward_at_rated());
         assert_eq!(one.forward_at_rated().unwrap().torque, machine.rated.torque.abs());
         assert_eq!(one.spectrum, all.spectrum);
     }
+}
+
+/// Without friction the pins carry over an output turn of the bench what the load sharing finds for them.
+#[test]
+fn pins_carry_what_the_load_sharing_finds() {
+    let mut machine = machine();
+    machine.friction =
+        Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
+    let settings = JointSettings::default();
+    // A prime number, so that no two places of the turn look alike to the pins.
+    let plan = RigPlan { loop_positions: 1, error_positions: 331, curves: Curves::Rated, running: false };
+    let state = RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent);
+    let pins = state.unwrap().unwrap().forward_at_rated().unwrap().pins.unwrap();
+    let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
+    let cycle = meshing.whole_cycle(machine.rated.torque, 200).unwrap();
+    let pressure = cycle.max_pressure(&machine.line_contact());
+    assert!((pins.force / cycle.max_force() - 1.0).abs() < 5e-3, "{pins:?} {}", cycle.max_force());
+    assert!((pins.pressure / pressure - 1.0).abs() < 1e-3, "{pins:?} {pressure}");
 }
 
 /// As many crank positions as the bench takes by default stand for many, with two crankshafts and with three; four
@@ -497,7 +519,7 @@ fn five_crank_positions_stand_for_many() {
             let plan = RigPlan {
                 loop_positions: positions,
                 error_positions: 16,
-                every_curve: false,
+                curves: Curves::Rated,
                 running: false,
             };
             let settings = JointSettings::default();

@@ -3,7 +3,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::RigError;
 use super::settle::run;
-use crate::dynamics::{BearingJoints, JointSettings};
+use crate::dynamics::{BearingJoints, JointSettings, Reducer};
 use crate::machine::Machine;
 use crate::progress::{Progress, Silent};
 
@@ -33,6 +33,17 @@ pub struct ErrorCurve {
     pub torque: f64,
     /// (nominal output angle, θ_out − θ_s/i) in rad, in the order of the test; the last closes the turn.
     pub points: Vec<(f64, f64)>,
+    /// Largest force (N) and pressure (Pa) of the pins, where somebody looks at them.
+    pub pins: Option<PinLoads>,
+}
+
+/// Largest loads of all pins over a turn.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PinLoads {
+    /// N.
+    pub force: f64,
+    /// Hertz pressure in Pa.
+    pub pressure: f64,
 }
 
 impl ErrorCurve {
@@ -52,7 +63,7 @@ impl ErrorCurve {
         if points.windows(2).any(|pair| !((pair[1].0 - pair[0].0) * direction > 0.0)) {
             return Err(RigError::BadCurve("its output angles do not proceed in one direction"));
         }
-        Ok(ErrorCurve { direction, torque, points })
+        Ok(ErrorCurve { direction, torque, points, pins: None })
     }
 
     pub fn mean(&self) -> f64 {
@@ -78,8 +89,20 @@ pub fn error_curve(
     torque: f64,
 ) -> Result<ErrorCurve, RigError> {
     // Nobody stops a silent one.
-    let whole = error_curve_until(machine, settings, positions, (direction, torque), &mut || false)?;
+    let case = Case { direction, torque, sees_pins: false };
+    let whole = error_curve_until(machine, settings, positions, case, &mut || false)?;
     whole.ok_or(RigError::BadCurve("it was stopped"))
+}
+
+/// What one curve is measured under.
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    /// +1 or −1.
+    direction: f64,
+    /// N·m against the motion.
+    torque: f64,
+    /// Whether the loads of the pins are looked at.
+    sees_pins: bool,
 }
 
 /// [`error_curve`]; `None` where `stops`, asked before every place, says so.
@@ -87,7 +110,7 @@ fn error_curve_until(
     machine: &Machine,
     settings: &JointSettings,
     positions: usize,
-    (direction, torque): (f64, f64),
+    Case { direction, torque, sees_pins }: Case,
     stops: &mut dyn FnMut() -> bool,
 ) -> Result<Option<ErrorCurve>, RigError> {
     let settings = JointSettings { damped: false, ..settings.clone() };
@@ -101,6 +124,7 @@ fn error_curve_until(
     let repeats = if nominal_machine { kinematics.pin_count } else { kinematics.lobe_count };
     let mut before = Before::new(positions as f64 / repeats);
     let mut points = Vec::with_capacity(positions + 1);
+    let mut pins = sees_pins.then(PinLoads::default);
     for i in 0..=positions {
         if stops() {
             return Ok(None);
@@ -126,11 +150,16 @@ fn error_curve_until(
         let mut start = before.next();
         model.turn_ways(&mut start, carrier);
         start.iter_mut().zip(&nominal).for_each(|(q, n)| *q += n);
-        let q = run(&model, &start, velocity)?;
+        let q = run(&model, &start, velocity.clone())?;
+        if let Some(PinLoads { force, pressure }) = &mut pins {
+            let here = model.forces(0.0, &q, &velocity);
+            *force = force.max(here.largest_pin_force);
+            *pressure = pressure.max(here.largest_pin_pressure);
+        }
         points.push((output, model.output_error(&q)));
         before.push(deviation(&model, &q));
     }
-    Ok(Some(ErrorCurve { direction, torque, points }))
+    Ok(Some(ErrorCurve { direction, torque, points, pins }))
 }
 
 /// Deviations of the places before this one, seen from the carrier.
@@ -194,23 +223,39 @@ pub fn transmission_error_curves(
     settings: &JointSettings,
     test: TransmissionSettings,
 ) -> Result<Vec<ErrorCurve>, RigError> {
-    let curves = watched_error_curves(machine, settings, test, true, &Silent)?;
+    let curves = watched_error_curves(machine, settings, test, Curves::Every, &Silent)?;
     curves.ok_or(RigError::BadCurve("it was stopped"))
 }
 
-/// [`transmission_error_curves`], or forward at rated torque alone; `None` when `progress` was cancelled.
+/// Which transmission errors the bench measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Curves {
+    /// Forward at rated torque alone.
+    Rated,
+    /// Forward, held lightly and at rated torque.
+    Forward,
+    /// Forward and backward held lightly, forward and backward at rated torque.
+    Every,
+}
+
+/// [`transmission_error_curves`], or as many as are asked for, with the loads of the pins forward at rated torque;
+/// `None` when `progress` was cancelled.
 pub(super) fn watched_error_curves(
     machine: &Machine,
     settings: &JointSettings,
     test: TransmissionSettings,
-    every_curve: bool,
+    curves: Curves,
     progress: &dyn Progress,
 ) -> Result<Option<Vec<ErrorCurve>>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
-    let mut cases =
-        vec![(1.0, test.holding_torque), (-1.0, test.holding_torque), (1.0, rated), (-1.0, rated)];
-    cases.retain(|case| every_curve || *case == (1.0, rated));
+    let case = |direction, torque| Case { direction, torque, sees_pins: direction > 0.0 && torque == rated };
+    let held = test.holding_torque;
+    let cases = match curves {
+        Curves::Rated => vec![case(1.0, rated)],
+        Curves::Forward => vec![case(1.0, held), case(1.0, rated)],
+        Curves::Every => vec![case(1.0, held), case(-1.0, held), case(1.0, rated), case(-1.0, rated)],
+    };
     let done = AtomicUsize::new(0);
     let whole = (cases.len() * (test.positions + 1)) as f64;
     cases

@@ -11,9 +11,10 @@ use crate::results::{
     quantities as q, quantity,
 };
 use crate::rig::{
-    BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, RigState, RunningTorques,
+    BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, PinLoads, RigState,
+    RunningTorques,
 };
-use crate::units::{ARCMIN, DEG, RPM, UM};
+use crate::units::{ARCMIN, DEG, MPA, RPM, UM};
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
     name: "hysteresis",
@@ -268,6 +269,11 @@ fn torque(rig: &Rig, of: fn(&RunningTorques) -> f64) -> Value {
     Value::from(rig.state().torques.as_ref().map(of))
 }
 
+/// Loads of the pins over the output turn at rated torque, forward.
+fn pins(rig: &Rig, of: fn(&PinLoads) -> f64) -> Value {
+    Value::from(rig.state().forward_at_rated().and_then(|curve| curve.pins.as_ref()).map(of))
+}
+
 fn heat(rig: &Rig, of: fn(&HeatBalance) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().map(of))
 }
@@ -312,6 +318,14 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 "Peak to peak of the transmission error at rated torque, forward.",
             )
             .of(|o| Value::from(o.state().forward_at_rated().map(|curve| curve.peak_to_peak() / ARCMIN))),
+            quantity(
+                "te_held_peak_to_peak_arcmin",
+                decimals(3),
+                "Peak to peak of the transmission error forward, held by 1 % of rated torque.",
+            )
+            .of(|o| Value::from(o.state().forward_held().map(|curve| curve.peak_to_peak() / ARCMIN))),
+            q::MAX_FORCE.of(|o| pins(o, |pins| pins.force)),
+            q::MAX_PRESSURE.of(|o| pins(o, |pins| pins.pressure / MPA)),
             quantity("transmission_error", PLAIN, "Mean and peak to peak of every transmission error.")
                 .of(|o| curves_value(&o.state().curves)),
             quantity("measured.transmission_error", PLAIN, "The same of measured curves.")

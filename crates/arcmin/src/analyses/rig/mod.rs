@@ -12,7 +12,9 @@ use crate::design::{Design, InputFile, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
 use crate::machine::{Friction, Machine, OutputForces};
-use crate::rig::{ASSUMED_FRICTION, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, main_bearing_load};
+use crate::rig::{
+    ASSUMED_FRICTION, Curves, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, main_bearing_load,
+};
 
 pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
 pub const GUIDE: &str = "Virtual test bench: every body free in its bearings, no inertia. Input locked, output \
@@ -55,6 +57,8 @@ options! {
     }
 }
 
+/// Results that rest on the transmission error forward under little load.
+const HELD_CURVE: &[&str] = &["te_held_peak_to_peak_arcmin"];
 /// Results and tables that show every transmission error; the others rest on the one forward at rated torque.
 const EVERY_CURVE: &[&str] = &["transmission_error", "te"];
 /// Results and tables that rest on the running machine; "new" holds its efficiency.
@@ -116,7 +120,11 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     let plan = RigPlan {
         loop_positions: options.positions,
         error_positions: options.te_positions,
-        every_curve: wanted(EVERY_CURVE),
+        curves: match () {
+            () if wanted(EVERY_CURVE) => Curves::Every,
+            () if wanted(HELD_CURVE) => Curves::Forward,
+            () => Curves::Rated,
+        },
         running: wanted(RUNNING),
     };
     let test = |state: &WornState| -> Result<(RigState, Option<PartsPoint>), AnalysisError> {

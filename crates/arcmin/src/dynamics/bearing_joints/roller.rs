@@ -1,7 +1,8 @@
 use std::f64::consts::{PI, TAU};
 
+use super::joints::Pressed;
 use super::rim::OutOfRound;
-use crate::geometry::{Vec2, unit};
+use crate::geometry::{Vec2, turned, unit};
 use crate::machine::{RollerBearing, RollerKind};
 
 /// Radial rolling bearing: Q = K δ^n per rolling element, summed over the elements at their angles.
@@ -130,7 +131,7 @@ impl RadialBearing {
                 state.largest_element = state.largest_element.max(force);
                 state.loaded += 1;
             }
-            e = crate::geometry::turned(e, step);
+            e = turned(e, step);
         }
         state
     }
@@ -141,6 +142,17 @@ impl RadialBearing {
         cosine * cosine * self.exponent * self.stiffness * 1e-6_f64.powf(self.exponent - 1.0)
     }
 
+    /// How an element presses that the displacement u moves by u·e = `along` (m).
+    pub(super) fn pressed(&self, along: f64) -> Pressed {
+        let cosine = self.contact_cosine;
+        let approach = cosine * (along - self.half_clearance);
+        if approach <= 0.0 {
+            return Pressed::default();
+        }
+        let force = cosine * self.stiffness * approach.powf(self.exponent);
+        Pressed { force, stiffness: cosine * self.exponent * force / approach }
+    }
+
     /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.
     pub(super) fn centring_stiffness(&self) -> f64 {
         0.25 * self.count as f64 * self.stiffness_of_an_element()
@@ -148,9 +160,11 @@ impl RadialBearing {
 
     /// Direction e of every rolling element with u·e (m) and u·∂e/∂ψ (m/rad).
     pub(super) fn elements(&self, u: [f64; 2], cage: f64) -> impl Iterator<Item = (Vec2, f64, f64)> + use<> {
-        let pitch = TAU / self.count as f64;
-        (0..self.count).map(move |i| {
-            let e = unit(cage + pitch * i as f64);
+        let step = unit(TAU / self.count as f64);
+        let mut next = unit(cage);
+        (0..self.count).map(move |_| {
+            let e = next;
+            next = turned(e, step);
             (e, u[0] * e.x + u[1] * e.y, u[1] * e.x - u[0] * e.y)
         })
     }

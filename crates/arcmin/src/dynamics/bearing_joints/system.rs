@@ -1,7 +1,7 @@
 use super::assembly::{Assembly, Sink};
-use super::joints::State;
+use super::joints::{Distance, Limit, Pressed, State};
 use super::{BearingJoints, Input};
-use crate::dynamics::{Balance, DenseLinearisation, Drive, ForceSummary, OutputLoad, Reducer, System};
+use crate::dynamics::{Balance, DenseLinearisation, Drive, ForceSummary, Gap, OutputLoad, Reducer, System};
 
 impl BearingJoints {
     /// All coordinates and velocities, those held or prescribed included.
@@ -124,6 +124,24 @@ impl System for BearingJoints {
 
     fn evaluate_forces(&self, time: f64, position: &[f64], velocity: &[f64], force: &mut [f64]) -> Balance {
         self.evaluate_with_input(time, position, velocity, force, None).0
+    }
+
+    /// Those of rigid bodies.
+    fn gaps(&self, time: f64, position: &[f64], reach: f64, see: &mut dyn FnMut(&Gap<'_>)) {
+        if self.rings.iter().any(|ring| ring.elastic.is_some()) {
+            return;
+        }
+        let (q, _) = self.full(time, position, &vec![0.0; position.len()]);
+        for joint in self.elements() {
+            joint.limits(&q, reach, &mut |limit| {
+                if let Limit::Gap(at, pressed) | Limit::Pin(at, pressed) = limit {
+                    let Distance { index, gradient, value: width, .. } = at;
+                    let Pressed { force, .. } = pressed;
+                    let stiffness = if force > 0.0 { pressed.stiffness } else { at.stiffness };
+                    see(&Gap { index, gradient, width, force, stiffness });
+                }
+            });
+        }
     }
 
     fn next_breakpoint(&self, time: f64) -> Option<f64> {

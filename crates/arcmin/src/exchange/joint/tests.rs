@@ -104,7 +104,7 @@ fn waves_have_their_phase() {
             .map(|i| direction * TAU * f64::from(i) / 512.0)
             .map(|angle| (angle, truth(angle)))
             .collect();
-        let found = TransmissionWaves::of(&ErrorCurve { direction, torque: 1.0, points });
+        let found = TransmissionWaves::of(&ErrorCurve { direction, torque: 1.0, points, pins: None });
         assert_eq!(found.waves.len(), 2);
         let [first, second] = [found.waves[0], found.waves[1]];
         assert!((first.order, second.order) == (39, 80));

@@ -21,6 +21,8 @@ const WAY: (f64, f64) = (1e-3, 1e-5);
 /// Share of the gain that was promised below which a step is taken back.
 const KEPT: f64 = 0.1;
 const MOST_STEPS: usize = 20;
+/// Gaps this near (m) limit where bodies can be while nothing presses.
+const WINDOW: f64 = 150e-6;
 
 /// The limits at one place, to first order, in units of the system's scale.
 struct Linear {
@@ -53,7 +55,7 @@ impl<'a> Search<'a> {
         let mut columns = vec![Some(0); layout.size()];
         let (place, _) = model.full(0.0, start, &vec![0.0; start.len()]);
         for joint in model.elements() {
-            joint.limits(&place, &mut |limit| {
+            joint.limits(&place, WINDOW, &mut |limit| {
                 if let Limit::Held(at) = limit {
                     columns[at] = None;
                 }
@@ -85,11 +87,11 @@ impl<'a> Search<'a> {
         let (q, _) = self.model.full(0.0, position, &vec![0.0; position.len()]);
         let [mut held, mut gaps, mut pins] = [(); 3].map(|()| Rows::default());
         for joint in self.model.elements() {
-            joint.limits(&q, &mut |limit| match limit {
+            joint.limits(&q, WINDOW, &mut |limit| match limit {
                 Limit::Held(_) => {}
                 Limit::Bond(distance) => self.row(&distance, &mut held),
-                Limit::Gap(distance) => self.row(&distance, &mut gaps),
-                Limit::Pin(distance) => {
+                Limit::Gap(distance, _) => self.row(&distance, &mut gaps),
+                Limit::Pin(distance, _) => {
                     self.row(&distance, &mut pins);
                     // The relief is the last column.
                     if let Some(last) = pins.slopes.last_mut() {

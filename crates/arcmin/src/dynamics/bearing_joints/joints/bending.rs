@@ -78,7 +78,7 @@ impl Joint for Bending {
         }
     }
 
-    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+    fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         for index in &self.index {
             for row in self.deflection.chunks_exact(index.len()) {
                 let value = row.iter().zip(index).map(|(share, i)| share * (q[*i] - q[index[0]])).sum();

@@ -28,7 +28,7 @@ impl Joint for Frame {
         damp(&self.index, &self.stiffness, self.loss_time, at, sink);
     }
 
-    fn limits(&self, _: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+    fn limits(&self, _: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         self.index.iter().for_each(|at| add(Limit::Held(*at)));
     }
 

@@ -182,7 +182,7 @@ impl Journal {
 
 impl Joint for Journal {
     /// A gap at every rolling element; without clearance the elements hold the shaft in the middle.
-    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+    fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let arms = self.arms(q, &self.modes_at(q));
         let (u, cage) = self.displacement(q, arms);
         let [x, y, turn] = self.jacobian(arms);
@@ -196,9 +196,13 @@ impl Joint for Journal {
         }
         let stiffness = self.law.stiffness_of_an_element();
         for (e, along, across) in self.law.elements(u, cage) {
+            let value = half - along;
+            if value >= reach {
+                continue;
+            }
             let gradient =
-                std::array::from_fn::<f64, 6, _>(|i| -(e.x * x[i] + e.y * y[i] + across * turn[i]));
-            add(Limit::Gap(Distance { index, gradient: &gradient, value: half - along, stiffness }));
+                &std::array::from_fn::<f64, 6, _>(|i| -(e.x * x[i] + e.y * y[i] + across * turn[i]));
+            add(Limit::Gap(Distance { index, gradient, value, stiffness }, self.law.pressed(along)));
         }
     }
 

@@ -63,7 +63,7 @@ impl Joint for MainPair {
     }
 
     /// As if the rows held the carrier in the middle: what play they have is along the axis.
-    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+    fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let (at, rows) = (self.displacement(q), self.rows(q));
         let stiffness = self.rows.react(&Five::zeros()).stiffness;
         for axis in 0..2 {
@@ -109,7 +109,7 @@ impl Joint for OutsideForces {
         });
     }
 
-    fn limits(&self, _: &[f64], _: &mut dyn FnMut(Limit<'_>)) {}
+    fn limits(&self, _: &[f64], _: f64, _: &mut dyn FnMut(Limit<'_>)) {}
 
     /// What they do elsewhere, the elastic approaches of all joints hold.
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {

@@ -53,9 +53,9 @@ impl<'a> Nominal<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Limit<'a> {
     /// A gap that does not close any further than to nothing.
-    Gap(Distance<'a>),
+    Gap(Distance<'a>, Pressed),
     /// The same between a pin and a flank, which a relief of the flank widens.
-    Pin(Distance<'a>),
+    Pin(Distance<'a>, Pressed),
     /// A distance that stays at nothing.
     Bond(Distance<'a>),
     /// A coordinate that stays at nothing.
@@ -72,6 +72,13 @@ pub(super) struct Distance<'a> {
     pub stiffness: f64,
 }
 
+/// How a gap presses where it is closed: force in N and tangent stiffness in N/m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Pressed {
+    pub force: f64,
+    pub stiffness: f64,
+}
+
 /// A joint: what it does to the bodies it connects, and under which names its compliance and its play go.
 ///
 /// Springs derive from energies; [`Joint::visit`] hands them on with gradient and Hessian, so that forces,
@@ -80,8 +87,8 @@ pub(super) trait Joint: Debug + Send + Sync {
     /// Hands springs, dampers and frictions to `sink`.
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink);
 
-    /// Hands on what the joint lets the bodies do while nothing presses.
-    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>));
+    /// Hands on what the joint lets the bodies do while nothing presses; of its gaps those nearer than `reach` (m).
+    fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>));
 
     /// Tangent compliance along a motion g of all coordinates, by part: gᵀ K g.
     fn split(&self, at: State<'_>, motion: &[f64], add: &mut dyn FnMut(Part, f64)) {

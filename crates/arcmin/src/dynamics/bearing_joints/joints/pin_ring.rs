@@ -5,7 +5,7 @@ mod gaps;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Sink, State};
+use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Pressed, Sink, State};
 use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Reaction, Sliding};
 use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit, HousingMotion};
 use crate::dynamics::{ElasticDiscs, ElasticHousing, ForceSummary};
@@ -13,8 +13,6 @@ use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
 pub(in super::super) use gaps::Designed;
 
-/// Pins this near (m) limit where a disc can be while nothing presses.
-const WINDOW: f64 = 150e-6;
 /// About how stiff a pin is on a flank, in N/m.
 pub(in super::super) const PIN: f64 = 2e8;
 
@@ -244,16 +242,17 @@ impl Joint for PinRing {
         }
     }
 
-    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+    fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         self.elastic.iter().flat_map(|modes| modes.at.clone()).for_each(|at| add(Limit::Held(at)));
         let rest = vec![0.0; q.len()];
         let (pose, _) = self.disc_state(State { q, v: &rest });
         let shifts = self.pin_ways(q);
-        let moved = Moved { shifts: &shifts, lift: WINDOW };
+        let moved = Moved { shifts: &shifts, lift: reach };
         let seen = self.moves.then(|| self.seen(pose, q));
         self.contacts.visit_moved(pose, DiscVelocity::REST, false, moved, |contact| {
             let mut pin = |index: &[usize], gradient: &[f64]| {
-                add(Limit::Pin(Distance { index, gradient, value: contact.gap, stiffness: PIN }));
+                let pressed = Pressed { force: contact.force, stiffness: contact.stiffness };
+                add(Limit::Pin(Distance { index, gradient, value: contact.gap, stiffness: PIN }, pressed));
             };
             match &seen {
                 None => pin(&self.place[..3], &contact.gradient),

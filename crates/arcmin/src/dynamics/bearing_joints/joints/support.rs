@@ -1,4 +1,4 @@
-use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
+use super::{Cause, Distance, Joint, Limit, Nominal, Part, Pressed, Sink, State, damp};
 use crate::dynamics::bearing_joints::Arm;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn, unit};
@@ -78,7 +78,7 @@ impl Joint for Support {
     }
 
     /// Within a clearance, tangents all around the circle and one where the body stands.
-    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+    fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let (u, seat) = (self.displacement(q), self.seat_at(q));
         let gradient = |n: Vec2| [n.x, n.y, n.dot(&quarter_turn(seat)), -n.x, -n.y];
         let index = &self.index;
@@ -93,7 +93,11 @@ impl Joint for Support {
         let around = (0..TANGENTS).map(|i| unit(std::f64::consts::TAU * i as f64 / TANGENTS as f64));
         for n in around.chain([here]) {
             let value = self.clearance - n.dot(&u);
-            add(Limit::Gap(Distance { index, gradient: &gradient(-n), value, stiffness }));
+            let overlap = (-value).max(0.0);
+            let pressed = Pressed { force: stiffness * overlap, stiffness };
+            if value < reach {
+                add(Limit::Gap(Distance { index, gradient: &gradient(-n), value, stiffness }, pressed));
+            }
         }
     }
 

@@ -31,7 +31,7 @@ impl Joint for Torsion {
         }
     }
 
-    fn limits(&self, q: &[f64], add: &mut dyn FnMut(Limit<'_>)) {
+    fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let value = q[self.index[1]] - q[self.index[0]];
         let (index, gradient) = (&self.index, &[-1.0, 1.0]);
         add(Limit::Bond(Distance { index, gradient, value, stiffness: self.stiffness }));
