@@ -64,7 +64,7 @@ fn runs_away(exposure: f64, depth: f64) -> WearError {
 pub(crate) const WORN_OUT: f64 = 0.25;
 /// Times the limit of lost motion, of `LEAST_LIMIT` at least, that the flanks alone open in a machine past
 /// any use: an assumption, so far beyond what anybody runs that no history of interest ends there.
-const PAST_USE: f64 = 20.0;
+const PAST_USE: f64 = 10.0;
 /// rad; a tighter limit is a wish of the application and does not say what a machine can go on with.
 const LEAST_LIMIT: f64 = crate::units::ARCMIN;
 /// Depth over pin radius from which on a load sharing that is not found means that wear has run away.

@@ -107,9 +107,9 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/designs/small_ring_wearing_deep.toml");
         let machine = Design::parse(&std::fs::read_to_string(path).unwrap(), path).unwrap().machine();
         let options = CoupledOptions { crank_positions: 9, ..CoupledOptions::default() };
-        let mut both = CoupledWear::new(&machine, options);
+        let mut both = CoupledWear::new(&machine, options).at_any_play();
         both.advance_until(f64::MAX, |state| state.flank().deepest().0 > 18.0 * UM).unwrap();
-        let mut short = CoupledWear::new(&machine, options);
+        let mut short = CoupledWear::new(&machine, options).at_any_play();
         let (mut both_updates, start) = (both.updates(), both.state().clone());
         // Both from the same worn machine.
         for wear in [&mut both, &mut short] {
