@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use super::{Said, TextTable};
 use crate::dynamics::{Cause, LostMotionSplit};
 use crate::life::PartsPoint;
-use crate::report::{Block, Section, Shares, Tone, lost_motion_causes};
+use crate::report::{Block, Section, Shares, Tone, in_decimals, lost_motion_causes};
 use crate::results::{Column, Quantity, TableOf, Value, decimals, quantities as q, quantity};
 use crate::units::{ARCMIN, UM};
 
@@ -140,7 +140,7 @@ fn apart(at: &CausesAt, bench: Option<f64>) -> Option<f64> {
 /// For the terminal; `bench` is the lost motion (rad) read from loops with friction, where there are any.
 pub(crate) fn said(at: &CausesAt, bench: Option<f64>) -> Vec<Said> {
     let split = &at.point.lost_motion;
-    let row = |cause: String, arcmin: f64| vec![format!("  {cause}"), format!("{arcmin:.3}′")];
+    let row = |cause: String, arcmin: f64| vec![format!("  {cause}"), format!("{}′", in_decimals(arcmin, 3))];
     let mut rows: Vec<Vec<String>> =
         shown(&[split], 5e-4).into_iter().map(|(cause, values)| row(cause, values[0])).collect();
     rows.push(row("not explained".to_owned(), split.residual() / ARCMIN));

@@ -48,6 +48,7 @@ pub fn joint(design: &Design, options: &JointOptions, host: &dyn Host) -> Result
         loop_positions: options.positions,
         error_positions: options.error_positions,
         curves: Curves::Every,
+        pins: false,
         running: true,
     };
     let bench = |error| AnalysisError::compute("run the test bench")(error);

@@ -108,6 +108,12 @@ pub fn solve_equilibrium_unless<S: System>(
     }
 }
 
+/// The μ with which μ M by itself would move no coordinate by more than one unit of the system's scale.
+pub(super) fn mass_term<S: System>(system: &S, force: &[f64]) -> f64 {
+    let units = system.mass().iter().zip(system.scale());
+    force.iter().zip(units).fold(0.0, |most: f64, (f, (mass, scale))| most.max(f.abs() / (mass * scale)))
+}
+
 /// Times as many iterations of the descent.
 const PATIENCE: usize = 5;
 
@@ -169,11 +175,7 @@ fn newton<S: System>(
         let solved = lin.solve(mass, Weights { mass: mu, damping: 0.0, stiffness: 1.0 }, &mut step);
         let length = step.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
         // A mass term that by itself would move the coordinates by about one trust length.
-        let natural = force
-            .iter()
-            .zip(mass.iter().zip(scale))
-            .fold(0.0, |m: f64, (f, (mass, s))| m.max(f.abs() / (mass * s)))
-            / trust;
+        let natural = mass_term(system, &force) / trust;
         let uphill = step.iter().zip(&force).map(|(x, f)| x * f).sum::<f64>() <= 0.0;
         if solved.is_err() || !length.is_finite() || (uphill && mu < 1e12 * natural) {
             mu = if mu == 0.0 { 1e-3 * natural } else { 8.0 * mu };

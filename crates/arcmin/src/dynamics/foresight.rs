@@ -110,7 +110,7 @@ impl Gaps {
 
     fn push(&mut self, gap: &Gap<'_>, held: Option<usize>) {
         let &Gap { index, gradient, width, force, stiffness } = gap;
-        // One that should press and does not gives no force that a spring could have.
+        // Between bodies that overlap without a force another gap presses in its place.
         if width < 0.0 && !(force > 0.0) {
             return;
         }

@@ -1,6 +1,6 @@
 //! The short way to a state of rest, from a start that is nearly one.
 
-use super::equilibrium::{Equilibrium, EquilibriumControl};
+use super::equilibrium::{Equilibrium, EquilibriumControl, mass_term};
 use super::foresight::{Foresight, Here};
 use super::system::LARGE;
 use super::{Balance, Linearisation, System, Weights};
@@ -59,22 +59,25 @@ pub(super) fn hasten<S: System>(
         if residual <= control.force_tolerance {
             return Some(Equilibrium { residual, position: search.position, balance, iterations });
         }
-        let mut minded = None;
-        if search.next_step(&mut step).is_none() {
-            // Something hangs loose.
-            step.fill(0.0);
-            minded = Some(search.mind_contacts(&mut step)?);
-        }
-        let mut length = search.length(&step);
-        if search.is_old() && !(length <= SLOW * before) {
+        let mut told = search.next_step(&mut step);
+        if search.is_old() && !(told.is_some() && search.length(&step) <= SLOW * before) {
             search.take_tangent();
-            search.next_step(&mut step)?;
-            length = search.length(&step);
+            told = search.next_step(&mut step);
         }
-        if minded.is_none() && !search.is_old() && (was_cut || length > BLIND) {
-            minded = search.mind_contacts(&mut step);
-            length = search.length(&step);
+        let mut minded = None;
+        if control.from_afar && !search.is_old() {
+            // What hangs loose has no step that the tangent could tell.
+            if told.is_none() {
+                step.fill(0.0);
+            }
+            if told.is_none() || was_cut || search.length(&step) > BLIND {
+                minded = search.mind_contacts(&mut step);
+            }
         }
+        if told.is_none() && minded.is_none() {
+            return None;
+        }
+        let length = search.length(&step);
         let tolerance = if search.is_old() { SHARPER * control.tolerance } else { control.tolerance };
         let first = minded.unwrap_or_else(|| dot(&search.force, &step));
         if !length.is_finite() || first <= 0.0 {
@@ -140,7 +143,9 @@ struct Search<'a, S: System> {
     force: Vec<f64>,
     /// Factorised by the first step with it.
     tangent: S::Linearisation,
+    /// Made where it is first asked.
     foresight: Option<Foresight<S::Linearisation>>,
+    /// As [`INERTIA`] has it.
     inertia: f64,
     /// Steps since, each with its square, coordinates in units of the system's scale.
     steps: Vec<(Vec<f64>, f64)>,
@@ -203,13 +208,7 @@ impl<'a, S: System> Search<'a, S> {
     /// Makes a step from here one that minds the contacts on its way; the work that it should do.
     fn mind_contacts(&mut self, step: &mut [f64]) -> Option<f64> {
         let Search { system, time, control, position, force, tangent, .. } = self;
-        if !control.from_afar {
-            return None;
-        }
-        let scales = system.mass().iter().zip(system.scale());
-        let natural =
-            force.iter().zip(scales).fold(0.0, |most: f64, (f, (m, s))| most.max(f.abs() / (m * s)));
-        let inertia = self.inertia * natural;
+        let inertia = self.inertia * mass_term(*system, force);
         let here = Here { time: *time, position, force, tangent, inertia, held: control.held };
         self.foresight.get_or_insert_with(|| Foresight::new(*system)).mind(*system, &here, step)
     }
@@ -239,6 +238,7 @@ impl<'a, S: System> Search<'a, S> {
 mod tests {
     use super::*;
     use crate::dynamics::{BearingJoints, JointSettings, solve_equilibrium};
+    use crate::machine::ManufacturingErrors;
 
     /// From the balance under a tenth less load the short way ends where the long one from the nominal place
     /// does, within the tolerance; from a start that is no good it gives up.
@@ -263,5 +263,44 @@ mod tests {
         // Every body turned by a degree: nothing can be read from the forces there.
         let lost: Vec<f64> = model.nominal_position_at(0.0).iter().map(|q| q + 0.02).collect();
         assert!(hasten(&model, 0.0, &lost, control).is_none());
+    }
+    /// Places of a turn that follow each other, held lightly, on drawn machines: steps that mind the contacts end
+    /// where those that do not end, and end at far more of the places.
+    #[test]
+    fn steps_from_afar_end_at_the_same_balance() {
+        let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+        let machines = [
+            crate::templates::rv_40e_81(),
+            crate::templates::design("rv-80e").unwrap().machine(),
+            crate::random_designs::sound_design(6).0.machine(),
+            crate::random_designs::sound_design(11).0.machine(),
+        ];
+        let (mut near, mut far) = (0, 0);
+        for machine in machines {
+            let errors = ManufacturingErrors::draw(&machine, &tolerances, 2);
+            let settings = JointSettings { errors, damped: false, ..JointSettings::default() };
+            let mut model = BearingJoints::held(&machine, &settings).unwrap();
+            model.set_load(0.01 * machine.rated.torque);
+            let control = EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-6, ..Default::default() };
+            let mut deviation = vec![0.0; model.mass().len()];
+            for i in 0..40 {
+                let sun = model.kinematics().ratio() * std::f64::consts::TAU * f64::from(i) / 512.0;
+                model.hold_sun(sun, 0.0);
+                let nominal = model.nominal_position_at(sun);
+                let start: Vec<f64> = nominal.iter().zip(&deviation).map(|(q, d)| q + d).collect();
+                let blind = hasten(&model, 0.0, &start, control);
+                let minding = EquilibriumControl { from_afar: true, ..control };
+                let minded = hasten(&model, 0.0, &start, minding);
+                near += usize::from(blind.is_some());
+                far += usize::from(minded.is_some());
+                if let (Some(one), Some(other)) = (&blind, &minded) {
+                    let [a, b] = [one, other].map(|found| model.output_error(&found.position));
+                    assert!((a - b).abs() < 1e-5 * crate::units::ARCMIN, "{} {i}: {a} {b}", machine.name);
+                }
+                let Ok(found) = solve_equilibrium(&model, 0.0, &start, control) else { continue };
+                deviation = found.position.iter().zip(&nominal).map(|(q, n)| q - n).collect();
+            }
+        }
+        assert!(far > 130 && 10 * far > 13 * near, "{far} of 160 places, {near} without looking");
     }
 }

@@ -44,8 +44,8 @@ pub trait System {
         self.evaluate(time, position, velocity, force, &mut self.linearisation_at_rest())
     }
 
-    /// Shows the gaps nearer than `reach` (m) that open and close between bodies. None are shown by systems whose
-    /// contacts are not to be foretold.
+    /// Shows the gaps that open and close between bodies, at least those nearer than `reach` (m); none where steps
+    /// are not to be told by them.
     fn gaps(&self, _time: f64, _position: &[f64], _reach: f64, _see: &mut dyn FnMut(&Gap<'_>)) {}
 
     /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end

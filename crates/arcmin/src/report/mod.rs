@@ -60,7 +60,7 @@ pub use literature::references_to;
 pub use mechanism::{findings_table, mechanism};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
 pub use samples::{DesignTemplate, SampleColumn, Samples};
-pub use text::{capitalised, compact, is_hidden, printable, significant};
+pub use text::{capitalised, compact, in_decimals, is_hidden, printable, significant};
 pub use traces::{envelope, thinned};
 
 /// A whole report.

@@ -91,6 +91,15 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// `value` with `digits` digits behind the decimal point, and no minus before a rounded zero.
+pub fn in_decimals(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.trim_start_matches(['0', '.']).is_empty() => size.to_owned(),
+        _ => text,
+    }
+}
+
 /// As [`significant`] without trailing zeros: a given value such as 412 N·m or 10 µm, not a measured one.
 pub fn compact(value: f64, digits: usize) -> String {
     let text = significant(value, digits);

@@ -137,15 +137,7 @@ impl Quantity {
     pub fn show(&self, value: &Value) -> String {
         match (value, self.format) {
             (Value::Number(number), _) if !number.is_finite() => "–".to_owned(),
-            (Value::Number(number), Format::Decimals(digits)) => {
-                let text = format!("{number:.digits$}");
-                // No minus before a rounded zero.
-                if text.starts_with('-') && text.trim_start_matches(['-', '0', '.']).is_empty() {
-                    text[1..].to_owned()
-                } else {
-                    text
-                }
-            }
+            (Value::Number(number), Format::Decimals(digits)) => crate::report::in_decimals(*number, digits),
             (Value::Number(number), Format::Significant(digits)) => {
                 crate::report::significant(*number, digits)
             }

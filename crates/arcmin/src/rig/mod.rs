@@ -16,6 +16,8 @@ mod orders;
 mod settle;
 mod state;
 #[cfg(test)]
+mod state_tests;
+#[cfg(test)]
 mod tests;
 mod transmission;
 

@@ -95,6 +95,8 @@ pub struct RigPlan {
     /// Positions over the output turn of the transmission error.
     pub error_positions: usize,
     pub curves: Curves,
+    /// Whether the loads of the pins are looked at, forward at rated torque.
+    pub pins: bool,
     /// Whether the running machine is tested: efficiency, torques, heat, bearings.
     pub running: bool,
 }
@@ -146,7 +148,8 @@ impl RigState {
         }
         let test =
             TransmissionSettings { positions: plan.error_positions, ..TransmissionSettings::new(machine) };
-        let Some(curves) = watched_error_curves(machine, settings, test, plan.curves, progress)? else {
+        let Some(curves) = watched_error_curves(machine, settings, test, (plan.curves, plan.pins), progress)?
+        else {
             return Ok(None);
         };
         let spectrum =

@@ -1,7 +1,6 @@
 use super::*;
-use crate::dynamics::{BearingMeshing, JointSettings, Part};
-use crate::load::ShareLoad;
-use crate::machine::{Friction, Machine, ManufacturingErrors, RollerBearing, RollerKind};
+use crate::dynamics::{JointSettings, Part};
+use crate::machine::{Machine, RollerBearing, RollerKind};
 use crate::units::ARCMIN;
 
 fn machine() -> Machine {
@@ -460,76 +459,4 @@ fn the_housing_may_be_the_output() {
     let split = stiffness_split(&housing_turns, &settings, 0.5).unwrap();
     assert!((split.parts.iter().map(|part| part.1).sum::<f64>() / split.whole - 1.0).abs() < 0.02);
     assert!(bearing_loads(&housing_turns, &settings, 6).unwrap().iter().all(|load| load.equivalent > 0.0));
-}
-
-/// A bench that is asked for one transmission error finds the one that it finds among all of them: on a new machine,
-/// on one as drawn, and on one that nobody has seen.
-#[test]
-fn one_curve_is_that_of_all() {
-    let other = crate::templates::design("rv-80e").unwrap();
-    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
-    let random = crate::random_designs::sound_design(6).0.machine();
-    let drawn = |machine: &Machine| ManufacturingErrors::draw(machine, &tolerances, 5);
-    let machines = [(machine(), ManufacturingErrors::default())];
-    let others = [other.machine(), random].map(|machine| (machine.clone(), drawn(&machine)));
-    for (machine, errors) in machines.into_iter().chain(others) {
-        let settings = JointSettings { errors, ..JointSettings::default() };
-        let test = |curves| {
-            let plan = RigPlan { loop_positions: 1, error_positions: 48, curves, running: false };
-            RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent).unwrap().unwrap()
-        };
-        let [one, two, all] = [Curves::Rated, Curves::Forward, Curves::Every].map(test);
-        assert_eq!([&one, &two, &all].map(|state| state.curves.len()), [1, 2, 4]);
-        assert_eq!(one.forward_held(), None);
-        assert_eq!(two.forward_held(), all.forward_held());
-        assert_eq!(two.forward_held().unwrap().torque, 0.01 * machine.rated.torque.abs());
-        assert_eq!(one.forward_at_rated(), all.forward_at_rated());
-        assert_eq!(one.forward_at_rated().unwrap().torque, machine.rated.torque.abs());
-        assert_eq!(one.spectrum, all.spectrum);
-    }
-}
-
-/// Without friction the pins carry over an output turn of the bench what the load sharing finds for them.
-#[test]
-fn pins_carry_what_the_load_sharing_finds() {
-    let mut machine = machine();
-    machine.friction =
-        Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
-    let settings = JointSettings::default();
-    // A prime number, so that no two places of the turn look alike to the pins.
-    let plan = RigPlan { loop_positions: 1, error_positions: 331, curves: Curves::Rated, running: false };
-    let state = RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent);
-    let pins = state.unwrap().unwrap().forward_at_rated().unwrap().pins.unwrap();
-    let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
-    let cycle = meshing.whole_cycle(machine.rated.torque, 200).unwrap();
-    let pressure = cycle.max_pressure(&machine.line_contact());
-    assert!((pins.force / cycle.max_force() - 1.0).abs() < 5e-3, "{pins:?} {}", cycle.max_force());
-    assert!((pins.pressure / pressure - 1.0).abs() < 1e-3, "{pins:?} {pressure}");
-}
-
-/// As many crank positions as the bench takes by default stand for many, with two crankshafts and with three; four
-/// fall together by twos where there are two.
-#[test]
-fn five_crank_positions_stand_for_many() {
-    let mut three = machine();
-    three.crankshafts.count = 3;
-    let large = crate::templates::design("rv-80e").unwrap().machine();
-    for machine in [machine(), large, three] {
-        let over = |positions: usize| {
-            let plan = RigPlan {
-                loop_positions: positions,
-                error_positions: 16,
-                curves: Curves::Rated,
-                running: false,
-            };
-            let settings = JointSettings::default();
-            let state = RigState::measure(&machine, &settings, 0.0, plan, &crate::progress::Silent);
-            let state = state.unwrap().unwrap();
-            [state.lost_motion(), state.soft_stiffness()]
-        };
-        let [many, five, four] = [17, 5, 4].map(over);
-        let apart = |few: [f64; 2]| (0..2).map(|k| (few[k] / many[k] - 1.0).abs()).fold(0.0, f64::max);
-        assert!(apart(five) < 0.01, "{five:?} {many:?}");
-        assert!(machine.crankshafts.count != 2 || apart(four) > 2.0 * apart(five), "{four:?} {many:?}");
-    }
 }

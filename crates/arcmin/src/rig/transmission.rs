@@ -223,7 +223,7 @@ pub fn transmission_error_curves(
     settings: &JointSettings,
     test: TransmissionSettings,
 ) -> Result<Vec<ErrorCurve>, RigError> {
-    let curves = watched_error_curves(machine, settings, test, Curves::Every, &Silent)?;
+    let curves = watched_error_curves(machine, settings, test, (Curves::Every, false), &Silent)?;
     curves.ok_or(RigError::BadCurve("it was stopped"))
 }
 
@@ -238,23 +238,24 @@ pub enum Curves {
     Every,
 }
 
-/// [`transmission_error_curves`], or as many as are asked for, with the loads of the pins forward at rated torque;
-/// `None` when `progress` was cancelled.
+/// [`transmission_error_curves`], or as many as are asked for, and whether with the loads of the pins forward at
+/// rated torque; `None` when `progress` was cancelled.
 pub(super) fn watched_error_curves(
     machine: &Machine,
     settings: &JointSettings,
     test: TransmissionSettings,
-    curves: Curves,
+    (curves, pins): (Curves, bool),
     progress: &dyn Progress,
 ) -> Result<Option<Vec<ErrorCurve>>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
-    let case = |direction, torque| Case { direction, torque, sees_pins: direction > 0.0 && torque == rated };
-    let held = test.holding_torque;
+    let under = |torque, direction| Case { direction, torque, sees_pins: false };
+    let [held, held_back] = [1.0, -1.0].map(|direction| under(test.holding_torque, direction));
+    let (forward, backward) = (Case { sees_pins: pins, ..under(rated, 1.0) }, under(rated, -1.0));
     let cases = match curves {
-        Curves::Rated => vec![case(1.0, rated)],
-        Curves::Forward => vec![case(1.0, held), case(1.0, rated)],
-        Curves::Every => vec![case(1.0, held), case(-1.0, held), case(1.0, rated), case(-1.0, rated)],
+        Curves::Rated => vec![forward],
+        Curves::Forward => vec![held, forward],
+        Curves::Every => vec![held, held_back, forward, backward],
     };
     let done = AtomicUsize::new(0);
     let whole = (cases.len() * (test.positions + 1)) as f64;

@@ -324,8 +324,12 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 "Peak to peak of the transmission error forward, held by 1 % of rated torque.",
             )
             .of(|o| Value::from(o.state().forward_held().map(|curve| curve.peak_to_peak() / ARCMIN))),
-            q::MAX_FORCE.of(|o| pins(o, |pins| pins.force)),
-            q::MAX_PRESSURE.of(|o| pins(o, |pins| pins.pressure / MPA)),
+            Quantity { what: "Largest force of one pin on one disc over the places of the output turn, \
+                 running forward at rated torque.", ..q::MAX_FORCE }
+                .of(|o| pins(o, |pins| pins.force)),
+            Quantity { what: "Largest Hertz pressure between pin and flank over the places of the output turn, \
+                 running forward at rated torque.", ..q::MAX_PRESSURE }
+                .of(|o| pins(o, |pins| pins.pressure / MPA)),
             quantity("transmission_error", PLAIN, "Mean and peak to peak of every transmission error.")
                 .of(|o| curves_value(&o.state().curves)),
             quantity("measured.transmission_error", PLAIN, "The same of measured curves.")

@@ -57,6 +57,8 @@ options! {
     }
 }
 
+/// Results that rest on the loads of the pins over the output turn.
+const PIN_LOADS: &[&str] = &["max_force_n", "max_pressure_mpa"];
 /// Results that rest on the transmission error forward under little load.
 const HELD_CURVE: &[&str] = &["te_held_peak_to_peak_arcmin"];
 /// Results and tables that show every transmission error; the others rest on the one forward at rated torque.
@@ -117,14 +119,18 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     let unpushed = fidelity.clone();
     fidelity.push_output(&machine, forces)?;
     let wanted = |results: &[&str]| results.iter().any(|result| host.wants(result));
+    let curves = if wanted(EVERY_CURVE) {
+        Curves::Every
+    } else if wanted(HELD_CURVE) {
+        Curves::Forward
+    } else {
+        Curves::Rated
+    };
     let plan = RigPlan {
         loop_positions: options.positions,
         error_positions: options.te_positions,
-        curves: match () {
-            () if wanted(EVERY_CURVE) => Curves::Every,
-            () if wanted(HELD_CURVE) => Curves::Forward,
-            () => Curves::Rated,
-        },
+        curves,
+        pins: wanted(PIN_LOADS),
         running: wanted(RUNNING),
     };
     let test = |state: &WornState| -> Result<(RigState, Option<PartsPoint>), AnalysisError> {

@@ -11,6 +11,9 @@ use crate::results::Value;
 
 const FURTHER: &[&str] = &[
     "te_rated_peak_to_peak_arcmin",
+    "te_held_peak_to_peak_arcmin",
+    "max_force_n",
+    "max_pressure_mpa",
     "efficiency",
     "no_load_running_torque_n_m",
     "back_driving_torque_n_m",

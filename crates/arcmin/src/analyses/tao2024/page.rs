@@ -5,7 +5,7 @@ use crate::analyses::{Said, TextTable};
 use crate::machine::PinMounting;
 use crate::report::{
     Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Table, Tone,
-    Verdict, compact, references_to, significant,
+    Verdict, compact, in_decimals, references_to, significant,
 };
 use crate::units::{MPA, RPM};
 
@@ -32,7 +32,7 @@ pub(super) fn said(study: &Tao2024) -> Vec<Said> {
         let mut row = vec![
             hours(level.hours),
             compact(level.depth_um(), 3),
-            format!("{:.3}", level.travel.play.arcmin()),
+            in_decimals(level.travel.play.arcmin(), 3),
         ];
         if simulated {
             row.extend([pair(level.ste_rigid()), pair(level.dte_rigid())]);
@@ -276,8 +276,8 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
         let mut row = vec![
             hours(level.hours),
             compact(level.depth_um(), 3),
-            format!("{:.3}", level.travel.play.arcmin()),
-            format!("{:.3}", level.accuracy.loaded_error.arcmin()),
+            in_decimals(level.travel.play.arcmin(), 3),
+            in_decimals(level.accuracy.loaded_error.arcmin(), 3),
             significant(level.accuracy.max_force, 3),
         ];
         if level.rigid.is_some() {

@@ -78,6 +78,13 @@ fn ball_stiffness(bearing: &RollerBearing) -> f64 {
     (inner.powf(-2.0 / 3.0) + outer.powf(-2.0 / 3.0)).powf(-1.5)
 }
 
+/// A rolling element that carries: its approach (m) and force (N) along the line of contact, and both outwards.
+struct Loaded {
+    approach: f64,
+    force: f64,
+    radial: Pressed,
+}
+
 impl RadialBearing {
     /// `scale` multiplies the stiffness; 1 for the bearing as it is.
     pub fn new(bearing: &RollerBearing, scale: f64) -> RadialBearing {
@@ -103,18 +110,10 @@ impl RadialBearing {
     /// State at the displacement u (m) of the inner ring and the cage angle ψ (rad).
     pub fn react(&self, u: [f64; 2], cage: f64) -> BearingState {
         let mut state = BearingState::default();
-        let step = unit(TAU / self.count as f64);
-        let mut e = unit(cage);
-        let cosine = self.contact_cosine;
-        for _ in 0..self.count {
-            let along = u[0] * e.x + u[1] * e.y;
-            let approach = cosine * (along - self.half_clearance);
-            if approach > 0.0 {
-                let force = self.stiffness * approach.powf(self.exponent);
-                let radial = cosine * force;
-                let k = cosine * cosine * self.exponent * force / approach;
-                // u·e' with e' = ∂e/∂ψ.
-                let across = -u[0] * e.y + u[1] * e.x;
+        for (e, along, across) in self.elements(u, cage) {
+            if let Some(Loaded { approach, force, radial: Pressed { force: radial, stiffness: k } }) =
+                self.loaded(along)
+            {
                 let slope = [e.x, e.y, across];
                 for i in 0..3 {
                     state.gradient[i] += radial * slope[i];
@@ -131,7 +130,6 @@ impl RadialBearing {
                 state.largest_element = state.largest_element.max(force);
                 state.loaded += 1;
             }
-            e = turned(e, step);
         }
         state
     }
@@ -142,15 +140,20 @@ impl RadialBearing {
         cosine * cosine * self.exponent * self.stiffness * 1e-6_f64.powf(self.exponent - 1.0)
     }
 
-    /// How an element presses that the displacement u moves by u·e = `along` (m).
-    pub(super) fn pressed(&self, along: f64) -> Pressed {
+    /// The element that the displacement u moves by u·e = `along` (m); `None` within the clearance.
+    fn loaded(&self, along: f64) -> Option<Loaded> {
         let cosine = self.contact_cosine;
         let approach = cosine * (along - self.half_clearance);
-        if approach <= 0.0 {
-            return Pressed::default();
-        }
-        let force = cosine * self.stiffness * approach.powf(self.exponent);
-        Pressed { force, stiffness: cosine * self.exponent * force / approach }
+        (approach > 0.0).then(|| {
+            let force = self.stiffness * approach.powf(self.exponent);
+            let stiffness = cosine * cosine * self.exponent * force / approach;
+            Loaded { approach, force, radial: Pressed { force: cosine * force, stiffness } }
+        })
+    }
+
+    /// How that element presses outwards.
+    pub(super) fn pressed(&self, along: f64) -> Pressed {
+        self.loaded(along).map_or(Pressed::default(), |element| element.radial)
     }
 
     /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.

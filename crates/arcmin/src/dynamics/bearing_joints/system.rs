@@ -126,7 +126,7 @@ impl System for BearingJoints {
         self.evaluate_with_input(time, position, velocity, force, None).0
     }
 
-    /// Those of rigid bodies.
+    /// None where discs are elastic: gaps to their pins depend on more than where the discs stand.
     fn gaps(&self, time: f64, position: &[f64], reach: f64, see: &mut dyn FnMut(&Gap<'_>)) {
         if self.rings.iter().any(|ring| ring.elastic.is_some()) {
             return;

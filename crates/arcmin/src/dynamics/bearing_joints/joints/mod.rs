@@ -87,7 +87,8 @@ pub(super) trait Joint: Debug + Send + Sync {
     /// Hands springs, dampers and frictions to `sink`.
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink);
 
-    /// Hands on what the joint lets the bodies do while nothing presses; of its gaps those nearer than `reach` (m).
+    /// Hands on what the joint lets the bodies do while nothing presses; of its gaps at least those nearer than
+    /// `reach` (m).
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>));
 
     /// Tangent compliance along a motion g of all coordinates, by part: gᵀ K g.

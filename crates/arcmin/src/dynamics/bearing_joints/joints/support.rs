@@ -77,7 +77,7 @@ impl Joint for Support {
         });
     }
 
-    /// Within a clearance, tangents all around the circle and one where the body stands.
+    /// Within a clearance, tangents all around the circle and one where the body stands, which alone presses.
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let (u, seat) = (self.displacement(q), self.seat_at(q));
         let gradient = |n: Vec2| [n.x, n.y, n.dot(&quarter_turn(seat)), -n.x, -n.y];
@@ -91,10 +91,10 @@ impl Joint for Support {
         }
         let here = u.try_normalize(0.0).unwrap_or(Vec2::new(1.0, 0.0));
         let around = (0..TANGENTS).map(|i| unit(std::f64::consts::TAU * i as f64 / TANGENTS as f64));
-        for n in around.chain([here]) {
+        let force = stiffness * (u.norm() - self.clearance).max(0.0);
+        for (n, force) in around.map(|n| (n, 0.0)).chain([(here, force)]) {
             let value = self.clearance - n.dot(&u);
-            let overlap = (-value).max(0.0);
-            let pressed = Pressed { force: stiffness * overlap, stiffness };
+            let pressed = Pressed { force, stiffness };
             if value < reach {
                 add(Limit::Gap(Distance { index, gradient: &gradient(-n), value, stiffness }, pressed));
             }

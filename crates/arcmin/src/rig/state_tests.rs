@@ -1,0 +1,108 @@
+//! The bench as a whole: what it leaves out where nobody asks, and how finely it looks.
+
+use super::*;
+use crate::dynamics::{BearingMeshing, JointSettings};
+use crate::load::ShareLoad;
+use crate::machine::{CrankAngle, Friction, Machine, ManufacturingErrors};
+use crate::progress::Silent;
+use crate::templates::{design, rv_40e_81};
+
+/// Both shipped machines and one that nobody has seen.
+fn machines() -> [Machine; 3] {
+    let other = design("rv-80e").unwrap().machine();
+    [rv_40e_81(), other, crate::random_designs::sound_design(6).0.machine()]
+}
+
+/// A bench that is asked for one transmission error finds the one that it finds among all of them: on a new machine,
+/// on one as drawn, and on one that nobody has seen.
+#[test]
+fn one_curve_is_that_of_all() {
+    let tolerances = design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    for (place, machine) in machines().into_iter().enumerate() {
+        let errors = match place {
+            0 => ManufacturingErrors::default(),
+            _ => ManufacturingErrors::draw(&machine, &tolerances, 5),
+        };
+        let settings = JointSettings { errors, ..JointSettings::default() };
+        let test = |curves| {
+            let plan =
+                RigPlan { loop_positions: 1, error_positions: 48, curves, pins: false, running: false };
+            RigState::measure(&machine, &settings, 0.0, plan, &Silent).unwrap().unwrap()
+        };
+        let [one, two, all] = [Curves::Rated, Curves::Forward, Curves::Every].map(test);
+        assert_eq!([&one, &two, &all].map(|state| state.curves.len()), [1, 2, 4]);
+        assert_eq!(one.forward_held(), None);
+        assert_eq!(two.forward_held(), all.forward_held());
+        assert_eq!(two.forward_held().unwrap().torque, 0.01 * machine.rated.torque.abs());
+        assert_eq!(one.forward_at_rated(), all.forward_at_rated());
+        assert_eq!(one.forward_at_rated().unwrap().torque, machine.rated.torque.abs());
+        assert_eq!(one.spectrum, all.spectrum);
+    }
+}
+
+/// Without friction the pins carry over an output turn of the bench what the load sharing finds for them at the same
+/// places, on machines of all kinds.
+#[test]
+fn pins_carry_what_the_load_sharing_finds() {
+    const PLACES: usize = 97;
+    for mut machine in machines() {
+        machine.friction =
+            Friction { regularisation_speed: machine.friction.regularisation_speed, ..Friction::default() };
+        let settings = JointSettings::default();
+        let plan = RigPlan {
+            loop_positions: 1,
+            error_positions: PLACES,
+            curves: Curves::Rated,
+            pins: true,
+            running: false,
+        };
+        let state = RigState::measure(&machine, &settings, 0.0, plan, &Silent).unwrap().unwrap();
+        let pins = state.forward_at_rated().unwrap().pins.unwrap();
+        let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
+        let kinematics = machine.kinematics();
+        let law = machine.line_contact();
+        let mut found = PinLoads::default();
+        for i in 0..PLACES {
+            // The crankshafts turn z_c times as fast as the output, the other way.
+            let turned = std::f64::consts::TAU * i as f64 / PLACES as f64 * kinematics.ratio().signum();
+            let crank = CrankAngle::from_radians(-kinematics.lobe_count * turned);
+            let (sharing, _) = meshing.share(crank, machine.rated.torque.abs(), None).unwrap();
+            for contact in sharing.contacts().filter(|contact| contact.force > 0.0) {
+                found.force = found.force.max(contact.force);
+                let pressure = law.pressure(contact.force, 1.0 / contact.relative_curvature);
+                found.pressure = found.pressure.max(pressure);
+            }
+        }
+        for (bench, sharing) in [(pins.force, found.force), (pins.pressure, found.pressure)] {
+            assert!((bench / sharing - 1.0).abs() < 1e-5, "{}: {pins:?} {found:?}", machine.name);
+        }
+    }
+}
+
+/// As many crank positions as the bench takes by default stand for many, with two crankshafts and with three; four
+/// fall together by twos where there are two.
+#[test]
+fn five_crank_positions_stand_for_many() {
+    let mut three = rv_40e_81();
+    three.crankshafts.count = 3;
+    let large = design("rv-80e").unwrap().machine();
+    for machine in [rv_40e_81(), large, three] {
+        let over = |positions: usize| {
+            let plan = RigPlan {
+                loop_positions: positions,
+                error_positions: 16,
+                curves: Curves::Rated,
+                pins: false,
+                running: false,
+            };
+            let settings = JointSettings::default();
+            let state = RigState::measure(&machine, &settings, 0.0, plan, &Silent);
+            let state = state.unwrap().unwrap();
+            [state.lost_motion(), state.soft_stiffness()]
+        };
+        let [many, five, four] = [17, 5, 4].map(over);
+        let apart = |few: [f64; 2]| (0..2).map(|k| (few[k] / many[k] - 1.0).abs()).fold(0.0, f64::max);
+        assert!(apart(five) < 0.01, "{five:?} {many:?}");
+        assert!(machine.crankshafts.count != 2 || apart(four) > 2.0 * apart(five), "{four:?} {many:?}");
+    }
+}
