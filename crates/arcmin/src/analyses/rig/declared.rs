@@ -269,7 +269,7 @@ fn torque(rig: &Rig, of: fn(&RunningTorques) -> f64) -> Value {
     Value::from(rig.state().torques.as_ref().map(of))
 }
 
-/// Loads of the pins over the output turn at rated torque, forward.
+/// Loads of the pins over the output turn, after which everything repeats, at rated torque, forward.
 fn pins(rig: &Rig, of: fn(&PinLoads) -> f64) -> Value {
     Value::from(rig.state().forward_at_rated().and_then(|curve| curve.pins.as_ref()).map(of))
 }
@@ -324,12 +324,8 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 "Peak to peak of the transmission error forward, held by 1 % of rated torque.",
             )
             .of(|o| Value::from(o.state().forward_held().map(|curve| curve.peak_to_peak() / ARCMIN))),
-            Quantity { what: "Largest force of one pin on one disc over the places of the output turn, \
-                 running forward at rated torque.", ..q::MAX_FORCE }
-                .of(|o| pins(o, |pins| pins.force)),
-            Quantity { what: "Largest Hertz pressure between pin and flank over the places of the output turn, \
-                 running forward at rated torque.", ..q::MAX_PRESSURE }
-                .of(|o| pins(o, |pins| pins.pressure / MPA)),
+            q::MAX_FORCE.of(|o| pins(o, |pins| pins.force)),
+            q::MAX_PRESSURE.of(|o| pins(o, |pins| pins.pressure / MPA)),
             quantity("transmission_error", PLAIN, "Mean and peak to peak of every transmission error.")
                 .of(|o| curves_value(&o.state().curves)),
             quantity("measured.transmission_error", PLAIN, "The same of measured curves.")
