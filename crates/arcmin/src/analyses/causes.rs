@@ -40,7 +40,7 @@ static CAUSES: LazyLock<Vec<Declared>> = LazyLock::new(|| {
 const RESIDUAL: Quantity = quantity(
     "residual_arcmin",
     decimals(4),
-    "What the causes leave of the lost motion: terms of second order in the displacements.",
+    "What the causes leave of the lost motion: what the balances leave.",
 );
 
 /// `lost_motion_causes.csv`.
@@ -169,8 +169,7 @@ pub(crate) fn section(rows: &[CausesAt]) -> Section {
     let residual = states.iter().map(|split| (split.residual() / ARCMIN).abs()).fold(0.0, f64::max);
     let note = format!(
         "The machine in its bearings, {MEANING}. The causes follow from virtual work with the forces at ±3 % of \
-         rated torque and leave at most {residual:.4} arcmin of the whole unexplained: terms of second order in \
-         the displacements."
+         rated torque and leave at most {residual:.4} arcmin of the whole unexplained: what the balances leave."
     );
     let blocks = vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)];
     Section::new("causes", "Lost motion by cause", blocks)
@@ -186,8 +185,7 @@ pub(crate) fn shares(at: &CausesAt, bench: Option<f64>) -> Block {
         format!(" With friction the mid-points of the loop are {read:.4} arcmin apart.")
     });
     let note = format!(
-        "{state}, {MEANING}. Of {:.4} arcmin in all {:.4} arcmin are left unexplained (terms of second order in \
-         the displacements).{with_friction}",
+        "{state}, {MEANING}. Of {:.4} arcmin in all the balances leave {:.4} arcmin unexplained.{with_friction}",
         split.whole / ARCMIN,
         // No minus before a rounded zero.
         (split.residual() / ARCMIN * 1e4).round() / 1e4 + 0.0

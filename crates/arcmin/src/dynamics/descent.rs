@@ -9,7 +9,7 @@ const LINE_SEARCHES: usize = 25;
 /// So many steps without halving the forces mean that what is left may be a jump…
 const STUCK: usize = 80;
 /// Half of the width of a jump, in units of scale: 1e-3' of angles, some 0.01 µm of places.
-const JUMP_WIDTH: f64 = 1e-3;
+pub(crate) const JUMP_WIDTH: f64 = 1e-3;
 /// …and so many that there is no way on: bodies cross a clearance under a force that stays as it is.
 const HOPELESS: usize = 600;
 

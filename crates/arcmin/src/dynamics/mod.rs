@@ -30,6 +30,7 @@ pub(crate) use bearing_joints::JUMP;
 pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, Lean, LostMotionSplit, Part, RadialBearing,
 };
+pub(crate) use descent::JUMP_WIDTH;
 pub use drive::{Drive, InputMotion};
 pub use elastic_carrier::{ElasticCarrier, ElasticRims};
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};

@@ -145,7 +145,7 @@ fn life(design: &Design) -> Result<(), Failure> {
         let Some(PartsPoint { lost_motion: split, .. }) = point.causes else {
             return Err(Failure::Failed("no causes".to_owned()));
         };
-        if !(split.residual().abs() <= 0.1 * split.whole.abs()) {
+        if !(split.residual().abs() <= 0.02 * split.whole.abs()) {
             return Err(Failure::Failed(format!("causes leave {} of {}", split.residual(), split.whole)));
         }
     }

@@ -56,7 +56,7 @@ impl LostMotionSplit {
         self.causes.iter_mut().zip(works).for_each(|(sum, work)| *sum += weight * work);
     }
 
-    /// What the causes leave of the whole: terms of second order in the displacements.
+    /// What the causes leave of the whole: what the balances leave.
     pub fn residual(&self) -> f64 {
         self.whole - self.causes.iter().sum::<f64>()
     }
@@ -205,7 +205,11 @@ impl BearingMeshing {
             return Ok(rates);
         }
         let kinematics = machine.kinematics();
-        for duty in machine.duty.iter().filter(|duty| duty.torque != 0.0 && duty.share > 0.0) {
+        for duty in machine
+            .duty
+            .iter()
+            .filter(|duty| duty.torque != 0.0 && duty.input_speed != 0.0 && duty.share > 0.0)
+        {
             let (output, _, relative) = kinematics.speeds(duty.input_speed);
             // Sun and planets against the carrier.
             let speeds = [output * (kinematics.housing_fixed_ratio() - 1.0), relative];

@@ -192,7 +192,7 @@ fn everything_elastic_in_one_model() {
     assert!(ring > 0.8 && ring < 1.1, "{ring}");
 
     let causes = BearingMeshing::new(&machine, &all).unwrap().lost_motion_causes(2, &mut Vec::new()).unwrap();
-    assert!(causes.residual().abs() < 1e-3 * causes.whole, "{} of {}", causes.residual(), causes.whole);
+    assert!(causes.residual().abs() < 1e-5 * causes.whole, "{} of {}", causes.residual(), causes.whole);
     let hard = JointSettings {
         carrier: all.carrier.as_ref().map(|body| body.stiffened(1e4).unwrap()),
         housing: all.housing.as_ref().map(|body| body.stiffened(1e4).unwrap()),

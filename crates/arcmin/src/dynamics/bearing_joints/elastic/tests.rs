@@ -215,7 +215,7 @@ fn causes_add_up_with_elastic_discs() {
         .unwrap()
         .lost_motion_causes(4, &mut Vec::new())
         .unwrap();
-    assert!(split.residual().abs() < 0.01 * split.whole, "{} of {}", split.residual(), split.whole);
+    assert!(split.residual().abs() < 1e-5 * split.whole, "{} of {}", split.residual(), split.whole);
     assert!(split.of(Cause::Elastic) > rigid.of(Cause::Elastic), "{split:?} {rigid:?}");
     assert!(
         (split.of(Cause::FlankWear) / rigid.of(Cause::FlankWear) - 1.0).abs() < 0.05,

@@ -102,6 +102,13 @@ pub(super) trait Joint: Debug + Send + Sync {
         add(Cause::Elastic, 2.0 * self.stored(at));
     }
 
+    /// Work (N·m·rad) of the joint's forces as they are now on the way from the coordinates `from`.
+    fn work_on_the_way(&self, at: State<'_>, from: &[f64]) -> f64 {
+        let mut way = Way { to: at.q, from, work: 0.0 };
+        self.visit(at, &mut way);
+        way.work
+    }
+
     /// Elastic energy in J.
     fn stored(&self, at: State<'_>) -> f64 {
         let mut stored = Stored(0.0);
@@ -156,6 +163,30 @@ impl Sink for Stored {
     }
 
     fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
+}
+
+/// Sums the work of forces along a way of all coordinates.
+struct Way<'a> {
+    to: &'a [f64],
+    from: &'a [f64],
+    work: f64,
+}
+
+impl Sink for Way<'_> {
+    fn element(&mut self, element: &Element<'_>) {
+        let slopes = element.index.iter().zip(element.gradient);
+        self.work += slopes.map(|(i, slope)| slope * (self.to[*i] - self.from[*i])).sum::<f64>();
+    }
+
+    fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
+
+    fn takes_stiffness(&self) -> bool {
+        false
+    }
+
+    fn takes_damping(&self) -> bool {
+        false
+    }
 }
 
 /// What joints lose.

@@ -81,7 +81,7 @@ impl PinRing {
                 made = contact.normal.dot(&moved) + radius - pin.radius + error;
                 add(Cause::ManufacturingErrors, force * made);
             }
-            add(Cause::FlankCurvature, force * (lost.unworn_gap(contact) - modification - made));
+            add(Cause::Curvature, force * (lost.unworn_gap(contact) - modification - made));
         });
     }
 
