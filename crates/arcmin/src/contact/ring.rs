@@ -386,11 +386,10 @@ impl PinContacts {
             reaction.add(contact, velocity, radius, self.sliding.as_ref());
             if self.conservative && contact.elastic > 0.0 && rolls {
                 // Its tangents are left out: it is 1e-4 of the contact force.
-                reaction
-                    .force
-                    .iter_mut()
-                    .zip(self.rolling_force(contact))
-                    .for_each(|(sum, force)| *sum += force);
+                let rolling = self.rolling_force(contact);
+                for i in 0..3 {
+                    reaction.force[i] += rolling[i];
+                }
             }
         });
         reaction
@@ -434,7 +433,7 @@ impl Reaction {
         let g = contact.gradient;
         let hessian = contact.gap_hessian(pin_radius);
         // −∂F/∂q along g: the gap closes, and its rate changes as the normal turns.
-        let mut fall = g.map(|g| contact.stiffness * g);
+        let mut fall = [contact.stiffness * g[0], contact.stiffness * g[1], contact.stiffness * g[2]];
         if contact.damping != 0.0 {
             let v = velocity.as_array();
             for i in 0..3 {

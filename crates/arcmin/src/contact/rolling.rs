@@ -56,14 +56,16 @@ impl PinContacts {
         let t = quarter_turn(contact.foot_normal);
         let speed = profile.pin_circle_radius * factor;
         let travel = 1.0 / (speed * (1.0 - curvature * foot_distance));
-        let by_pose = [t.x, t.y, cross(contact.arm, t)].map(|along| -along * travel);
-        Rolling { by_pose, log_radius_slope, gap_slope: by_pose.map(|travel| error_slope * travel) }
+        let by_pose @ [x, y, turn] = [-t.x * travel, -t.y * travel, -cross(contact.arm, t) * travel];
+        let gap_slope = [error_slope * x, error_slope * y, error_slope * turn];
+        Rolling { by_pose, log_radius_slope, gap_slope }
     }
 
     /// Generalised force (N, N, N·m) on the disc that the stored energy asks for beyond F ∂g/∂q.
     pub(crate) fn rolling_force(&self, contact: &PinContact) -> [f64; 3] {
         let rolling = self.rolling(contact);
         let energy_rate = self.contact().energy_by_log_radius(contact.elastic) * rolling.log_radius_slope;
-        std::array::from_fn(|i| contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i])
+        let force = |i: usize| contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i];
+        [force(0), force(1), force(2)]
     }
 }

@@ -189,12 +189,11 @@ impl Profile {
         let size = lanes(|l| z * step[l]);
         // As for a single pin, but for 0.1 rad: so far the series of sine and cosine reach. False for NaN,
         // too.
-        let good =
-            [0, 1, 2, 3].map(|l: usize| slope[l] < 0.0 && size[l].abs() < 0.1 && correction[l].abs() <= 0.35);
+        let good = |l: usize| slope[l] < 0.0 && size[l].abs() < 0.1 && correction[l].abs() <= 0.35;
         Step {
             places: Places { tau: lanes(|l| tau[l] + step[l]), e: e.turned(&step), ez: ez.turned(&size) },
             size,
-            good,
+            good: [good(0), good(1), good(2), good(3)],
         }
     }
 }

@@ -120,10 +120,10 @@ impl Assembly<'_> {
                 continue;
             }
             let into = row(linearisation, *at);
-            for (column, value) in index.iter().zip(line) {
+            for i in 0..index.len() {
                 // Coordinates that are held lie behind the row's end.
-                if let Some(entry) = into.get_mut(*column) {
-                    *entry += value;
+                if let Some(entry) = into.get_mut(index[i]) {
+                    *entry += line[i];
                 }
             }
         }

@@ -28,19 +28,15 @@ impl Joint for Gears {
         let index = self.index;
         let rate = index.map(|i| at.v[i]);
         let mesh = self.state(at);
-        let flat =
-            |m: &[[f64; MESH_COORDINATES]; MESH_COORDINATES]| -> [f64; MESH_COORDINATES * MESH_COORDINATES] {
-                std::array::from_fn(|i| m[i / MESH_COORDINATES][i % MESH_COORDINATES])
-            };
         sink.element(&Element {
             part: Part::GearStage,
             index: &index,
             gradient: &mesh.gradient,
-            hessian: &flat(&mesh.hessian),
+            hessian: mesh.hessian.as_flattened(),
             stored: mesh.stored,
         });
         let mut force = mesh.damping_force;
-        let mut damping = flat(&mesh.damping);
+        let mut damping = mesh.damping;
         let mut dissipation = mesh.dissipation;
         let friction = self.losses.friction.gear_mesh;
         if friction > 0.0 {
@@ -52,7 +48,7 @@ impl Joint for Gears {
             force[5] += torque * share;
             let c = torque * slope * self.sliding;
             for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
-                damping[i * MESH_COORDINATES + j] += sign * c;
+                damping[i][j] += sign * c;
             }
             dissipation += torque * share * speed;
             let factor = friction * self.sliding * share * mesh.force.signum();
@@ -63,7 +59,7 @@ impl Joint for Gears {
             }
             sink.friction_slope(&index, &by_place);
         }
-        sink.damper(&index, &force, &damping, dissipation);
+        sink.damper(&index, &force, damping.as_flattened(), dissipation);
     }
 
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
