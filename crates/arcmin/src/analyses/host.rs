@@ -26,7 +26,7 @@ pub trait Host: Progress {
         })
     }
 
-    /// Whether anybody reads this result; what nobody does need not be worked out.
+    /// Whether anybody reads this result, or the report's pictures (`report`); what nobody does need not be worked out.
     fn wants(&self, _result: &str) -> bool {
         true
     }

@@ -33,6 +33,8 @@ pub struct EquilibriumControl {
     /// Whether the start is so far off that other contacts may press where the balance is: then the first steps look
     /// which ones they meet, which costs as much as an evaluation or two.
     pub from_afar: bool,
+    /// Whether the start may be so good that a few steps of Newton's method by itself lead to the balance.
+    pub haste: bool,
     /// Descent in energy where Newton's method fails: sure, but long. Whoever knows other places to start from
     /// tries those first.
     pub descent: bool,
@@ -48,6 +50,7 @@ impl Default for EquilibriumControl {
             jump_tolerance: 0.0,
             held: None,
             from_afar: false,
+            haste: true,
             descent: true,
         }
     }
@@ -92,7 +95,9 @@ pub fn solve_equilibrium_unless<S: System>(
     control: EquilibriumControl,
     cancelled: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, DynamicsError> {
-    if let Some(found) = hasten(system, time, start, control) {
+    if control.haste
+        && let Some(found) = hasten(system, time, start, control)
+    {
         return Ok(found);
     }
     let failure = match newton(system, time, start, control, cancelled) {

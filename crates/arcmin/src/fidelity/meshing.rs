@@ -126,6 +126,10 @@ impl ShareLoad for MachineMeshing {
         started!(self, meshing, start => meshing.share(crank, torque, start))
     }
 
+    fn stiffness(&mut self, sharing: &LoadSharing) -> f64 {
+        each!(mut self, meshing => ShareLoad::stiffness(meshing, sharing))
+    }
+
     fn pin_contacts(
         &mut self,
         crank: CrankAngle,

@@ -1,7 +1,7 @@
 //! Accuracy and loads of one state of wear.
 
 use crate::geometry::Relief;
-use crate::load::{Cycle, FlankForce, PinLoad, ShareLoad};
+use crate::load::{FlankForce, PinLoad, ShareLoad};
 use crate::machine::{Machine, OutputAngle};
 use crate::wear::WearError;
 
@@ -20,10 +20,8 @@ pub struct Accuracy {
     pub max_force: f64,
     pub max_pressure: f64,
     pub loaded_pairs: f64,
-    /// Load sharing at rated torque over one pin pitch of crank angle.
-    pub cycle: Cycle,
-    /// Forces on the flank by meshing angle: of all discs, or per disc the mean of all pins over everything
-    /// that repeats.
+    /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean of all
+    /// pins.
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
@@ -50,15 +48,15 @@ pub struct Travel {
 
 /// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
 const RING_POSITIONS: usize = 4;
-/// Steps of the meshing angle for forces that differ from pin to pin.
-const FLANK_CELLS: usize = 72;
+/// Steps of the meshing angle for forces that differ from pin to pin, and where they differ with the crank alone.
+const PIN_CELLS: usize = 72;
+const CRANK_CELLS: usize = 360;
 
 /// The largest force of all discs in each cell.
-fn highest(discs: &[Vec<FlankForce>]) -> Vec<FlankForce> {
+fn highest(discs: &[Vec<FlankForce>], cells: usize) -> Vec<FlankForce> {
     let mut all: Vec<FlankForce> = discs.iter().flatten().copied().collect();
     all.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
-    let cell =
-        |force: &FlankForce| (force.meshing_angle / std::f64::consts::TAU * FLANK_CELLS as f64).floor();
+    let cell = |force: &FlankForce| (force.meshing_angle / std::f64::consts::TAU * cells as f64).floor();
     all.chunk_by(|a, b| cell(a) == cell(b))
         .filter_map(|cell| cell.iter().copied().max_by(|a, b| a.force.total_cmp(&b.force)))
         .collect()
@@ -104,17 +102,12 @@ pub fn accuracy<S: ShareLoad>(
 ) -> Result<Accuracy, WearError> {
     let alike = meshing.discs_alike();
     let cycle = meshing.loaded_cycle(machine.rated.torque, positions(meshing, crank_positions))?;
-    let pitch = if meshing.pitches() == 1 {
-        cycle.clone()
+    let (flank_forces, flank_peaks) = if meshing.pitches() == 1 {
+        (vec![cycle.flank_forces()], cycle.flank_forces())
     } else {
-        meshing.pitch_cycle(machine.rated.torque, crank_positions)?
-    };
-    let (flank_forces, flank_peaks) = if alike {
-        (vec![pitch.flank_forces()], pitch.flank_forces())
-    } else {
-        let (means, peaks): (Vec<_>, Vec<_>) =
-            (0..machine.disc_count).map(|disc| cycle.flank_cells(disc, FLANK_CELLS)).unzip();
-        (means, highest(&peaks))
+        let (discs, cells) = if alike { (1, CRANK_CELLS) } else { (machine.disc_count, PIN_CELLS) };
+        let (means, peaks): (Vec<_>, Vec<_>) = (0..discs).map(|disc| cycle.flank_cells(disc, cells)).unzip();
+        (means, highest(&peaks, cells))
     };
     let pin_loads = if alike { Vec::new() } else { cycle.pin_loads() };
     let (max_depth, max_depth_at) = flank.deepest();
@@ -128,7 +121,6 @@ pub fn accuracy<S: ShareLoad>(
         max_pressure: cycle.max_pressure(meshing.contacts().contact()),
         loaded_pairs: cycle.loaded_pairs(),
         flank: flank.clone(),
-        cycle: pitch,
         flank_forces,
         flank_peaks,
         pin_loads,

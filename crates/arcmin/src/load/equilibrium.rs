@@ -97,8 +97,9 @@ pub struct LoadSharing {
     pub output_error: OutputAngle,
     /// Q(ε) − T in N·m.
     pub residual: f64,
-    /// dQ/dε: torsional stiffness at the output in N·m/rad.
-    pub stiffness: f64,
+    /// dQ/dε: torsional stiffness at the output in N·m/rad, where it comes with the search; else
+    /// [`ShareLoad::stiffness`](crate::load::ShareLoad::stiffness) tells it.
+    pub stiffness: Option<f64>,
     /// Contacts per disc, in the order of the pins.
     pub discs: Vec<Vec<PinContact>>,
 }
@@ -275,7 +276,7 @@ impl Meshing {
                 torque,
                 output_error,
                 residual: 0.0,
-                stiffness: 0.0,
+                stiffness: Some(0.0),
                 discs,
             });
         }
@@ -340,7 +341,7 @@ impl Meshing {
                         torque,
                         output_error,
                         residual,
-                        stiffness: model.stiffness,
+                        stiffness: Some(model.stiffness),
                         discs,
                     });
                 }
@@ -420,7 +421,7 @@ impl Meshing {
             torque,
             output_error: OutputAngle::from_radians(0.5 * (low + high)),
             residual: below.torque + share * (above.torque - below.torque) - torque,
-            stiffness: below.stiffness + share * (above.stiffness - below.stiffness),
+            stiffness: Some(below.stiffness + share * (above.stiffness - below.stiffness)),
             discs,
         }
     }

@@ -244,7 +244,7 @@ impl FlexibleMeshing {
             torque,
             output_error: OutputAngle::from_radians(error),
             residual,
-            stiffness,
+            stiffness: Some(stiffness),
             discs,
         })
     }

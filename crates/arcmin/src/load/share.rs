@@ -45,6 +45,12 @@ pub trait ShareLoad: Send + Sync {
         start: Option<&Self::Start>,
     ) -> Result<(LoadSharing, Self::Start), LoadError>;
 
+    /// Torsional stiffness at the output, in N·m/rad, at a load sharing that was found just now; 0 where nothing holds
+    /// the output.
+    fn stiffness(&mut self, sharing: &LoadSharing) -> f64 {
+        sharing.stiffness.unwrap_or(0.0)
+    }
+
     /// What wear needs of [`ShareLoad::share`]: the pins of every disc, and the solution.
     ///
     /// # Errors

@@ -48,7 +48,7 @@ const ERROR: TableOf<LoadSharing> = TableOf {
         vec![
             q::CRANK_ANGLE.of(|s: &LoadSharing| s.crank_angle.degrees().into()),
             q::TE_LOADED.of(|s| s.output_error.arcmin().into()),
-            q::TORSIONAL_STIFFNESS.of(|s| (s.stiffness * ARCMIN).into()),
+            q::TORSIONAL_STIFFNESS.of(|s| s.stiffness.map(|stiffness| stiffness * ARCMIN).into()),
         ]
     },
 };

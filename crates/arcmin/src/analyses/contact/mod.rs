@@ -181,14 +181,18 @@ fn equilibrium(
             return Err(AnalysisError::Stopped);
         }
         let crank = CrankAngle::from_degrees(360.0 * index as f64 / options.positions as f64);
-        let (sharing, found) = meshing.share(crank, torque, start.as_ref()).map_err(failed())?;
+        let (mut sharing, found) = meshing.share(crank, torque, start.as_ref()).map_err(failed())?;
+        sharing.stiffness = Some(meshing.stiffness(&sharing));
         turn.push(sharing);
         start = Some(found);
         host.report("load sharing", 0.5 * (index + 1) as f64 / options.positions as f64);
     }
     // Where it takes a turn of the output, enough for every pin to meet every disc at many angles.
     let positions = if meshing.discs_alike() { 72 } else { 720 };
-    let cycle = meshing.whole_cycle(torque, positions).map_err(failed())?;
+    let mut cycle = meshing.whole_cycle(torque, positions).map_err(failed())?;
+    for position in &mut cycle.positions {
+        position.stiffness = Some(meshing.stiffness(position));
+    }
     let kinematics = meshing.kinematics();
     let harmonics = match meshing.pitches() {
         1 => cycle.harmonics(kinematics.lobe_count, kinematics.pin_count),
@@ -213,7 +217,7 @@ impl Equilibrium {
     /// Mean stiffness over the cycle in N·m/rad.
     pub fn stiffness(&self) -> f64 {
         let positions = &self.cycle.positions;
-        positions.iter().map(|position| position.stiffness).sum::<f64>() / positions.len() as f64
+        positions.iter().filter_map(|position| position.stiffness).sum::<f64>() / positions.len() as f64
     }
 
     fn contacts(&self) -> impl Iterator<Item = (&LoadSharing, usize, &PinContact)> {

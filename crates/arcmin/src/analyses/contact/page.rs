@@ -183,7 +183,7 @@ fn blocks(contact: &Contact) -> Vec<Block> {
     .half();
     let stiffness =
         Plot::new("Tangent stiffness", Axis::new("Crank angle", "°"), Axis::new("Stiffness", "N·m/arcmin"))
-            .with(Series::line("dT/dφ", over_the_turn(&|s| s.stiffness * ARCMIN)))
+            .with(Series::line("dT/dφ", over_the_turn(&|s| s.stiffness.unwrap_or(0.0) * ARCMIN)))
             .noted("Of the teeth alone with ideal joints, of the whole machine in bearings.")
             .half();
     vec![Block::Plot(force), Block::Plot(pressure), Block::Plot(error), Block::Plot(stiffness)]

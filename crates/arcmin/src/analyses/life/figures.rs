@@ -83,13 +83,19 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
     vec![Block::Plot(angles), Block::Plot(pressure), Block::Plot(pairs), Block::Table(page::life_table(life))]
 }
 
-/// Points of the prediction as a reader can tell them apart, with their place among them.
-fn shown(life: &Life) -> Vec<(&LifePoint, Colour)> {
+/// As many of so many points as a reader can tell apart.
+pub(super) fn shown(points: usize) -> impl Iterator<Item = usize> {
+    stations(points, CURVES)
+}
+
+/// Those of the prediction, with their place among them.
+fn shown_points(life: &Life) -> Vec<(&LifePoint, Colour)> {
     let points = &life.prediction.points;
-    let last = points.len().saturating_sub(1).max(1) as f64;
-    stations(points.len(), CURVES)
-        .map(|index| (&points[index], Colour::Ordered(index as f64 / last)))
-        .collect()
+    shown(points.len()).map(|index| (&points[index], colour(life, index))).collect()
+}
+
+fn colour(life: &Life, index: usize) -> Colour {
+    Colour::Ordered(index as f64 / life.prediction.points.len().saturating_sub(1).max(1) as f64)
 }
 
 fn name(point: &LifePoint) -> String {
@@ -112,7 +118,8 @@ pub(super) fn wear(life: &Life) -> Vec<Block> {
     };
     let mut flank =
         Plot::new("Wear along the flank", meshing_angle(), Axis::new("Worn depth", "µm").from_zero()).half();
-    for (point, colour) in shown(life).into_iter().filter(|(point, _)| point.accuracy.max_depth > 0.0) {
+    for (point, colour) in shown_points(life).into_iter().filter(|(point, _)| point.accuracy.max_depth > 0.0)
+    {
         flank.series.push(Series::line(name(point), along(&point.accuracy.flank, side)).coloured(colour));
     }
     let end = life.last();
@@ -165,7 +172,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
          step of the meshing angle.",
     );
     let mut largest = 0.0_f64;
-    for (point, colour) in shown(life) {
+    for (point, colour) in shown_points(life) {
         let on_side = || point.accuracy.flank_peaks.iter().filter(|f| f.meshing_angle * side >= 0.0);
         let forces = envelope(on_side().map(|f| (f.meshing_angle * side / DEG, f.force)), STEP_DEG);
         let pressures = envelope(
@@ -228,8 +235,8 @@ fn loaded_error(life: &Life) -> Plot {
         Axis::new("Error less its mean", "arcsec"),
     );
     let mut means = Vec::new();
-    for (point, colour) in shown(life) {
-        let cycle = &point.accuracy.cycle;
+    for (index, cycle) in &life.pitches {
+        let (point, colour) = (&life.prediction.points[*index], colour(life, *index));
         let mean = cycle.mean_error().radians();
         let steps = cycle.positions.len().max(1);
         means.push(format!("{} {} arcmin", name(point), significant(mean / ARCMIN, 3)));
@@ -247,8 +254,9 @@ fn loaded_error(life: &Life) -> Plot {
 }
 
 pub(super) fn mechanism(life: &Life) -> Vec<Block> {
-    let (new, end) = (life.first(), life.last());
-    let states = [(name(new), &new.accuracy.cycle), (name(end), &end.accuracy.cycle)];
+    let [(new, first), .., (end, last)] = &life.pitches[..] else { return Vec::new() };
+    let called = |index: &usize| name(&life.prediction.points[*index]);
+    let states = [(called(new), first), (called(end), last)];
     let mut drawing = crate::report::mechanism(&life.machine, &states);
     if !life.fidelity.errors.is_zero() {
         drawing.note.push_str(

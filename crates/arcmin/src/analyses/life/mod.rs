@@ -22,7 +22,7 @@ use crate::checks::{self, Finding};
 use crate::design::{Design, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions};
 use crate::life::{LifeOptions, LifePoint, Prediction, predict};
-use crate::load::ShareLoad;
+use crate::load::{Cycle, ShareLoad};
 use crate::machine::Machine;
 use crate::report::Section;
 
@@ -60,6 +60,8 @@ pub struct Life {
     pub prediction: Prediction,
     /// Multibody runs at some points of the prediction; empty if left out.
     pub ages: Vec<Age>,
+    /// Load sharing over one pin pitch of crank angle at the points that the report shows, by their number.
+    pitches: Vec<(usize, Cycle)>,
     pub bearings: BearingLives,
     pub findings: Vec<Finding>,
     pub verdict: LifeVerdict,
@@ -88,6 +90,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     let causes = host.wants("lost_motion_causes");
     let settings = LifeOptions { intervals: options.points, travel, causes, ..LifeOptions::default() };
     let (prediction, ages) = predict_with_runs(&machine, &fidelity, settings, options.quasi_static, host)?;
+    let pitches = if host.wants("report") { pitches(&machine, &fidelity, &prediction)? } else { Vec::new() };
     clock.stage(if options.quasi_static { "prediction" } else { "prediction_and_simulation" });
     host.report("bearings", 0.0);
     let bearings = bearing_lives(&machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
@@ -116,6 +119,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         fidelity,
         prediction,
         ages,
+        pitches,
         bearings,
         findings,
         verdict,
@@ -136,6 +140,22 @@ impl Clock<'_> {
         self.stages.push((name, now - self.since));
         self.since = now;
     }
+}
+
+/// Pin pitches of the points that the report shows, as far as the machine shares its load there.
+fn pitches(
+    machine: &Machine,
+    fidelity: &Fidelity,
+    prediction: &Prediction,
+) -> Result<Vec<(usize, Cycle)>, AnalysisError> {
+    let mut joints = fidelity.meshing(machine)?;
+    let positions = LifeOptions::default().crank_positions;
+    let of = |index: usize| {
+        prediction.points[index].state.put_on(machine, &mut joints);
+        let cycle = joints.pitch_cycle(machine.rated.torque, positions).ok()?;
+        Some((index, cycle))
+    };
+    Ok(figures::shown(prediction.points.len()).filter_map(of).collect())
 }
 
 /// The prediction; multibody runs fill the other cores as soon as their state is reached.

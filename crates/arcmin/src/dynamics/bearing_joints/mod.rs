@@ -308,6 +308,12 @@ impl BearingJoints {
         self.rings[disc].all(State { q: &q, v: &v })
     }
 
+    /// The pins that carry, of every disc.
+    pub(crate) fn loaded_pin_contacts(&self, position: &[f64]) -> Vec<Vec<crate::contact::PinContact>> {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        self.rings.iter().map(|ring| ring.loaded(State { q: &q, v: &v })).collect()
+    }
+
     /// [`BearingJoints::pin_contacts`] of every disc.
     pub(crate) fn all_pin_contacts(&self, position: &[f64]) -> Vec<Vec<crate::contact::PinContact>> {
         (0..self.rings.len()).map(|disc| self.pin_contacts(disc, position)).collect()

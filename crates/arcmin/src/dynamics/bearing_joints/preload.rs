@@ -80,7 +80,7 @@ impl BearingMeshing {
     }
 
     fn preload(&self, position: &[f64]) -> Preload {
-        Preload::of(&self.model.all_pin_contacts(position), &self.model.rings[0].contacts)
+        Preload::of(&self.model.loaded_pin_contacts(position), &self.model.rings[0].contacts)
     }
 
     /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from

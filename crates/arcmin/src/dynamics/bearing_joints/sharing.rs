@@ -34,7 +34,9 @@ pub struct BearingMeshing {
     /// How exact a balance is, as a share of each coordinate's scale.
     tolerance: f64,
     /// Deviations of balances.
-    known: Known<Vec<f64>>,
+    known: Known<balance::Deviations>,
+    /// Number of the state of wear, by which what is known is told apart.
+    state: usize,
     /// Reliefs that freed a preloaded machine.
     pub(super) freed: Known<Freed>,
 }
@@ -104,6 +106,7 @@ impl BearingMeshing {
             running,
             tolerance: balance::TOLERANCE,
             known: Known::nothing(),
+            state: 0,
             freed: Known::nothing(),
         })
     }
@@ -257,11 +260,6 @@ impl BearingMeshing {
     fn turn(&self, deviation: &mut [f64], angle: f64) {
         self.model.turn_ways(deviation, angle);
     }
-
-    /// dT/dφ at the output of the whole machine in N·m/rad.
-    fn stiffness(&self, position: &[f64]) -> Option<f64> {
-        Some(1.0 / self.model.motion_per_torque(position)?[self.model.output_index()])
-    }
 }
 
 impl ShareLoad for BearingMeshing {
@@ -276,18 +274,21 @@ impl ShareLoad for BearingMeshing {
     }
 
     fn set_relief(&mut self, relief: Relief) {
+        self.state += 1;
         for ring in &mut self.model.rings {
             ring.contacts.set_relief(relief.clone());
         }
     }
 
     fn set_pin_relief(&mut self, relief: Relief) {
+        self.state += 1;
         for ring in &mut self.model.rings {
             ring.contacts.set_pin_relief(relief.clone());
         }
     }
 
     fn set_surfaces(&mut self, flanks: Vec<Relief>, pins: Vec<Relief>) {
+        self.state += 1;
         for (disc, ring) in self.model.rings.iter_mut().enumerate() {
             ring.contacts.set_relief(flanks[disc % flanks.len()].clone());
             let count = ring.contacts.pins().len();
@@ -299,6 +300,7 @@ impl ShareLoad for BearingMeshing {
     }
 
     fn set_part_wear(&mut self, wear: &PartWear) {
+        self.state += 1;
         self.model.set_part_wear(*wear);
     }
 
@@ -331,16 +333,22 @@ impl ShareLoad for BearingMeshing {
     ) -> Result<(LoadSharing, Vec<f64>), LoadError> {
         let (position, residual) = self.balance_again(crank, torque, start.map(Vec::as_slice))?;
         let discs = self.model.all_pin_contacts(&position);
-        let stiffness = self.stiffness(&position).unwrap_or(0.0);
         let sharing = LoadSharing {
             crank_angle: crank,
             torque,
             output_error: self.error(&position),
             residual,
-            stiffness,
+            stiffness: None,
             discs,
         };
         Ok((sharing, self.deviation(crank, &position)))
+    }
+
+    fn stiffness(&mut self, sharing: &LoadSharing) -> f64 {
+        let LoadSharing { crank_angle, torque, .. } = *sharing;
+        let Ok((position, _)) = self.balance_again(crank_angle, torque, None) else { return 0.0 };
+        let motion = self.model.motion_per_torque(&position);
+        motion.map_or(0.0, |motion| 1.0 / motion[self.model.output_index()])
     }
 
     /// Nothing is kept: wear never comes back to a place. Nor does it ask for more than forces to some 1e-5.

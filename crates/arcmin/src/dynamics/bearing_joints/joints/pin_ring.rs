@@ -135,6 +135,17 @@ impl PinRing {
         }
     }
 
+    /// State of the pins that carry.
+    pub fn loaded(&self, at: State<'_>) -> Vec<PinContact> {
+        let mut loaded = Vec::new();
+        self.visit_loaded(at, |contact, force, _| {
+            let mut contact = *contact;
+            contact.force = force;
+            loaded.push(contact);
+        });
+        loaded
+    }
+
     /// Calls `visit` for every pin that carries, with its force (N) and its approach (m) on the disc as its
     /// modes have bent it: elastic work F s, the neighbours' included.
     fn visit_loaded(&self, at: State<'_>, mut visit: impl FnMut(&PinContact, f64, f64)) {

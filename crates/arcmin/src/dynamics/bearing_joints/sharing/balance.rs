@@ -32,6 +32,34 @@ type Balance = (Vec<f64>, f64);
 #[derive(Debug, Clone)]
 pub(in super::super) struct Known<T>(HashMap<[u64; 2], T>);
 
+/// Deviations of the balances at one place under one torque: with the surfaces of a state of wear, and with those of
+/// the state before it.
+#[derive(Debug, Clone)]
+pub(in super::super) struct Deviations {
+    state: usize,
+    now: Vec<f64>,
+    before: Option<Vec<f64>>,
+}
+
+impl Deviations {
+    /// Where the balance may be in a state: as far on from the last one as that from the one before.
+    fn ahead(&self, state: usize) -> Vec<f64> {
+        match &self.before {
+            Some(before) if state != self.state => {
+                self.now.iter().zip(before).map(|(now, before)| 2.0 * now - before).collect()
+            }
+            _ => self.now.clone(),
+        }
+    }
+
+    /// With the balance found in a state.
+    fn followed_by(known: Option<Deviations>, state: usize, now: Vec<f64>) -> Deviations {
+        let before =
+            known.and_then(|known| if known.state == state { known.before } else { Some(known.now) });
+        Deviations { state, now, before }
+    }
+}
+
 /// Crank angle and torque to the last bit: the same place asked for again.
 fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
     [crank.radians().to_bits(), torque.to_bits()]
@@ -107,6 +135,8 @@ impl BearingMeshing {
             } else {
                 0.0
             },
+            // Contacts that hardly press part on the shortest way that they have worn.
+            haste: torque == 0.0 || torque.abs() > 2.0 * ZERO_SHARE * self.model.rated,
             descent,
             ..EquilibriumControl::default()
         };
@@ -225,8 +255,10 @@ impl BearingMeshing {
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
         let known = self.known.take(crank, torque);
-        let found = self.balance_from_afar(crank, torque, known.as_deref().or(start))?;
-        self.known.keep(crank, torque, self.deviation(crank, &found.0));
+        let foretold = known.as_ref().map(|known| known.ahead(self.state));
+        let found = self.balance_from_afar(crank, torque, foretold.as_deref().or(start))?;
+        let now = self.deviation(crank, &found.0);
+        self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
         Ok(found)
     }
 
@@ -248,7 +280,8 @@ impl BearingMeshing {
             return self.balance_again(crank, torque, start);
         }
         let known = self.known.take(crank, torque);
-        let start = known.as_deref().or(start);
+        let foretold = known.as_ref().map(|known| known.ahead(self.state));
+        let start = foretold.as_deref().or(start);
         let found = match self.balance_nearby(crank, torque, start) {
             Ok(found) => found,
             Err(on_the_way) => self
@@ -256,7 +289,8 @@ impl BearingMeshing {
                 .or_else(|_| self.balance_within(TIGHT_JUMP, true, crank, 10.0 * torque, None))
                 .or_else(|_| self.balance_by_descent(crank, torque, start, on_the_way.as_deref()))?,
         };
-        self.known.keep(crank, torque, self.deviation(crank, &found.0));
+        let now = self.deviation(crank, &found.0);
+        self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
         Ok(found)
     }
 }
