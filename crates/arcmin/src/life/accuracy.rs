@@ -50,7 +50,7 @@ pub struct Travel {
 const RING_POSITIONS: usize = 4;
 /// Steps of the meshing angle for forces that differ from pin to pin, and where they differ with the crank alone.
 const PIN_CELLS: usize = 72;
-const CRANK_CELLS: usize = 360;
+const CRANK_CELLS: usize = 144;
 
 /// The largest force of all discs in each cell.
 fn highest(discs: &[Vec<FlankForce>], cells: usize) -> Vec<FlankForce> {

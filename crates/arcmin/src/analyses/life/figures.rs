@@ -151,6 +151,8 @@ pub(super) fn wear(life: &Life) -> Vec<Block> {
 pub(super) fn load(life: &Life) -> Vec<Block> {
     let side = loaded_side(life);
     let contact = life.machine.line_contact();
+    let pins_alike = life.last().accuracy.pin_loads.is_empty();
+    let over = if pins_alike { "one pin pitch" } else { "everything that repeats" };
     let mut force = Plot::new(
         "Contact force along the flank",
         meshing_angle(),
@@ -158,8 +160,8 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     )
     .half()
     .noted(
-        "Largest force of all pins within each step of the meshing angle, over everything that repeats. Wear \
-                 takes the load off the flank where it slides most and moves it towards the root.",
+        format!("Largest force of all pins within each step of the meshing angle, over {over}. Wear takes the load off \
+                 the flank where it slides most and moves it towards the root."),
     );
     let mut pressure = Plot::new(
         "Hertz pressure along the flank",
@@ -172,8 +174,11 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
          step of the meshing angle.",
     );
     let mut largest = 0.0_f64;
-    for (point, colour) in shown_points(life) {
-        let on_side = || point.accuracy.flank_peaks.iter().filter(|f| f.meshing_angle * side >= 0.0);
+    for (index, cycle) in &life.pitches {
+        let (point, colour) = (&life.prediction.points[*index], colour(life, *index));
+        // What all pins bear alike is densest over one pitch.
+        let peaks = if pins_alike { cycle.flank_forces() } else { point.accuracy.flank_peaks.clone() };
+        let on_side = || peaks.iter().filter(|f| f.meshing_angle * side >= 0.0);
         let forces = envelope(on_side().map(|f| (f.meshing_angle * side / DEG, f.force)), STEP_DEG);
         let pressures = envelope(
             on_side().map(|f| {
