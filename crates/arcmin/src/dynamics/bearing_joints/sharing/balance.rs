@@ -42,10 +42,11 @@ pub(in super::super) struct Deviations {
 }
 
 impl Deviations {
-    /// Where the balance may be in a state: as far on from the last one as that from the one before.
-    fn ahead(&self, state: usize) -> Vec<f64> {
+    /// Where the balance may be in a state: as far on from the last one as that from the one before. Without load
+    /// there may be several balances, and the search stays with the one it knows.
+    fn ahead(&self, state: usize, torque: f64) -> Vec<f64> {
         match &self.before {
-            Some(before) if state != self.state => {
+            Some(before) if state != self.state && torque != 0.0 => {
                 self.now.iter().zip(before).map(|(now, before)| 2.0 * now - before).collect()
             }
             _ => self.now.clone(),
@@ -255,7 +256,7 @@ impl BearingMeshing {
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
         let known = self.known.take(crank, torque);
-        let foretold = known.as_ref().map(|known| known.ahead(self.state));
+        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
         let found = self.balance_from_afar(crank, torque, foretold.as_deref().or(start))?;
         let now = self.deviation(crank, &found.0);
         self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
@@ -280,7 +281,7 @@ impl BearingMeshing {
             return self.balance_again(crank, torque, start);
         }
         let known = self.known.take(crank, torque);
-        let foretold = known.as_ref().map(|known| known.ahead(self.state));
+        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
         let start = foretold.as_deref().or(start);
         let found = match self.balance_nearby(crank, torque, start) {
             Ok(found) => found,

@@ -139,3 +139,30 @@ fn wear_sees_the_forces_of_exact_balances_on_random_designs() {
         }
     }
 }
+
+/// Flanks that wear from state to state: balances foretold from the two states before are those found anew, both
+/// ways and without load, and asking twice changes nothing.
+#[test]
+fn balances_foretold_from_two_states_of_wear_are_those_found_anew() {
+    let machines = [crate::templates::rv_40e_81(), crate::random_designs::sound_design(3).0.machine()];
+    for machine in machines {
+        let anew = || BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
+        let mut followed = anew();
+        let rated = machine.rated.torque;
+        for state in 0..5 {
+            let depth = 1.5e-6 * f64::from(state);
+            let worn = Relief::grid(360).map(|phi: f64| depth * (1.0 + (phi.abs() - 1.0).cos())).collect();
+            let worn = Relief::from_samples(worn);
+            let mut other = anew();
+            followed.set_relief(worn.clone());
+            other.set_relief(worn);
+            for torque in [rated, -0.03 * rated, rated, 1e-4 * rated] {
+                let crank = CrankAngle::from_radians(0.4);
+                let [a, b] =
+                    [&mut followed, &mut other].map(|joints| joints.share(crank, torque, None).unwrap().0);
+                let off = (a.output_error.radians() - b.output_error.radians()) / ARCMIN;
+                assert!(off.abs() < 1e-5, "{}, state {state}, {torque} N·m: {off}", machine.name);
+            }
+        }
+    }
+}
