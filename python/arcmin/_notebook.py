@@ -59,6 +59,7 @@ class _Axis:
 
     def __init__(self, axis: Mapping[str, Any], values: Sequence[float], start: float, end: float) -> None:
         self.is_log = axis["scale"] == "log"
+        self._is_counted = axis["counted"]
         self._start, self._end = start, end
         known = [value for value in values if math.isfinite(value) and (value > 0 or not self.is_log)]
         if axis["range"]:
@@ -86,7 +87,8 @@ class _Axis:
                 math.ceil(math.log10(self.low) - 1e-9), math.floor(math.log10(self.high) + 1e-9) + 1
             )
             return [10.0**power for power in powers]
-        return _ticks(self.low, self.high)
+        ticks = _ticks(self.low, self.high)
+        return [tick for tick in ticks if tick.is_integer()] if self._is_counted else ticks
 
 
 def _equal(x: _Axis, y: _Axis) -> None:

@@ -131,7 +131,7 @@ section! {
         input_speed_rpm: f64 => required(-30000.0, 30000.0),
         /// Share of the running time. The shares of all rows add up to 1.
         share: f64 => required(1e-9, 1.0),
-        /// Tilting moment on the output from outside; the life of the main bearings follows.
+        /// Tilting moment on the output from outside; the life of the main bearings follows, and wear of a machine in its bearings.
         moment_n_m: f64 => default(0.0, 0.0, 1e7),
         /// Axial force on the output from outside, positive out of the machine.
         axial_n: f64 => default(0.0, -1e8, 1e8),

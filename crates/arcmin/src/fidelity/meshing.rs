@@ -4,7 +4,7 @@ use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::BearingMeshing;
 use crate::geometry::Relief;
 use crate::load::{Cycle, FlexibleMeshing, FreeTravel, LoadError, LoadSharing, Meshing, ShareLoad};
-use crate::machine::{CrankAngle, Kinematics, OutputAngle, PartWear};
+use crate::machine::{CrankAngle, Kinematics, OutputAngle, OutputForces, PartWear};
 
 /// Load sharing with ideal joints, on elastic discs, or of the machine in its bearings.
 #[derive(Debug, Clone)]
@@ -111,6 +111,10 @@ impl ShareLoad for MachineMeshing {
 
     fn set_part_wear(&mut self, wear: &PartWear) {
         each!(mut self, meshing => ShareLoad::set_part_wear(meshing, wear));
+    }
+
+    fn set_output_forces(&mut self, forces: OutputForces) {
+        each!(mut self, meshing => ShareLoad::set_output_forces(meshing, forces));
     }
 
     fn pitches(&self) -> usize {

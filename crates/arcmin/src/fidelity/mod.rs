@@ -90,6 +90,8 @@ impl Fidelity {
         }
         if bends {
             fidelity.frame = Some(ElasticFrame::reduce(&machine, host)?);
+        }
+        if bends || (machine.duty_tilts() && options.joints.value == Joints::Bearings) {
             fidelity.lean = Some(Lean::of(&machine, OutputForces::default()));
         }
         Ok(fidelity)

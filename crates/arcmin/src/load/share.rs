@@ -1,7 +1,7 @@
 use super::{Cycle, FreeTravel, LoadError, LoadSharing, Meshing};
 use crate::contact::{PinContact, PinContacts};
 use crate::geometry::Relief;
-use crate::machine::{CrankAngle, Kinematics, OutputAngle, PartWear};
+use crate::machine::{CrankAngle, Kinematics, OutputAngle, OutputForces, PartWear};
 
 /// Whatever finds the forces of all pins at a crank position with the input locked: ideal joints
 /// ([`Meshing`]) or bearings ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over
@@ -30,6 +30,9 @@ pub trait ShareLoad: Send + Sync {
 
     /// Replaces what bearings and gears have lost; ideal joints have neither clearance nor gap.
     fn set_part_wear(&mut self, _wear: &PartWear) {}
+
+    /// Replaces what tilts and pulls the output; joints that hold it straight take no notice.
+    fn set_output_forces(&mut self, _forces: OutputForces) {}
 
     /// Number of pin pitches of crank angle after which everything repeats.
     fn pitches(&self) -> usize;

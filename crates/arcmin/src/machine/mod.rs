@@ -95,6 +95,11 @@ pub struct Limits {
 }
 
 impl Machine {
+    /// Whether anything but the torque acts on the output in its duty.
+    pub fn duty_tilts(&self) -> bool {
+        self.duty.iter().any(|row| !row.forces.is_zero())
+    }
+
     /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of
     /// the modification.
     pub fn profile(&self) -> Profile {

@@ -33,6 +33,8 @@ pub struct Axis {
     pub range: Option<[f64; 2]>,
     /// The data's own range, extended to include zero.
     pub include_zero: bool,
+    /// Of things that are counted: nothing lies between whole numbers.
+    pub counted: bool,
 }
 
 impl Axis {
@@ -43,6 +45,7 @@ impl Axis {
             scale: Scale::Linear,
             range: None,
             include_zero: false,
+            counted: false,
         }
     }
     pub fn between(mut self, from: f64, to: f64) -> Self {
@@ -51,6 +54,10 @@ impl Axis {
     }
     pub fn from_zero(mut self) -> Self {
         self.include_zero = true;
+        self
+    }
+    pub fn counted(mut self) -> Self {
+        self.counted = true;
         self
     }
     pub fn logarithmic(mut self) -> Self {

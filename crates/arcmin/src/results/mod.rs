@@ -104,7 +104,9 @@ pub fn in_words(stem: &str) -> String {
 impl Quantity {
     /// Unit as a reader writes it; empty for pure numbers, counts and words.
     pub fn unit(&self) -> &'static str {
-        unit_of(self.key).map_or("", |(_, unit)| unit)
+        let name = self.key.rsplit('.').next().unwrap_or(self.key);
+        // The word says it already.
+        if name.starts_with("hours_to_") { "h" } else { unit_of(name).map_or("", |(_, unit)| unit) }
     }
 
     /// The key without path and unit, as words: `max_force_n` is "max force".

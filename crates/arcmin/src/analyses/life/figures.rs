@@ -210,7 +210,7 @@ fn pins(life: &Life) -> Option<Plot> {
     }
     let mut plot = Plot::new(
         "Mean load of every pin",
-        Axis::new("Pin, counted from the x axis", ""),
+        Axis::new("Pin, counted from the x axis", "").counted(),
         Axis::new("Mean contact force", "N").from_zero(),
     )
     .noted(

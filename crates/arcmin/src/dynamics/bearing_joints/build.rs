@@ -15,9 +15,7 @@ use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
-use crate::machine::{
-    BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, OutputForces, RunOut,
-};
+use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
 /// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
 /// kHz.
@@ -161,13 +159,9 @@ impl Parts<'_> {
                 seat,
                 loss_time,
             }));
-            let OutputForces { moment, axial, radial } = lean.forces;
-            // The housing, where it is the output, leans the other way in the carrier.
-            let (on, sign) = if layout.housing_moves() { ([hx, hy], -1.0) } else { ([cx, cy], 1.0) };
-            add(Box::new(OutsideForces {
-                index: [on[0], on[1], about_x, about_y, z],
-                force: [radial, 0.0, 0.0, sign * moment, sign * axial],
-            }));
+            let (on, sense) = if layout.housing_moves() { ([hx, hy], -1.0) } else { ([cx, cy], 1.0) };
+            let index = [on[0], on[1], about_x, about_y, z];
+            add(Box::new(OutsideForces::new(index, sense, lean.forces)));
         } else {
             bearings.main = add(Box::new(Support {
                 part: Part::Housing,

@@ -211,6 +211,11 @@ impl BearingJoints {
         loads
     }
 
+    /// Replaces what tilts and pulls an output that leans.
+    pub(super) fn set_output_forces(&mut self, forces: crate::machine::OutputForces) {
+        self.joints.iter_mut().for_each(|joint| joint.set_output_forces(forces));
+    }
+
     /// Replaces what bearings and gears have lost.
     pub(super) fn set_part_wear(&mut self, wear: crate::machine::PartWear) {
         self.joints.iter_mut().for_each(|joint| joint.set_wear(&wear));

@@ -9,7 +9,9 @@ use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::DynamicsError;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
-use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, PartWear};
+use crate::machine::{
+    CrankAngle, DutyPoint, Friction, Kinematics, Machine, OutputAngle, OutputForces, PartWear,
+};
 use crate::wear::parts;
 
 /// Discs and pins with the whole machine free in its bearings, input locked, friction aside.
@@ -95,7 +97,11 @@ impl BearingMeshing {
     ) -> Result<BearingMeshing, DynamicsError> {
         let model = BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?;
         let errors = &settings.errors;
-        let (crank_turns, discs_alike) = (errors.crank_turns(machine), errors.discs_alike());
+        // Forces that stand still in space while discs and crankshafts go round meet every pin in another place, and
+        // carry the discs apart.
+        let leans = settings.lean.is_some() && machine.duty_tilts();
+        let crank_turns = if leans { machine.ring.pin_count } else { errors.crank_turns(machine) };
+        let discs_alike = !leans && errors.discs_alike();
         let has_errors = !errors.is_zero();
         Ok(BearingMeshing {
             model,
@@ -208,11 +214,11 @@ impl BearingMeshing {
             return Ok(rates);
         }
         let kinematics = machine.kinematics();
-        for duty in machine
-            .duty
-            .iter()
-            .filter(|duty| duty.torque != 0.0 && duty.input_speed != 0.0 && duty.share > 0.0)
-        {
+        let wears = |duty: &&DutyPoint| duty.torque != 0.0 && duty.input_speed != 0.0 && duty.share > 0.0;
+        for duty in machine.duty.iter().filter(wears) {
+            if machine.duty_tilts() {
+                self.model.set_output_forces(duty.forces);
+            }
             let (output, _, relative) = kinematics.speeds(duty.input_speed);
             // Sun and planets against the carrier.
             let speeds = [output * (kinematics.housing_fixed_ratio() - 1.0), relative];
@@ -225,6 +231,9 @@ impl BearingMeshing {
                     .plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
                 start = Some(self.deviation(crank, &position));
             }
+        }
+        if machine.duty_tilts() {
+            self.model.set_output_forces(OutputForces::default());
         }
         Ok(rates)
     }
@@ -302,6 +311,10 @@ impl ShareLoad for BearingMeshing {
     fn set_part_wear(&mut self, wear: &PartWear) {
         self.state += 1;
         self.model.set_part_wear(*wear);
+    }
+
+    fn set_output_forces(&mut self, forces: OutputForces) {
+        self.model.set_output_forces(forces);
     }
 
     fn pitches(&self) -> usize {

@@ -48,8 +48,8 @@ function formatValue(value, digits = 4) {
 
 const withUnit = (text, unit) => !unit ? text : text + (unit === '°' || unit === '′' ? '' : '\u00a0') + unit;
 
-// Ticks on 1-2-5 steps; angles on steps that divide a turn.
-function linearTicks(low, high, wanted, unit) {
+// Ticks on 1-2-5 steps; angles on steps that divide a turn, counts on whole numbers.
+function linearTicks(low, high, wanted, { unit, counted }) {
   const span = high - low;
   let step = 0;
   if (unit === '°' && span > 20) {
@@ -59,6 +59,7 @@ function linearTicks(low, high, wanted, unit) {
     const rough = span / Math.max(1, wanted), decade = 10 ** Math.floor(Math.log10(rough));
     step = decade * ([1, 2, 5, 10].find(size => size * decade >= rough * 0.8) || 10);
   }
+  if (counted) step = Math.max(1, Math.round(step));
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];
   for (let index = Math.ceil(low / step - 1e-9); index * step <= high + step * 1e-9 && ticks.length < 100; index++) {
@@ -92,7 +93,7 @@ function makeScale(axis, range, from, to) {
     range, from, to,
     at: value => from + (forward(value) - low) / (high - low) * (to - from),
     value: pixel => { const inner = low + (pixel - from) / (to - from) * (high - low); return log ? 10 ** inner : inner; },
-    ticks: wanted => log ? logTicks(range[0], range[1]) : linearTicks(range[0], range[1], wanted, axis.unit),
+    ticks: wanted => log ? logTicks(range[0], range[1]) : linearTicks(range[0], range[1], wanted, axis),
   };
 }
 

@@ -241,7 +241,7 @@ impl SearchReport<'_> {
         if courses.is_empty() {
             return None;
         }
-        let mut plot = Plot::new("The search", Axis::new("Generation", ""), axis(&goal.key));
+        let mut plot = Plot::new("The search", Axis::new("Generation", "").counted(), axis(&goal.key));
         let best = courses.iter().map(|(number, goals)| (*number, goals[0]));
         plot.series.push(Series::line("best of the generation", best).strong());
         let middle = courses.iter().map(|(number, goals)| (*number, goals[goals.len() / 2]));

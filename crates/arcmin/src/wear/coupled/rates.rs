@@ -8,7 +8,7 @@ use super::{CoupledWear, WearError, WearSnapshot};
 use crate::contact::PinContact;
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
-use crate::machine::{CrankAngle, DutyPoint, PinMounting};
+use crate::machine::{CrankAngle, DutyPoint, OutputForces, PinMounting};
 use crate::tribology::Local;
 use crate::tribology::film::{entrainment_speed, film_ratio};
 use crate::units::wrap_angle;
@@ -80,10 +80,11 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let wears = |duty: &DutyPoint| duty.torque != 0.0 && duty.input_speed != 0.0 && duty.share != 0.0;
         let tasks: Vec<Task> = (machine.duty.iter().enumerate())
             .filter(|(_, duty)| wears(duty))
-            .flat_map(|(row, duty)| (0..count).map(move |index| (row, duty.torque, index)))
-            .map(|(row, torque, index)| Task {
+            .flat_map(|(row, duty)| (0..count).map(move |index| (row, duty, index)))
+            .map(|(row, &DutyPoint { torque, forces, .. }, index)| Task {
                 crank: self.meshing.crank_position(index, count, offset, shift),
                 torque,
+                forces,
                 slot: row * count + (index + shift) % count,
             })
             .collect();
@@ -139,8 +140,11 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
     /// The pins of every disc at all `tasks`, each started from the last solution at its place. Threads take them as
     /// they come, each with a meshing of its own; no result depends on which.
     fn pin_contacts(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PinContact>>>, WearError> {
-        let starts = &self.starts;
+        let (starts, tilts) = (&self.starts, self.machine.duty_tilts());
         let solve = |meshing: &mut S, task: &Task| {
+            if tilts {
+                meshing.set_output_forces(task.forces);
+            }
             meshing.pin_contacts(task.crank, task.torque, starts[task.slot].as_ref())
         };
         // One thread needs no copy.
@@ -158,6 +162,9 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
             };
             tasks.par_iter().with_max_len(1).map(ask).collect()
         };
+        if tilts {
+            self.meshing.set_output_forces(OutputForces::default());
+        }
         let mut contacts = Vec::with_capacity(tasks.len());
         for (task, found) in tasks.iter().zip(found) {
             let (discs, start) = found?;
@@ -318,6 +325,8 @@ const PIN_PIECE: f64 = 3.0 * std::f64::consts::PI / 180.0;
 struct Task {
     crank: CrankAngle,
     torque: f64,
+    /// What tilts and pulls the output meanwhile.
+    forces: OutputForces,
     /// Where its last solution is kept.
     slot: usize,
 }

@@ -3,6 +3,7 @@ use crate::dynamics::bearing_joints::Arm;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::{Five, MainBearings};
 use crate::geometry::{Vec2, quarter_turn};
+use crate::machine::OutputForces;
 
 /// The two rows of the main bearings between the carrier, which leans in them, and the housing.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,8 +93,18 @@ impl Joint for MainPair {
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct OutsideForces {
     /// Coordinates and the force (N, N·m) on each.
-    pub index: [usize; 5],
-    pub force: [f64; 5],
+    index: [usize; 5],
+    force: [f64; 5],
+    /// −1 where the housing is the output: it leans the other way in the carrier.
+    sense: f64,
+}
+
+impl OutsideForces {
+    pub fn new(index: [usize; 5], sense: f64, forces: OutputForces) -> OutsideForces {
+        let mut outside = OutsideForces { index, force: [0.0; 5], sense };
+        outside.set_output_forces(forces);
+        outside
+    }
 }
 
 impl Joint for OutsideForces {
@@ -110,6 +121,10 @@ impl Joint for OutsideForces {
     }
 
     fn limits(&self, _: &[f64], _: f64, _: &mut dyn FnMut(Limit<'_>)) {}
+
+    fn set_output_forces(&mut self, OutputForces { moment, axial, radial }: OutputForces) {
+        self.force = [radial, 0.0, 0.0, self.sense * moment, self.sense * axial];
+    }
 
     /// What they do elsewhere, the elastic approaches of all joints hold.
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {

@@ -23,7 +23,7 @@ pub(super) use torsion::Torsion;
 use super::Cause;
 use super::assembly::{Element, Part, Sink, Split};
 use crate::dynamics::ForceSummary;
-use crate::machine::{Friction, PartWear};
+use crate::machine::{Friction, OutputForces, PartWear};
 use crate::wear::PartLoads;
 
 /// Coordinates and velocities of all bodies, those held or prescribed included.
@@ -118,6 +118,9 @@ pub(super) trait Joint: Debug + Send + Sync {
 
     /// Takes over what bearings and gears have lost.
     fn set_wear(&mut self, _wear: &PartWear) {}
+
+    /// Takes over what tilts and pulls the output from outside.
+    fn set_output_forces(&mut self, _forces: OutputForces) {}
 
     /// Multiplies the friction of the joint.
     fn scale_friction(&mut self, _share: f64) {}

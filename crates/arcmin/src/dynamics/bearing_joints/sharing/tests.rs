@@ -1,8 +1,9 @@
 use super::*;
 use crate::contact::ContactLaw;
+use crate::dynamics::Lean;
 use crate::machine::ManufacturingErrors;
 use crate::units::{ARCMIN, HOUR};
-use crate::wear::{CoupledOptions, CoupledWear};
+use crate::wear::{CoupledOptions, CoupledWear, WearSnapshot};
 
 /// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears
 /// likewise, no clearance.
@@ -164,5 +165,67 @@ fn balances_foretold_from_two_states_of_wear_are_those_found_anew() {
                 assert!(off.abs() < 1e-5, "{}, state {state}, {torque} N·m: {off}", machine.name);
             }
         }
+    }
+}
+
+/// Forces on the output that are put on later are those that the model was built with: every pin bears the same.
+#[test]
+fn forces_put_on_the_output_are_those_it_was_built_with() {
+    let mut machine = crate::templates::rv_40e_81();
+    let forces = OutputForces { moment: 300.0, axial: -2000.0, radial: 1500.0 };
+    machine.duty[0].forces = forces;
+    let leaning = |forces| {
+        let lean = Some(Lean::of(&machine, forces));
+        BearingMeshing::new(&machine, &JointSettings { lean, ..JointSettings::default() }).unwrap()
+    };
+    let (mut straight, mut tilted) = (leaning(OutputForces::default()), leaning(forces));
+    assert!(!straight.discs_alike() && straight.pitches() == 40 * 39);
+    let mut off = |put_on: OutputForces| {
+        straight.set_output_forces(put_on);
+        let crank = CrankAngle::from_radians(0.7);
+        let [a, b] = [&mut straight, &mut tilted]
+            .map(|joints| joints.pin_contacts(crank, machine.rated.torque, None).unwrap().0);
+        let pairs = a.iter().flatten().zip(b.iter().flatten());
+        pairs.map(|(a, b)| (a.force - b.force).abs()).fold(0.0, f64::max)
+    };
+    // Without them pins bear otherwise by tens of newtons.
+    assert!(off(OutputForces::default()) > 20.0);
+    assert!(off(forces) < 1e-3);
+}
+
+/// A moment on the output carries the discs apart, each to where pins on one side of the ring bear more of it: these
+/// wear more, and on the other disc those that stand opposite. A moment the other way is the same on the other side
+/// of the ring. The flanks, which pass all pins, hardly notice.
+#[test]
+fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
+    // Metal lost by the flanks, and per disc the first harmonic of the pins' loss over the ring.
+    let worn = |moment: f64| {
+        let mut machine = crate::templates::rv_40e_81();
+        machine.wear.pin_ratio = 1.0;
+        machine.duty[0].forces = OutputForces { moment, ..OutputForces::default() };
+        let lean = Some(Lean::of(&machine, OutputForces::default()));
+        let settings = JointSettings { lean, ..JointSettings::default() };
+        let joints = BearingMeshing::new(&machine, &settings).unwrap();
+        let options = CoupledOptions { crank_positions: 40, ..CoupledOptions::default() };
+        let mut wear = CoupledWear::with(&machine, joints, options);
+        wear.advance_to(5e-12).unwrap();
+        let lost = |surfaces: &[Relief]| surfaces.iter().flat_map(Relief::samples).sum::<f64>();
+        let WearSnapshot { flanks, pins, .. } = wear.state();
+        let sides = pins.chunks_exact(40).map(|pins| {
+            let about: Vec<f64> = pins.iter().map(|pin| lost(std::slice::from_ref(pin))).collect();
+            let angle = |i: usize| std::f64::consts::TAU * i as f64 / 40.0;
+            let first = about.iter().enumerate().map(|(i, x)| (x * angle(i).cos(), x * angle(i).sin()));
+            let (x, y) = first.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+            [x, y].map(|part| part / about.iter().sum::<f64>())
+        });
+        (lost(flanks), sides.collect::<Vec<[f64; 2]>>())
+    };
+    let [(straight, still), (ahead, one), (_, other)] = [0.1, 400.0, -400.0].map(worn);
+    assert!((ahead / straight - 1.0).abs() < 1e-3, "{ahead} {straight}");
+    for axis in 0..2 {
+        let first = one[0][axis];
+        assert!(still[0][axis].abs() < 1e-3 && first.abs() > 0.01, "{still:?} {one:?}");
+        assert!((one[1][axis] / first + 1.0).abs() < 0.1, "{one:?}");
+        assert!((other[0][axis] / first + 1.0).abs() < 0.05, "{one:?} {other:?}");
     }
 }
