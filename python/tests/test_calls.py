@@ -92,7 +92,7 @@ def test_an_error_of_progress_ends_the_call(design: arcmin.Design) -> None:
 LONG = {
     "contact": "positions=36000, joints='bearings'",
     "wear": "points=1000",
-    "calibrate": "data={'hours': [600, 1550, 3000], 'depth_um': [4.1, 7.9, 12.0]}",
+    "calibrate": "data={'hours': [600, 1550, 3000], 'depth_um': [4.1, 7.9, 12.0]}, errors='drawn'",
     "simulate": "joints='bearings', end_s=1000, sample_s=0.01",
     "rig": "positions=360, te_positions=65536",
     "life": "points=1000",
@@ -124,7 +124,7 @@ os._exit(0)
 
 
 def test_an_interrupted_run_goes_on(design: arcmin.Design) -> None:
-    options = {"wear_um": 10, "load": "sine", "end_s": 0.3, "starts": 0}
+    options = {"wear_um": 10, "load": "sine", "end_s": 3.0, "starts": 0}
 
     def stop(stage: str, share: float) -> None:
         if stage == "simulating" and share > 0.1:
