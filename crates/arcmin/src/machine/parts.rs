@@ -217,6 +217,13 @@ pub struct DutyPoint {
     pub forces: OutputForces,
 }
 
+impl DutyPoint {
+    /// Whether parts wear meanwhile: nothing presses without torque, and nothing slides without speed.
+    pub fn wears(&self) -> bool {
+        self.torque != 0.0 && self.input_speed != 0.0 && self.share > 0.0
+    }
+}
+
 /// How flanks, pins and the parts behind them wear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wear {

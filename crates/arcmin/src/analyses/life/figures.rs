@@ -159,10 +159,10 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
         Axis::new("Contact force", "N").from_zero(),
     )
     .half()
-    .noted(
-        format!("Largest force of all pins within each step of the meshing angle, over {over}. Wear takes the load off \
-                 the flank where it slides most and moves it towards the root."),
-    );
+    .noted(format!(
+        "Largest force of all pins within each step of the meshing angle, over {over}. Wear takes the load off the \
+         flank where it slides most and moves it towards the root."
+    ));
     let mut pressure = Plot::new(
         "Hertz pressure along the flank",
         meshing_angle(),

@@ -105,11 +105,10 @@ impl BearingJoints {
     /// to other depths than where it was. What the unworn gaps miss of their nominal value that way, half their
     /// second derivative, is a cause of its own, and so is what a joint's forces do on the straight way from the
     /// nominal place beyond the work on its gaps: cranks go in circles, and a contact that rolls to another
-    /// curvature is pulled along the flank. In a machine whose pins press each of the two is many times
-    /// the lost motion, and they nearly cancel. Exact for springs: Q δ = (n + 1) U of a
-    /// roller, 2 U of linear springs. Manufacturing errors do the work of F_e on what they displace in the
-    /// nominal place; where they press parts together without load, elastic work and theirs are large and
-    /// nearly cancel.
+    /// curvature is pulled along the flank. In a machine whose pins press without load each of the two may be a
+    /// good part of the lost motion, and they nearly cancel. Exact for springs: Q δ = (n + 1) U of a roller, 2 U of
+    /// linear springs. Manufacturing errors do the work of F_e on what they displace in the nominal place; where
+    /// they press parts together without load, elastic work and theirs are large and nearly cancel.
     ///
     /// Where a pin stands at a jump, in a place of a worn flank that it touches on one side or the other, the
     /// forces of either side alone balance nothing: it bears on both, so that they do.

@@ -9,9 +9,7 @@ use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::DynamicsError;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
-use crate::machine::{
-    CrankAngle, DutyPoint, Friction, Kinematics, Machine, OutputAngle, OutputForces, PartWear,
-};
+use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, OutputForces, PartWear};
 use crate::wear::parts;
 
 /// Discs and pins with the whole machine free in its bearings, input locked, friction aside.
@@ -214,8 +212,7 @@ impl BearingMeshing {
             return Ok(rates);
         }
         let kinematics = machine.kinematics();
-        let wears = |duty: &&DutyPoint| duty.torque != 0.0 && duty.input_speed != 0.0 && duty.share > 0.0;
-        for duty in machine.duty.iter().filter(wears) {
+        for duty in machine.duty.iter().filter(|duty| duty.wears()) {
             if machine.duty_tilts() {
                 self.model.set_output_forces(duty.forces);
             }

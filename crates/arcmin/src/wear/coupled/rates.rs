@@ -76,10 +76,8 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let offset = (self.places as f64 * 0.618_033_988_749_894_9).fract();
         // Each fraction of a pitch meets all places of the period within `count` updates.
         let shift = if self.meshing.pitches() > 1 { self.places % count } else { 0 };
-        // Nothing slides without speed, and nothing presses without torque.
-        let wears = |duty: &DutyPoint| duty.torque != 0.0 && duty.input_speed != 0.0 && duty.share != 0.0;
         let tasks: Vec<Task> = (machine.duty.iter().enumerate())
-            .filter(|(_, duty)| wears(duty))
+            .filter(|(_, duty)| duty.wears())
             .flat_map(|(row, duty)| (0..count).map(move |index| (row, duty, index)))
             .map(|(row, &DutyPoint { torque, forces, .. }, index)| Task {
                 crank: self.meshing.crank_position(index, count, offset, shift),
@@ -89,7 +87,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
             })
             .collect();
         let mut found = self.pin_contacts(&tasks)?.into_iter();
-        for duty in machine.duty.iter().filter(|duty| wears(duty)) {
+        for duty in machine.duty.iter().filter(|duty| duty.wears()) {
             let mut passes: Vec<Vec<Pass>> =
                 vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
             for discs in found.by_ref().take(count) {

@@ -136,7 +136,8 @@ impl BearingMeshing {
             } else {
                 0.0
             },
-            // Contacts that hardly press part on the shortest way that they have worn.
+            // At the ends of the travel the start, from before the last wear, touches nothing on the worn side, and
+            // the short way gives up after all its steps: the careful one begins at once.
             haste: torque == 0.0 || torque.abs() > 2.0 * ZERO_SHARE * self.model.rated,
             descent,
             ..EquilibriumControl::default()
@@ -247,6 +248,19 @@ impl BearingMeshing {
         self.balance_within(more, true, crank, torque, start).map_err(|_| failure)
     }
 
+    /// What is known of the balances at a place under a torque, and where the next may be.
+    fn foretell(&mut self, crank: CrankAngle, torque: f64) -> (Option<Deviations>, Option<Vec<f64>>) {
+        let known = self.known.take(crank, torque);
+        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
+        (known, foretold)
+    }
+
+    /// Keeps the balance found beside what was known before it.
+    fn keep_found(&mut self, crank: CrankAngle, torque: f64, known: Option<Deviations>, position: &[f64]) {
+        let now = self.deviation(crank, position);
+        self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
+    }
+
     /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
     /// same torque, or from `start` where there is none.
     pub(in super::super) fn balance_again(
@@ -255,11 +269,9 @@ impl BearingMeshing {
         torque: f64,
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
-        let known = self.known.take(crank, torque);
-        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
+        let (known, foretold) = self.foretell(crank, torque);
         let found = self.balance_from_afar(crank, torque, foretold.as_deref().or(start))?;
-        let now = self.deviation(crank, &found.0);
-        self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
+        self.keep_found(crank, torque, known, &found.0);
         Ok(found)
     }
 
@@ -280,8 +292,7 @@ impl BearingMeshing {
         if !self.has_errors {
             return self.balance_again(crank, torque, start);
         }
-        let known = self.known.take(crank, torque);
-        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
+        let (known, foretold) = self.foretell(crank, torque);
         let start = foretold.as_deref().or(start);
         let found = match self.balance_nearby(crank, torque, start) {
             Ok(found) => found,
@@ -290,8 +301,7 @@ impl BearingMeshing {
                 .or_else(|_| self.balance_within(TIGHT_JUMP, true, crank, 10.0 * torque, None))
                 .or_else(|_| self.balance_by_descent(crank, torque, start, on_the_way.as_deref()))?,
         };
-        let now = self.deviation(crank, &found.0);
-        self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
+        self.keep_found(crank, torque, known, &found.0);
         Ok(found)
     }
 }
