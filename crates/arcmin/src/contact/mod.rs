@@ -3,6 +3,7 @@
 mod conformal;
 mod facets;
 mod law;
+mod leaning;
 mod ring;
 mod rolling;
 mod search;
@@ -12,6 +13,7 @@ mod worn_pin;
 pub use conformal::ConformalSeat;
 pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, ContactLawName, Damping, LineContact};
+pub use leaning::LeaningLine;
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, TOLERABLE_DEPTH};
 pub use rolling::Rolling;
 pub use search::Moved;

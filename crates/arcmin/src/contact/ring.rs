@@ -100,6 +100,22 @@ pub struct PinContact {
 const LEAST_REACH: f64 = 1e-4;
 
 impl PinContact {
+    /// The mean of two slices of one contact, seen at the place of this one.
+    pub(crate) fn mean(&self, other: &PinContact) -> PinContact {
+        let mean = |of: fn(&PinContact) -> f64| 0.5 * (of(self) + of(other));
+        PinContact {
+            gap: mean(|slice| slice.gap),
+            approach_rate: mean(|slice| slice.approach_rate),
+            force: mean(|slice| slice.force),
+            stiffness: mean(|slice| slice.stiffness),
+            damping: mean(|slice| slice.damping),
+            elastic: mean(|slice| slice.elastic),
+            stored: mean(|slice| slice.stored),
+            friction: mean(|slice| slice.friction),
+            ..*self
+        }
+    }
+
     /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, D the distance of the pin centre from the flank and T = (t_x,
     /// t_y, t·(k × arm)) its motion along the flank, plus the turning of the arm; of a worn pin the bend of what
     /// it has lost, by the turn of the normal on it.

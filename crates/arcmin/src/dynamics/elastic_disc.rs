@@ -106,6 +106,29 @@ pub(super) struct DiscMotion<'a> {
     pub rates: &'a [f64],
     /// How the pins move in an elastic housing.
     pub housing: Option<HousingMotion<'a>>,
+    /// How the disc leans, where it may.
+    pub lean: Option<DiscLean>,
+}
+
+/// A disc that leans against its pins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct DiscLean {
+    /// ∂(x, y)/∂z of the disc in the frame of the ring.
+    pub slope: Vec2,
+    /// Where the two slices that stand for the width are, over and under the middle: B/√12 in m.
+    pub reach: f64,
+}
+
+impl DiscLean {
+    /// What the lean adds to the approach (m) of the upper slice of a contact.
+    pub fn of(&self, gradient: [f64; 3]) -> f64 {
+        -self.reach * (gradient[0] * self.slope.x + gradient[1] * self.slope.y)
+    }
+
+    /// Force (N, N·m) of a couple on (x, y, θ): the normals by which it presses turn with the disc.
+    fn by_pose(&self, couple: f64, hessian: &[[f64; 3]; 3]) -> [f64; 3] {
+        hessian.map(|row| couple * self.reach * (row[0] * self.slope.x + row[1] * self.slope.y))
+    }
 }
 
 impl DiscMotion<'_> {
@@ -117,6 +140,12 @@ impl DiscMotion<'_> {
             let ways = pins.rows(disc, pin, by_pose);
             row[3 + self.modes.len()..].iter_mut().zip(ways).for_each(|(entry, way)| *entry = way);
         }
+    }
+
+    /// Number of coordinates: (x, y, θ), modes of disc and housing, slopes.
+    fn width(&self) -> usize {
+        let pins = self.housing.map_or(0, |pins| pins.modes.len());
+        3 + self.modes.len() + pins + if self.lean.is_some() { 2 } else { 0 }
     }
 }
 
@@ -245,11 +274,8 @@ impl ElasticDiscs {
         }
         for (i, contact) in state.contacts.iter().enumerate() {
             if let Some(entry) = all.iter_mut().find(|entry| entry.pin == contact.pin) {
-                let here = ring.contact().damped_force(
-                    state.forces.local[i],
-                    state.rate[i],
-                    state.coupled[i].equivalent_radius,
-                );
+                let line = state.coupled[i].line(ring.contact());
+                let here = line.damped_force(state.forces.local[i], state.rate[i]);
                 (entry.force, entry.elastic, entry.stored) = (here.force, here.elastic, here.stored);
                 entry.stiffness = state.forces.local_stiffness[i];
                 entry.gap = -state.forces.local[i];
@@ -271,8 +297,7 @@ impl ElasticDiscs {
         tangents: bool,
     ) -> ElasticReaction {
         let count = motion.modes.len();
-        let first = 3 + count;
-        let width = first + motion.housing.map_or(0, |pins| pins.modes.len());
+        let (first, width) = (3 + count, motion.width());
         let state = self.contacts(disc, ring, motion);
         let n = state.contacts.len();
         let matrix = || vec![0.0; if tangents { width * width } else { 0 }];
@@ -288,9 +313,11 @@ impl ElasticDiscs {
         let (mut rows, mut pushes) = (vec![0.0; n * width], vec![0.0; n * width]);
         let mut gain = vec![0.0; n];
         let mut products = Products::new(width);
+        let mut along_pose = vec![0.0; width];
         for (i, contact) in state.contacts.iter().enumerate() {
             let (local, rate) = (state.forces.local[i], state.rate[i]);
-            let here = law.damped_force(local, rate, state.coupled[i].equivalent_radius);
+            let line = state.coupled[i].line(law);
+            let here = line.damped_force(local, rate);
             if local <= 0.0 && rate > 0.0 {
                 reaction.onset_rate = reaction.onset_rate.max(rate / (TOLERABLE_DEPTH - local));
             }
@@ -310,10 +337,18 @@ impl ElasticDiscs {
             push.copy_from_slice(row);
             push.iter_mut().zip(contact.along).for_each(|(push, along)| *push -= share * along);
             reaction.force.iter_mut().zip(&*push).for_each(|(sum, push)| *sum += here.force * push);
+            let hessian = || contact.gap_hessian(ring.pins()[contact.pin].radius);
+            if let Some(lean) = motion.lean {
+                reaction.add_couple(lean, line.couple(local), contact.gradient);
+                // The normal, by which the lean presses, turns as the disc moves.
+                let by_pose = lean.by_pose(line.couple(local).0, &hessian());
+                motion.spread(disc, contact.pin, by_pose, &mut along_pose);
+                reaction.force.iter_mut().zip(&along_pose).for_each(|(sum, along)| *sum += along);
+            }
             if !tangents {
                 continue;
             }
-            let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
+            let hessian = hessian();
             reaction.add_damping(&here, (row, push), slope, contact, (&hessian, motion.velocity));
             // The normal turns with the pin's way as it does with the disc's.
             for a in 0..3 {

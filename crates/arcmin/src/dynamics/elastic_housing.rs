@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVectorView, SymmetricEigen};
 
 use super::DynamicsError;
 use crate::contact::ConformalSeat;
@@ -31,6 +31,8 @@ pub struct ElasticHousing {
     /// c in m/N, and what a loose groove adds.
     own: f64,
     groove: f64,
+    /// Orders of the smooth ways, as [`basis`] has them, of every mode.
+    orders: Arc<DMatrix<f64>>,
 }
 
 /// Highest order of the ring's smooth deformation.
@@ -67,7 +69,8 @@ impl ElasticHousing {
         let soft: Vec<usize> =
             (0..eigenvalues.len()).filter(|mode| eigenvalues[*mode] > LEAST * softest).collect();
         let kept: Vec<f64> = soft.iter().map(|mode| eigenvalues[*mode]).collect();
-        let ways = &basis * eigenvectors.select_columns(&soft);
+        let orders = eigenvectors.select_columns(&soft);
+        let ways = &basis * &orders;
         let shapes: Vec<Vec2> = (0..discs * pins)
             .flat_map(|place| (0..soft.len()).map(move |mode| (place, mode)))
             .map(|(place, mode)| {
@@ -82,6 +85,7 @@ impl ElasticHousing {
             shapes: Arc::new(shapes),
             own,
             groove: groove_compliance(machine),
+            orders: Arc::new(orders),
         })
     }
 
@@ -117,6 +121,26 @@ impl ElasticHousing {
         let way =
             |pin: usize| modes.iter().zip(self.shapes(disc, pin)).map(|(value, shape)| *value * shape).sum();
         (0..self.pins).map(way).collect()
+    }
+
+    /// Modes that deform the ring as these do, turned by an angle (rad); where not all modes of an order are kept, as
+    /// nearly as the others can.
+    pub(super) fn turn(&self, modes: &mut [f64], angle: f64) {
+        let mut waves = &*self.orders * DVectorView::from_slice(modes, modes.len());
+        let per_disc = waves.len() / self.discs;
+        for of_disc in waves.as_mut_slice().chunks_exact_mut(per_disc) {
+            // Radial and tangential mean, then radial and tangential cosine, radial and tangential sine of every order.
+            for (of_order, order) in of_disc[2..].chunks_exact_mut(4).zip(1..) {
+                let (sin, cos) = (f64::from(order) * angle).sin_cos();
+                let [radial, tangential, radial_sine, tangential_sine] =
+                    [of_order[0], of_order[1], of_order[2], of_order[3]];
+                of_order[0] = cos * radial - sin * radial_sine;
+                of_order[1] = cos * tangential - sin * tangential_sine;
+                of_order[2] = sin * radial + cos * radial_sine;
+                of_order[3] = sin * tangential + cos * tangential_sine;
+            }
+        }
+        modes.copy_from_slice(self.orders.tr_mul(&waves).as_slice());
     }
 
     /// Elastic energy in J under forces on the pins, radial and tangential, disc by disc: Σ ½ λ (φ·F)² and ½
@@ -192,6 +216,7 @@ fn groove_compliance(machine: &Machine) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::turned;
     use crate::templates::rv_40e_81;
 
     /// A compliance made of a groove's own and a smooth part comes back: ways of the modes plus the own one
@@ -234,6 +259,25 @@ mod tests {
             let (disc, pin) = place(i);
             let way = housing.ways(disc, &[eta])[pin].dot(&along(i)) + own * forces[i];
             assert!((way - whole[i]).abs() < 1e-9 * whole[0].abs(), "{i}: {way:e} {:e}", whole[i]);
+        }
+        // Turned by one pin, every pin goes as the one before it did; this mode's other half is not kept.
+        let even: Vec<f64> = (0..size * size)
+            .map(|k| {
+                let (i, j) = (k / size, k % size);
+                let apart = (i / 2 % pins) as f64 - (j / 2 % pins) as f64;
+                let alike = (i % 2 == j % 2) as u8 as f64;
+                soft * alike * ((2.0 * TAU * apart / pins as f64).cos() + 0.5 * (TAU * apart / pins as f64).cos())
+                    + if i == j { own } else { 0.0 }
+            })
+            .collect();
+        let even = ElasticHousing::new(&machine, &Compliance { count: size, values: even }).unwrap();
+        let modes: Vec<f64> = (0..even.count()).map(|m| (0.7 * m as f64).sin()).collect();
+        let mut turned_on = modes.clone();
+        even.turn(&mut turned_on, TAU / pins as f64);
+        let (before, after) = (even.ways(1, &modes), even.ways(1, &turned_on));
+        for pin in 0..pins {
+            let expected = turned(before[(pin + pins - 1) % pins], unit(TAU / pins as f64));
+            assert!((after[pin] - expected).norm() < 1e-12, "{pin}: {} {expected}", after[pin]);
         }
         let stiff = housing.stiffened(10.0).unwrap();
         assert!((stiff.seat_compliance() * 10.0 / housing.seat_compliance() - 1.0).abs() < 1e-12);

@@ -5,7 +5,7 @@ mod descent;
 use std::sync::Arc;
 
 use super::{DiscModel, DiscShape, FemError, FlankCompliance, FlexibleSettings, ReducedDisc, Stencil};
-use crate::contact::LineContact;
+use crate::contact::{LeaningLine, LineContact};
 use crate::machine::Machine;
 
 /// The reduced discs of a machine. Discs that are the same part, mounted turned, share one reduction.
@@ -109,6 +109,21 @@ pub struct CoupledContact {
     pub approach: f64,
     /// R_eq in m.
     pub equivalent_radius: f64,
+    /// What a disc that leans adds to the approach at one slice of the line and takes off at the other, m.
+    pub lean: f64,
+}
+
+impl CoupledContact {
+    /// The contact's own law.
+    #[inline]
+    pub(crate) fn line<'a>(&self, law: &'a LineContact) -> LeaningLine<'a> {
+        LeaningLine { law, equivalent_radius: self.equivalent_radius, lean: self.lean }
+    }
+
+    /// Approach in m of the slice that is pressed most.
+    pub(crate) fn deepest(&self) -> f64 {
+        self.approach + self.lean.abs()
+    }
 }
 
 /// Forces of all contacts on one disc: F_i = f(δ_i) with δ_i = s_i − Σ_j C_ij F_j.
@@ -194,7 +209,7 @@ impl CoupledForces {
         self.local_stiffness.resize(n, 0.0);
         self.active.clear();
         for (i, contact) in contacts.iter().enumerate().filter(|(_, contact)| contact.approach > 0.0) {
-            let force = law.force(contact.approach, contact.equivalent_radius).0;
+            let force = contact.line(law).force(contact.approach).0;
             if force > 0.0 {
                 self.active.push(i);
                 self.local_stiffness[i] = force / contact.approach;
@@ -218,7 +233,7 @@ impl CoupledForces {
         self.active.clear();
         for (i, contact) in contacts.iter().enumerate() {
             self.local[i] = contact.approach - self.bent(i);
-            let (f, k) = law.force(self.local[i], contact.equivalent_radius);
+            let (f, k) = contact.line(law).force(self.local[i]);
             self.local_stiffness[i] = k;
             step[i] = f - self.force[i];
             largest = largest.max(f.max(self.force[i]));

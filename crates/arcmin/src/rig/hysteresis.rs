@@ -1,5 +1,5 @@
 use super::RigError;
-use super::settle::{load_slowly, tangent};
+use super::settle::{SlowLoad, tangent};
 use crate::dynamics::{BearingJoints, JointSettings, Part};
 use crate::load::LOST_MOTION_SHARE;
 use crate::machine::Machine;
@@ -86,10 +86,11 @@ pub fn hysteresis_loop(
     let mut model = BearingJoints::held(machine, &settings)?;
     model.hold_sun(sun, 0.0);
     let speed = machine.friction.regularisation_speed;
-    let mut q = model.nominal_position_at(sun);
+    let start = model.nominal_position_at(sun);
+    let mut machine = SlowLoad::new(model, speed, start);
     // First loading, not recorded: in steps, so that friction points the right way.
     for share in [0.05, 0.3, 0.6, 1.0] {
-        q = load_slowly(&mut model, speed, &q, -share * rated)?;
+        machine.change_to(-share * rated)?;
     }
     let mut points = Vec::new();
     let falling = shares();
@@ -97,8 +98,9 @@ pub fn hysteresis_loop(
     for (branch, shares) in [(Branch::Falling, falling), (Branch::Rising, rising)] {
         for share in shares {
             // The load of the model opposes positive motion.
-            q = load_slowly(&mut model, speed, &q, -share * rated)?;
-            points.push(LoopPoint { torque: share * rated, angle: model.output_error(&q), branch });
+            machine.change_to(-share * rated)?;
+            let angle = machine.model.output_error(&machine.place);
+            points.push(LoopPoint { torque: share * rated, angle, branch });
         }
     }
     Ok(points)
@@ -246,25 +248,26 @@ pub fn stiffness_split(
     let speed = machine.friction.regularisation_speed;
     let node = 0.5 * 0.6_f64.sqrt();
     let gauss = [(0.5 - node, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + node, 5.0 / 18.0)];
-    let mut over = |pieces: usize| -> Result<([f64; Part::ALL.len()], f64), RigError> {
+    let over = |pieces: usize| -> Result<([f64; Part::ALL.len()], f64), RigError> {
         let (mut parts, mut whole) = ([0.0; Part::ALL.len()], 0.0);
         for sign in [1.0, -1.0] {
-            let mut q = model.nominal_position_at(sun);
+            let mut machine = SlowLoad::new(model.clone(), speed, model.nominal_position_at(sun));
             let mut ends = [0.0; 2];
-            q = load_slowly(&mut model, speed, &q, -sign * 0.5 * rated)?;
-            ends[0] = model.output_error(&q);
+            machine.change_to(-sign * 0.5 * rated)?;
+            ends[0] = model.output_error(&machine.place);
             for piece in 0..pieces {
                 for (place, weight) in gauss {
                     let place = (piece as f64 + place) / pieces as f64;
-                    q = load_slowly(&mut model, speed, &q, -sign * (0.5 + 0.5 * place) * rated)?;
-                    let motion = tangent(&model, &q)?;
-                    for (sum, part) in parts.iter_mut().zip(model.split(&q, &motion)) {
+                    machine.change_to(-sign * (0.5 + 0.5 * place) * rated)?;
+                    let (model, q) = (&machine.model, &machine.place);
+                    let motion = tangent(model, q)?;
+                    for (sum, part) in parts.iter_mut().zip(model.split(q, &motion)) {
                         *sum += 0.5 * weight * part / pieces as f64;
                     }
                 }
             }
-            q = load_slowly(&mut model, speed, &q, -sign * rated)?;
-            ends[1] = model.output_error(&q);
+            machine.change_to(-sign * rated)?;
+            ends[1] = model.output_error(&machine.place);
             whole += 0.5 * sign * (ends[1] - ends[0]) / (0.5 * rated);
         }
         Ok((parts, whole))

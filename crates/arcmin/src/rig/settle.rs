@@ -197,31 +197,62 @@ pub(super) fn creep(
 /// Smallest step of the load as a share of the step asked for.
 const SMALLEST_STEP: f64 = 1.0 / 64.0;
 
-/// Balance after the load has gone slowly from what it is to `torque` (N·m), from the balance `from`. Friction
-/// remembers the way: where one step leads to no balance, the load goes there in smaller ones.
-pub(super) fn load_slowly(
-    model: &mut BearingJoints,
+/// A machine whose load changes slowly, from balance to balance. Friction remembers the way.
+pub(super) struct SlowLoad {
+    pub model: BearingJoints,
     regularisation_speed: f64,
-    from: &[f64],
-    torque: f64,
-) -> Result<Vec<f64>, RigError> {
-    let before = model.constant_load();
-    let mut place = from.to_vec();
-    let (mut reached, mut step) = (0.0, 1.0_f64);
-    while reached < 1.0 {
-        // Halves add up without rounding: the last step ends at the torque itself.
-        model.set_load(if reached + step == 1.0 {
-            torque
-        } else {
-            before + (reached + step) * (torque - before)
-        });
-        match creep(model, regularisation_speed, &place) {
-            Ok(found) => (place, reached) = (found, reached + step),
-            Err(_) if step > SMALLEST_STEP => step *= 0.5,
-            Err(failure) => return Err(failure),
-        }
+    pub place: Vec<f64>,
+    /// The last change of the load (N·m) and of the place.
+    last: (f64, Vec<f64>),
+}
+
+impl SlowLoad {
+    /// From a balance, or a place near one.
+    pub fn new(model: BearingJoints, regularisation_speed: f64, place: Vec<f64>) -> SlowLoad {
+        SlowLoad { last: (0.0, vec![0.0; place.len()]), model, regularisation_speed, place }
     }
-    Ok(place)
+
+    /// The load goes to `torque` (N·m); where one step leads to no balance, in smaller ones.
+    pub fn change_to(&mut self, torque: f64) -> Result<(), RigError> {
+        let before = self.model.constant_load();
+        let (mut reached, mut step) = (0.0, 1.0_f64);
+        while reached < 1.0 {
+            // Halves add up without rounding: the last step ends at the torque itself.
+            let next =
+                if reached + step == 1.0 { torque } else { before + (reached + step) * (torque - before) };
+            match self.step_to(next) {
+                Ok(()) => reached += step,
+                Err(_) if step > SMALLEST_STEP => step *= 0.5,
+                Err(failure) => return Err(failure),
+            }
+        }
+        Ok(())
+    }
+
+    /// The balance under a load from the present one. As long as the load goes on as before, so at first sight does the
+    /// machine.
+    fn step_to(&mut self, torque: f64) -> Result<(), RigError> {
+        let before = self.model.constant_load();
+        self.model.set_load(torque);
+        let (from, interval) = (&self.place, PRESLIDING / self.regularisation_speed);
+        let share = (torque - before) / self.last.0;
+        let goes_on = (share > 0.0 && share.is_finite()).then(|| -> Option<Vec<f64>> {
+            let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
+            let motion = || Motion::Creeping { from, interval };
+            Settling { motion: &motion, jump: 0.0 }.solve(&self.model, &ahead).ok()
+        });
+        let found = match goes_on.flatten() {
+            Some(found) => Ok(found),
+            None => creep(&self.model, self.regularisation_speed, from),
+        };
+        let Ok(found) = found else {
+            self.model.set_load(before);
+            return found.map(|_| ());
+        };
+        self.last = (torque - before, found.iter().zip(from).map(|(q, q0)| q - q0).collect());
+        self.place = found;
+        Ok(())
+    }
 }
 
 /// Balance in steady running with the given velocities, near `start`.

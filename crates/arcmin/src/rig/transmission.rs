@@ -167,11 +167,16 @@ struct Before {
     /// Places after which everything repeats.
     period: f64,
     deviations: Vec<Vec<f64>>,
+    /// Of all whole numbers of places gone by the one nearest to whole periods, and how far it is from them.
+    whole: (usize, f64),
 }
+
+/// So far (places) from whole periods, two places still meet their pins alike: a place is two or three pins.
+const ALIKE: f64 = 0.15;
 
 impl Before {
     fn new(period: f64) -> Before {
-        Before { period, deviations: Vec::new() }
+        Before { period, deviations: Vec::new(), whole: (0, ALIKE) }
     }
 
     fn is_empty(&self) -> bool {
@@ -179,20 +184,31 @@ impl Before {
     }
 
     fn push(&mut self, deviation: Vec<f64>) {
+        let back = self.deviations.len();
+        if back > 0 {
+            let periods = back as f64 / self.period;
+            let off = (periods - periods.round()).abs() * self.period;
+            if off < self.whole.1 * (1.0 - 1e-9) {
+                self.whole = (back, off);
+            }
+        }
         self.deviations.push(deviation);
     }
 
-    /// Where the next place may be: as far from the place one period before as the last place was from the one a
-    /// period before that.
+    /// Where the next place may be: as far from its like some periods before as the last place was from that one's. A
+    /// pin passes within less than a place, so places between those that were found tell little: likes are sought among
+    /// those, and only as long as there are none between them.
     fn next(&self) -> Vec<f64> {
         let last = self.deviations.len() - 1;
         let now = &self.deviations[last];
+        let foretold = |then: &[f64], next: &[f64]| -> Vec<f64> {
+            now.iter().zip(next.iter().zip(then)).map(|(now, (next, then))| next + (now - then)).collect()
+        };
+        if let (back @ 1.., _) = self.whole {
+            return foretold(&self.deviations[last - back], &self.deviations[last + 1 - back]);
+        }
         match (self.at(last as f64 - self.period), self.at((last + 1) as f64 - self.period)) {
-            (Some(then), Some(next)) => now
-                .iter()
-                .zip(next.iter().zip(&then))
-                .map(|(now, (next, then))| next + (now - then))
-                .collect(),
+            (Some(then), Some(next)) => foretold(&then, &next),
             _ => now.clone(),
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::elastic::BoreMode;
 use super::joints::{
     Bending, Designed, Frame, Gears, Joint, Journal, Losses, MainPair, Modes, OutsideForces, PinRing, Place,
-    Support, Torsion,
+    SLOPES, Support, Torsion,
 };
 use super::layout::{Degrees, Layout};
 use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
@@ -135,7 +135,7 @@ impl Parts<'_> {
     fn joints(&self) -> (Vec<Box<dyn Joint>>, Bearings) {
         let (machine, layout) = (self.machine, self.layout);
         let (scale, loss_time) = (self.settings.stiffness_scale, self.losses.time);
-        let shaft = Shaft::new(machine, scale);
+        let shaft = Shaft::new(machine, scale, layout.lean().is_some());
         let mut joints: Vec<Box<dyn Joint>> = Vec::new();
         let mut add = |joint: Box<dyn Joint>| {
             joints.push(joint);
@@ -146,7 +146,9 @@ impl Parts<'_> {
             bearings.supports.push((0..2).map(|end| add(Box::new(self.crank_support(k, end)))).collect());
             let arms = (0..layout.discs).map(|j| add(Box::new(self.turning_arm(k, j))));
             bearings.turning_arms.push(arms.collect());
-            add(Box::new(Bending::new(&shaft, layout.stations(k), loss_time)));
+            let places = layout.stations(k).iter().chain(layout.shaft_slopes(k).into_iter().flatten());
+            let index = [0, 1].map(|axis| places.clone().map(|place| place[axis]).collect());
+            add(Box::new(Bending::new(&shaft, index, loss_time)));
             add(Box::new(self.gears(k, shaft.torsion)));
         }
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
@@ -241,6 +243,7 @@ impl Parts<'_> {
                 moves: layout.housing_moves(),
                 elastic: elastic.clone().map(|body| Modes { body, at: layout.modes(disc) }),
                 housing: housing.clone().map(|body| Modes { body, at: layout.housing_modes() }),
+                slopes: layout.disc_slopes(disc),
                 designed: Designed {
                     relief: machine.designed_relief(),
                     equidistant: modification.equidistant_offset,
@@ -268,10 +271,27 @@ impl Parts<'_> {
                 .seats
                 .get(k)
                 .map(|ends| Rim { coordinates: std::array::from_fn(|at| ends[end][2 + at]), phase: 0.0 }),
+            slopes: self.slopes(k, end, |layout| {
+                let [about_x, about_y, _] = layout.lean()?;
+                Some([(about_y, Vec2::new(1.0, 0.0)), (about_x, Vec2::new(0.0, -1.0))])
+            }),
             worn: 0.0,
             alike: 2 * layout.cranks,
             losses: self.losses,
         }
+    }
+
+    /// Coordinates that lean a shaft at one of its stations against a body, from the slope of the body per unit of its
+    /// own.
+    fn slopes(
+        &self,
+        k: usize,
+        station: usize,
+        of_body: impl Fn(&Layout) -> Option<[(usize, Vec2); 2]>,
+    ) -> Option<[(usize, Vec2); SLOPES]> {
+        let [x, y] = self.layout.shaft_slopes(k)?[station];
+        let [a, b] = of_body(self.layout)?;
+        Some([(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0)), (a.0, -a.1), (b.0, -b.1)])
     }
 
     /// What moves a crank seat on the carrier: its own two ways, and the lean of a carrier whose main bearings stand
@@ -322,6 +342,10 @@ impl Parts<'_> {
             rim: layout.rims.get(j).map(|coordinates| Rim {
                 coordinates: std::array::from_fn(|at| coordinates[k * RIM + at]),
                 phase: -mounting,
+            }),
+            slopes: self.slopes(k, 2 + j, |layout| {
+                let [x, y] = layout.disc_slopes(j)?;
+                Some([(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0))])
             }),
             worn: 0.0,
             alike: layout.cranks * layout.discs,

@@ -33,8 +33,19 @@ pub(super) struct Layout {
     /// Per disc: coordinates of the rims of its bores.
     pub rims: Vec<Vec<usize>>,
     housing_modes: Vec<usize>,
-    /// (φ_x, φ_y, z) of the carrier against the housing.
-    lean: Option<[usize; 3]>,
+    /// What leans, where anything does.
+    lean: Option<Leaning>,
+}
+
+/// Coordinates of what leans against the housing.
+#[derive(Debug, Clone, PartialEq)]
+struct Leaning {
+    /// (φ_x, φ_y, z) of the carrier.
+    carrier: [usize; 3],
+    /// Per crankshaft: slopes (∂x/∂z, ∂y/∂z) at both supports and at every disc.
+    shafts: Vec<Vec<[usize; 2]>>,
+    /// Slopes of every disc.
+    discs: Vec<[usize; 2]>,
 }
 
 /// What turns apart from its neighbour.
@@ -52,7 +63,7 @@ pub(super) struct Degrees {
     pub rims: usize,
     /// Modes of the housing.
     pub housing_modes: usize,
-    /// The carrier's axis from that of the housing.
+    /// Axes of carrier, crankshafts and discs from that of the housing.
     pub lean: bool,
 }
 
@@ -75,17 +86,28 @@ impl Layout {
         let mut registry = Registry::default();
         // Shaft stations come first of all: elimination then fills little.
         let count = discs + 2;
-        let shafts: Vec<(Vec<BodyId>, BodyId)> = carrier_bores
+        // What leans turns in the plane as a way does.
+        let slopes = |across: f64| Body {
+            axes: vec![axis(across, ARCMIN, true); 2],
+            has_place: true,
+            follows: Follows::Centre,
+        };
+        let slices = if degrees.lean { count } else { 0 };
+        let shafts: Vec<(Vec<BodyId>, Vec<BodyId>, BodyId)> = carrier_bores
             .iter()
             .map(|bore| {
+                let mass = cranks.mass / count as f64;
                 let station = Body {
-                    axes: place(cranks.mass / count as f64, true).to_vec(),
+                    axes: place(mass, true).to_vec(),
                     has_place: true,
                     follows: Follows::Carried(*bore),
                 };
                 let stations = (0..count).map(|_| registry.add(station.clone())).collect();
+                // About a diameter, as long as it is thick: an assumption for vibrations.
+                let across = mass * (3.0 / 16.0 + 1.0 / 12.0) * cranks.shaft_diameter.powi(2);
+                let slopes = (0..slices).map(|_| registry.add(slopes(across))).collect();
                 let turn = axis(cranks.inertia, kinematics.lobe_count * ARCMIN, true);
-                (stations, registry.add_turn(turn, Follows::Crank))
+                (stations, slopes, registry.add_turn(turn, Follows::Crank))
             })
             .collect();
         let disc_bodies: Vec<BodyId> = modes
@@ -97,6 +119,10 @@ impl Layout {
                 axes.extend(vec![axis(1.0, mode_scale, true); *count]);
                 registry.add(Body { axes, has_place: true, follows: Follows::Disc(j) })
             })
+            .collect();
+        // Half of the moment of inertia about the axis is that of a thin body across it.
+        let disc_slopes: Vec<BodyId> = (0..if degrees.lean { discs } else { 0 })
+            .map(|_| registry.add(slopes(0.5 * machine.disc.inertia)))
             .collect();
         // What vibrates with a seat, a rim, a pin: a quarter of the carrier's mass spread over its seats, a
         // fifth of that with what goes out of round, a tenth of a disc's with its rims, half of the housing's
@@ -128,11 +154,9 @@ impl Layout {
             registry.add(row(mass, scale, degrees.housing_modes))
         });
         let lean_body = degrees.lean.then(|| {
-            // Half of the moment of inertia about the axis is that of a thin body across it.
-            let across = axis(0.5 * machine.carrier.inertia, ARCMIN, true);
-            let axes = vec![across, across, axis(machine.carrier.mass, place_scale, true)];
-            // What leans turns with the carrier as a way in the plane does.
-            registry.add(Body { axes, has_place: true, follows: Follows::Centre })
+            let mut body = slopes(0.5 * machine.carrier.inertia);
+            body.axes.push(axis(machine.carrier.mass, place_scale, true));
+            registry.add(body)
         });
         let sun = registry.add(Body {
             axes: place(sun_mass(machine), true).to_vec(),
@@ -181,8 +205,8 @@ impl Layout {
             cranks: shafts.len(),
             discs,
             at_rest,
-            stations: shafts.iter().map(|(list, _)| list.iter().map(|body| two(*body)).collect()).collect(),
-            crank_angles: shafts.iter().map(|(_, turn)| one(*turn)).collect(),
+            stations: shafts.iter().map(|(list, ..)| list.iter().map(|body| two(*body)).collect()).collect(),
+            crank_angles: shafts.iter().map(|(.., turn)| one(*turn)).collect(),
             disc_axes: disc_bodies.iter().map(|body| coordinates.of(*body).to_vec()).collect(),
             sun: two(sun),
             flange: flange.map_or(carrier[2], one),
@@ -193,7 +217,11 @@ impl Layout {
             carrier_bores,
             seats: seat_bodies.iter().map(|ends| ends.map(|end| coordinates.of(end).to_vec())).collect(),
             rims: rim_bodies.iter().map(|body| coordinates.of(*body).to_vec()).collect(),
-            lean: lean_body.map(three),
+            lean: lean_body.map(|carrier| Leaning {
+                carrier: three(carrier),
+                shafts: shafts.iter().map(|(_, list, _)| list.iter().map(|body| two(*body)).collect()).collect(),
+                discs: disc_slopes.iter().map(|body| two(*body)).collect(),
+            }),
             housing_modes: ring_body.map_or_else(Vec::new, |body| coordinates.of(body).to_vec()),
             coordinates,
         }
@@ -244,7 +272,17 @@ impl Layout {
 
     /// (φ_x, φ_y, z) of a carrier that leans against the housing.
     pub fn lean(&self) -> Option<[usize; 3]> {
-        self.lean
+        self.lean.as_ref().map(|lean| lean.carrier)
+    }
+
+    /// Slopes (x, y) of a shaft that leans at its stations.
+    pub fn shaft_slopes(&self, k: usize) -> Option<&[[usize; 2]]> {
+        self.lean.as_ref().map(|lean| lean.shafts[k].as_slice())
+    }
+
+    /// Slopes (x, y) of a disc that leans.
+    pub fn disc_slopes(&self, j: usize) -> Option<[usize; 2]> {
+        self.lean.as_ref().map(|lean| lean.discs[j])
     }
 
     /// x of every centre that moves in the plane.

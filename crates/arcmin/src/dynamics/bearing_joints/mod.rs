@@ -236,11 +236,14 @@ impl BearingJoints {
         if self.layout.housing_moves() { 0.0 } else { sun / self.kinematics.ratio() }
     }
 
-    /// Turns what is a way in the plane of every body by an angle (rad), in place.
+    /// Turns what is a way in the plane of every body, and how an elastic housing gives way, by an angle (rad), in place.
     pub(crate) fn turn_ways(&self, ways: &mut [f64], angle: f64) {
         let (sin, cos) = angle.sin_cos();
         for x in self.layout.centres() {
             (ways[x], ways[x + 1]) = (cos * ways[x] - sin * ways[x + 1], sin * ways[x] + cos * ways[x + 1]);
+        }
+        if let Some(housing) = self.rings.first().and_then(|ring| ring.housing.as_ref()) {
+            housing.body.turn(&mut ways[housing.at.clone()], angle);
         }
     }
 

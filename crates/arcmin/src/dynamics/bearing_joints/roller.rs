@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::joints::Pressed;
-use super::rim::OutOfRound;
+use super::rim::Stand;
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::{RollerBearing, RollerKind};
 
@@ -14,7 +14,9 @@ use crate::machine::{RollerBearing, RollerKind};
 /// rings, ψ = w θ_inner + (1 − w) θ_outer with w = (1 − d cos α/D)/2, so forces and torques derive from one
 /// energy.
 ///
-/// Not modelled: axial load and tilt, roller crowning, centrifugal force.
+/// Rings may lean against each other: rollers are then pressed otherwise at one end than at the other. Balls follow.
+///
+/// Not modelled: axial load, roller crowning, centrifugal force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadialBearing {
     pub(super) count: usize,
@@ -29,6 +31,8 @@ pub struct RadialBearing {
     pub(super) inner_share: f64,
     /// Mean radius in m, on which friction acts.
     pub(super) mean_radius: f64,
+    /// Where the two slices of a roller that stand for its length sit from its middle: l/√12 in m, 0 of a ball.
+    pub(super) reach: f64,
 }
 
 /// Energy of one bearing as a function of (u_x, u_y, ψ), with gradient and Hessian.
@@ -99,6 +103,10 @@ impl RadialBearing {
             contact_cosine: cosine,
             inner_share: 0.5 * (1.0 - bearing.roller_diameter * cosine / bearing.pitch_diameter),
             mean_radius: 0.5 * bearing.pitch_diameter,
+            reach: match bearing.kind {
+                RollerKind::Ball => 0.0,
+                RollerKind::Cylindrical | RollerKind::Tapered => bearing.roller_length / 12.0_f64.sqrt(),
+            },
         }
     }
 
@@ -174,35 +182,8 @@ impl RadialBearing {
 
     /// Q_i of the elements at displacement u: what bearing life needs.
     pub fn element_forces(&self, u: [f64; 2], cage: f64) -> impl Iterator<Item = f64> + '_ {
-        self.element_forces_in(u, cage, None)
-    }
-
-    /// The same in a rim that has gone out of round.
-    pub(super) fn element_forces_in(
-        &self,
-        u: [f64; 2],
-        cage: f64,
-        rim: Option<OutOfRound>,
-    ) -> impl Iterator<Item = f64> + '_ {
-        (0..self.count).map(move |i| {
-            let angle = cage + TAU * i as f64 / self.count as f64;
-            let e = unit(angle);
-            let way = rim.map_or(0.0, |rim| rim.at(angle));
-            let approach = self.contact_cosine * (u[0] * e.x + u[1] * e.y - self.half_clearance - way);
-            if approach > 0.0 { self.stiffness * approach.powf(self.exponent) } else { 0.0 }
-        })
-    }
-
-    /// Radial force (N) of every element on the outer ring with the angle (rad) where it stands.
-    pub(super) fn radial_element_forces(
-        &self,
-        u: [f64; 2],
-        cage: f64,
-        rim: Option<OutOfRound>,
-    ) -> impl Iterator<Item = (f64, f64)> + '_ {
-        let angle = move |i: usize| cage + TAU * i as f64 / self.count as f64;
-        let forces = self.element_forces_in(u, cage, rim).enumerate();
-        forces.map(move |(i, force)| (angle(i), self.contact_cosine * force))
+        let stand = Stand { shift: u, cage, ..Stand::default() };
+        self.element_forces_at(stand).map(|(_, force)| force)
     }
 }
 

@@ -94,8 +94,10 @@ impl ElasticDiscs {
                 rate -= *phi * motion.rates[m];
             }
             let equivalent_radius = 1.0 / contact.designed_curvature;
-            let near = if approach < -NEAR { &mut waiting } else { &mut state };
-            near.push(*contact, rate, &shape, CoupledContact { place, approach, equivalent_radius });
+            let lean = motion.lean.map_or(0.0, |lean| lean.of(contact.gradient));
+            let coupled = CoupledContact { place, approach, equivalent_radius, lean };
+            let near = if coupled.deepest() < -NEAR { &mut waiting } else { &mut state };
+            near.push(*contact, rate, &shape, coupled);
         });
         loop {
             // An iteration that does not settle leaves a residual that the step's own Newton iteration sees
@@ -105,8 +107,8 @@ impl ElasticDiscs {
             let before = state.contacts.len();
             for (i, contact) in waiting.coupled.iter().enumerate() {
                 let known = || state.contacts.iter().any(|c| c.pin == waiting.contacts[i].pin);
-                if contact.approach + lift > 0.0
-                    && contact.approach > state.bent(&body.residual, before, contact)
+                if contact.deepest() + lift > 0.0
+                    && contact.deepest() > state.bent(&body.residual, before, contact)
                     && !known()
                 {
                     state.push(waiting.contacts[i], waiting.rate[i], waiting.shape_of(i), *contact);

@@ -2,14 +2,16 @@
 
 use faer::{Accum, MatMut, MatRef};
 
+use super::DiscLean;
 use crate::contact::{ContactForce, DiscVelocity, PinContact};
 use crate::kernels::product;
 
-/// Forces on (x, y, θ), the modes of a disc and those of the housing with their tangents, matrices row by row.
+/// Forces on (x, y, θ), the modes of a disc, those of the housing and the slopes of a disc that leans, with their
+/// tangents, matrices row by row.
 #[derive(Debug, Clone, Default)]
 pub(in crate::dynamics) struct ElasticReaction {
     pub force: Vec<f64>,
-    /// −∂Q/∂(x, y, θ, q, η).
+    /// −∂Q/∂(x, y, θ, q, η, σ).
     pub stiffness: Vec<f64>,
     pub damping: Vec<f64>,
     pub stored: f64,
@@ -18,6 +20,24 @@ pub(in crate::dynamics) struct ElasticReaction {
 }
 
 impl ElasticReaction {
+    /// Adds the couple (N over B/√12, and its slope in N/m) of a contact on a disc that leans to its slopes, the last two
+    /// coordinates. How couple and force change with each other is left out of the tangent: it is the share of the lean
+    /// in the approach, times the bend of the law.
+    pub(super) fn add_couple(&mut self, lean: DiscLean, (couple, across): (f64, f64), gradient: [f64; 3]) {
+        let width = self.force.len();
+        let first = width - 2;
+        for a in 0..2 {
+            self.force[first + a] += couple * lean.reach * gradient[a];
+            if self.stiffness.is_empty() {
+                continue;
+            }
+            for b in 0..2 {
+                self.stiffness[(first + a) * width + first + b] +=
+                    across * lean.reach * lean.reach * gradient[a] * gradient[b];
+            }
+        }
+    }
+
     /// Adds what the damping and the sliding of a contact do: `row` is −∂s/∂z, `push` what its force does to the
     /// coordinates, `slope` how sliding friction grows with speed.
     pub(super) fn add_damping(

@@ -35,15 +35,16 @@ impl CoupledForces {
             self.active.clear();
             for i in 0..n {
                 let contact = &contacts[i];
-                let own = law.approach(self.force[i], contact.equivalent_radius);
+                let line = contact.line(law);
+                let own = line.approach(self.force[i]);
                 slope[i] = own - self.local[i];
                 if slope[i] >= 0.0 && self.force[i] <= NOTHING * largest {
                     step[i] = -self.force[i];
                     continue;
                 }
                 // Of a force that is to grow from nothing: the stiffness half way to where it would be alone.
-                let place = own.max(0.5 * self.local[i]);
-                self.local_stiffness[i] = law.force(place, contact.equivalent_radius).1;
+                let place = own.max(0.5 * (self.local[i] + line.touch()));
+                self.local_stiffness[i] = line.force(place).1;
                 self.active.push(i);
             }
             if self.active.iter().any(|i| !(self.local_stiffness[*i] > 0.0)) {
@@ -93,9 +94,9 @@ impl CoupledForces {
     fn energy(&self, law: &LineContact, contacts: &[CoupledContact]) -> f64 {
         let of_contact = |(i, contact): (usize, &CoupledContact)| {
             let force = self.force[i];
-            let own = law.approach(force, contact.equivalent_radius);
-            force * (own + 0.5 * self.bent(i) - contact.approach)
-                - law.energy(own, force, contact.equivalent_radius)
+            let line = contact.line(law);
+            let own = line.approach(force);
+            force * (own + 0.5 * self.bent(i) - contact.approach) - line.energy(own)
         };
         contacts.iter().enumerate().map(of_contact).sum()
     }
@@ -140,6 +141,7 @@ mod tests {
                     place: Stencil { stations: [(0, 0.0); 4], lobe: [(0, 0.0); 4] },
                     approach: random.random_range(-10e-6..30e-6),
                     equivalent_radius: random.random_range(2e-3..2e-2),
+                    lean: if case % 2 == 0 { 0.0 } else { random.random_range(-2e-6..2e-6) },
                 })
                 .collect();
             let fresh = || {
@@ -151,7 +153,7 @@ mod tests {
             assert!(found.descend(&law, &contacts), "case {case}");
             let largest = found.force.iter().fold(0.0_f64, |most, force| most.max(*force));
             for (i, contact) in contacts.iter().enumerate() {
-                let force = law.force(contact.approach - found.bent(i), contact.equivalent_radius).0;
+                let force = contact.line(&law).force(contact.approach - found.bent(i)).0;
                 assert!((force - found.force[i]).abs() <= 1e-8 * largest, "case {case}, {i}");
             }
             let mut newton = fresh();

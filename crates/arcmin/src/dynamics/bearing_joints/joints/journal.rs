@@ -1,7 +1,9 @@
-use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, damp};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
-use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM, Rim, RimState};
+use crate::dynamics::bearing_joints::rim::{
+    BODY, CAGE, OutOfRound, RIM, Rim, SLOPE, Stand, StandState, VARIABLES, WAYS,
+};
 use crate::dynamics::bearing_joints::{Arm, BearingState, RadialBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::PartWear;
@@ -45,6 +47,9 @@ impl Place {
     }
 }
 
+/// Coordinates that lean the rings of a bearing: two of the shaft, two of the body.
+pub(in super::super) const SLOPES: usize = 4;
+
 /// A rolling bearing between a shaft that carries its inner ring around and a body with a bore.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Journal {
@@ -60,6 +65,9 @@ pub(in super::super) struct Journal {
     pub modes: Vec<BoreMode>,
     /// The bore's rim, where it may go out of round.
     pub rim: Option<Rim>,
+    /// Coordinates by which shaft and body lean, and the slope (x, y) of the inner ring against the bore per unit of
+    /// each.
+    pub slopes: Option<[(usize, Vec2); SLOPES]>,
     /// What the clearance has grown by wear, m.
     pub worn: f64,
     /// Bearings of this kind.
@@ -114,21 +122,39 @@ impl Journal {
         })
     }
 
+    /// How inner ring and bore stand to each other.
+    fn stand_at(&self, q: &[f64], (shift, cage): ([f64; 2], f64)) -> Stand {
+        let slope = self.slopes.map(|slopes| {
+            let slope: Vec2 = slopes.iter().map(|(at, by)| q[*at] * by).sum();
+            [slope.x, slope.y]
+        });
+        Stand { shift, cage, rim: self.rim_at(q), slope }
+    }
+
+    fn stand(&self, q: &[f64]) -> Stand {
+        self.stand_at(q, self.displacement_at(q))
+    }
+
     /// Radial force (N) of every rolling element on the bore with the angle (rad) where it stands.
     pub fn radial_element_forces(&self, q: &[f64]) -> Vec<(f64, f64)> {
-        let (u, cage) = self.displacement_at(q);
-        self.law.radial_element_forces(u, cage, self.rim_at(q)).collect()
+        let forces = self.law.element_forces_at(self.stand(q));
+        forces.map(|(angle, force)| (angle, self.law.contact_cosine * force)).collect()
     }
 
     /// Force (N) on the inner ring and forces of the rolling elements.
     pub fn load(&self, q: &[f64]) -> (BearingState, Vec<f64>) {
-        let (u, cage) = self.displacement_at(q);
-        let rim = self.rim_at(q);
-        let state = match &rim {
-            None => self.law.react(u, cage),
-            Some(rim) => self.law.react_in_rim(u, cage, rim).plain(),
-        };
-        (state, self.law.element_forces_in(u, cage, rim).collect())
+        let stand = self.stand(q);
+        let forces = self.law.element_forces_at(stand).map(|(_, force)| force).collect();
+        (self.state(&stand).0, forces)
+    }
+
+    /// The bearing's energy with its derivatives, and those by rim and slopes where it has any.
+    fn state(&self, stand: &Stand) -> (BearingState, Option<StandState>) {
+        if stand.rim.is_none() && stand.slope.is_none() {
+            return (self.law.react(stand.shift, stand.cage), None);
+        }
+        let state = self.law.react_at(stand);
+        (state.plain(), Some(state))
     }
 
     /// Work Σ Q_i w(ψ_i) (N·m) of the rollers on their rim, 0 for a round one.
@@ -137,46 +163,68 @@ impl Journal {
         self.radial_element_forces(q).iter().map(|(angle, force)| force * rim.at(*angle)).sum()
     }
 
-    /// Hands on the bearing in its rim: coordinates of shaft and body, then those of the rim.
-    fn visit_rim(
+    /// Hands on the bearing in its rim or with rings that lean: coordinates of shaft and body, then those of the rim,
+    /// then what leans.
+    fn visit_whole(
         &self,
-        (rim, state): (&Rim, &RimState),
+        state: &StandState,
         jacobian: &[[f64; 6]; 3],
         (arm, bore): (Vec2, Vec2),
         sink: &mut dyn Sink,
     ) {
-        const WIDTH: usize = 6 + RIM;
-        let mut index = [0; WIDTH];
-        index[..6].copy_from_slice(&self.index);
-        index[6..].copy_from_slice(&rim.coordinates);
-        // Rows u_x, u_y, ψ, χ, ways.
-        let entry = |row: usize, column: usize| -> f64 {
-            match (row, column) {
-                (0..3, 0..6) => jacobian[row][column],
-                (3, 5) => 1.0,
-                (4.., 6..) if row - 4 == column - 6 => 1.0,
-                _ => 0.0,
-            }
+        const WIDEST: usize = 6 + RIM + SLOPES;
+        // What each coordinate moves, and by how much.
+        let mut index = [0; WIDEST];
+        let mut moves = [[(0, 0.0); 4]; WIDEST];
+        for (i, at) in self.index.iter().enumerate() {
+            index[i] = *at;
+            let [x, y, cage] = jacobian.map(|row| row[i]);
+            moves[i] = [(0, x), (1, y), (CAGE, cage), (BODY, if i == 5 { 1.0 } else { 0.0 })];
+        }
+        let mut width = 6;
+        let mut push = |at: usize, by: [(usize, f64); 2]| {
+            index[width] = at;
+            moves[width][..2].copy_from_slice(&by);
+            width += 1;
         };
-        let mut slope = [0.0; WIDTH];
-        let mut matrix = [0.0; WIDTH * WIDTH];
-        for i in 0..WIDTH {
-            slope[i] = (0..4 + RIM).map(|c| state.gradient[c] * entry(c, i)).sum();
-            let column: [f64; 4 + RIM] =
-                std::array::from_fn(|c| (0..4 + RIM).map(|d| state.hessian[c][d] * entry(d, i)).sum());
-            for j in 0..WIDTH {
-                matrix[j * WIDTH + i] = (0..4 + RIM).map(|c| entry(c, j) * column[c]).sum();
+        let ways = self.rim.iter().flat_map(|rim| rim.coordinates).enumerate();
+        ways.for_each(|(way, at)| push(at, [(WAYS + way, 1.0), (0, 0.0)]));
+        let slopes = self.slopes.iter().flatten();
+        slopes.for_each(|(at, by)| push(*at, [(SLOPE, by.x), (SLOPE + 1, by.y)]));
+        let reach = |i: usize| if i < 6 { 4 } else { 2 };
+        let mut slope = [0.0; WIDEST];
+        let mut matrix = [0.0; WIDEST * WIDEST];
+        for i in 0..width {
+            let moves_i = &moves[i][..reach(i)];
+            slope[i] = moves_i.iter().map(|(c, by)| state.gradient[*c] * by).sum();
+            let mut column = [0.0; VARIABLES];
+            for (c, by) in moves_i {
+                (0..VARIABLES).for_each(|d| column[d] += by * state.hessian[*c][d]);
+            }
+            for j in 0..width {
+                matrix[j * width + i] = moves[j][..reach(j)].iter().map(|(d, by)| by * column[*d]).sum();
             }
         }
-        matrix[2 * WIDTH + 2] -= state.gradient[0] * arm.x + state.gradient[1] * arm.y;
-        matrix[5 * WIDTH + 5] += state.gradient[0] * bore.x + state.gradient[1] * bore.y;
+        matrix[2 * width + 2] -= state.gradient[0] * arm.x + state.gradient[1] * arm.y;
+        matrix[5 * width + 5] += state.gradient[0] * bore.x + state.gradient[1] * bore.y;
         sink.element(&Element {
             part: self.place.part(),
-            index: &index,
-            gradient: &slope,
-            hessian: &matrix,
+            index: &index[..width],
+            gradient: &slope[..width],
+            hessian: &matrix[..width * width],
             stored: state.stored,
         });
+    }
+
+    /// Damping of the lean in proportion to its stiffness, as if it were apart from that of the shift.
+    fn damp_lean(&self, state: &StandState, at: State<'_>, sink: &mut dyn Sink) {
+        let Some(slopes) = &self.slopes else { return };
+        let stiffness: [f64; SLOPES * SLOPES] = std::array::from_fn(|k| {
+            let [a, b] = [k / SLOPES, k % SLOPES].map(|i| [slopes[i].1.x, slopes[i].1.y]);
+            let along = |c: usize| (0..2).map(|d| state.hessian[SLOPE + c][SLOPE + d] * b[d]).sum::<f64>();
+            (0..2).map(|c| a[c] * along(c)).sum()
+        });
+        damp(&slopes.map(|(at, _)| at), &stiffness, self.losses.time, at, sink);
     }
 }
 
@@ -210,21 +258,23 @@ impl Joint for Journal {
         let modes = self.modes_at(at.q);
         let (arm, bore) = self.arms(at.q, &modes);
         let (u, cage) = self.displacement(at.q, (arm, bore));
-        let in_rim = self.rim_at(at.q).map(|rim| self.law.react_in_rim(u, cage, &rim));
-        let BearingState { stored, gradient, hessian, .. } =
-            in_rim.as_ref().map_or_else(|| self.law.react(u, cage), RimState::plain);
+        let (plain, whole) = self.state(&self.stand_at(at.q, (u, cage)));
+        let BearingState { stored, gradient, hessian, .. } = plain;
         if stored == 0.0 {
             return;
+        }
+        if let Some(state) = &whole {
+            self.damp_lean(state, at, sink);
         }
         let mut sink = WithModes { sink, modes: &modes };
         let jacobian = self.jacobian((arm, bore));
         let mut slope = [0.0; 6];
         let mut matrix = [0.0; 36];
         let mut damping = [0.0; 36];
-        if let (Some(rim), Some(state)) = (&self.rim, &in_rim) {
-            self.visit_rim((rim, state), &jacobian, (arm, bore), &mut sink);
+        if let Some(state) = &whole {
+            self.visit_whole(state, &jacobian, (arm, bore), &mut sink);
         }
-        for i in 0..if in_rim.is_some() { 0 } else { 6 } {
+        for i in 0..if whole.is_some() { 0 } else { 6 } {
             let mut column = [0.0; 3];
             for c in 0..3 {
                 slope[i] += gradient[c] * jacobian[c][i];
@@ -237,7 +287,7 @@ impl Joint for Journal {
         }
         matrix[2 * 6 + 2] -= gradient[0] * arm.x + gradient[1] * arm.y;
         matrix[5 * 6 + 5] += gradient[0] * bore.x + gradient[1] * bore.y;
-        if in_rim.is_none() {
+        if whole.is_none() {
             sink.element(&Element {
                 part: self.place.part(),
                 index: &self.index,
@@ -309,10 +359,15 @@ impl Joint for Journal {
     /// bores made too wide or too narrow have made of it, in proportion.
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let law = &self.law;
-        let (u, _) = self.displacement_at(at.q);
-        let state = self.load(at.q).0;
+        let stand = self.stand(at.q);
+        let (state, whole) = self.state(&stand);
         let elastic = (law.exponent + 1.0) * state.stored;
-        let gap = state.gradient[0] * u[0] + state.gradient[1] * u[1] - elastic - self.rim_work(at.q);
+        // Of the forces on the way of the middle, of the couples on the lean.
+        let shifted = state.gradient[0] * stand.shift[0] + state.gradient[1] * stand.shift[1];
+        let leaned = stand.slope.zip(whole).map_or(0.0, |(slope, whole)| {
+            slope[0] * whole.gradient[SLOPE] + slope[1] * whole.gradient[SLOPE + 1]
+        });
+        let gap = shifted + leaned - elastic - self.rim_work(at.q);
         let share = |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
         let (clearance, wear) = self.place.causes();
         add(Cause::Elastic, elastic);
@@ -333,9 +388,8 @@ impl Joint for Journal {
     }
 
     fn add_loads(&self, at: State<'_>, loads: &mut PartLoads) {
-        let (u, cage) = self.displacement_at(at.q);
-        let rim = self.rim_at(at.q);
-        *self.place.load(loads) += self.law.element_forces_in(u, cage, rim).sum::<f64>() / self.alike as f64;
+        let forces = self.law.element_forces_at(self.stand(at.q)).map(|(_, force)| force);
+        *self.place.load(loads) += forces.sum::<f64>() / self.alike as f64;
     }
 
     fn bearing(&self) -> Option<&Journal> {

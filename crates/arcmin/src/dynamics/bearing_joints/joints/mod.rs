@@ -14,7 +14,7 @@ use std::fmt::Debug;
 pub(super) use bending::Bending;
 pub(super) use frame::Frame;
 pub(super) use gears::Gears;
-pub(super) use journal::{Journal, Place};
+pub(super) use journal::{Journal, Place, SLOPES};
 pub(super) use main_pair::{MainPair, OutsideForces};
 pub(super) use pin_ring::{Designed, Modes, PIN, PinRing};
 pub(super) use support::Support;

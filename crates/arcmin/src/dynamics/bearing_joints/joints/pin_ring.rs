@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Pressed, Sink, State};
 use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Reaction, Sliding};
-use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit, HousingMotion};
+use crate::dynamics::elastic_disc::{DiscLean, DiscMotion, DiscSplit, HousingMotion};
 use crate::dynamics::{ElasticDiscs, ElasticHousing, ForceSummary};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
@@ -36,13 +36,16 @@ pub(in super::super) struct PinRing {
     pub elastic: Option<Modes<ElasticDiscs>>,
     /// A housing that moves its pins.
     pub housing: Option<Modes<ElasticHousing>>,
+    /// Slopes (∂x/∂z, ∂y/∂z) of a disc that leans.
+    pub slopes: Option<[usize; 2]>,
     pub designed: Designed,
 }
 
 /// ∂(x, y, θ of the disc in the ring)/∂(coordinates), row by row.
 type Seen = [[f64; 6]; 3];
 
-/// Forces on (x, y, θ in the ring, modes of disc and housing) with −∂Q/∂q and −∂Q/∂q̇, row by row.
+/// Forces on (x, y, θ in the ring, modes of disc and housing, slopes in the ring) with −∂Q/∂q and −∂Q/∂q̇, row by
+/// row.
 struct Forces<'a> {
     force: &'a [f64],
     stiffness: &'a [f64],
@@ -82,6 +85,39 @@ impl PinRing {
         ]
     }
 
+    /// Slope of a disc that leans, and its rate, in the frame of the ring.
+    fn slope(&self, State { q, v }: State<'_>) -> Option<(Vec2, Vec2)> {
+        let [x, y] = self.slopes?;
+        let (slope, rate) = (Vec2::new(q[x], q[y]), Vec2::new(v[x], v[y]));
+        if !self.moves {
+            return Some((slope, rate));
+        }
+        let turn = self.place[5];
+        let [slope, rate] = [slope, rate].map(|way| turned(way, unit(-q[turn])));
+        Some((slope, rate - v[turn] * quarter_turn(slope)))
+    }
+
+    /// Where the two slices that stand for the width of a disc are: B/√12 in m.
+    fn reach(&self) -> f64 {
+        self.contacts.contact().width / 12.0_f64.sqrt()
+    }
+
+    /// Slices of a rigid disc that bear its pins together: share of the force, height over the middle (m), place and
+    /// motion. A disc that stands straight is a single one.
+    fn slices(&self, at: State<'_>) -> Vec<Slice> {
+        let (pose, velocity) = self.disc_state(at);
+        let Some((slope, rate)) = self.slope(at) else {
+            return vec![Slice { share: 1.0, height: 0.0, pose, velocity }];
+        };
+        let slice = |height: f64| Slice {
+            share: 0.5,
+            height,
+            pose: DiscPose { centre: pose.centre + height * slope, ..pose },
+            velocity: DiscVelocity { centre: velocity.centre + height * rate, ..velocity },
+        };
+        [self.reach(), -self.reach()].map(slice).to_vec()
+    }
+
     /// Motion of the disc in the ring, modes included.
     fn motion<'a>(&'a self, at: State<'a>) -> DiscMotion<'a> {
         let (pose, velocity) = self.disc_state(at);
@@ -91,7 +127,8 @@ impl PinRing {
             modes: &at.q[range.clone()],
             rates: &at.v[range.clone()],
         });
-        DiscMotion { pose, velocity, modes: &at.q[modes.clone()], rates: &at.v[modes], housing }
+        let lean = self.slope(at).map(|(slope, _)| DiscLean { slope, reach: self.reach() });
+        DiscMotion { pose, velocity, modes: &at.q[modes.clone()], rates: &at.v[modes], housing, lean }
     }
 
     /// Ways of the pins in an elastic housing, in m; none in a rigid one.
@@ -100,10 +137,11 @@ impl PinRing {
         self.housing.as_ref().map_or_else(Vec::new, ways)
     }
 
-    /// Coordinates beside the place of the disc that the pins act on: its own modes, those of the housing.
-    fn modes(&self) -> impl Iterator<Item = usize> {
+    /// Coordinates beside the place of the disc that the pins act on: its own modes, those of the housing, slopes.
+    fn others(&self) -> impl Iterator<Item = usize> {
         let disc = self.elastic.as_ref().map_or(0..0, |modes| modes.at.clone());
-        disc.chain(self.housing.as_ref().map_or(0..0, |modes| modes.at.clone()))
+        let housing = self.housing.as_ref().map_or(0..0, |modes| modes.at.clone());
+        disc.chain(housing).chain(self.slopes.into_iter().flatten())
     }
 
     /// What the disc does to its pins: (pin, force in N in the frame of the ring), friction aside. It is the
@@ -113,14 +151,15 @@ impl PinRing {
             return body.pin_forces(self.disc, &self.contacts, self.motion(at));
         }
         let mut forces = Vec::new();
-        let (pose, rate) = self.disc_state(at);
-        self.contacts.visit(pose, rate, false, |contact| {
-            if contact.force > 0.0 {
-                let rolling = self.contacts.rolling_force(contact);
-                let on_disc = |a: usize| contact.force * contact.gradient[a] + rolling[a];
-                forces.push((contact.pin, -Vec2::new(on_disc(0), on_disc(1))));
-            }
-        });
+        for Slice { share, pose, velocity, .. } in self.slices(at) {
+            self.contacts.visit(pose, velocity, false, |contact| {
+                if contact.force > 0.0 {
+                    let rolling = self.contacts.rolling_force(contact);
+                    let on_disc = |a: usize| share * (contact.force * contact.gradient[a] + rolling[a]);
+                    forces.push((contact.pin, -Vec2::new(on_disc(0), on_disc(1))));
+                }
+            });
+        }
         forces
     }
 
@@ -129,16 +168,25 @@ impl PinRing {
         match &self.elastic {
             Some(Modes { body, .. }) => body.pin_contacts(self.disc, &self.contacts, self.motion(at)),
             None => {
-                let (pose, rate) = self.disc_state(at);
-                self.contacts.contacts(pose, rate)
+                let slices = self.slices(at).into_iter();
+                let all = slices.map(|slice| self.contacts.contacts(slice.pose, slice.velocity));
+                let mean = |one: Vec<PinContact>, other: Vec<PinContact>| {
+                    one.iter().zip(&other).map(|(one, other)| one.mean(other)).collect()
+                };
+                all.reduce(mean).unwrap_or_default()
             }
         }
     }
 
     /// State of the pins that carry.
     pub fn loaded(&self, at: State<'_>) -> Vec<PinContact> {
+        if self.elastic.is_none() {
+            let mut loaded = self.all(at);
+            loaded.retain(|contact| contact.force > 0.0);
+            return loaded;
+        }
         let mut loaded = Vec::new();
-        self.visit_loaded(at, |contact, force, _| {
+        self.visit_loaded(at, |_, contact, force, _| {
             let mut contact = *contact;
             contact.force = force;
             loaded.push(contact);
@@ -146,23 +194,26 @@ impl PinRing {
         loaded
     }
 
-    /// Calls `visit` for every pin that carries, with its force (N) and its approach (m) on the disc as its
-    /// modes have bent it: elastic work F s, the neighbours' included.
-    fn visit_loaded(&self, at: State<'_>, mut visit: impl FnMut(&PinContact, f64, f64)) {
+    /// Calls `visit` for every pin that carries, slice by slice of a rigid disc, with the number of the slice, the force
+    /// (N) and its work (N·m) on its approach to the disc as its modes have bent it: F s, the neighbours' included.
+    fn visit_loaded(&self, at: State<'_>, mut visit: impl FnMut(usize, &PinContact, f64, f64)) {
         let Some(Modes { body, .. }) = &self.elastic else {
-            let (pose, rate) = self.disc_state(at);
-            self.contacts.visit(pose, rate, false, |contact| {
-                if contact.force > 0.0 {
-                    visit(contact, contact.force, -contact.gap);
-                }
-            });
+            for (i, Slice { share, pose, velocity, .. }) in self.slices(at).into_iter().enumerate() {
+                self.contacts.visit(pose, velocity, false, |contact| {
+                    if contact.force > 0.0 {
+                        let force = share * contact.force;
+                        visit(i, contact, force, -force * contact.gap);
+                    }
+                });
+            }
             return;
         };
         let state = body.contacts(self.disc, &self.contacts, self.motion(at));
-        for ((contact, coupled), force) in state.contacts.iter().zip(&state.coupled).zip(&state.forces.force)
-        {
-            if *force > 0.0 {
-                visit(contact, *force, coupled.approach);
+        for (i, (contact, coupled)) in state.contacts.iter().zip(&state.coupled).enumerate() {
+            let (force, local) = (state.forces.force[i], state.forces.local[i]);
+            if force > 0.0 {
+                let couple = coupled.line(self.contacts.contact()).couple(local).0;
+                visit(0, contact, force, force * coupled.approach + couple * coupled.lean);
             }
         }
     }
@@ -174,7 +225,7 @@ impl PinRing {
         if self.moves {
             return self.hand_on_of_moving_ring(pose, q, forces, sink);
         }
-        let index: Vec<usize> = self.place[..3].iter().copied().chain(self.modes()).collect();
+        let index: Vec<usize> = self.place[..3].iter().copied().chain(self.others()).collect();
         let gradient: Vec<f64> = force.iter().map(|force| -force).collect();
         let element =
             Element { part: Part::Teeth, index: &index, gradient: &gradient, hessian: stiffness, stored };
@@ -187,11 +238,21 @@ impl PinRing {
     fn hand_on_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, _] } = *forces;
         let seen = self.seen(pose, q);
+        let (own, width) = (force.len(), force.len() + 3);
+        let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
         // (what a coordinate moves and by how much).
-        let places = (0..6).map(|i| [(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]);
-        let modes = (3..force.len()).map(|m| [(m, 1.0), (0, 0.0), (0, 0.0)]);
-        let motions: Vec<[(usize, f64); 3]> = places.chain(modes).collect();
-        let (own, width) = (force.len(), motions.len());
+        let places = (0..6).map(|i| vec![(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]);
+        let modes = (3..slopes.start).map(|m| vec![(m, 1.0)]);
+        let mut motions: Vec<Vec<(usize, f64)>> = places.chain(modes).collect();
+        let slope = self.slope(State { q, v: &vec![0.0; q.len()] }).map_or(Vec2::zeros(), |(slope, _)| slope);
+        if !slopes.is_empty() {
+            let (x, y) = (slopes.start, slopes.start + 1);
+            let (sin, cos) = q[self.place[5]].sin_cos();
+            motions.extend([vec![(x, cos), (y, -sin)], vec![(x, sin), (y, cos)]]);
+            // Seen from a ring that turns a slope turns back.
+            let back = -quarter_turn(slope);
+            motions[5].extend([(x, back.x), (y, back.y)]);
+        }
         let through = |m: &[f64]| -> Vec<f64> {
             if m.is_empty() {
                 return Vec::new();
@@ -208,15 +269,24 @@ impl PinRing {
         let mut hessian = through(stiffness);
         let gradient: Vec<f64> =
             motions.iter().map(|by_row| -by_row.iter().map(|(a, g)| g * force[*a]).sum::<f64>()).collect();
-        let index: Vec<usize> = self.place.iter().copied().chain(self.modes()).collect();
-        // J R f: how the force on the disc turns with the housing.
-        let turning = quarter_turn(turned(Vec2::new(force[0], force[1]), unit(q[self.place[5]])));
+        let index: Vec<usize> = self.place.iter().copied().chain(self.others()).collect();
+        // J R f: how the force on the disc turns with the housing, and the couple that leans it.
+        let turning = |x: f64, y: f64| quarter_turn(turned(Vec2::new(x, y), unit(q[self.place[5]])));
         if !hessian.is_empty() {
-            for (i, value) in [(0, turning.x), (1, turning.y), (3, -turning.x), (4, -turning.y)] {
+            let place = turning(force[0], force[1]);
+            let mut turns = vec![(0, place.x), (1, place.y), (3, -place.x), (4, -place.y)];
+            let mut back = force[0] * pose.centre.x + force[1] * pose.centre.y;
+            if !slopes.is_empty() {
+                let couple = [force[slopes.start], force[slopes.start + 1]];
+                let lean = turning(couple[0], couple[1]);
+                turns.extend([(width - 2, lean.x), (width - 1, lean.y)]);
+                back += couple[0] * slope.x + couple[1] * slope.y;
+            }
+            for (i, value) in turns {
                 hessian[i * width + 5] -= value;
                 hessian[5 * width + i] -= value;
             }
-            hessian[5 * width + 5] += force[0] * pose.centre.x + force[1] * pose.centre.y;
+            hessian[5 * width + 5] += back;
         }
         let element =
             Element { part: Part::Teeth, index: &index, gradient: &gradient, hessian: &hessian, stored };
@@ -229,7 +299,7 @@ impl Joint for PinRing {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let motion = self.motion(at);
         match &self.elastic {
-            None => {
+            None if self.slopes.is_none() => {
                 let Reaction { force, stiffness, damping, stored, dissipation, onset_rate } =
                     self.contacts.react(motion.pose, motion.velocity);
                 let forces = Forces {
@@ -237,6 +307,16 @@ impl Joint for PinRing {
                     stiffness: stiffness.as_flattened(),
                     damping: damping.as_flattened(),
                     powers: [stored, dissipation, onset_rate],
+                };
+                self.hand_on(motion.pose, at.q, &forces, sink);
+            }
+            None => {
+                let leaning = self.react_of_slices(at);
+                let forces = Forces {
+                    force: &leaning.force,
+                    stiffness: leaning.stiffness.as_flattened(),
+                    damping: leaning.damping.as_flattened(),
+                    powers: leaning.powers,
                 };
                 self.hand_on(motion.pose, at.q, &forces, sink);
             }
@@ -255,6 +335,7 @@ impl Joint for PinRing {
 
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         self.elastic.iter().flat_map(|modes| modes.at.clone()).for_each(|at| add(Limit::Held(at)));
+        self.slopes.iter().flatten().for_each(|at| add(Limit::Held(*at)));
         let rest = vec![0.0; q.len()];
         let (pose, _) = self.disc_state(State { q, v: &rest });
         let shifts = self.pin_ways(q);
@@ -279,10 +360,11 @@ impl Joint for PinRing {
         let state = self.motion(at);
         let by_place = self.place.map(|i| motion[i]);
         let g = self.seen(state.pose, at.q).map(|row| row.iter().zip(&by_place).map(|(s, g)| s * g).sum());
+        let others: Vec<f64> = self.others().map(|at| motion[at]).collect();
         let (teeth, seats) = match &self.elastic {
-            None => self.split_of_rigid_disc(state.pose, g),
+            None => self.split_of_rigid_disc(at, g, &others),
             Some(Modes { body, .. }) => {
-                let whole: Vec<f64> = g.into_iter().chain(self.modes().map(|at| motion[at])).collect();
+                let whole: Vec<f64> = g.into_iter().chain(others).collect();
                 let DiscSplit { teeth, seats, disc } = body.split(self.disc, &self.contacts, state, &whole);
                 add(Part::Disc, disc);
                 (teeth, seats)
@@ -307,9 +389,9 @@ impl Joint for PinRing {
 
     fn add_forces(&self, at: State<'_>, summary: &mut ForceSummary) {
         let law = self.contacts.contact();
-        self.visit_loaded(at, |contact, force, _| {
-            summary.add_pin(force, law.pressure(force, 1.0 / contact.relative_curvature));
-        });
+        for contact in self.loaded(at) {
+            summary.add_pin(contact.force, law.pressure(contact.force, 1.0 / contact.relative_curvature));
+        }
     }
 
     fn boxed(&self) -> Box<dyn Joint> {
@@ -317,24 +399,71 @@ impl Joint for PinRing {
     }
 }
 
+/// One slice of a rigid disc.
+#[derive(Clone, Copy)]
+struct Slice {
+    /// Of the disc's width.
+    share: f64,
+    /// Over the disc's middle, m.
+    height: f64,
+    pose: DiscPose,
+    velocity: DiscVelocity,
+}
+
+/// What pins do to a rigid disc that leans: on (x, y, θ) and the slopes.
+#[derive(Default)]
+struct LeaningReaction {
+    force: [f64; 5],
+    stiffness: [[f64; 5]; 5],
+    damping: [[f64; 5]; 5],
+    powers: [f64; 3],
+}
+
+/// What moves with (x, y, θ, slopes) of a disc at a height: (which of x, y, θ of the slice, by how much).
+fn of_slice(height: f64) -> [(usize, f64); 5] {
+    [(0, 1.0), (1, 1.0), (2, 1.0), (0, height), (1, height)]
+}
+
 impl PinRing {
-    /// gᵀ K g of teeth and seats along a motion g of (x, y, θ).
-    fn split_of_rigid_disc(&self, pose: DiscPose, g: [f64; 3]) -> (f64, f64) {
-        let reaction = self.contacts.react(pose, DiscVelocity::REST);
-        let mut whole = 0.0;
-        for a in 0..3 {
-            for b in 0..3 {
-                whole += g[a] * reaction.stiffness[a][b] * g[b];
+    fn react_of_slices(&self, at: State<'_>) -> LeaningReaction {
+        let mut sum = LeaningReaction::default();
+        for Slice { share, height, pose, velocity } in self.slices(at) {
+            let slice = self.contacts.react(pose, velocity);
+            let moves = of_slice(height);
+            for (a, (i, by)) in moves.iter().enumerate() {
+                sum.force[a] += share * by * slice.force[*i];
+                for (b, (j, of)) in moves.iter().enumerate() {
+                    sum.stiffness[a][b] += share * by * of * slice.stiffness[*i][*j];
+                    sum.damping[a][b] += share * by * of * slice.damping[*i][*j];
+                }
             }
+            sum.powers[0] += share * slice.stored;
+            sum.powers[1] += share * slice.dissipation;
+            sum.powers[2] = sum.powers[2].max(slice.onset_rate);
         }
+        sum
+    }
+
+    /// gᵀ K g of teeth and seats along a motion g of (x, y, θ) and the slopes, if the disc leans.
+    fn split_of_rigid_disc(&self, at: State<'_>, g: [f64; 3], slopes: &[f64]) -> (f64, f64) {
         let compliance = self.contacts.contact().seat_compliance();
-        let mut seats = 0.0;
-        self.contacts.visit(pose, DiscVelocity::REST, false, |contact| {
-            if contact.force > 0.0 {
-                let rate: f64 = contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum();
-                seats += contact.stiffness * contact.stiffness * compliance * rate * rate;
+        let (mut whole, mut seats) = (0.0, 0.0);
+        for Slice { share, height, pose, .. } in self.slices(at) {
+            let mut g = g;
+            g.iter_mut().zip(slopes).for_each(|(g, slope)| *g += height * slope);
+            let reaction = self.contacts.react(pose, DiscVelocity::REST);
+            for a in 0..3 {
+                for b in 0..3 {
+                    whole += share * g[a] * reaction.stiffness[a][b] * g[b];
+                }
             }
-        });
+            self.contacts.visit(pose, DiscVelocity::REST, false, |contact| {
+                if contact.force > 0.0 {
+                    let rate: f64 = contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum();
+                    seats += share * contact.stiffness * contact.stiffness * compliance * rate * rate;
+                }
+            });
+        }
         (whole - seats, seats)
     }
 }

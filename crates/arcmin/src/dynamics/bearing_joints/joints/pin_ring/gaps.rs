@@ -1,7 +1,7 @@
 //! What the gaps between pins and flank are made of.
 
 use super::PinRing;
-use crate::contact::{DiscVelocity, PinContact, PinContacts};
+use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts};
 use crate::dynamics::bearing_joints::Cause;
 use crate::dynamics::bearing_joints::joints::{Nominal, State};
 use crate::geometry::{Relief, Vec2, unit};
@@ -52,9 +52,14 @@ impl Lost<'_> {
 }
 
 impl PinRing {
-    /// Work of the pins' forces on their gaps and elastic approaches, by cause.
+    /// Work of the pins' forces on their gaps and elastic approaches, by cause. A disc that leans goes another way at
+    /// either slice, which is why each one's gap is followed back by itself; on an elastic disc the lean shows in the
+    /// approach alone.
     pub(super) fn work_of_gaps(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        let lost = self.lost(at, nominal);
+        let slices: Vec<Lost<'_>> = match &self.elastic {
+            Some(_) => vec![self.lost(at, self.disc_state(at).0, nominal)],
+            None => self.slices(at).iter().map(|slice| self.lost(at, slice.pose, nominal)).collect(),
+        };
         let profile = self.contacts.profile();
         let k1 = profile.short_width_coefficient();
         let (circle, radius) = (
@@ -62,8 +67,9 @@ impl PinRing {
             profile.pin_radius - self.designed.equidistant,
         );
         let pins = self.contacts.pins();
-        self.visit_loaded(at, |contact, force, approach| {
-            add(Cause::Elastic, force * approach);
+        self.visit_loaded(at, |slice, contact, force, work| {
+            let lost = &slices[slice];
+            add(Cause::Elastic, work);
             let [flank, pin] = lost.of(contact);
             add(Cause::FlankWear, force * flank);
             add(Cause::PinWear, force * pin);
@@ -85,11 +91,10 @@ impl PinRing {
         });
     }
 
-    /// What flank and pins have lost, followed back to the nominal place of the disc along the tangents of the
-    /// gaps.
-    fn lost(&self, at: State<'_>, nominal: Nominal<'_>) -> Lost<'_> {
+    /// What flank and pins have lost, followed from a place of the disc back to its nominal one along the tangents of
+    /// the gaps.
+    fn lost(&self, at: State<'_>, pose: DiscPose, nominal: Nominal<'_>) -> Lost<'_> {
         let rest = vec![0.0; nominal.q.len()];
-        let (pose, _) = self.disc_state(at);
         let (from, _) = self.disc_state(State { q: nominal.q, v: &rest });
         let pins = self.pin_ways(at.q);
         let mut unworn = self.contacts.clone();

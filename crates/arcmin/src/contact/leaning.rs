@@ -1,0 +1,141 @@
+use super::{ContactForce, LineContact};
+
+/// One contact along a pin, on a disc that may lean: the mean of two slices.
+///
+/// A disc of the width B that leans by σ presses a pin by δ + σ z at the height z over its middle. The force of the
+/// whole line is the mean of the law at δ ± ε, ε = σ B/√12 (Gauss's two places), right to second order in the lean.
+/// Forces, approaches and energies are those of the whole line, approaches of its middle.
+#[derive(Debug, Clone, Copy)]
+pub struct LeaningLine<'a> {
+    pub law: &'a LineContact,
+    /// R_eq in m.
+    pub equivalent_radius: f64,
+    /// ε in m, 0 of a disc that stands straight.
+    pub lean: f64,
+}
+
+/// Newton's steps to the approach under a force, of a law that is smooth but where one slice opens.
+const STEPS: usize = 60;
+
+impl LeaningLine<'_> {
+    /// Force in N and stiffness dF/dδ in N/m at approach δ (m).
+    #[inline]
+    pub fn force(&self, approach: f64) -> (f64, f64) {
+        if self.lean == 0.0 {
+            return self.law.force(approach, self.equivalent_radius);
+        }
+        let [far, near] = [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
+        (0.5 * (far.0 + near.0), 0.5 * (far.1 + near.1))
+    }
+
+    /// ∂U/∂ε in N at approach δ (m), the couple of the line over B/√12, and its slope in N/m.
+    pub fn couple(&self, approach: f64) -> (f64, f64) {
+        let [far, near] = [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
+        (0.5 * (far.0 - near.0), 0.5 * (far.1 + near.1))
+    }
+
+    /// Approach in m of the middle at which the line touches at one end.
+    pub fn touch(&self) -> f64 {
+        -self.lean.abs()
+    }
+
+    /// Approach in m under the force F (N): the inverse of [`LeaningLine::force`].
+    pub fn approach(&self, force: f64) -> f64 {
+        if force <= 0.0 {
+            return self.touch();
+        }
+        let straight = self.law.approach(force, self.equivalent_radius);
+        if self.lean == 0.0 {
+            return straight;
+        }
+        // Where the lighter slice bears as much as the straight line, both together bear more.
+        let (mut low, mut high) = (-self.lean.abs(), straight + self.lean.abs());
+        let mut place = straight;
+        for _ in 0..STEPS {
+            let (found, stiffness) = self.force(place);
+            if found > force { high = place } else { low = place }
+            let next = place + (force - found) / stiffness;
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            let step = (next - place).abs();
+            place = next;
+            if step <= 1e-15 * high.abs() {
+                break;
+            }
+        }
+        place
+    }
+
+    /// Elastic energy ∫F dδ in J at approach δ (m).
+    pub fn energy(&self, approach: f64) -> f64 {
+        let of_slice = |approach: f64| {
+            let force = self.law.force(approach, self.equivalent_radius).0;
+            self.law.energy(approach, force, self.equivalent_radius)
+        };
+        0.5 * (of_slice(approach + self.lean) + of_slice(approach - self.lean))
+    }
+
+    /// Contact force with damping at approach δ in m and rate δ̇ in m/s of the middle.
+    #[inline]
+    pub fn damped_force(&self, approach: f64, rate: f64) -> ContactForce {
+        if self.lean == 0.0 {
+            return self.law.damped_force(approach, rate, self.equivalent_radius);
+        }
+        let [far, near] =
+            [self.lean, -self.lean].map(|e| self.law.damped_force(approach + e, rate, self.equivalent_radius));
+        let mean = |of: fn(&ContactForce) -> f64| 0.5 * (of(&far) + of(&near));
+        ContactForce {
+            force: mean(|slice| slice.force),
+            stiffness: mean(|slice| slice.stiffness),
+            damping: mean(|slice| slice.damping),
+            elastic: mean(|slice| slice.elastic),
+            stored: mean(|slice| slice.stored),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::ContactLaw;
+    use crate::materials::Material;
+
+    /// Forces are slopes of the energy by approach and lean, stiffness is the slope of the force, the approach is its
+    /// inverse, also where one slice is open. Against forty slices of the same line the mean of two is right to 1e-3
+    /// in force and to a few per cent in the couple as long as both ends touch.
+    #[test]
+    fn two_slices_stand_for_a_line_that_leans() {
+        let steel = Material::by_name("GCr15").unwrap();
+        for law in [ContactLaw::LineHertz, ContactLaw::Palmgren, ContactLaw::Linear { stiffness: 2.85e8 }] {
+            let law = LineContact::new(law, &steel, &steel, 8.75e-3, 3e-3);
+            let line = |lean: f64| LeaningLine { law: &law, equivalent_radius: 4e-3, lean };
+            for (approach, lean) in [(4e-6, 1e-6), (4e-6, -2e-6), (1e-6, 3e-6), (3e-6, 0.0)] {
+                let (force, stiffness) = line(lean).force(approach);
+                let (couple, across) = line(lean).couple(approach);
+                let h = 1e-10;
+                let energy = |d: f64, e: f64| line(lean + e).energy(approach + d);
+                let slope = (energy(h, 0.0) - energy(-h, 0.0)) / (2.0 * h);
+                assert!((slope / force - 1.0).abs() < 1e-5, "{slope} {force}");
+                let slope = (energy(0.0, h) - energy(0.0, -h)) / (2.0 * h);
+                assert!((slope - couple).abs() < 1e-5 * force, "{slope} {couple}");
+                let slope = (line(lean).force(approach + h).0 - line(lean).force(approach - h).0) / (2.0 * h);
+                assert!((slope / stiffness - 1.0).abs() < 1e-5);
+                assert!((line(lean).approach(force) / approach - 1.0).abs() < 1e-9);
+                assert!(across >= 0.0 && line(lean).damped_force(approach, 0.0).force == force);
+                // The ends of the line are √3 times as far from the middle as the slices.
+                if 3f64.sqrt() * lean.abs() < approach {
+                    let end = 3f64.sqrt() * lean;
+                    let slices = 40;
+                    let (mut whole, mut moment) = (0.0, 0.0);
+                    for i in 0..slices {
+                        let x = (2.0 * f64::from(i) + 1.0) / f64::from(slices) - 1.0;
+                        let slice = law.force(approach + x * end, 4e-3).0 / f64::from(slices);
+                        whole += slice;
+                        moment += 3f64.sqrt() * x * slice;
+                    }
+                    assert!((force / whole - 1.0).abs() < 1e-3, "{force} {whole}");
+                    assert!((couple - moment).abs() <= 0.03 * moment.abs() + 1e-9 * force, "{couple} {moment}");
+                }
+            }
+        }
+    }
+}
