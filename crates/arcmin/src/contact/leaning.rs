@@ -24,13 +24,15 @@ impl LeaningLine<'_> {
         if self.lean == 0.0 {
             return self.law.force(approach, self.equivalent_radius);
         }
-        let [far, near] = [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
+        let [far, near] =
+            [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
         (0.5 * (far.0 + near.0), 0.5 * (far.1 + near.1))
     }
 
     /// ∂U/∂ε in N at approach δ (m), the couple of the line over B/√12, and its slope in N/m.
     pub fn couple(&self, approach: f64) -> (f64, f64) {
-        let [far, near] = [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
+        let [far, near] =
+            [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
         (0.5 * (far.0 - near.0), 0.5 * (far.1 + near.1))
     }
 
@@ -53,7 +55,11 @@ impl LeaningLine<'_> {
         let mut place = straight;
         for _ in 0..STEPS {
             let (found, stiffness) = self.force(place);
-            if found > force { high = place } else { low = place }
+            if found > force {
+                high = place
+            } else {
+                low = place
+            }
             let next = place + (force - found) / stiffness;
             let next = if next > low && next < high { next } else { 0.5 * (low + high) };
             let step = (next - place).abs();
@@ -80,8 +86,8 @@ impl LeaningLine<'_> {
         if self.lean == 0.0 {
             return self.law.damped_force(approach, rate, self.equivalent_radius);
         }
-        let [far, near] =
-            [self.lean, -self.lean].map(|e| self.law.damped_force(approach + e, rate, self.equivalent_radius));
+        let [far, near] = [self.lean, -self.lean]
+            .map(|e| self.law.damped_force(approach + e, rate, self.equivalent_radius));
         let mean = |of: fn(&ContactForce) -> f64| 0.5 * (of(&far) + of(&near));
         ContactForce {
             force: mean(|slice| slice.force),
@@ -133,7 +139,10 @@ mod tests {
                         moment += 3f64.sqrt() * x * slice;
                     }
                     assert!((force / whole - 1.0).abs() < 1e-3, "{force} {whole}");
-                    assert!((couple - moment).abs() <= 0.03 * moment.abs() + 1e-9 * force, "{couple} {moment}");
+                    assert!(
+                        (couple - moment).abs() <= 0.03 * moment.abs() + 1e-9 * force,
+                        "{couple} {moment}"
+                    );
                 }
             }
         }

@@ -69,7 +69,7 @@ pub(super) fn descend<S: System>(
         }
         let jump = control.jump_tolerance.max(JUMP_OF_STORED * balance.stored);
         if largest(&force) <= control.force_tolerance {
-            return Some(Equilibrium { residual: largest(&force), position, balance, iterations: iteration });
+            return Some(Equilibrium { residual: largest(&force), position, iterations: iteration });
         }
         if size <= jump && iteration > halved.1 + STUCK && (iteration - halved.1) % STUCK == 1 {
             let moved = position.iter().zip(&place_then).zip(scale);
@@ -82,14 +82,9 @@ pub(super) fn descend<S: System>(
             if stays {
                 evaluate(&trial, &mut trial_force, &mut lin);
                 let turns_back = dot(&trial_force, &step) <= 0.0;
-                balance = evaluate(&position, &mut force, &mut lin);
+                evaluate(&position, &mut force, &mut lin);
                 if turns_back {
-                    return Some(Equilibrium {
-                        residual: largest(&force),
-                        position,
-                        balance,
-                        iterations: iteration,
-                    });
+                    return Some(Equilibrium { residual: largest(&force), position, iterations: iteration });
                 }
             }
         }
@@ -154,12 +149,7 @@ pub(super) fn descend<S: System>(
         std::mem::swap(&mut position, &mut trial);
         std::mem::swap(&mut force, &mut trial_force);
         if whole && length <= control.tolerance && mu <= 1e-3 * natural {
-            return Some(Equilibrium {
-                residual: largest(&force),
-                position,
-                balance,
-                iterations: iteration + 1,
-            });
+            return Some(Equilibrium { residual: largest(&force), position, iterations: iteration + 1 });
         }
         let falls = (work(&force) / size).clamp(0.0, 1.0);
         if share == 1.0 {

@@ -266,7 +266,8 @@ mod tests {
                 let (i, j) = (k / size, k % size);
                 let apart = (i / 2 % pins) as f64 - (j / 2 % pins) as f64;
                 let alike = (i % 2 == j % 2) as u8 as f64;
-                soft * alike * ((2.0 * TAU * apart / pins as f64).cos() + 0.5 * (TAU * apart / pins as f64).cos())
+                soft * alike
+                    * ((2.0 * TAU * apart / pins as f64).cos() + 0.5 * (TAU * apart / pins as f64).cos())
                     + if i == j { own } else { 0.0 }
             })
             .collect();

@@ -1,14 +1,13 @@
 use super::descent::descend;
 use super::haste::hasten;
-use super::{Balance, DynamicsError, Linearisation, System, Weights};
+use super::{DynamicsError, Linearisation, System, Weights};
 
 /// A state of rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Coordinates in m or rad.
     pub position: Vec<f64>,
-    pub balance: Balance,
-    /// Largest |Q_i| left, in N or N·m.
+    /// Largest |Q_i| left, in N or N·m; what is foretold, where the last step was so short that nobody looked.
     pub residual: f64,
     pub iterations: usize,
 }
@@ -174,7 +173,7 @@ fn newton<S: System>(
         };
         let creeps = iteration > halved.1 + CREEPING && size <= jump;
         if creeps || largest(&force) <= control.force_tolerance {
-            return Ok(Equilibrium { residual: largest(&force), position, balance, iterations: iteration });
+            return Ok(Equilibrium { residual: largest(&force), position, iterations: iteration });
         }
         step.copy_from_slice(&force);
         let solved = lin.solve(mass, Weights { mass: mu, damping: 0.0, stiffness: 1.0 }, &mut step);
@@ -210,12 +209,7 @@ fn newton<S: System>(
             std::mem::swap(&mut lin, &mut trial_lin);
             balance = trial_balance;
             if converged {
-                return Ok(Equilibrium {
-                    residual: largest(&force),
-                    position,
-                    balance,
-                    iterations: iteration + 1,
-                });
+                return Ok(Equilibrium { residual: largest(&force), position, iterations: iteration + 1 });
             }
             mu *= (trial_size / size).clamp(0.0, 0.5);
             if mu < 1e-9 * natural {
@@ -225,12 +219,7 @@ fn newton<S: System>(
         } else {
             trust = 0.25 * length.min(trust);
             if trust < control.tolerance && length < NEAR_JUMP && size <= jump {
-                return Ok(Equilibrium {
-                    residual: largest(&force),
-                    position,
-                    balance,
-                    iterations: iteration + 1,
-                });
+                return Ok(Equilibrium { residual: largest(&force), position, iterations: iteration + 1 });
             }
             mu = match mu {
                 // One body that hangs nearly free makes the Newton step long for all: the mass term holds it

@@ -3,7 +3,7 @@
 use super::equilibrium::{Equilibrium, EquilibriumControl, mass_term};
 use super::foresight::{Foresight, Here};
 use super::system::LARGE;
-use super::{Balance, Linearisation, System, Weights};
+use super::{Linearisation, System, Weights};
 
 /// Steps after which the start was not so good.
 const STEPS: usize = 16;
@@ -14,6 +14,9 @@ const BLOCKED: f64 = 100.0;
 /// After a step longer than this, in units of the system's scale, the tangent is taken anew; in a small system, whose
 /// tangent comes nearly for nothing with the forces, after every step.
 const FAR: f64 = 1e-3;
+/// A step of Newton's method that is this much shorter than the one before it, and the next after which would be this
+/// share of the tolerance, ends the search.
+const SURE: f64 = 1e-2;
 /// From this share of the step before on, steps shrink too slowly for an old tangent.
 const SLOW: f64 = 0.2;
 /// Steps by an old tangent shrink by shares, where Newton's leave far less than they promise: they must be this much
@@ -39,6 +42,9 @@ const GROWTH: f64 = 10.0;
 ///
 /// Where the start is from afar, steps mind the contacts on their way ([`Foresight`]).
 ///
+/// Newton's method squares what is left: where one of its steps is shorter than the one before it by so much that the
+/// next would be lost in the tolerance, it is the last, and nobody looks at the forces behind it.
+///
 /// The step after one of length s is about s² over the one before it, and shorter than what the forces left along s
 /// tell; where that is less than a tenth of the tolerance a step is the last.
 pub(super) fn hasten<S: System>(
@@ -50,14 +56,16 @@ pub(super) fn hasten<S: System>(
     let mut search = Search::new(system, time, start, control);
     let (mut step, mut trial) = (vec![0.0; start.len()], vec![0.0; start.len()]);
     let far = if start.len() < LARGE { 0.0 } else { FAR };
-    let mut balance = search.take_tangent();
+    search.take_tangent();
     let mut before = 0.0;
+    // Whether that step was Newton's own.
+    let mut was_fresh = false;
     let mut blocked = false;
     let mut was_cut = false;
     for iterations in 0..STEPS {
         let residual = search.residual();
         if residual <= control.force_tolerance {
-            return Some(Equilibrium { residual, position: search.position, balance, iterations });
+            return Some(Equilibrium { residual, position: search.position, iterations });
         }
         let mut told = search.next_step(&mut step);
         if search.is_old() && !(told.is_some() && search.length(&step) <= SLOW * before) {
@@ -88,18 +96,29 @@ pub(super) fn hasten<S: System>(
         let first = shortening * first;
         trial.iter_mut().zip(search.position.iter().zip(&step)).for_each(|(t, (q, x))| *t = q + x);
         std::mem::swap(&mut search.position, &mut trial);
-        balance = if length > far { search.take_tangent() } else { search.keep_tangent(&step) };
+        let is_fresh = !search.is_old() && minded.is_none() && shortening >= 1.0;
+        let next = length * length / before;
+        if is_fresh && was_fresh && length <= SURE * before && length <= SHORT && next <= SURE * tolerance {
+            let residual = residual * next / length;
+            let position = search.position;
+            return Some(Equilibrium { residual, position, iterations: iterations + 1 });
+        }
+        was_fresh = is_fresh;
+        if length > far {
+            search.take_tangent();
+        } else {
+            search.keep_tangent(&step);
+        }
         let along = dot(&search.force, &step);
         if !along.is_finite() {
             return None;
         }
-        let next = length * length / before;
         let left = (length * along / first).abs();
         let shrinks = length <= SHORT && next.max(left) <= 0.1 * tolerance;
         if length <= tolerance || shrinks {
             let residual = search.residual();
             let position = search.position;
-            return Some(Equilibrium { residual, position, balance, iterations: iterations + 1 });
+            return Some(Equilibrium { residual, position, iterations: iterations + 1 });
         }
         before = length;
         // The secant leaves next to nothing of a step that runs into a contact on its way, and of the next.
@@ -121,7 +140,7 @@ pub(super) fn hasten<S: System>(
                 .iter_mut()
                 .zip(trial.iter().zip(&step))
                 .for_each(|(t, (q, x))| *t = q + share * x);
-            balance = search.take_tangent();
+            search.take_tangent();
             // What follows a cut step says nothing about convergence.
             before = 0.0;
         }
@@ -182,27 +201,25 @@ impl<'a, S: System> Search<'a, S> {
     }
 
     /// Forces and tangent here.
-    fn take_tangent(&mut self) -> Balance {
+    fn take_tangent(&mut self) {
         self.steps.clear();
         let Search { system, time, position, rest, .. } = self;
-        let balance = system.evaluate(*time, position, rest, &mut self.force, &mut self.tangent);
+        system.evaluate(*time, position, rest, &mut self.force, &mut self.tangent);
         if let Some(held) = self.control.held {
             self.force[held] = 0.0;
             self.tangent.hold(held);
         }
-        balance
     }
 
     /// Forces here, a step from where they were known.
-    fn keep_tangent(&mut self, step: &[f64]) -> Balance {
+    fn keep_tangent(&mut self, step: &[f64]) {
         let scaled: Vec<f64> = step.iter().zip(self.system.scale()).map(|(x, scale)| x / scale).collect();
         let square = dot(&scaled, &scaled);
         self.steps.push((scaled, square));
-        let balance = self.system.evaluate_forces(self.time, &self.position, &self.rest, &mut self.force);
+        self.system.evaluate_forces(self.time, &self.position, &self.rest, &mut self.force);
         if let Some(held) = self.control.held {
             self.force[held] = 0.0;
         }
-        balance
     }
 
     /// Makes a step from here one that minds the contacts on its way; the work that it should do.

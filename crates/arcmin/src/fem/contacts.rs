@@ -142,7 +142,8 @@ pub struct CoupledForces {
     /// Elastic energy of the flexibility, ½ Fᵀ C F, in J.
     pub flexural_energy: f64,
     compliance: Vec<f64>,
-    /// Cholesky factor of f′⁻¹ + C over the closed contacts, by rows, and these contacts.
+    /// U with UᵀU = f′⁻¹ + C over the closed contacts, by rows, and these contacts. Rows of U are taken off whole rows,
+    /// which the compiler does several entries at a time.
     factor: Vec<f64>,
     active: Vec<usize>,
     rhs: Vec<f64>,
@@ -289,64 +290,72 @@ impl CoupledForces {
         !open_moves
     }
 
-    /// Cholesky factor of f′⁻¹ + C over the active contacts, by rows.
+    /// U of f′⁻¹ + C over the active contacts.
     fn factorise(&mut self, n: usize) {
         let count = self.active.len();
         self.factor.resize(count * count, 0.0);
-        for a in 0..count {
-            let i = self.active[a];
-            let (done, rest) = self.factor.split_at_mut(a * count);
-            let row = &mut rest[..=a];
-            for b in 0..a {
-                let other = &done[b * count..=b * count + b];
-                let sum: f64 = row[..b].iter().zip(other).map(|(x, y)| x * y).sum();
-                row[b] = (self.compliance[i * n + self.active[b]] - sum) / other[b];
-            }
-            let sum: f64 = row[..a].iter().map(|x| x * x).sum();
-            row[a] = (self.compliance[i * n + i] + 1.0 / self.local_stiffness[i] - sum)
-                .max(f64::MIN_POSITIVE)
-                .sqrt();
+        for (row, i) in self.factor.chunks_exact_mut(count.max(1)).zip(&self.active) {
+            let from = &self.compliance[i * n..(i + 1) * n];
+            row.iter_mut().zip(&self.active).for_each(|(entry, j)| *entry = from[*j]);
         }
+        for (a, i) in self.active.iter().enumerate() {
+            self.factor[a * count + a] += 1.0 / self.local_stiffness[*i];
+        }
+        for a in 0..count {
+            let (done, rest) = self.factor.split_at_mut((a + 1) * count);
+            let row = &mut done[a * count + a..];
+            let scale = 1.0 / row[0].max(f64::MIN_POSITIVE).sqrt();
+            row.iter_mut().for_each(|entry| *entry *= scale);
+            for (below, b) in rest.chunks_exact_mut(count).zip(a + 1..) {
+                take_off(&mut below[b..], row[b - a], &row[b - a..]);
+            }
+        }
+    }
+
+    /// Row a of U from its diagonal on.
+    fn row(&self, a: usize) -> &[f64] {
+        let count = self.active.len();
+        &self.factor[a * count + a..(a + 1) * count]
     }
 
     /// Solves with the factor, in place: one entry per active contact.
     fn back_substitute(&self, rhs: &mut [f64]) {
         let count = self.active.len();
         for a in 0..count {
-            let row = &self.factor[a * count..=a * count + a];
-            let sum: f64 = row[..a].iter().zip(rhs.iter()).map(|(l, x)| l * x).sum();
-            rhs[a] = (rhs[a] - sum) / row[a];
+            let row = self.row(a);
+            rhs[a] /= row[0];
+            let value = rhs[a];
+            take_off(&mut rhs[a + 1..], value, &row[1..]);
         }
         for a in (0..count).rev() {
-            let row = &self.factor[a * count..=a * count + a];
-            rhs[a] /= row[a];
-            let x = rhs[a];
-            rhs[..a].iter_mut().zip(row).for_each(|(r, l)| *r -= l * x);
+            let row = self.row(a);
+            let sum: f64 = row[1..].iter().zip(&rhs[a + 1..]).map(|(u, x)| u * x).sum();
+            rhs[a] = (rhs[a] - sum) / row[0];
         }
     }
 
-    /// [`CoupledForces::respond`] for `width` changes at once, contact by contact: whole rows are taken off each
-    /// other, which the compiler does several entries at a time.
+    /// [`CoupledForces::respond`] for `width` changes at once, contact by contact.
     pub fn respond_to_all(&self, changes: &mut [f64], width: usize) {
         let count = self.active.len();
         let mut rows: Vec<f64> = Vec::with_capacity(count * width);
         self.active.iter().for_each(|i| rows.extend_from_slice(&changes[i * width..][..width]));
-        let less = |row: &mut [f64], factor: f64, other: &[f64]| {
-            row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
-        };
         for a in 0..count {
-            let factors = &self.factor[a * count..=a * count + a];
-            let (done, rest) = rows.split_at_mut(a * width);
-            let row = &mut rest[..width];
-            done.chunks_exact(width).zip(factors).for_each(|(other, factor)| less(row, *factor, other));
-            row.iter_mut().for_each(|entry| *entry /= factors[a]);
+            let factors = self.row(a);
+            let (done, rest) = rows.split_at_mut((a + 1) * width);
+            let row = &mut done[a * width..];
+            row.iter_mut().for_each(|entry| *entry /= factors[0]);
+            for (other, factor) in rest.chunks_exact_mut(width).zip(&factors[1..]) {
+                take_off(other, *factor, row);
+            }
         }
         for a in (0..count).rev() {
-            let factors = &self.factor[a * count..=a * count + a];
-            let (before, rest) = rows.split_at_mut(a * width);
-            let row = &mut rest[..width];
-            row.iter_mut().for_each(|entry| *entry /= factors[a]);
-            before.chunks_exact_mut(width).zip(factors).for_each(|(other, factor)| less(other, *factor, row));
+            let factors = self.row(a);
+            let (before, after) = rows.split_at_mut((a + 1) * width);
+            let row = &mut before[a * width..];
+            for (other, factor) in after.chunks_exact(width).zip(&factors[1..]) {
+                take_off(row, *factor, other);
+            }
+            row.iter_mut().for_each(|entry| *entry /= factors[0]);
         }
         changes.fill(0.0);
         for (i, row) in self.active.iter().zip(rows.chunks_exact(width)) {
@@ -365,4 +374,10 @@ impl CoupledForces {
             change[*i] = *value;
         }
     }
+}
+
+/// row − factor · other.
+#[inline]
+fn take_off(row: &mut [f64], factor: f64, other: &[f64]) {
+    row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
 }

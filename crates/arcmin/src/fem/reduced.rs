@@ -51,7 +51,12 @@ pub struct FlankCompliance {
 
 #[inline]
 pub(super) fn spline(coefficients: &[f64], weights: &[(usize, f64); 4]) -> f64 {
-    weights.iter().map(|(s, w)| w * coefficients[*s]).sum()
+    let [(first, a), (_, b), (_, c), (last, d)] = *weights;
+    // Neighbours stand side by side, but where the grid closes.
+    match coefficients.get(first..first + 4) {
+        Some([x, y, z, w]) if last == first + 3 => a * x + b * y + c * z + d * w,
+        _ => weights.iter().map(|(s, w)| w * coefficients[*s]).sum(),
+    }
 }
 
 impl FlankCompliance {

@@ -32,17 +32,17 @@ pub struct RunningTorques {
 /// Crank positions over which torques are averaged.
 const POSITIONS: usize = 8;
 
-/// The running model, and its balances under rated torque of either sign, position by position: where the next
-/// search at the same place starts.
+/// The running model, and its balances by torque (N·m), position by position: where the next search at the same place
+/// starts.
 struct Bench {
     model: BearingJoints,
-    loaded: [[Option<Vec<f64>>; POSITIONS]; 2],
+    known: [Vec<(f64, Vec<f64>)>; POSITIONS],
 }
 
 impl Bench {
     fn new(machine: &Machine, settings: &JointSettings) -> Result<Bench, RigError> {
         let settings = JointSettings { damped: false, ..settings.clone() };
-        Ok(Bench { model: BearingJoints::held(machine, &settings)?, loaded: Default::default() })
+        Ok(Bench { model: BearingJoints::held(machine, &settings)?, known: Default::default() })
     }
 
     /// At an operating point; where the design gives a temperature, with the friction of that point.
@@ -70,16 +70,31 @@ impl Bench {
         // The load opposes the motion of the output, which a carrier at rest turns round.
         let torque = ratio.signum() * torque;
         let mut sum = 0.0;
-        for (i, known) in self.loaded[usize::from(torque < 0.0)].iter_mut().enumerate() {
+        for (i, known) in self.known.iter_mut().enumerate() {
             let sun = TAU * i as f64 / POSITIONS as f64 * ratio / lobes;
             model.hold_sun(sun, speed);
             let nominal = model.nominal_position_at(sun);
             let velocity = model.nominal_velocity_at(sun, speed);
-            model.set_load(rated.copysign(torque));
-            let loaded = run(model, known.as_ref().unwrap_or(&nominal), velocity.clone())?;
-            model.set_load(torque);
-            let q = run(model, &loaded, velocity.clone())?;
-            *known = Some(loaded);
+            let mut settle = |torque: f64, start: &[f64]| {
+                model.set_load(torque);
+                run(model, start, velocity.clone())
+            };
+            let near =
+                |known: &[(f64, Vec<f64>)], torque: f64| known.iter().position(|(at, _)| *at == torque);
+            let mut number = near(known, torque);
+            if number.is_none() {
+                // Bodies go into the flank with the rated torque first.
+                let loaded = rated.copysign(torque);
+                if near(known, loaded).is_none() {
+                    known.push((loaded, settle(loaded, &nominal)?));
+                }
+                number = near(known, loaded);
+            }
+            let q = settle(torque, number.map_or(&nominal, |number| &known[number].1))?;
+            match near(known, torque) {
+                Some(number) => known[number].1.clone_from(&q),
+                None => known.push((torque, q.clone())),
+            }
             let mut force = vec![0.0; q.len()];
             sum += model.evaluate_with_input(0.0, &q, &velocity, &mut force, None).1;
         }

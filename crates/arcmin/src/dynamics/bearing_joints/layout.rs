@@ -219,7 +219,10 @@ impl Layout {
             rims: rim_bodies.iter().map(|body| coordinates.of(*body).to_vec()).collect(),
             lean: lean_body.map(|carrier| Leaning {
                 carrier: three(carrier),
-                shafts: shafts.iter().map(|(_, list, _)| list.iter().map(|body| two(*body)).collect()).collect(),
+                shafts: shafts
+                    .iter()
+                    .map(|(_, list, _)| list.iter().map(|body| two(*body)).collect())
+                    .collect(),
                 discs: disc_slopes.iter().map(|body| two(*body)).collect(),
             }),
             housing_modes: ring_body.map_or_else(Vec::new, |body| coordinates.of(body).to_vec()),

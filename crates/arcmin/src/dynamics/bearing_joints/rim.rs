@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::{BearingState, RadialBearing};
 use crate::fem::carrier::{RIM_ORDER, SEAT_COORDINATES};
-use crate::geometry::unit;
+use crate::geometry::{Vec2, turned, unit};
 
 /// Coordinates of a rim: expansion, then cosine and sine of the orders 2 to [`RIM_ORDER`].
 pub(super) const RIM: usize = SEAT_COORDINATES - 2;
@@ -33,13 +33,15 @@ pub(super) struct OutOfRound {
 }
 
 impl OutOfRound {
-    /// Shapes at the angle ψ with their first and second derivatives.
-    fn shapes(&self, angle: f64) -> [[f64; RIM]; 3] {
+    /// Shapes in the direction e(ψ − χ) with their first and second derivatives.
+    fn shapes(direction: Vec2) -> [[f64; RIM]; 3] {
         let mut shapes = [[0.0; RIM]; 3];
         shapes[0][0] = 1.0;
+        let mut multiple = direction;
         for order in 2..=RIM_ORDER {
             let n = order as f64;
-            let (sin, cos) = (n * (angle - self.angle)).sin_cos();
+            multiple = turned(multiple, direction);
+            let (sin, cos) = (multiple.y, multiple.x);
             let at = 2 * order - 3;
             (shapes[0][at], shapes[0][at + 1]) = (cos, sin);
             (shapes[1][at], shapes[1][at + 1]) = (-n * sin, n * cos);
@@ -54,7 +56,7 @@ impl OutOfRound {
 
     /// w at ψ in m.
     pub fn at(&self, angle: f64) -> f64 {
-        self.sum(&self.shapes(angle)[0])
+        self.sum(&OutOfRound::shapes(unit(angle - self.angle))[0])
     }
 }
 
@@ -142,9 +144,11 @@ impl RadialBearing {
         };
         let (cosine, u, rim) = (self.contact_cosine, stand.shift, stand.rim.unwrap_or_default());
         let slope = stand.slope.unwrap_or_default();
-        for i in 0..self.count {
-            let angle = stand.cage + TAU * i as f64 / self.count as f64;
-            let e = unit(angle);
+        let (step, on_body) = (unit(TAU / self.count as f64), unit(-rim.angle));
+        let mut next = unit(stand.cage);
+        for _ in 0..self.count {
+            let e = next;
+            next = turned(e, step);
             let [along, across] = [u[0] * e.x + u[1] * e.y, u[1] * e.x - u[0] * e.y];
             let [tilt, turn_of_tilt] = [slope[0] * e.x + slope[1] * e.y, slope[1] * e.x - slope[0] * e.y];
             let lift = self.reach * tilt.abs();
@@ -153,7 +157,7 @@ impl RadialBearing {
             if stand.rim.is_none() && farthest <= 0.0 {
                 continue;
             }
-            let [shape, bend, curve] = rim.shapes(angle);
+            let [shape, bend, curve] = OutOfRound::shapes(turned(e, on_body));
             let gap = self.half_clearance + rim.sum(&shape);
             if along + lift <= gap {
                 continue;
@@ -205,7 +209,8 @@ impl RadialBearing {
             let gap = self.half_clearance + stand.rim.map_or(0.0, |rim| rim.at(angle));
             let tilt = stand.slope.map_or(0.0, |slope| slope[0] * e.x + slope[1] * e.y);
             let slices = stand.slices().iter().map(|(share, side)| {
-                let approach = self.contact_cosine * (u[0] * e.x + u[1] * e.y + side * self.reach * tilt - gap);
+                let approach =
+                    self.contact_cosine * (u[0] * e.x + u[1] * e.y + side * self.reach * tilt - gap);
                 if approach > 0.0 { share * self.stiffness * approach.powf(self.exponent) } else { 0.0 }
             });
             (angle, slices.sum())
@@ -232,8 +237,7 @@ mod tests {
             let slope = Some([z[SLOPE], z[SLOPE + 1]]);
             bearing.react_at(&Stand { shift: [z[0], z[1]], cage: z[CAGE], rim: Some(rim), slope })
         };
-        let mut z =
-            [11e-6, 7e-6, 0.31, 0.2, 1e-6, 2e-6, -1e-6, 0.7e-6, 0.4e-6, -0.6e-6, 0.3e-6, 4e-4, -7e-4];
+        let mut z = [11e-6, 7e-6, 0.31, 0.2, 1e-6, 2e-6, -1e-6, 0.7e-6, 0.4e-6, -0.6e-6, 0.3e-6, 4e-4, -7e-4];
         let state = at(&z);
         assert!(state.loaded > 3);
         for a in 0..VARIABLES {
@@ -282,8 +286,9 @@ mod tests {
         for (shift, slope) in
             [([9e-6, 5e-6], [3e-4, -2e-4]), ([12e-6, 0.0], [0.0, 4e-4]), ([8e-6, -3e-6], [-1e-4, 1e-4])]
         {
-            let two =
-                bearing.react_at(&Stand { shift, cage: 0.4, slope: Some(slope), ..Stand::default() }).gradient;
+            let two = bearing
+                .react_at(&Stand { shift, cage: 0.4, slope: Some(slope), ..Stand::default() })
+                .gradient;
             let mut forty = [0.0; 4];
             for i in 0..40 {
                 let z = length * ((f64::from(i) + 0.5) / 40.0 - 0.5);

@@ -223,7 +223,8 @@ mod tests {
         let flexibility = matrix(&shaft, 4).try_inverse().unwrap();
         let midspan = |held: &[usize]| {
             let kept: Vec<usize> = (0..4).filter(|i| *i == 0 || held.contains(i)).collect();
-            let part = nalgebra::DMatrix::from_fn(kept.len(), kept.len(), |i, j| flexibility[(kept[i], kept[j])]);
+            let part =
+                nalgebra::DMatrix::from_fn(kept.len(), kept.len(), |i, j| flexibility[(kept[i], kept[j])]);
             part.try_inverse().unwrap()[(0, 0)] * l.powi(3) / (e * inertia)
         };
         for (held, expected) in [(&[][..], 48.0), (&[1], 768.0 / 7.0), (&[1, 2], 192.0)] {

@@ -157,7 +157,8 @@ impl FlexibleJoints {
     ) {
         let (modes, rates) = self.modal_state(disc, position, velocity, angle, speed);
         let (pose, rate) = self.rigid.disc_state(disc, angle, speed);
-        let motion = DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None, lean: None };
+        let motion =
+            DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None, lean: None };
         let reaction = self.discs.react(disc, &self.rigid.rings[disc], motion, true);
         balance.stored += reaction.stored;
         balance.dissipation += reaction.dissipation;
@@ -314,7 +315,8 @@ impl Reducer for FlexibleJoints {
         for disc in 0..self.discs.count() {
             let (modes, rates) = self.modal_state(disc, position, velocity, &angle, &speed);
             let (pose, velocity) = self.rigid.disc_state(disc, &angle, &speed);
-            let motion = DiscMotion { pose, velocity, modes: &modes, rates: &rates, housing: None, lean: None };
+            let motion =
+                DiscMotion { pose, velocity, modes: &modes, rates: &rates, housing: None, lean: None };
             let ring = &self.rigid.rings[disc];
             let state = self.discs.contacts(disc, ring, motion);
             for (force, coupled) in state.forces.force.iter().zip(&state.coupled) {

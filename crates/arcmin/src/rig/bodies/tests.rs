@@ -317,7 +317,11 @@ fn discs_with_windows_balance_with_everything_else_elastic() {
         behind[i] -= step;
         let stored = |q: &[f64]| model.evaluate_forces(0.0, q, &rest, &mut rest.clone()).stored;
         let work = (stored(&behind) - stored(&ahead)) / (2.0 * step) - load(i);
-        assert!(((work - force[i]) * model.scale()[i]).abs() < 1e-4 * rated * ARCMIN, "{i}: {work:e} {}", force[i]);
+        assert!(
+            ((work - force[i]) * model.scale()[i]).abs() < 1e-4 * rated * ARCMIN,
+            "{i}: {work:e} {}",
+            force[i]
+        );
         let (ahead, behind) = (forces(&ahead).0, forces(&behind).0);
         for j in 0..q.len() {
             let slope = (behind[j] - ahead[j]) / (2.0 * step);

@@ -32,7 +32,8 @@ impl Bending {
             if loss_time > 0.0 { matrix.iter().map(|k| loss_time * k).collect() } else { Vec::new() };
         // K is the inverse of influence numbers, so it has a root.
         let root = stiffness.cholesky().map(|root| root.l().transpose());
-        let departures = root.map_or_else(Vec::new, |root| (root * departures).transpose().as_slice().to_vec());
+        let departures =
+            root.map_or_else(Vec::new, |root| (root * departures).transpose().as_slice().to_vec());
         Bending { index, stations: shaft.stations, matrix, damping, departures }
     }
 

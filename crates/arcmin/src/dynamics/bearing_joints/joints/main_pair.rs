@@ -248,8 +248,9 @@ mod tests {
                 let by = |moment: f64| {
                     let forces = OutputForces { moment, ..OutputForces::default() };
                     let (model, q) = model(&machine, forces, 0.3 * machine.rated.torque);
-                    let shafts = (0..machine.crankshafts.count)
-                        .flat_map(|k| model.layout.shaft_slopes(k).unwrap()[2..].iter().map(|slope| q[slope[0]]));
+                    let shafts = (0..machine.crankshafts.count).flat_map(|k| {
+                        model.layout.shaft_slopes(k).unwrap()[2..].iter().map(|slope| q[slope[0]])
+                    });
                     let discs = (0..machine.disc_count).map(|j| q[model.layout.disc_slopes(j).unwrap()[0]]);
                     let mean = |list: Vec<f64>| list.iter().sum::<f64>() / list.len() as f64;
                     [q[model.layout.lean().unwrap()[1]], mean(shafts.collect()), mean(discs.collect())]
