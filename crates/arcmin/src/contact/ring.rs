@@ -344,6 +344,11 @@ impl PinContacts {
         (self.contact, self.reach) = (law, reach);
     }
 
+    /// Gap in m within which pins are looked at beyond what [`Moved::lift`](super::Moved) says.
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+
     /// Whether reactions include what makes them the gradient of the stored energy
     /// ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at first. Without it a mechanism
     /// gains or loses energy every turn.

@@ -224,11 +224,16 @@ impl ElasticDiscs {
     }
 
     /// Hands the pins to these discs: flanks that read their displacement at a depth have a contact law of
-    /// their own.
+    /// their own, and come out to meet pins elsewhere, as far as the rated torque may bring them at first sight.
     pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {
+        // Σ F of half the pins, F = F₁ sin on average, with Σ F l = T/discs about a lever of e z_c.
+        let kinematics = machine.kinematics();
+        let lever = kinematics.eccentricity * kinematics.lobe_count * self.count() as f64;
+        let forces = 4.0 * machine.rated.torque.abs() / (std::f64::consts::PI * lever);
+        let lift = self.bodies.iter().fold(0.0_f64, |most, body| most.max(body.largest_lift)) * forces;
         let mut law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
         law.damping = ring.contact().damping;
-        ring.set_elastic(law, REACH);
+        ring.set_elastic(law, REACH + lift);
     }
 
     pub fn count(&self) -> usize {

@@ -40,7 +40,7 @@ impl DiscContacts {
 /// A pin that is farther off than this (m) once the modes have lifted the flank is looked at again when the
 /// forces are known that may lift it further.
 const NEAR: f64 = 1e-6;
-/// Beyond what the modes may lift the flank, pins are sought within this first.
+/// Beyond what modes and forces may lift the flank, pins are sought within this.
 pub(super) const REACH: f64 = 5e-6;
 
 impl ElasticDiscs {
@@ -60,7 +60,7 @@ impl ElasticDiscs {
             let state = self.contacts_within(disc, ring, motion, by_modes + by_forces);
             let needed = body.largest_lift * state.forces.force.iter().sum::<f64>();
             // Forces that are no numbers are for the caller to reject.
-            if !(needed > by_forces + REACH) {
+            if !(needed > by_forces + ring.reach()) {
                 return state;
             }
             by_forces = 2.0 * needed;
