@@ -6,6 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::DynamicsError;
 use super::bearing_joints::element_stiffness;
+use crate::geometry::{turned, unit};
 use crate::machine::{Machine, MainRows, RollerBearing, RollerKind};
 
 /// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner against the outer ring, or the load on the inner
@@ -100,24 +101,42 @@ impl RingBearing {
 
     /// Energy, load and stiffness at a displacement.
     pub fn react(&self, displacement: &Five) -> RingState {
-        let mut state =
-            RingState { stored: 0.0, load: Five::zeros(), stiffness: SMatrix::<f64, 5, 5>::zeros() };
-        for index in 0..self.count {
-            let (radial, axial) = self.ways(index);
-            let (approach, _, [by_radial, by_axial], curvature) =
-                self.approach(radial.dot(displacement), axial.dot(displacement) + self.preload);
+        let [x, y, z, about_x, about_y] = displacement.data.0[0];
+        let (h, r, s) = (self.height, self.pitch_radius, self.facing);
+        let step = unit(TAU / self.count as f64);
+        let mut next = unit(0.0);
+        let (mut stored, mut load, mut stiffness) = (0.0, [0.0; 5], [[0.0; 5]; 5]);
+        for _ in 0..self.count {
+            let e = next;
+            next = turned(e, step);
+            let tilt = about_y * e.x - about_x * e.y;
+            let (radial, axial) = (x * e.x + y * e.y + h * tilt, s * (z - r * tilt) + self.preload);
+            let (approach, _, [by_radial, by_axial], curvature) = self.approach(radial, axial);
             if approach <= 0.0 {
                 continue;
             }
             let force = self.stiffness * approach.powf(self.exponent);
-            let along = by_radial * radial + by_axial * axial;
-            let across = by_axial * radial - by_radial * axial;
-            state.stored += force * approach / (self.exponent + 1.0);
-            state.load += force * along;
-            state.stiffness += (self.exponent * force / approach) * along * along.transpose()
-                + (force * curvature) * across * across.transpose();
+            stored += force * approach / (self.exponent + 1.0);
+            // The way of the inner ring that presses, in the five coordinates, and the one across it.
+            let way = |radial: f64, axial: f64| {
+                let lever = s * r * axial - h * radial;
+                [radial * e.x, radial * e.y, s * axial, lever * e.y, -lever * e.x]
+            };
+            let along = way(by_radial, by_axial);
+            (0..5).for_each(|i| load[i] += force * along[i]);
+            let mut add = |k: f64, way: [f64; 5]| {
+                for i in 0..5 {
+                    for j in 0..5 {
+                        stiffness[i][j] += k * way[i] * way[j];
+                    }
+                }
+            };
+            add(self.exponent * force / approach, along);
+            if curvature > 0.0 {
+                add(force * curvature, way(by_axial, -by_radial));
+            }
         }
-        state
+        RingState { stored, load: Five::from(load), stiffness: SMatrix::from(stiffness) }
     }
 
     /// Every element at a displacement.

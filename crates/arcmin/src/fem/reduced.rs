@@ -51,12 +51,7 @@ pub struct FlankCompliance {
 
 #[inline]
 pub(super) fn spline(coefficients: &[f64], weights: &[(usize, f64); 4]) -> f64 {
-    let [(first, a), (_, b), (_, c), (last, d)] = *weights;
-    // Neighbours stand side by side, but where the grid closes.
-    match coefficients.get(first..first + 4) {
-        Some([x, y, z, w]) if last == first + 3 => a * x + b * y + c * z + d * w,
-        _ => weights.iter().map(|(s, w)| w * coefficients[*s]).sum(),
-    }
+    weights.iter().map(|(s, w)| w * coefficients[*s]).sum()
 }
 
 impl FlankCompliance {
@@ -96,14 +91,23 @@ impl FlankCompliance {
     }
 
     /// Displacement of one place under a unit force at another, in m/N. The two must lie on different teeth
-    /// or flanks.
+    /// or flanks. Stations of a place stand side by side, but where the grid closes.
     #[inline]
     pub fn cross(&self, at: &Stencil, force: &Stencil) -> f64 {
-        let mut sum = 0.0;
-        for (s, ws) in at.stations {
-            sum += ws * spline(&self.cross[s * self.stations..(s + 1) * self.stations], &force.stations);
+        let [(first, a), (_, b), (_, c), (last, d)] = force.stations;
+        let mut four = [0.0; 4];
+        if last == first + 3 {
+            for (s, ws) in at.stations {
+                let row = &self.cross[s * self.stations + first..][..4];
+                (0..4).for_each(|k| four[k] += ws * row[k]);
+            }
+        } else {
+            for (s, ws) in at.stations {
+                let row = &self.cross[s * self.stations..][..self.stations];
+                four.iter_mut().zip(force.stations).for_each(|(sum, (t, _))| *sum += ws * row[t]);
+            }
         }
-        sum
+        a * four[0] + b * four[1] + c * four[2] + d * four[3]
     }
 }
 

@@ -99,10 +99,13 @@ impl StandState {
         state
     }
 
-    /// Adds `force` w and its tangent `stiffness` w wᵀ for the gradient w of an approach.
-    fn add(&mut self, force: f64, stiffness: f64, way: &[f64; VARIABLES]) {
+    /// Adds `force` w and its tangent `stiffness` w wᵀ, if any, for the gradient w of an approach.
+    fn add(&mut self, force: f64, stiffness: Option<f64>, way: &[f64; VARIABLES]) {
         for a in 0..VARIABLES {
             self.gradient[a] += force * way[a];
+        }
+        let Some(stiffness) = stiffness else { return };
+        for a in 0..VARIABLES {
             let share = stiffness * way[a];
             for b in 0..VARIABLES {
                 self.hessian[a][b] += share * way[b];
@@ -133,8 +136,9 @@ impl Stand {
 
 impl RadialBearing {
     /// State of a bearing whose outer ring may be out of round and whose rings may lean:
-    /// δ_i(z) = cos α (u·e(ψ_i) + z σ·e(ψ_i) − c/2 − w(ψ_i)), σ the slope.
-    pub(super) fn react_at(&self, stand: &Stand) -> StandState {
+    /// δ_i(z) = cos α (u·e(ψ_i) + z σ·e(ψ_i) − c/2 − w(ψ_i)), σ the slope. The Hessian stays zero where no tangents are
+    /// asked for.
+    pub(super) fn react_at(&self, stand: &Stand, tangents: bool) -> StandState {
         let mut state = StandState {
             stored: 0.0,
             gradient: [0.0; VARIABLES],
@@ -174,7 +178,7 @@ impl RadialBearing {
                 }
                 let force = share * self.stiffness * approach.powf(self.exponent);
                 let radial = cosine * force;
-                let k = cosine * cosine * self.exponent * force / approach;
+                let k = tangents.then(|| cosine * cosine * self.exponent * force / approach);
                 way[..4].copy_from_slice(&[e.x, e.y, across + z * turn_of_tilt - turn_of_rim, turn_of_rim]);
                 (way[SLOPE], way[SLOPE + 1]) = (z * e.x, z * e.y);
                 state.add(radial, k, &way);
@@ -182,6 +186,11 @@ impl RadialBearing {
                 by_tilt += z * radial;
                 element += force;
                 state.stored += force * approach / (self.exponent + 1.0);
+            }
+            state.largest_element = state.largest_element.max(element);
+            state.loaded += 1;
+            if !tangents {
+                continue;
             }
             let mut add = |a: usize, b: usize, value: f64| state.add_bend(a, b, value);
             add(0, CAGE, -whole * e.y);
@@ -195,8 +204,6 @@ impl RadialBearing {
             }
             add(SLOPE, CAGE, -by_tilt * e.y);
             add(SLOPE + 1, CAGE, by_tilt * e.x);
-            state.largest_element = state.largest_element.max(element);
-            state.loaded += 1;
         }
         state
     }
@@ -235,7 +242,7 @@ mod tests {
             let mut rim = OutOfRound { angle: z[BODY], ..OutOfRound::default() };
             rim.ways.copy_from_slice(&z[WAYS..SLOPE]);
             let slope = Some([z[SLOPE], z[SLOPE + 1]]);
-            bearing.react_at(&Stand { shift: [z[0], z[1]], cage: z[CAGE], rim: Some(rim), slope })
+            bearing.react_at(&Stand { shift: [z[0], z[1]], cage: z[CAGE], rim: Some(rim), slope }, true)
         };
         let mut z = [11e-6, 7e-6, 0.31, 0.2, 1e-6, 2e-6, -1e-6, 0.7e-6, 0.4e-6, -0.6e-6, 0.3e-6, 4e-4, -7e-4];
         let state = at(&z);
@@ -287,7 +294,7 @@ mod tests {
             [([9e-6, 5e-6], [3e-4, -2e-4]), ([12e-6, 0.0], [0.0, 4e-4]), ([8e-6, -3e-6], [-1e-4, 1e-4])]
         {
             let two = bearing
-                .react_at(&Stand { shift, cage: 0.4, slope: Some(slope), ..Stand::default() })
+                .react_at(&Stand { shift, cage: 0.4, slope: Some(slope), ..Stand::default() }, true)
                 .gradient;
             let mut forty = [0.0; 4];
             for i in 0..40 {

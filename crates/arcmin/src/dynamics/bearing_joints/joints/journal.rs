@@ -145,15 +145,15 @@ impl Journal {
     pub fn load(&self, q: &[f64]) -> (BearingState, Vec<f64>) {
         let stand = self.stand(q);
         let forces = self.law.element_forces_at(stand).map(|(_, force)| force).collect();
-        (self.state(&stand).0, forces)
+        (self.state(&stand, true).0, forces)
     }
 
     /// The bearing's energy with its derivatives, and those by rim and slopes where it has any.
-    fn state(&self, stand: &Stand) -> (BearingState, Option<StandState>) {
+    fn state(&self, stand: &Stand, tangents: bool) -> (BearingState, Option<StandState>) {
         if stand.rim.is_none() && stand.slope.is_none() {
             return (self.law.react(stand.shift, stand.cage), None);
         }
-        let state = self.law.react_at(stand);
+        let state = self.law.react_at(stand, tangents);
         (state.plain(), Some(state))
     }
 
@@ -197,6 +197,9 @@ impl Journal {
         for i in 0..width {
             let moves_i = &moves[i][..reach(i)];
             slope[i] = moves_i.iter().map(|(c, by)| state.gradient[*c] * by).sum();
+            if !sink.takes_stiffness() {
+                continue;
+            }
             let mut column = [0.0; VARIABLES];
             for (c, by) in moves_i {
                 (0..VARIABLES).for_each(|d| column[d] += by * state.hessian[*c][d]);
@@ -258,7 +261,8 @@ impl Joint for Journal {
         let modes = self.modes_at(at.q);
         let (arm, bore) = self.arms(at.q, &modes);
         let (u, cage) = self.displacement(at.q, (arm, bore));
-        let (plain, whole) = self.state(&self.stand_at(at.q, (u, cage)));
+        let tangents = sink.takes_stiffness() || self.losses.time > 0.0;
+        let (plain, whole) = self.state(&self.stand_at(at.q, (u, cage)), tangents);
         let BearingState { stored, gradient, hessian, .. } = plain;
         if stored == 0.0 {
             return;
@@ -360,7 +364,7 @@ impl Joint for Journal {
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let law = &self.law;
         let stand = self.stand(at.q);
-        let (state, whole) = self.state(&stand);
+        let (state, whole) = self.state(&stand, false);
         let elastic = (law.exponent + 1.0) * state.stored;
         // Of the forces on the way of the middle, of the couples on the lean.
         let shifted = state.gradient[0] * stand.shift[0] + state.gradient[1] * stand.shift[1];
