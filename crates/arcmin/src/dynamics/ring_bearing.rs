@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::DynamicsError;
 use super::bearing_joints::element_stiffness;
-use crate::geometry::{turned, unit};
+use crate::geometry::{Vec2, turned, unit};
 use crate::machine::{Machine, MainRows, RollerBearing, RollerKind};
 
 /// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner against the outer ring, or the load on the inner
@@ -79,15 +79,16 @@ impl RingBearing {
         }
     }
 
-    /// δ, contact angle, ∂δ/∂(u_r, a) and the curvature 1/s of the groove centres' distance.
-    fn approach(&self, radial: f64, axial: f64) -> (f64, f64, [f64; 2], f64) {
-        let (sin, cos) = self.contact_angle.sin_cos();
+    /// δ, its derivatives by u_r and a, which are cosine and sine of the contact angle, and the curvature 1/s of the
+    /// groove centres' distance; `straight` is e(α).
+    fn approach(&self, straight: Vec2, radial: f64, axial: f64) -> (f64, [f64; 2], f64) {
+        let (cos, sin) = (straight.x, straight.y);
         match self.groove_distance {
-            None => (radial * cos + axial * sin, self.contact_angle, [cos, sin], 0.0),
+            None => (radial * cos + axial * sin, [cos, sin], 0.0),
             Some(apart) => {
                 let (r, a) = (apart * cos + radial, apart * sin + axial);
-                let distance = r.hypot(a);
-                (distance - apart, a.atan2(r), [r / distance, a / distance], 1.0 / distance)
+                let distance = (r * r + a * a).sqrt();
+                (distance - apart, [r / distance, a / distance], 1.0 / distance)
             }
         }
     }
@@ -103,7 +104,7 @@ impl RingBearing {
     pub fn react(&self, displacement: &Five) -> RingState {
         let [x, y, z, about_x, about_y] = displacement.data.0[0];
         let (h, r, s) = (self.height, self.pitch_radius, self.facing);
-        let step = unit(TAU / self.count as f64);
+        let (step, straight) = (unit(TAU / self.count as f64), unit(self.contact_angle));
         let mut next = unit(0.0);
         let (mut stored, mut load, mut stiffness) = (0.0, [0.0; 5], [[0.0; 5]; 5]);
         for _ in 0..self.count {
@@ -111,7 +112,7 @@ impl RingBearing {
             next = turned(e, step);
             let tilt = about_y * e.x - about_x * e.y;
             let (radial, axial) = (x * e.x + y * e.y + h * tilt, s * (z - r * tilt) + self.preload);
-            let (approach, _, [by_radial, by_axial], curvature) = self.approach(radial, axial);
+            let (approach, [by_radial, by_axial], curvature) = self.approach(straight, radial, axial);
             if approach <= 0.0 {
                 continue;
             }
@@ -141,12 +142,14 @@ impl RingBearing {
 
     /// Every element at a displacement.
     pub fn elements(&self, displacement: &Five) -> Vec<ElementLoad> {
+        let straight = unit(self.contact_angle);
         (0..self.count)
             .map(|index| {
                 let (radial, axial) = self.ways(index);
-                let (approach, contact_angle, ..) =
-                    self.approach(radial.dot(displacement), axial.dot(displacement) + self.preload);
-                ElementLoad { force: self.stiffness * approach.max(0.0).powf(self.exponent), contact_angle }
+                let (approach, [cos, sin], _) =
+                    self.approach(straight, radial.dot(displacement), axial.dot(displacement) + self.preload);
+                let force = self.stiffness * approach.max(0.0).powf(self.exponent);
+                ElementLoad { force, contact_angle: sin.atan2(cos) }
             })
             .collect()
     }
@@ -196,7 +199,7 @@ impl MainBearings {
 
     /// Both rows together.
     pub fn react(&self, displacement: &Five) -> RingState {
-        let [first, second] = [0, 1].map(|row| self.rows[row].react(displacement));
+        let (first, second) = (self.rows[0].react(displacement), self.rows[1].react(displacement));
         RingState {
             stored: first.stored + second.stored,
             load: first.load + second.load,
