@@ -14,8 +14,8 @@ const BLOCKED: f64 = 100.0;
 /// After a step longer than this, in units of the system's scale, the tangent is taken anew; in a small system, whose
 /// tangent comes nearly for nothing with the forces, after every step.
 const FAR: f64 = 1e-3;
-/// A step of Newton's method that is this much shorter than the one before it, and the next after which would be this
-/// share of the tolerance, ends the search.
+/// A step that is this much shorter than the one before it, and the next after which would be this share of the
+/// tolerance, ends the search.
 const SURE: f64 = 1e-2;
 /// From this share of the step before on, steps shrink too slowly for an old tangent.
 const SLOW: f64 = 0.2;
@@ -42,8 +42,8 @@ const GROWTH: f64 = 10.0;
 ///
 /// Where the start is from afar, steps mind the contacts on their way ([`Foresight`]).
 ///
-/// Newton's method squares what is left: where one of its steps is shorter than the one before it by so much that the
-/// next would be lost in the tolerance, it is the last, and nobody looks at the forces behind it.
+/// Steps near the balance shrink faster and faster: one that is shorter than the one before it by so much that the next
+/// would be lost in the tolerance is the last, and nobody looks at the forces behind it.
 ///
 /// The step after one of length s is about s² over the one before it, and shorter than what the forces left along s
 /// tell; where that is less than a tenth of the tolerance a step is the last.
@@ -58,8 +58,6 @@ pub(super) fn hasten<S: System>(
     let far = if start.len() < LARGE { 0.0 } else { FAR };
     search.take_tangent();
     let mut before = 0.0;
-    // Whether that step was Newton's own.
-    let mut was_fresh = false;
     let mut blocked = false;
     let mut was_cut = false;
     for iterations in 0..STEPS {
@@ -96,14 +94,12 @@ pub(super) fn hasten<S: System>(
         let first = shortening * first;
         trial.iter_mut().zip(search.position.iter().zip(&step)).for_each(|(t, (q, x))| *t = q + x);
         std::mem::swap(&mut search.position, &mut trial);
-        let is_fresh = !search.is_old() && minded.is_none() && shortening >= 1.0;
         let next = length * length / before;
-        if is_fresh && was_fresh && length <= SURE * before && length <= SHORT && next <= SURE * tolerance {
+        if minded.is_none() && length <= SURE * before && length <= SHORT && next <= SURE * tolerance {
             let residual = residual * next / length;
             let position = search.position;
             return Some(Equilibrium { residual, position, iterations: iterations + 1 });
         }
-        was_fresh = is_fresh;
         if length > far {
             search.take_tangent();
         } else {
