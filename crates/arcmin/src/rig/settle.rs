@@ -197,6 +197,11 @@ pub(super) fn creep(
 /// Smallest step of the load as a share of the step asked for.
 const SMALLEST_STEP: f64 = 1.0 / 64.0;
 
+/// A load that goes on as before, by at most so many times the last change, leads where the machine was going, to this
+/// share of the way.
+const GOES_ON: f64 = 3.0;
+const FORETOLD: f64 = 1.0;
+
 /// A machine whose load changes slowly, from balance to balance. Friction remembers the way.
 pub(super) struct SlowLoad {
     pub model: BearingJoints,
@@ -229,17 +234,24 @@ impl SlowLoad {
         Ok(())
     }
 
-    /// The balance under a load from the present one. As long as the load goes on as before, so at first sight does the
-    /// machine.
+    /// The balance under a load from the present one. As long as the load goes on as before on one side of zero, so at
+    /// first sight does the machine.
     fn step_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
         self.model.set_load(torque);
         let (from, interval) = (&self.place, PRESLIDING / self.regularisation_speed);
         let share = (torque - before) / self.last.0;
-        let goes_on = (share > 0.0 && share.is_finite()).then(|| -> Option<Vec<f64>> {
+        let one_side = (before - self.last.0) * torque > 0.0;
+        let goes_on = (one_side && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
             let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
             let motion = || Motion::Creeping { from, interval };
-            Settling { motion: &motion, jump: 0.0 }.solve(&self.model, &ahead).ok()
+            let found = Settling { motion: &motion, jump: 0.0 }.solve(&self.model, &ahead).ok()?;
+            // Bodies that hang in their clearances have several balances: the one that is reached lies on the way.
+            let way = |a: &[f64], b: &[f64]| {
+                let ways = a.iter().zip(b).zip(self.model.scale());
+                ways.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
+            };
+            (way(&found, &ahead) <= FORETOLD * way(&ahead, from)).then_some(found)
         });
         let found = match goes_on.flatten() {
             Some(found) => Ok(found),
