@@ -149,9 +149,13 @@ impl Arm {
 /// round, that of the discs' bores, and the smooth modes of the ring of pins ([`ElasticHousing`]).
 ///
 /// With [`Lean`] the carrier leans and moves along its axis against the housing: the crank seats at its two ends
-/// go with it, and forces from outside act on the output.
+/// go with it, and forces from outside act on the output. Crankshafts and discs lean as well: slopes ∂(x, y)/∂z of
+/// every shaft at its supports and at every disc, and of every disc, are coordinates. Rollers between rings that lean
+/// against each other and pins on a disc that leans are pressed otherwise at one end than at the other; as the mean of
+/// two slices l/√12 from their middle they hold the shafts and the discs by couples.
 ///
-/// The planet sits at the first support. Not modelled: discs that lean, the cage's own motion.
+/// The planet sits at the first support. Not modelled: the cage's own motion, spacers beside the discs, how seats in
+/// the carrier give way to couples.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     kinematics: Kinematics,

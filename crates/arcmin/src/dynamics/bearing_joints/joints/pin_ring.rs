@@ -1,6 +1,7 @@
 //! The pins on one disc: ring, or housing, and disc hold each other through them.
 
 mod gaps;
+mod slices;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,6 +13,7 @@ use crate::dynamics::{ElasticDiscs, ElasticHousing, ForceSummary};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
 pub(in super::super) use gaps::Designed;
+use slices::Slice;
 
 /// About how stiff a pin is on a flank, in N/m.
 pub(in super::super) const PIN: f64 = 2e8;
@@ -100,22 +102,6 @@ impl PinRing {
     /// Where the two slices that stand for the width of a disc are: B/√12 in m.
     fn reach(&self) -> f64 {
         self.contacts.contact().width / 12.0_f64.sqrt()
-    }
-
-    /// Slices of a rigid disc that bear its pins together: share of the force, height over the middle (m), place and
-    /// motion. A disc that stands straight is a single one.
-    fn slices(&self, at: State<'_>) -> Vec<Slice> {
-        let (pose, velocity) = self.disc_state(at);
-        let Some((slope, rate)) = self.slope(at) else {
-            return vec![Slice { share: 1.0, height: 0.0, pose, velocity }];
-        };
-        let slice = |height: f64| Slice {
-            share: 0.5,
-            height,
-            pose: DiscPose { centre: pose.centre + height * slope, ..pose },
-            velocity: DiscVelocity { centre: velocity.centre + height * rate, ..velocity },
-        };
-        [self.reach(), -self.reach()].map(slice).to_vec()
     }
 
     /// Motion of the disc in the ring, modes included.
@@ -396,74 +382,5 @@ impl Joint for PinRing {
 
     fn boxed(&self) -> Box<dyn Joint> {
         Box::new(self.clone())
-    }
-}
-
-/// One slice of a rigid disc.
-#[derive(Clone, Copy)]
-struct Slice {
-    /// Of the disc's width.
-    share: f64,
-    /// Over the disc's middle, m.
-    height: f64,
-    pose: DiscPose,
-    velocity: DiscVelocity,
-}
-
-/// What pins do to a rigid disc that leans: on (x, y, θ) and the slopes.
-#[derive(Default)]
-struct LeaningReaction {
-    force: [f64; 5],
-    stiffness: [[f64; 5]; 5],
-    damping: [[f64; 5]; 5],
-    powers: [f64; 3],
-}
-
-/// What moves with (x, y, θ, slopes) of a disc at a height: (which of x, y, θ of the slice, by how much).
-fn of_slice(height: f64) -> [(usize, f64); 5] {
-    [(0, 1.0), (1, 1.0), (2, 1.0), (0, height), (1, height)]
-}
-
-impl PinRing {
-    fn react_of_slices(&self, at: State<'_>) -> LeaningReaction {
-        let mut sum = LeaningReaction::default();
-        for Slice { share, height, pose, velocity } in self.slices(at) {
-            let slice = self.contacts.react(pose, velocity);
-            let moves = of_slice(height);
-            for (a, (i, by)) in moves.iter().enumerate() {
-                sum.force[a] += share * by * slice.force[*i];
-                for (b, (j, of)) in moves.iter().enumerate() {
-                    sum.stiffness[a][b] += share * by * of * slice.stiffness[*i][*j];
-                    sum.damping[a][b] += share * by * of * slice.damping[*i][*j];
-                }
-            }
-            sum.powers[0] += share * slice.stored;
-            sum.powers[1] += share * slice.dissipation;
-            sum.powers[2] = sum.powers[2].max(slice.onset_rate);
-        }
-        sum
-    }
-
-    /// gᵀ K g of teeth and seats along a motion g of (x, y, θ) and the slopes, if the disc leans.
-    fn split_of_rigid_disc(&self, at: State<'_>, g: [f64; 3], slopes: &[f64]) -> (f64, f64) {
-        let compliance = self.contacts.contact().seat_compliance();
-        let (mut whole, mut seats) = (0.0, 0.0);
-        for Slice { share, height, pose, .. } in self.slices(at) {
-            let mut g = g;
-            g.iter_mut().zip(slopes).for_each(|(g, slope)| *g += height * slope);
-            let reaction = self.contacts.react(pose, DiscVelocity::REST);
-            for a in 0..3 {
-                for b in 0..3 {
-                    whole += share * g[a] * reaction.stiffness[a][b] * g[b];
-                }
-            }
-            self.contacts.visit(pose, DiscVelocity::REST, false, |contact| {
-                if contact.force > 0.0 {
-                    let rate: f64 = contact.gradient.iter().zip(g).map(|(s, g)| s * g).sum();
-                    seats += share * contact.stiffness * contact.stiffness * compliance * rate * rate;
-                }
-            });
-        }
-        (whole - seats, seats)
     }
 }
