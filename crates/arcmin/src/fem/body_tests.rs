@@ -326,7 +326,8 @@ fn val_carrier_is_that_of_calculix() {
 }
 
 /// Compliances of the housing within 1 %, pins loaded over their whole length, both discs' shares alike, and
-/// the first ten frequencies within 0.5 %; `what` ends the names of the reference's quantities.
+/// of what the two meshes of the reference are extrapolated to (the finer one is itself 1 to 2 % too stiff), and
+/// the first ten frequencies within 0.5 %; `what` ends the names of the reference's frequencies.
 fn assert_housing(what: &str) {
     let shape = HousingShape::of(&rv_40e_81());
     let body = shape.body().unwrap();
@@ -352,7 +353,7 @@ fn assert_housing(what: &str) {
         }
         for (j, (other, _)) in chosen.iter().enumerate() {
             let scale = (c.at(i, i) * c.at(j, j)).sqrt();
-            apart = apart.max(distance(&format!("housing_{under}_{other}{what}"), c.at(i, j), scale));
+            apart = apart.max(distance(&format!("housing_{under}_{other}"), c.at(i, j), scale));
         }
     }
     for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
@@ -361,16 +362,16 @@ fn assert_housing(what: &str) {
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
-/// Against the finer mesh of the reference.
+/// Frequencies against the finer mesh of the reference.
 #[test]
 #[ignore = "half a minute; the solver of the reference is not run"]
 fn val_housing_is_that_of_calculix() {
     assert_housing("_on_the_finer_mesh");
 }
 
-/// Against what the two meshes of the reference are extrapolated to.
+/// Frequencies too against what the two meshes of the reference are extrapolated to.
 #[test]
-#[ignore = "open: up to 1.6 % of compliances and 1.4 % of frequencies, for the mesh"]
+#[ignore = "open: up to 1.0 % of frequencies, for the mesh; half of it takes 2.5 times the unknowns"]
 fn val_housing_is_what_calculix_comes_to() {
     assert_housing("");
 }
