@@ -27,7 +27,7 @@ const EDGE: usize = 0;
 const BORES: usize = 1;
 
 impl RimShape {
-    /// The discs of a machine, edges 0.05 R_p long.
+    /// The discs of a machine, edges 0.035 R_p long (with 0.05 R_p the third order is 1.2 % too stiff).
     pub fn of(machine: &Machine) -> RimShape {
         let (disc, cranks) = (&machine.disc, &machine.crankshafts);
         let bore = |k| RoundHole {
@@ -48,7 +48,7 @@ impl RimShape {
             outer_radius: machine.ring.pin_circle_radius - machine.ring.pin_radius,
             width: disc.width,
             material: disc.material.clone(),
-            size: 0.05 * machine.ring.pin_circle_radius,
+            size: 0.035 * machine.ring.pin_circle_radius,
         }
     }
 
