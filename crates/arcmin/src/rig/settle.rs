@@ -254,12 +254,14 @@ impl SlowLoad {
             (way(&found, &ahead) <= FORETOLD * way(&ahead, from)).then_some(found)
         });
         let found = match goes_on.flatten() {
-            Some(found) => Ok(found),
-            None => creep(&self.model, self.regularisation_speed, from),
-        };
-        let Ok(found) = found else {
-            self.model.set_load(before);
-            return found.map(|_| ());
+            Some(found) => found,
+            None => match creep(&self.model, self.regularisation_speed, from) {
+                Ok(found) => found,
+                Err(failure) => {
+                    self.model.set_load(before);
+                    return Err(failure);
+                }
+            },
         };
         self.last = (torque - before, found.iter().zip(from).map(|(q, q0)| q - q0).collect());
         self.place = found;
