@@ -393,7 +393,7 @@ def main():
     if os.path.exists(path):
         with open(path, newline="") as file:
             rows = list(csv.reader(file))[1:]
-    parts = [("rim", "statics", lambda: rim_under_loads(2.0)), ("carrier", "statics", lambda: carrier_under_loads(1.6)), ("carrier", "modes", carrier_modes),
+    parts = [("rim", "statics", lambda: rim_under_loads(1.4)), ("carrier", "statics", lambda: carrier_under_loads(1.6)), ("carrier", "modes", carrier_modes),
              ("housing", "statics", lambda: statics(housing_under_loads)), ("housing", "modes", housing_modes)]
     for name, what, make in parts:
         if not {name, what} >= set(sys.argv[1:]):

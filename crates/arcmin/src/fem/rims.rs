@@ -25,9 +25,11 @@ pub struct RimShape {
 
 const EDGE: usize = 0;
 const BORES: usize = 1;
+/// Layers of elements across the width; with a single one rims are 0.6 % stiffer.
+const LAYERS: usize = 2;
 
 impl RimShape {
-    /// The discs of a machine, edges 0.035 R_p long (with 0.05 R_p the third order is 1.2 % too stiff).
+    /// The discs of a machine, edges 0.035 R_p long.
     pub fn of(machine: &Machine) -> RimShape {
         let (disc, cranks) = (&machine.disc, &machine.crankshafts);
         let bore = |k| RoundHole {
@@ -52,7 +54,7 @@ impl RimShape {
         }
     }
 
-    /// Meshes and factorises, one layer of elements across the width, held at three places of the edge
+    /// Meshes and factorises, two layers of elements across the width, held at three places of the edge
     /// against rigid motions alone.
     ///
     /// # Errors
@@ -66,7 +68,8 @@ impl RimShape {
             .extend(self.windows.iter().map(|window| (Boundary::Outline(window.outline()), self.size, 0)));
         let domain = PlaneDomain { boundaries, interior_size: self.size };
         let (plane, regions) = PlaneMesh::triangulate_regions(&domain, |bits| bits == 1 << EDGE)?;
-        let mesh = Mesh::layered(plane, &[0.0, self.width], |_, _| true);
+        let cuts: Vec<f64> = (0..=LAYERS).map(|k| self.width * k as f64 / LAYERS as f64).collect();
+        let mesh = Mesh::layered(plane, &cuts, |_, _| true);
         mesh.check()?;
         let near = |place: Vec2| {
             let distance = |node: &usize| (mesh.plane.nodes[*node] - place).norm();
@@ -91,11 +94,11 @@ impl RimShape {
         let body = self.body()?;
         let mut loads: Vec<NodalLoad> = Vec::new();
         for (k, bore) in self.bores.iter().enumerate() {
-            let seat = Seat::around(BORES + k, 0..1, bore.centre, bore.radius);
+            let seat = Seat::around(BORES + k, 0..LAYERS, bore.centre, bore.radius);
             loads.extend(rim_tractions().map(|traction| body.load(&seat, traction)));
         }
         let count = loads.len();
-        let edge = Seat::around(EDGE, 0..1, Vec2::zeros(), self.outer_radius);
+        let edge = Seat::around(EDGE, 0..LAYERS, Vec2::zeros(), self.outer_radius);
         loads.extend(translations().chain([Traction::Twist]).map(|traction| body.load(&edge, traction)));
         let is_rim = |k: usize| k % SEAT_COORDINATES > 1;
         let rims: Vec<usize> = (0..count).filter(|k| is_rim(*k)).collect();
