@@ -1,9 +1,15 @@
 use super::{ContactForce, LineContact};
 
+/// Height over the middle of a line of a length (both m) at which one of the two slices is that stand for it, the other
+/// as far below: Gauss's places.
+pub(crate) fn slice_height(length: f64) -> f64 {
+    length / 12.0_f64.sqrt()
+}
+
 /// One contact along a pin, on a disc that may lean: the mean of two slices.
 ///
 /// A disc of the width B that leans by σ presses a pin by δ + σ z at the height z over its middle. The force of the
-/// whole line is the mean of the law at δ ± ε, ε = σ B/√12 (Gauss's two places), right to second order in the lean.
+/// whole line is the mean of the law at δ ± ε, ε = σ B/√12 ([`slice_height`]), right to second order in the lean.
 /// Forces, approaches and energies are those of the whole line, approaches of its middle.
 #[derive(Debug, Clone, Copy)]
 pub struct LeaningLine<'a> {
@@ -11,34 +17,38 @@ pub struct LeaningLine<'a> {
     /// R_eq in m.
     pub equivalent_radius: f64,
     /// ε in m, 0 of a disc that stands straight.
-    pub lean: f64,
+    pub skew: f64,
 }
 
 /// Newton's steps to the approach under a force, of a law that is smooth but where one slice opens.
 const STEPS: usize = 60;
 
 impl LeaningLine<'_> {
+    /// Force in N and stiffness dF/dδ in N/m of either slice, as if it were the whole line.
+    #[inline]
+    fn slices(&self, approach: f64) -> [(f64, f64); 2] {
+        [self.skew, -self.skew].map(|skew| self.law.force(approach + skew, self.equivalent_radius))
+    }
+
     /// Force in N and stiffness dF/dδ in N/m at approach δ (m).
     #[inline]
     pub fn force(&self, approach: f64) -> (f64, f64) {
-        if self.lean == 0.0 {
+        if self.skew == 0.0 {
             return self.law.force(approach, self.equivalent_radius);
         }
-        let [far, near] =
-            [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
+        let [far, near] = self.slices(approach);
         (0.5 * (far.0 + near.0), 0.5 * (far.1 + near.1))
     }
 
     /// ∂U/∂ε in N at approach δ (m), the couple of the line over B/√12, and its slope in N/m.
     pub fn couple(&self, approach: f64) -> (f64, f64) {
-        let [far, near] =
-            [self.lean, -self.lean].map(|e| self.law.force(approach + e, self.equivalent_radius));
+        let [far, near] = self.slices(approach);
         (0.5 * (far.0 - near.0), 0.5 * (far.1 + near.1))
     }
 
     /// Approach in m of the middle at which the line touches at one end.
     pub fn touch(&self) -> f64 {
-        -self.lean.abs()
+        -self.skew.abs()
     }
 
     /// Approach in m under the force F (N): the inverse of [`LeaningLine::force`].
@@ -47,11 +57,11 @@ impl LeaningLine<'_> {
             return self.touch();
         }
         let straight = self.law.approach(force, self.equivalent_radius);
-        if self.lean == 0.0 {
+        if self.skew == 0.0 {
             return straight;
         }
         // Where the lighter slice bears as much as the straight line, both together bear more.
-        let (mut low, mut high) = (-self.lean.abs(), straight + self.lean.abs());
+        let (mut low, mut high) = (self.touch(), straight - self.touch());
         let mut place = straight;
         for _ in 0..STEPS {
             let (found, stiffness) = self.force(place);
@@ -77,16 +87,16 @@ impl LeaningLine<'_> {
             let force = self.law.force(approach, self.equivalent_radius).0;
             self.law.energy(approach, force, self.equivalent_radius)
         };
-        0.5 * (of_slice(approach + self.lean) + of_slice(approach - self.lean))
+        0.5 * (of_slice(approach + self.skew) + of_slice(approach - self.skew))
     }
 
     /// Contact force with damping at approach δ in m and rate δ̇ in m/s of the middle.
     #[inline]
     pub fn damped_force(&self, approach: f64, rate: f64) -> ContactForce {
-        if self.lean == 0.0 {
+        if self.skew == 0.0 {
             return self.law.damped_force(approach, rate, self.equivalent_radius);
         }
-        let [far, near] = [self.lean, -self.lean]
+        let [far, near] = [self.skew, -self.skew]
             .map(|e| self.law.damped_force(approach + e, rate, self.equivalent_radius));
         let mean = |of: fn(&ContactForce) -> f64| 0.5 * (of(&far) + of(&near));
         ContactForce {
@@ -113,7 +123,7 @@ mod tests {
         let steel = Material::by_name("GCr15").unwrap();
         for law in [ContactLaw::LineHertz, ContactLaw::Palmgren, ContactLaw::Linear { stiffness: 2.85e8 }] {
             let law = LineContact::new(law, &steel, &steel, 8.75e-3, 3e-3);
-            let line = |lean: f64| LeaningLine { law: &law, equivalent_radius: 4e-3, lean };
+            let line = |lean: f64| LeaningLine { law: &law, equivalent_radius: 4e-3, skew: lean };
             for (approach, lean) in [(4e-6, 1e-6), (4e-6, -2e-6), (1e-6, 3e-6), (3e-6, 0.0)] {
                 let (force, stiffness) = line(lean).force(approach);
                 let (couple, across) = line(lean).couple(approach);

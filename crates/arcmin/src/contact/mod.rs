@@ -14,6 +14,7 @@ pub use conformal::ConformalSeat;
 pub use facets::MeshContact;
 pub use law::{ContactForce, ContactLaw, ContactLawName, Damping, LineContact};
 pub use leaning::LeaningLine;
+pub(crate) use leaning::slice_height;
 pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, TOLERABLE_DEPTH};
 pub use rolling::Rolling;
 pub use search::Moved;

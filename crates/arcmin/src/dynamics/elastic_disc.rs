@@ -121,7 +121,7 @@ pub(super) struct DiscLean {
 
 impl DiscLean {
     /// What the lean adds to the approach (m) of the upper slice of a contact.
-    pub fn of(&self, gradient: [f64; 3]) -> f64 {
+    pub fn skew(&self, gradient: [f64; 3]) -> f64 {
         -self.reach * (gradient[0] * self.slope.x + gradient[1] * self.slope.y)
     }
 

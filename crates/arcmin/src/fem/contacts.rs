@@ -110,19 +110,19 @@ pub struct CoupledContact {
     /// R_eq in m.
     pub equivalent_radius: f64,
     /// What a disc that leans adds to the approach at one slice of the line and takes off at the other, m.
-    pub lean: f64,
+    pub skew: f64,
 }
 
 impl CoupledContact {
     /// The contact's own law.
     #[inline]
     pub(crate) fn line<'a>(&self, law: &'a LineContact) -> LeaningLine<'a> {
-        LeaningLine { law, equivalent_radius: self.equivalent_radius, lean: self.lean }
+        LeaningLine { law, equivalent_radius: self.equivalent_radius, skew: self.skew }
     }
 
     /// Approach in m of the slice that is pressed most.
     pub(crate) fn deepest(&self) -> f64 {
-        self.approach + self.lean.abs()
+        self.approach + self.skew.abs()
     }
 }
 

@@ -79,7 +79,7 @@ impl FlexibleMeshing {
                     place: self.discs.stencil(disc, contact.tau),
                     approach: -contact.gap,
                     equivalent_radius: 1.0 / contact.designed_curvature,
-                    lean: 0.0,
+                    skew: 0.0,
                 })
                 .collect();
             let mut forces = CoupledForces::default();

@@ -4,6 +4,7 @@ use super::RigError;
 use crate::dynamics::{
     Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Gap, JUMP, System, solve_equilibrium,
 };
+use crate::load::LOST_MOTION_SHARE;
 use crate::units::ARCMIN;
 
 /// What the friction sees while the machine is in balance without inertia.
@@ -199,7 +200,7 @@ const SMALLEST_STEP: f64 = 1.0 / 64.0;
 
 /// A load that goes on as before, by at most so many times the last change, leads where the machine was going, to this
 /// share of the way.
-const GOES_ON: f64 = 3.0;
+const GOES_ON: f64 = 10.0;
 const FORETOLD: f64 = 1.0;
 
 /// A machine whose load changes slowly, from balance to balance. Friction remembers the way.
@@ -234,15 +235,16 @@ impl SlowLoad {
         Ok(())
     }
 
-    /// The balance under a load from the present one. As long as the load goes on as before on one side of zero, so at
-    /// first sight does the machine.
+    /// The balance under a load from the present one. As long as the load goes on as before, so at first sight does the
+    /// machine, beyond the torques of the lost motion, under which bodies cross their clearances.
     fn step_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
         self.model.set_load(torque);
         let (from, interval) = (&self.place, PRESLIDING / self.regularisation_speed);
         let share = (torque - before) / self.last.0;
-        let one_side = (before - self.last.0) * torque > 0.0;
-        let goes_on = (one_side && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
+        let pressed = LOST_MOTION_SHARE * self.model.rated_torque() * torque.signum();
+        let presses = [before - self.last.0, torque].iter().all(|load| load / pressed >= 1.0);
+        let goes_on = (presses && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
             let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
             let motion = || Motion::Creeping { from, interval };
             let found = Settling { motion: &motion, jump: 0.0 }.solve(&self.model, &ahead).ok()?;

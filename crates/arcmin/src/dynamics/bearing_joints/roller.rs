@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::joints::Pressed;
-use super::rim::Stand;
+use crate::contact::slice_height;
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::{RollerBearing, RollerKind};
 
@@ -105,7 +105,7 @@ impl RadialBearing {
             mean_radius: 0.5 * bearing.pitch_diameter,
             reach: match bearing.kind {
                 RollerKind::Ball => 0.0,
-                RollerKind::Cylindrical | RollerKind::Tapered => bearing.roller_length / 12.0_f64.sqrt(),
+                RollerKind::Cylindrical | RollerKind::Tapered => slice_height(bearing.roller_length),
             },
         }
     }
@@ -178,12 +178,6 @@ impl RadialBearing {
             next = turned(e, step);
             (e, u[0] * e.x + u[1] * e.y, u[1] * e.x - u[0] * e.y)
         })
-    }
-
-    /// Q_i of the elements at displacement u: what bearing life needs.
-    pub fn element_forces(&self, u: [f64; 2], cage: f64) -> impl Iterator<Item = f64> + '_ {
-        let stand = Stand { shift: u, cage, ..Stand::default() };
-        self.element_forces_at(stand).map(|(_, force)| force)
     }
 }
 

@@ -94,8 +94,8 @@ impl ElasticDiscs {
                 rate -= *phi * motion.rates[m];
             }
             let equivalent_radius = 1.0 / contact.designed_curvature;
-            let lean = motion.lean.map_or(0.0, |lean| lean.of(contact.gradient));
-            let coupled = CoupledContact { place, approach, equivalent_radius, lean };
+            let skew = motion.lean.map_or(0.0, |lean| lean.skew(contact.gradient));
+            let coupled = CoupledContact { place, approach, equivalent_radius, skew };
             let near = if coupled.deepest() < -NEAR { &mut waiting } else { &mut state };
             near.push(*contact, rate, &shape, coupled);
         });

@@ -141,7 +141,7 @@ mod tests {
                     place: Stencil { stations: [(0, 0.0); 4], lobe: [(0, 0.0); 4] },
                     approach: random.random_range(-10e-6..30e-6),
                     equivalent_radius: random.random_range(2e-3..2e-2),
-                    lean: if case % 2 == 0 { 0.0 } else { random.random_range(-2e-6..2e-6) },
+                    skew: if case % 2 == 0 { 0.0 } else { random.random_range(-2e-6..2e-6) },
                 })
                 .collect();
             let fresh = || {

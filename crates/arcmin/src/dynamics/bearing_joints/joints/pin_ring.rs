@@ -7,7 +7,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Pressed, Sink, State};
-use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Reaction, Sliding};
+use crate::contact::{
+    DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Reaction, Sliding, slice_height,
+};
 use crate::dynamics::elastic_disc::{DiscLean, DiscMotion, DiscSplit, HousingMotion};
 use crate::dynamics::{ElasticDiscs, ElasticHousing, ForceSummary};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
@@ -45,6 +47,24 @@ pub(in super::super) struct PinRing {
 
 /// ∂(x, y, θ of the disc in the ring)/∂(coordinates), row by row.
 type Seen = [[f64; 6]; 3];
+
+/// Which of (x, y, θ in the ring, modes, slopes) a coordinate moves, and by how much.
+struct Motion {
+    moves: [(usize, f64); 5],
+    count: usize,
+}
+
+impl Motion {
+    fn of(moves: &[(usize, f64)]) -> Motion {
+        let mut motion = Motion { moves: [(0, 0.0); 5], count: moves.len() };
+        motion.moves[..moves.len()].copy_from_slice(moves);
+        motion
+    }
+
+    fn list(&self) -> &[(usize, f64)] {
+        &self.moves[..self.count]
+    }
+}
 
 /// Forces on (x, y, θ in the ring, modes of disc and housing, slopes in the ring) with −∂Q/∂q and −∂Q/∂q̇, row by
 /// row.
@@ -87,21 +107,23 @@ impl PinRing {
         ]
     }
 
-    /// Slope of a disc that leans, and its rate, in the frame of the ring.
-    fn slope(&self, State { q, v }: State<'_>) -> Option<(Vec2, Vec2)> {
+    /// Slope of a disc that leans, in the frame of the ring.
+    fn slope(&self, q: &[f64]) -> Option<Vec2> {
         let [x, y] = self.slopes?;
-        let (slope, rate) = (Vec2::new(q[x], q[y]), Vec2::new(v[x], v[y]));
-        if !self.moves {
-            return Some((slope, rate));
-        }
-        let turn = self.place[5];
-        let [slope, rate] = [slope, rate].map(|way| turned(way, unit(-q[turn])));
-        Some((slope, rate - v[turn] * quarter_turn(slope)))
+        let slope = Vec2::new(q[x], q[y]);
+        Some(if self.moves { turned(slope, unit(-q[self.place[5]])) } else { slope })
+    }
+
+    /// How that slope changes.
+    fn slope_rate(&self, State { q, v }: State<'_>, slope: Vec2) -> Vec2 {
+        let [x, y] = self.slopes.unwrap_or_default();
+        let (rate, turn) = (Vec2::new(v[x], v[y]), self.place[5]);
+        if self.moves { turned(rate, unit(-q[turn])) - v[turn] * quarter_turn(slope) } else { rate }
     }
 
     /// Where the two slices that stand for the width of a disc are: B/√12 in m.
     fn reach(&self) -> f64 {
-        self.contacts.contact().width / 12.0_f64.sqrt()
+        slice_height(self.contacts.contact().width)
     }
 
     /// Motion of the disc in the ring, modes included.
@@ -113,7 +135,7 @@ impl PinRing {
             modes: &at.q[range.clone()],
             rates: &at.v[range.clone()],
         });
-        let lean = self.slope(at).map(|(slope, _)| DiscLean { slope, reach: self.reach() });
+        let lean = self.slope(at.q).map(|slope| DiscLean { slope, reach: self.reach() });
         DiscMotion { pose, velocity, modes: &at.q[modes.clone()], rates: &at.v[modes], housing, lean }
     }
 
@@ -166,16 +188,18 @@ impl PinRing {
 
     /// State of the pins that carry.
     pub fn loaded(&self, at: State<'_>) -> Vec<PinContact> {
-        if self.elastic.is_none() {
-            let mut loaded = self.all(at);
-            loaded.retain(|contact| contact.force > 0.0);
-            return loaded;
-        }
-        let mut loaded = Vec::new();
-        self.visit_loaded(at, |_, contact, force, _| {
-            let mut contact = *contact;
-            contact.force = force;
-            loaded.push(contact);
+        let mut loaded: Vec<PinContact> = Vec::new();
+        self.visit_loaded(at, |slice, contact, force, _| {
+            // Of the first slice, the others bear on the same pins.
+            let known = if slice == 0 { None } else { loaded.iter_mut().find(|one| one.pin == contact.pin) };
+            match known {
+                Some(one) => one.force += force,
+                None => {
+                    let mut contact = *contact;
+                    contact.force = force;
+                    loaded.push(contact);
+                }
+            }
         });
         loaded
     }
@@ -199,7 +223,7 @@ impl PinRing {
             let (force, local) = (state.forces.force[i], state.forces.local[i]);
             if force > 0.0 {
                 let couple = coupled.line(self.contacts.contact()).couple(local).0;
-                visit(0, contact, force, force * coupled.approach + couple * coupled.lean);
+                visit(0, contact, force, force * coupled.approach + couple * coupled.skew);
             }
         }
     }
@@ -226,18 +250,18 @@ impl PinRing {
         let seen = self.seen(pose, q);
         let (own, width) = (force.len(), force.len() + 3);
         let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
-        // (what a coordinate moves and by how much).
-        let places = (0..6).map(|i| vec![(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]);
-        let modes = (3..slopes.start).map(|m| vec![(m, 1.0)]);
-        let mut motions: Vec<Vec<(usize, f64)>> = places.chain(modes).collect();
-        let slope = self.slope(State { q, v: &vec![0.0; q.len()] }).map_or(Vec2::zeros(), |(slope, _)| slope);
+        let places = (0..6).map(|i| Motion::of(&[(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]));
+        let modes = (3..slopes.start).map(|m| Motion::of(&[(m, 1.0)]));
+        let mut motions: Vec<Motion> = places.chain(modes).collect();
+        let slope = self.slope(q).unwrap_or_default();
         if !slopes.is_empty() {
             let (x, y) = (slopes.start, slopes.start + 1);
             let (sin, cos) = q[self.place[5]].sin_cos();
-            motions.extend([vec![(x, cos), (y, -sin)], vec![(x, sin), (y, cos)]]);
+            motions.extend([Motion::of(&[(x, cos), (y, -sin)]), Motion::of(&[(x, sin), (y, cos)])]);
             // Seen from a ring that turns a slope turns back.
             let back = -quarter_turn(slope);
-            motions[5].extend([(x, back.x), (y, back.y)]);
+            let [a, b, c] = [0, 1, 2].map(|a| (a, seen[a][5]));
+            motions[5] = Motion::of(&[a, b, c, (x, back.x), (y, back.y)]);
         }
         let through = |m: &[f64]| -> Vec<f64> {
             if m.is_empty() {
@@ -246,15 +270,18 @@ impl PinRing {
             let mut seen = vec![0.0; width * width];
             for (i, by_row) in motions.iter().enumerate() {
                 for (j, by_column) in motions.iter().enumerate() {
-                    let column = |a: usize| by_column.iter().map(|(b, h)| m[a * own + b] * h).sum::<f64>();
-                    seen[i * width + j] = by_row.iter().map(|(a, g)| g * column(*a)).sum();
+                    let column =
+                        |a: usize| by_column.list().iter().map(|(b, h)| m[a * own + b] * h).sum::<f64>();
+                    seen[i * width + j] = by_row.list().iter().map(|(a, g)| g * column(*a)).sum();
                 }
             }
             seen
         };
         let mut hessian = through(stiffness);
-        let gradient: Vec<f64> =
-            motions.iter().map(|by_row| -by_row.iter().map(|(a, g)| g * force[*a]).sum::<f64>()).collect();
+        let gradient: Vec<f64> = motions
+            .iter()
+            .map(|by_row| -by_row.list().iter().map(|(a, g)| g * force[*a]).sum::<f64>())
+            .collect();
         let index: Vec<usize> = self.place.iter().copied().chain(self.others()).collect();
         // J R f: how the force on the disc turns with the housing, and the couple that leans it.
         let turning = |x: f64, y: f64| quarter_turn(turned(Vec2::new(x, y), unit(q[self.place[5]])));

@@ -34,9 +34,10 @@ impl PinRing {
     /// motion. A disc that stands straight is a single one.
     pub(super) fn slices(&self, at: State<'_>) -> Vec<Slice> {
         let (pose, velocity) = self.disc_state(at);
-        let Some((slope, rate)) = self.slope(at) else {
+        let Some(slope) = self.slope(at.q) else {
             return vec![Slice { share: 1.0, height: 0.0, pose, velocity }];
         };
+        let rate = self.slope_rate(at, slope);
         let slice = |height: f64| Slice {
             share: 0.5,
             height,
