@@ -323,7 +323,7 @@ def housing_sizes(edge, size):
 
 def statics(under_loads):
     """Displacements on two meshes, extrapolated as frequencies are."""
-    coarse, fine = (under_loads(edge) for edge in (1.6, 0.8))
+    coarse, fine = (under_loads(edge) for edge in (0.8, 0.4))
     rows = [fine[0]]
     for (name, value, unit), (_, finer, _) in zip(coarse[1:], fine[1:]):
         rows.append((name, f"{2 * float(finer) - float(value):.8e}", unit))
@@ -331,23 +331,47 @@ def statics(under_loads):
     return rows
 
 
-def housing_under_loads(edge, size=7.0):
-    nodes, elements, faces = mesh(housing_solid, size, housing_sizes(edge, size))
+def housing_under_loads(edge):
+    """Grooves and seats of the whole housing from a quarter, as the sum over the classes of symmetry.
+
+    Of a load L the class takes L_c, the mean of its four images with the signs of the class; on the quarter that is half of
+    L where L itself belongs to one of two planes (pins 0 and 20 lie on y = 0), a quarter of it where all images lie apart
+    (pin 3), L where it belongs to both (the seats). L(u) is four times what L_c reads on the quarter, summed over classes.
+    """
+    nodes, elements, faces = mesh(quarter(housing_solid), 5.0, housing_sizes(edge, 5.0))
     print("housing, edges", edge, "elements", len(elements), flush=True)
-    held = [t for t, p in nodes.items() if on_bolt(p)]
+    clamped = {t for t, p in nodes.items() if on_bolt(p)}
     reach = math.pi / 2 + math.asin(0.5 * PIN / RP)
-    loads = {}
-    for pin in (0, 3, 20):
+    grooves = {}
+    for pin, share_in_quarter in ((0, 0.5), (3, 1.0)):
         t = 2 * math.pi * pin / 40
         centre = (RP * math.cos(t), RP * math.sin(t))
         for name, start, share in [("r", t, reach + 0.5 * math.sin(2 * reach)), ("t", t + math.pi / 2, reach - 0.5 * math.sin(2 * reach))]:
             load, area = seat_load(nodes, faces, centre, PIN, PLATE, PLATE + GAP, GAP, lambda a, s=start, n=share: math.cos(a - s) / n)
-            assert abs(area / (2 * reach * PIN * GAP) - 1) < 1e-2, area
-            loads[f"pin{pin}{name}"] = load
-    for e, low in enumerate((0.0, PLATE + GAP)):
-        loads[f"seat{e}x"], _ = seat_load(nodes, faces, (0.0, 0.0), 1.12 * RP, low, low + PLATE, PLATE, cosine(1, 0.0))
-    rows = [("housing_elements", len(elements), "")]
-    return rows + solve("housing", nodes, elements, held, HOUSING, loads, ["pin0r", "pin3t"])
+            assert abs(area / (2 * reach * PIN * GAP) / share_in_quarter - 1) < 1e-2, area
+            grooves[f"pin{pin}{name}"] = load
+    seats = [seat_load(nodes, faces, (0.0, 0.0), 1.12 * RP, low, low + PLATE, PLATE, cosine(1, 0.0))[0] for low in (0.0, PLATE + GAP)]
+    times = lambda share, load: {t: (share * x, share * y) for t, (x, y) in load.items()}
+    # Pins on the plane y = 0 and radial loads on them have nothing to do with what is odd about it.
+    sums = {f"housing_pin0r_{odd}": 0.0 for odd in ("pin0t", "pin20t")}
+    for kind in ("SS", "SA", "AS", "AA"):
+        mirrored = 1 if kind[1] == "S" else -1
+        loads = {name: times(0.25, grooves[name]) for name in ("pin3r", "pin3t")}
+        if kind[0] == "S":
+            loads |= {"pin0r": times(0.5, grooves["pin0r"]), "pin20r": times(0.5 * mirrored, grooves["pin0r"])}
+        else:
+            loads |= {"pin0t": times(0.5, grooves["pin0t"]), "pin20t": times(-0.5 * mirrored, grooves["pin0t"])}
+        if kind == "SA":
+            loads |= {f"seat{e}x": seat for e, seat in enumerate(seats)}
+        held = {t: {1, 2, 3} for t in clamped}
+        for axis, sign in ((1, kind[0]), (0, kind[1])):
+            fixed = {axis + 1} if sign == "S" else {1, 2, 3} - {axis + 1}
+            for t, p in nodes.items():
+                if abs(p[axis]) < 1e-6:
+                    held[t] = held.get(t, set()) | fixed
+        for name, value, _ in solve("housing", nodes, elements, held, HOUSING, loads, [under for under in ("pin0r", "pin3t") if under in loads]):
+            sums[name] = sums.get(name, 0.0) + 4 * float(value)
+    return [("housing_elements", len(elements), "")] + [(name, f"{value:.8e}", "m/N") for name, value in sums.items()]
 
 
 def housing_modes():

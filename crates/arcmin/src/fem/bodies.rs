@@ -28,7 +28,7 @@ pub struct BodyShapes {
 
 const MAGIC: &[u8; 8] = b"arcminEB";
 /// To be raised whenever meshes, loads or this layout change the results.
-const FORMAT: u64 = 4;
+const FORMAT: u64 = 5;
 
 impl BodyShapes {
     pub fn of(machine: &Machine) -> BodyShapes {

@@ -34,17 +34,24 @@ const BODY: usize = 1;
 const SEAT: usize = 2;
 const GROOVES: usize = 3;
 const BOLTS: usize = 4;
-/// Edges at the rim of what is held, as a share of those elsewhere, and the layer over it as a share of the
-/// one that it is cut from.
-const RIM: f64 = 0.35;
+/// Edges as a share of those elsewhere: at the rim of what is held, along the flange's foot, along the seats'
+/// shoulders.
+const RIM: f64 = 0.28;
+const FOOT: f64 = 0.5;
+const SHOULDER: f64 = 0.7;
+/// The layer over what is held, as a share of the one that it is cut from; a thinner one leaves too much to
+/// the plain elements above it.
 const CLAMPED: f64 = 0.35;
-/// Three layers through a seat are 0.50, 0.35 and 0.15 of it.
+/// The layer below the far shoulder, as a share of the others.
+const UNDER_SHOULDER: f64 = 0.72;
+/// Five layers through a seat are 0.32, 0.26, 0.21, 0.15 and 0.06 of it.
 const TOWARDS_SHOULDER: f64 = 1.7;
 
 impl HousingShape {
-    /// The housing of a machine; edges 0.035 R_p long at the grooves, 0.1 R_p elsewhere, three layers through
-    /// a seat (with a single one the tenth frequency is 3 % too high), two through a disc's share of the pins
-    /// (with a single one grooves are 4 % too stiff).
+    /// The housing of a machine; edges 0.025 R_p long at the grooves (six edges in each; with four the grooves
+    /// are 0.5 % stiffer along the ring), 0.1 R_p elsewhere, five layers through a seat (with three the eighth
+    /// frequency is 0.3 % higher, with a single one the tenth 3 %), two through a disc's share of the pins (with
+    /// a single one grooves are 4 % too stiff).
     pub fn of(machine: &Machine) -> HousingShape {
         let r = machine.ring.pin_circle_radius;
         HousingShape {
@@ -55,8 +62,8 @@ impl HousingShape {
             disc_count: machine.disc_count,
             seat_length: machine.solids.carrier.plate_thickness,
             pin_length: machine.solids.carrier.gap,
-            sizes: [0.035 * r, 0.1 * r],
-            layers: [3, 2],
+            sizes: [0.025 * r, 0.1 * r],
+            layers: [5, 2],
         }
     }
 
@@ -102,8 +109,8 @@ impl HousingShape {
         let circle = |centre: Vec2, radius: f64| Boundary::Circle { centre, radius };
         let mut boundaries = vec![
             (circle(Vec2::zeros(), solid.flange_radius), coarse, 0),
-            (circle(Vec2::zeros(), solid.body_radius), coarse, 0),
-            (circle(Vec2::zeros(), solid.seat_radius), 0.7 * coarse, 0),
+            (circle(Vec2::zeros(), solid.body_radius), FOOT * coarse, 0),
+            (circle(Vec2::zeros(), solid.seat_radius), SHOULDER * coarse, 0),
             (Boundary::Outline(self.grooves()), fine, 0),
         ];
         boundaries.extend(self.bolts().map(|k| {
@@ -152,7 +159,10 @@ impl HousingShape {
         let [through_seat, through_share] = self.layers.map(|layers| layers.max(1));
         let shares = self.disc_count * through_share;
         let mut cuts: Vec<f64> = (0..=shares).map(|j| seat + pins * j as f64 / shares as f64).collect();
-        // Thinner towards the shoulder, where the section changes.
+        // Thinner towards the shoulders, where the section changes.
+        if through_share > 1 {
+            cuts[shares - 1] = seat + pins * (1.0 - UNDER_SHOULDER / shares as f64);
+        }
         let depths = (0..through_seat)
             .map(|k| seat * (1.0 - (1.0 - k as f64 / through_seat as f64).powf(TOWARDS_SHOULDER)));
         cuts.extend(depths.flat_map(|z| [z, 2.0 * seat + pins - z]));

@@ -146,7 +146,7 @@ impl RigPage<'_> {
         let rigid = match (has(Part::PinRing), has(Part::Disc)) {
             (true, _) => {
                 "The solids of carrier and housing are scaled from the pin circle where the design does not give them. Rings of the main bearings are \
-                 rigid, bolts do not slip, and nothing leans: a real reducer is softer by their share."
+                 rigid and bolts do not slip: a real reducer is softer by their share."
             }
             (false, true) => {
                 "Bearing rings, carrier plates and housing are rigid; a real reducer is softer by their share (--bodies elastic)."
