@@ -87,8 +87,8 @@ impl Cause {
 /// rad; work that is left of a balance and would turn the lightly loaded output by less is not looked at.
 const UNSEEN: f64 = 1e-3 * ARCMIN;
 /// Where a jump is looked for, as shares of [`JUMP_WIDTH`], some 0.01 µm, and halvings of the way until both its
-/// sides are known.
-const REACHES: [f64; 4] = [1e-3, 1e-2, 1e-1, 1.0];
+/// sides are known. Where contacts jump, a balance may lie a micrometre further along an edge than the search went.
+const REACHES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
 const BISECTIONS: usize = 30;
 
 /// Jumps mixed in at most.
