@@ -6,7 +6,7 @@ mod support;
 
 use arcmin::design::Design;
 use arcmin::dynamics::{BearingMeshing, JointSettings};
-use arcmin::fidelity::Fidelity;
+use arcmin::fidelity::{Fidelity, Joints};
 use arcmin::geometry::Relief;
 use arcmin::life::{LifeOptions, predict};
 use arcmin::load::ShareLoad;
@@ -172,6 +172,19 @@ fn discs_that_hardly_anything_holds_have_a_stiffness() {
 #[test]
 fn causes_add_up_where_a_pin_stands_at_a_jump() {
     assert_eq!(run(&design("worn_pin_at_a_jump"), Analysis::Life), Outcome::Result);
+}
+
+/// The same where the search ends on an edge of the energy, nearly a micrometre from the balance, and forces turn back
+/// that far along it.
+#[test]
+fn causes_add_up_on_an_edge() {
+    let machine = design("worn_pins_on_an_edge").machine();
+    let fidelity = Fidelity { joints: Joints::Bearings, ..Fidelity::ideal() };
+    let prediction = predict(&machine, &fidelity, LifeOptions::default(), &Silent, |_| ()).unwrap();
+    for point in &prediction.points {
+        let split = point.causes.unwrap().lost_motion;
+        assert!(split.residual().abs() <= 1e-3 * split.whole, "{} h: {split:?}", point.hours());
+    }
 }
 
 /// Load sharing with friction is the balance in which the bench reads the efficiency: input torques of the one
