@@ -2,9 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use rayon::prelude::*;
+
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
 use super::carrier::translations;
-use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
+use super::{Boundary, FemError, Mesh, Mirrors, PlaneDomain, PlaneMesh};
 use crate::geometry::{Outline, Segment, Vec2, unit};
 use crate::machine::{Hold, HousingSolid, Machine};
 
@@ -27,6 +29,16 @@ pub struct HousingShape {
     /// Layers of elements through a main bearing's seat and through one disc's share of the pins.
     pub layers: [usize; 2],
 }
+
+/// What mirrors leave of a housing, held on them as motions are that reflection in each leaves (even) or turns about
+/// (odd).
+pub struct Class {
+    pub odd: Vec<bool>,
+    pub body: Body,
+}
+
+/// Mesh, curves around every triangle of the section, and what the bolts hold.
+type Meshed = (Mesh, Vec<u64>, Vec<[bool; 3]>);
 
 /// Curves of the section, in this order; faces of bolts follow.
 const FLANGE: usize = 0;
@@ -187,27 +199,72 @@ impl HousingShape {
         cuts.partition_point(|z| *z < from - near)..cuts.partition_point(|z| *z < to - near)
     }
 
-    /// Meshes and factorises; once again with edges of half the length where the grooves' curved ones turned
-    /// an element of a thin wall inside out.
+    /// Planes through the axis that pins and bolts are both symmetric about.
+    pub fn mirrors(&self) -> Mirrors {
+        // Bolts are where they were after reflection in a plane at this angle, if twice what lies between it and the
+        // first of them is a whole number of pitches.
+        let bolts_at = |plane: f64| match self.solid.hold {
+            Hold::Face => true,
+            Hold::Bolts => {
+                let pitches =
+                    2.0 * (plane - self.solid.first_bolt_angle) * self.solid.bolt_count as f64 / TAU;
+                (pitches - pitches.round()).abs() < 1e-9
+            }
+        };
+        match bolts_at(0.0) {
+            false => Mirrors::None,
+            true if self.pin_count.is_multiple_of(2) && bolts_at(FRAC_PI_2) => Mirrors::YAndX,
+            true => Mirrors::Y,
+        }
+    }
+
+    /// Meshes what its mirrors leave of the housing, and factorises it for every class of symmetry: bodies that together
+    /// are the whole.
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
-    pub fn body(&self) -> Result<Body, FemError> {
+    pub fn classes(&self) -> Result<Vec<Class>, FemError> {
+        self.classes_with(self.mirrors())
+    }
+
+    /// With other mirrors than all that there are.
+    pub(super) fn classes_with(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
+        let (mesh, regions, clamped) = self.mesh(mirrors)?;
+        let planes = mirrors.components();
+        (0..1_usize << planes.len())
+            .into_par_iter()
+            .map(|bits| {
+                let odd: Vec<bool> = (0..planes.len()).map(|plane| bits >> plane & 1 == 1).collect();
+                let mut held = clamped.clone();
+                for (component, odd) in planes.iter().zip(&odd) {
+                    let on = (0..mesh.nodes.len()).filter(|node| mesh.nodes[*node][*component] == 0.0);
+                    // What is even moves along the plane, what is odd through it.
+                    on.for_each(|node| (0..3).for_each(|c| held[node][c] |= (c == *component) != *odd));
+                }
+                let body = Body::new(mesh.clone(), regions.clone(), self.solid.material.clone(), &held)?;
+                Ok(Class { odd, body })
+            })
+            .collect()
+    }
+
+    /// Meshes what mirrors leave; once again with edges of half the length where the grooves' curved ones turned an
+    /// element of a thin wall inside out.
+    fn mesh(&self, mirrors: Mirrors) -> Result<Meshed, FemError> {
         self.check()?;
-        match self.meshed() {
+        match self.meshed(mirrors) {
             Err(FemError::InvertedElement { .. }) => {
                 let [fine, coarse] = self.sizes;
                 let groove = 0.25 * PI * self.groove_radius;
-                HousingShape { sizes: [0.5 * fine.min(groove), 0.7 * coarse], ..self.clone() }.meshed()
+                HousingShape { sizes: [0.5 * fine.min(groove), 0.7 * coarse], ..self.clone() }.meshed(mirrors)
             }
             other => other,
         }
     }
 
-    fn meshed(&self) -> Result<Body, FemError> {
+    fn meshed(&self, mirrors: Mirrors) -> Result<Meshed, FemError> {
         let inside = |bits: u64, curve: usize| bits >> curve & 1 == 1;
         let metal = |bits: u64| inside(bits, FLANGE) && !inside(bits, GROOVES);
-        let (plane, regions) = PlaneMesh::triangulate_regions(&self.domain(), metal)?;
+        let (plane, regions) = PlaneMesh::triangulate_part(&self.domain(), mirrors, metal)?;
         let cuts = self.cuts();
         let pins = self.layers(&cuts, self.seat_length, self.seat_length + self.pin_length);
         let [low, high] = self.flange();
@@ -243,12 +300,12 @@ impl HousingShape {
                 triangle.iter().for_each(|node| held[level + node] = [true; 3]);
             }
         }
-        Body::new(mesh, regions, self.solid.material.clone(), &held)
+        Ok((mesh, regions, held))
     }
 
     /// Unit loads of all interface coordinates: per disc and pin the radial (outward) and the tangential
     /// place of the groove over that disc's share of the pin, then x and y of the main bearing's seat at
-    /// either end.
+    /// either end. Of each the part on the mesh.
     pub fn loads(&self, body: &Body) -> Vec<NodalLoad> {
         let cuts = self.cuts();
         let mut loads = Vec::new();
@@ -303,52 +360,114 @@ impl HousingShape {
         }
     }
 
-    /// C of [`HousingShape::loads`]. The housing's own symmetry spares solutions: a sector's pins are loaded,
-    /// the others see the same turned.
+    /// C of [`HousingShape::loads`].
     ///
     /// # Errors
-    /// As [`HousingShape::body`].
+    /// As [`HousingShape::classes`].
     pub fn compliance(&self) -> Result<Compliance, FemError> {
-        let body = self.body()?;
-        let loads = self.loads(&body);
-        let (count, sectors) = (loads.len(), self.symmetry());
-        let per_sector = self.pin_count / sectors;
-        let first: Vec<usize> = (0..self.disc_count)
-            .flat_map(|j| (0..per_sector).flat_map(move |i| [(j, i, 0), (j, i, 1)]))
-            .map(|(j, i, c)| self.pin(j, i) + c)
-            .chain(self.main_seat(0)..count)
-            .collect();
-        let rows = body.rows(&loads, &first);
+        Ok(self.over_sectors(&self.compliance_of(&self.classes()?)))
+    }
+
+    /// C of [`HousingShape::loads`] from bodies that together are the whole.
+    ///
+    /// Reflections g turn a load L into ± another, g L. Its share in a class is L_c = Σ_g χ(g) g L/n, n their number and
+    /// χ(g) = ± 1 the class's own sign, so that L = Σ_c L_c; what L_c displaces belongs to the class, and L reads n times
+    /// of it what L_c reads on the part that is meshed.
+    pub(super) fn compliance_of(&self, classes: &[Class]) -> Compliance {
+        let count = self.main_seat(1) + 2;
         let mut values = vec![0.0; count * count];
+        let of_classes: Vec<Vec<f64>> = classes
+            .par_iter()
+            .map(|class| {
+                let loads = self.loads(&class.body);
+                let there: Vec<usize> = (0..count).filter(|k| !loads[*k].is_empty()).collect();
+                let here: Vec<NodalLoad> = there.iter().map(|k| loads[*k].clone()).collect();
+                let part = class.body.compliance(&here);
+                let place = |k: usize| there.binary_search(&k).ok();
+                let images: Vec<Vec<(usize, f64)>> = (0..count)
+                    .map(|k| {
+                        self.images(k, class)
+                            .into_iter()
+                            .filter_map(|(k, sign)| Some((place(k)?, sign)))
+                            .collect()
+                    })
+                    .collect();
+                let share = 1.0 / (1_usize << class.odd.len()) as f64;
+                let sum = |i: &[(usize, f64)], j: &[(usize, f64)]| -> f64 {
+                    i.iter()
+                        .flat_map(|(a, p)| j.iter().map(move |(b, q)| (a, b, p * q)))
+                        .map(|(a, b, s)| s * part.at(*a, *b))
+                        .sum()
+                };
+                images
+                    .iter()
+                    .flat_map(|i| images.iter().map(move |j| (i, j)))
+                    .map(|(i, j)| share * sum(i, j))
+                    .collect()
+            })
+            .collect();
+        for class in of_classes {
+            values.iter_mut().zip(class).for_each(|(sum, value)| *sum += value);
+        }
+        Compliance { count, values }
+    }
+
+    /// What reflections make of a coordinate, with their sign in a class.
+    fn images(&self, coordinate: usize, class: &Class) -> Vec<(usize, f64)> {
+        let mut images = vec![(coordinate, 1.0)];
+        for (plane, odd) in class.odd.iter().enumerate() {
+            let class_sign = if *odd { -1.0 } else { 1.0 };
+            let reflected: Vec<(usize, f64)> = images
+                .iter()
+                .map(|(k, sign)| {
+                    let (to, own) = self.reflected(*k, plane);
+                    (to, sign * own * class_sign)
+                })
+                .collect();
+            images.extend(reflected);
+        }
+        images
+    }
+
+    /// The coordinate that a reflection, first in y = 0, then in x = 0, turns another into, and its sign.
+    fn reflected(&self, coordinate: usize, plane: usize) -> (usize, f64) {
         let seats = self.main_seat(0);
-        for (row, from) in rows.iter().zip(&first) {
-            if *from >= seats {
-                values[from * count..(from + 1) * count].copy_from_slice(row);
-                continue;
-            }
-            for turn in 0..sectors {
-                let shift = turn * per_sector;
-                let to = self.shifted(*from, shift);
-                let target = &mut values[to * count..(to + 1) * count];
-                for (k, value) in row[..seats].iter().enumerate() {
-                    target[self.shifted(k, shift)] = *value;
+        if coordinate >= seats {
+            let along = (coordinate - seats) % 2;
+            return (coordinate, if along + plane == 1 { -1.0 } else { 1.0 });
+        }
+        let (across, place) = (coordinate % 2, coordinate / 2);
+        let (disc, pin) = (place / self.pin_count, place % self.pin_count);
+        let straight = if plane == 0 { 0 } else { self.pin_count / 2 };
+        let to = (straight + self.pin_count - pin) % self.pin_count;
+        (self.pin(disc, to) + across, if across == 1 { -1.0 } else { 1.0 })
+    }
+
+    /// The mean over all turns that leave the housing as it was: what the mesh makes different from sector to sector.
+    fn over_sectors(&self, c: &Compliance) -> Compliance {
+        let (count, sectors) = (c.count, self.symmetry());
+        let (per_sector, seats) = (self.pin_count / sectors, self.main_seat(0));
+        let mut values = vec![0.0; count * count];
+        for turn in 0..sectors {
+            // Each coordinate as a sum of others: pins as one further on, x and y of seats turned.
+            let (sin, cos) = (TAU * turn as f64 / sectors as f64).sin_cos();
+            let turned = |k: usize| -> [(usize, f64); 2] {
+                match k.checked_sub(seats) {
+                    None => [(self.shifted(k, turn * per_sector), 1.0), (k, 0.0)],
+                    Some(seat) if seat % 2 == 0 => [(k, cos), (k + 1, sin)],
+                    Some(_) => [(k, cos), (k - 1, -sin)],
                 }
-                let rotation = unit(TAU * turn as f64 / sectors as f64);
-                for k in (seats..count).step_by(2) {
-                    let turned = crate::geometry::turned(Vec2::new(row[k], row[k + 1]), rotation);
-                    (target[k], target[k + 1]) = (turned.x, turned.y);
+            };
+            for (i, row) in values.chunks_exact_mut(count).enumerate() {
+                for (j, value) in row.iter_mut().enumerate() {
+                    for (a, p) in turned(i) {
+                        *value +=
+                            turned(j).iter().map(|(b, q)| p * q * c.at(a, *b)).sum::<f64>() / sectors as f64;
+                    }
                 }
             }
         }
-        // What pins do to seats is what seats do to pins.
-        for seat in seats..count {
-            for pin in 0..seats {
-                values[seat * count + pin] = values[pin * count + seat];
-            }
-        }
-        let symmetric =
-            (0..count * count).map(|k| 0.5 * (values[k] + values[k % count * count + k / count])).collect();
-        Ok(Compliance { count, values: symmetric })
+        Compliance { count, values }
     }
 
     /// The coordinate of a pin `shift` pins further on.

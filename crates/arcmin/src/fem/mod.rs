@@ -47,7 +47,7 @@ pub use flank::{FlankStations, Stencil};
 pub use housing::HousingShape;
 pub use mesh::{ElementKind, Mesh, MeshQuality};
 pub use modes::{FlankModes, FreeModes};
-pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
+pub use plane::{MeshSizes, Mirrors, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
 pub use rims::RimShape;

@@ -61,7 +61,7 @@ impl PlaneMesh {
     /// # Errors
     /// [`FemError::Mesh`] if boundary curves cross each other or the refinement does not end.
     pub fn triangulate(domain: &PlaneDomain) -> Result<PlaneMesh, FemError> {
-        let Triangulated { nodes, corners, curves } = triangulated(domain, true)?;
+        let Triangulated { nodes, corners, curves } = triangulated(domain, Mirrors::None, true)?;
         PlaneMesh::with_mid_sides(nodes, &corners, domain, &curves)
     }
 
@@ -75,15 +75,27 @@ impl PlaneMesh {
         domain: &PlaneDomain,
         keep: impl Fn(u64) -> bool,
     ) -> Result<(PlaneMesh, Vec<u64>), FemError> {
+        PlaneMesh::triangulate_part(domain, Mirrors::None, keep)
+    }
+
+    /// [`PlaneMesh::triangulate_regions`] of the part of a domain that mirrors leave.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn triangulate_part(
+        domain: &PlaneDomain,
+        mirrors: Mirrors,
+        keep: impl Fn(u64) -> bool,
+    ) -> Result<(PlaneMesh, Vec<u64>), FemError> {
         if domain.boundaries.len() > 64 {
             return Err(FemError::Mesh { reason: "more than 64 curves in one section".to_owned() });
         }
-        let Triangulated { nodes, corners, curves } = triangulated(domain, false)?;
+        let Triangulated { nodes, corners, curves } = triangulated(domain, mirrors, false)?;
         let polygons: Vec<Vec<Vec2>> = domain
             .boundaries
             .iter()
             .zip(&curves)
-            .map(|((boundary, ..), (_, parameters))| parameters.iter().map(|t| boundary.point(*t)).collect())
+            .map(|((boundary, ..), curve)| curve.parameters.iter().map(|t| boundary.point(*t)).collect())
             .collect();
         let regions = |corners: &[usize; 3]| {
             let centre = corners.iter().map(|node| nodes[*node]).sum::<Vec2>() / 3.0;
@@ -102,7 +114,7 @@ impl PlaneMesh {
         positions: Vec<Vec2>,
         corners: &[[usize; 3]],
         domain: &PlaneDomain,
-        curves: &[(usize, Vec<f64>)],
+        curves: &[Curve],
     ) -> Result<PlaneMesh, FemError> {
         // Nodes outside the metal (a row of a thin bridge may leave it) carry no triangle: drop them.
         let mut used = vec![false; positions.len()];
@@ -116,23 +128,20 @@ impl PlaneMesh {
         let corner_count = nodes.len();
         let mut mid_sides: HashMap<(usize, usize), usize> = HashMap::new();
         let mut boundary_edges = Vec::new();
-        for (index, ((boundary, ..), (first, parameters))) in domain.boundaries.iter().zip(curves).enumerate()
-        {
-            for i in 0..parameters.len() {
-                let j = (i + 1) % parameters.len();
-                let (a, b) = (new_index[first + i], new_index[first + j]);
+        for (index, ((boundary, ..), curve)) in domain.boundaries.iter().zip(curves).enumerate() {
+            for (nodes_of_edge, [from, to]) in &curve.edges {
+                let [a, b] = nodes_of_edge.map(|node| new_index[node]);
                 if a == usize::MAX || b == usize::MAX {
                     return Err(FemError::Mesh {
                         reason: "a boundary node lies outside the metal".to_owned(),
                     });
                 }
-                let end = if j == 0 { parameters[0] + boundary.period() } else { parameters[j] };
-                let (t, point) = boundary.midpoint(parameters[i], end);
+                let (t, point) = boundary.midpoint(*from, *to);
                 mid_sides.insert((a.min(b), a.max(b)), nodes.len());
                 boundary_edges.push(BoundaryEdge {
                     boundary: index,
                     nodes: [a, b, nodes.len()],
-                    parameters: [parameters[i], end, t],
+                    parameters: [*from, *to, t],
                 });
                 nodes.push(point);
             }
@@ -157,9 +166,13 @@ impl PlaneMesh {
         self.boundary_edges.iter().filter(move |edge| edge.boundary == boundary)
     }
 
-    /// Nodes of one boundary curve: corners and mid-sides.
+    /// Nodes of one boundary curve: corners and mid-sides, and last the ends of a curve that mirrors cut.
     pub fn nodes_of(&self, boundary: usize) -> Vec<usize> {
-        self.edges_of(boundary).flat_map(|edge| [edge.nodes[0], edge.nodes[2]]).collect()
+        let mut nodes: Vec<usize> =
+            self.edges_of(boundary).flat_map(|edge| [edge.nodes[0], edge.nodes[2]]).collect();
+        let begins: std::collections::HashSet<usize> = nodes.iter().copied().collect();
+        nodes.extend(self.edges_of(boundary).map(|edge| edge.nodes[1]).filter(|node| !begins.contains(node)));
+        nodes
     }
 
     /// The triangle (by straight corners) that contains a point, with area coordinates of corners 0 and 1.
@@ -175,32 +188,162 @@ impl PlaneMesh {
     }
 }
 
-/// Corner nodes, triangles, and per curve its first node and the parameters of its nodes.
+/// Planes through the axis that a section is symmetric about: only the part on one side of them is meshed, its nodes on
+/// them exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mirrors {
+    None,
+    /// y = 0; the part with y ≥ 0 is left.
+    Y,
+    /// y = 0 and x = 0; the quarter with x, y ≥ 0 is left.
+    YAndX,
+}
+
+impl Mirrors {
+    /// Components of the normals of the planes.
+    pub fn components(self) -> &'static [usize] {
+        match self {
+            Mirrors::None => &[],
+            Mirrors::Y => &[1],
+            Mirrors::YAndX => &[1, 0],
+        }
+    }
+}
+
+/// Corner nodes, triangles, and the curves.
 struct Triangulated {
     nodes: Vec<Vec2>,
     corners: Vec<[usize; 3]>,
-    curves: Vec<(usize, Vec<f64>)>,
+    curves: Vec<Curve>,
+}
+
+/// A boundary curve in points.
+struct Curve {
+    /// All around, mirrored parts as well.
+    parameters: Vec<f64>,
+    /// Nodes and parameters of the ends of the edges that are meshed, in order.
+    edges: Vec<([usize; 2], [f64; 2])>,
+}
+
+/// The parameters of a curve's nodes with one more wherever an edge crosses a mirror.
+fn cut_at_mirrors(boundary: &Boundary, mut parameters: Vec<f64>, mirrors: Mirrors, near: f64) -> Vec<f64> {
+    for component in mirrors.components() {
+        let at = |t: f64| boundary.point(t)[*component];
+        let ends = parameters.iter().copied().skip(1).chain([parameters[0] + boundary.period()]);
+        let cuts: Vec<Option<f64>> = parameters
+            .iter()
+            .zip(ends)
+            .map(|(from, to)| {
+                let crosses = at(*from).abs() > near && at(to).abs() > near && at(*from) * at(to) < 0.0;
+                crosses.then(|| {
+                    let (mut low, mut high) = (*from, to);
+                    for _ in 0..60 {
+                        let middle = 0.5 * (low + high);
+                        if at(middle) * at(*from) > 0.0 { low = middle } else { high = middle }
+                    }
+                    0.5 * (low + high)
+                })
+            })
+            .collect();
+        parameters = parameters.iter().zip(cuts).flat_map(|(t, cut)| [Some(*t), cut]).flatten().collect();
+    }
+    parameters
+}
+
+/// Edges along a mirror: nodes between those where curves and other mirrors meet it, as far apart as the edges of the
+/// curves there and growing from them to `interior`.
+fn along_mirror(from: Vec2, to: Vec2, sizes: [f64; 2], interior: f64) -> Vec<Vec2> {
+    const GROWTH: f64 = 0.5;
+    const SAMPLES: usize = 400;
+    let length = (to - from).norm();
+    let size = |s: f64| {
+        let grown = (sizes[0] + GROWTH * s * length).min(sizes[1] + GROWTH * (1.0 - s) * length);
+        grown.min(interior)
+    };
+    // Edges counted from the beginning.
+    let counted: Vec<f64> = (0..SAMPLES)
+        .scan(0.0, |sum, k| {
+            *sum += length / SAMPLES as f64 / size((k as f64 + 0.5) / SAMPLES as f64);
+            Some(*sum)
+        })
+        .collect();
+    let count = counted[SAMPLES - 1].round().max(1.0);
+    (1..count as usize)
+        .map(|k| {
+            let wanted = k as f64 / count * counted[SAMPLES - 1];
+            let cell = counted.partition_point(|sum| *sum < wanted);
+            let before = if cell > 0 { counted[cell - 1] } else { 0.0 };
+            let s = (cell as f64 + (wanted - before) / (counted[cell] - before)) / SAMPLES as f64;
+            from + s * (to - from)
+        })
+        .collect()
 }
 
 /// `holes`: whether metal and holes alternate from curve to curve inwards and holes are left empty.
-fn triangulated(domain: &PlaneDomain, holes: bool) -> Result<Triangulated, FemError> {
-    let mut points: Vec<Point2<f64>> = Vec::new();
+fn triangulated(domain: &PlaneDomain, mirrors: Mirrors, holes: bool) -> Result<Triangulated, FemError> {
+    let mut nodes: Vec<Vec2> = Vec::new();
     let mut constraints: Vec<[usize; 2]> = Vec::new();
-    let mut curves: Vec<(usize, Vec<f64>)> = Vec::new();
+    let mut curves: Vec<Curve> = Vec::new();
+    let near = 1e-9 * domain.interior_size;
     for (boundary, size, _) in &domain.boundaries {
-        let parameters = boundary.sample(*size);
-        let first = points.len();
-        points.extend(parameters.iter().map(|t| to_point(boundary.point(*t))));
-        constraints.extend((0..parameters.len()).map(|i| [first + i, first + (i + 1) % parameters.len()]));
-        curves.push((first, parameters));
+        let parameters = cut_at_mirrors(boundary, boundary.sample(*size), mirrors, near);
+        let indices: Vec<Option<usize>> = parameters
+            .iter()
+            .map(|t| {
+                let mut point = boundary.point(*t);
+                for component in mirrors.components() {
+                    if point[*component].abs() <= near {
+                        point[*component] = 0.0;
+                    }
+                }
+                mirrors.components().iter().all(|component| point[*component] >= 0.0).then(|| {
+                    nodes.push(point);
+                    nodes.len() - 1
+                })
+            })
+            .collect();
+        let edges: Vec<([usize; 2], [f64; 2])> = (0..parameters.len())
+            .filter_map(|i| {
+                let j = (i + 1) % parameters.len();
+                let end = if j == 0 { parameters[0] + boundary.period() } else { parameters[j] };
+                let middle = boundary.midpoint(parameters[i], end).1;
+                let inside = mirrors.components().iter().all(|component| middle[*component] > -near);
+                Some(([indices[i]?, indices[j]?], [parameters[i], end])).filter(|_| inside)
+            })
+            .collect();
+        constraints.extend(edges.iter().map(|(ends, _)| *ends));
+        curves.push(Curve { parameters, edges });
     }
+    let mut spacing = vec![f64::INFINITY; nodes.len()];
+    for [a, b] in &constraints {
+        let length = (nodes[*a] - nodes[*b]).norm();
+        [*a, *b].into_iter().for_each(|node| spacing[node] = spacing[node].min(length));
+    }
+    if mirrors == Mirrors::YAndX {
+        nodes.push(Vec2::zeros());
+        spacing.push(domain.interior_size);
+    }
+    for component in mirrors.components() {
+        let along = 1 - component;
+        let mut on: Vec<usize> = (0..spacing.len()).filter(|node| nodes[*node][*component] == 0.0).collect();
+        on.sort_by(|a, b| nodes[*a][along].total_cmp(&nodes[*b][along]));
+        for pair in on.windows(2) {
+            let [from, to] = [pair[0], pair[1]];
+            let between =
+                along_mirror(nodes[from], nodes[to], [spacing[from], spacing[to]], domain.interior_size);
+            let first = nodes.len();
+            nodes.extend(&between);
+            let chain: Vec<usize> =
+                std::iter::once(from).chain(first..first + between.len()).chain([to]).collect();
+            constraints.extend(chain.windows(2).map(|edge| [edge[0], edge[1]]));
+        }
+    }
+    let mut points: Vec<Point2<f64>> = nodes.into_iter().map(to_point).collect();
     let boundary_count = points.len();
-    for (index, ((boundary, size, rows), (_, parameters))) in
-        domain.boundaries.iter().zip(&curves).enumerate()
-    {
+    for (index, ((boundary, size, rows), curve)) in domain.boundaries.iter().zip(&curves).enumerate() {
         let inward = if index == 0 { 1.0 } else { -1.0 };
         for row in 1..=*rows {
-            points.extend(parallel_row(boundary, parameters, *size, row, inward));
+            points.extend(parallel_row(boundary, &curve.parameters, *size, row, inward));
         }
     }
     let mut conflict = false;
