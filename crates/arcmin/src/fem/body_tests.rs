@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::body::{Body, NodalLoad, Seat, Traction};
+use super::symmetry::{Class, Mirrors};
 use super::verification::{circle, steel};
 use super::*;
 use crate::geometry::Vec2;
@@ -128,7 +129,8 @@ fn coarse_carrier() -> CarrierShape {
 /// Constant strain passes through plate, pillars and plate: no forces but at surfaces and nodes held.
 #[test]
 fn layers_pass_the_patch_test() {
-    let body = coarse_carrier().body().unwrap();
+    let whole = coarse_carrier().classes_with(Mirrors::None).unwrap();
+    let body = &whole[0].body;
     let mesh = &body.mesh;
     let mut faces: std::collections::HashMap<[usize; 3], (usize, [usize; 6])> = Default::default();
     for tet in mesh.elements() {
@@ -169,6 +171,19 @@ fn layers_pass_the_patch_test() {
     assert!(inner > 100, "{inner}");
 }
 
+/// Parts that are meshed for every class weigh together what the whole weighs.
+fn mass_of(classes: &[Class]) -> f64 {
+    classes.iter().map(|class| class.body.solid_mass()).sum()
+}
+
+/// The lowest ten of all classes.
+fn frequencies_of(classes: &[Class]) -> Vec<f64> {
+    let mut all: Vec<f64> = classes.iter().flat_map(|class| class.body.frequencies(10).unwrap()).collect();
+    all.sort_by(f64::total_cmp);
+    all.truncate(10);
+    all
+}
+
 #[test]
 fn carrier_and_housing_weigh_what_their_outlines_enclose() {
     let shape = CarrierShape::of(&rv_40e_81());
@@ -179,11 +194,10 @@ fn carrier_and_housing_weigh_what_their_outlines_enclose() {
         - shape.cranks.len() as f64 * disc(s.crank_seat_radius);
     let pillars: f64 = s.pillars.iter().map(|p| p.outline().area()).sum();
     let expected = shape.material.density * (2.0 * s.plate_thickness * plate + s.gap * pillars);
-    let mass = shape.body().unwrap().solid_mass();
+    let mass = mass_of(&shape.classes().unwrap());
     assert!((mass / expected - 1.0).abs() < 2e-4, "{mass} {expected}");
     let small = small_housing();
-    let classes = small.classes().unwrap();
-    let mass = classes.iter().map(|class| class.body.solid_mass()).sum::<f64>();
+    let mass = mass_of(&small.classes().unwrap());
     let expected = small.volume() * small.solid.material.density;
     assert!((mass / expected - 1.0).abs() < 1e-3, "{mass} {expected}");
 }
@@ -193,8 +207,9 @@ fn carrier_and_housing_weigh_what_their_outlines_enclose() {
 #[test]
 fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     let shape = coarse_carrier();
-    let body = shape.body().unwrap();
-    let loads = shape.loads(&body);
+    let whole = shape.classes_with(Mirrors::None).unwrap();
+    let body = &whole[0].body;
+    let loads = shape.loads(body);
     let all: Vec<usize> = (0..loads.len()).collect();
     let rows = body.rows(&loads, &all);
     for (i, j) in all.iter().flat_map(|i| all.iter().map(move |j| (*i, *j))) {
@@ -202,6 +217,26 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
         assert!((rows[i][j] - rows[j][i]).abs() < 1e-10 * scale, "{i} {j}");
     }
     let c = body.compliance(&loads);
+    // Cut by mirrors it is the same carrier: two crankshafts on the y axis, and three, the first of them there.
+    let three = {
+        let mut drawn = (1..).map(|seed| crate::random_designs::sound_design(seed).0.machine());
+        let machine = drawn.find(|machine| machine.crankshafts.count == 3).unwrap();
+        let shape = CarrierShape::of(&machine);
+        CarrierShape { size: 1.2 * shape.size, layers: [2, 2], ..shape }
+    };
+    let two = CarrierShape { size: 0.6 * shape.size, layers: [2, 2], ..shape.clone() };
+    assert_eq!([shape.mirrors(), three.mirrors()], [Mirrors::Both, Mirrors::X]);
+    for (shape, parts) in [(&two, vec![Mirrors::X, Mirrors::Y, Mirrors::Both]), (&three, vec![Mirrors::X])] {
+        let whole = shape.compliance_of(&shape.classes_with(Mirrors::None).unwrap());
+        for part in parts {
+            let c = shape.compliance_of(&shape.classes_with(part).unwrap());
+            for (i, j) in (0..c.count).flat_map(|i| (0..c.count).map(move |j| (i, j))) {
+                let scale = (whole.at(i, i) * whole.at(j, j)).sqrt();
+                let apart = (whole.at(i, j) - c.at(i, j)).abs() / scale;
+                assert!(apart < 0.02, "{} crankshafts, {part:?}, {i} {j}: {apart}", shape.cranks.len());
+            }
+        }
+    }
     for end in 0..2 {
         let (first, second) = (shape.seat(0, end), shape.seat(1, end));
         for k in 0..2 {
@@ -236,7 +271,7 @@ fn small_housing() -> HousingShape {
 #[test]
 fn housing_by_classes_of_symmetry_is_the_whole() {
     let shape = small_housing();
-    assert_eq!((shape.symmetry(), shape.mirrors()), (4, Mirrors::YAndX));
+    assert_eq!((shape.symmetry(), shape.mirrors()), (4, Mirrors::Both));
     let quarters = shape.compliance().unwrap();
     assert_eq!(quarters.count, shape.main_seat(1) + 2);
     let mut bolts = [4, 3, 2].map(|count| {
@@ -245,12 +280,12 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
         shape
     });
     bolts[2].solid.first_bolt_angle = 0.5 * PI;
-    assert_eq!(bolts.each_ref().map(HousingShape::mirrors), [Mirrors::YAndX, Mirrors::Y, Mirrors::YAndX]);
+    assert_eq!(bolts.each_ref().map(HousingShape::mirrors), [Mirrors::Both, Mirrors::Y, Mirrors::Both]);
     for shape in &bolts {
         let of = |mirrors| shape.compliance_of(&shape.classes_with(mirrors).unwrap());
         let whole = of(Mirrors::None);
         let all =
-            if shape.mirrors() == Mirrors::Y { vec![Mirrors::Y] } else { vec![Mirrors::Y, Mirrors::YAndX] };
+            if shape.mirrors() == Mirrors::Y { vec![Mirrors::Y] } else { vec![Mirrors::Y, Mirrors::Both] };
         for part in all {
             let c = of(part);
             for (i, j) in (0..whole.count).flat_map(|i| (0..whole.count).map(move |j| (i, j))) {
@@ -321,8 +356,8 @@ fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
 #[ignore = "half a minute; the solver of the reference is not run"]
 fn val_carrier_is_that_of_calculix() {
     let shape = CarrierShape::of(&rv_40e_81());
-    let body = shape.body().unwrap();
-    let c = body.compliance(&shape.loads(&body));
+    let classes = shape.classes().unwrap();
+    let c = shape.compliance_of(&classes);
     let names = ["x", "y"];
     let place = |name: &str| {
         let (seat, kind) = name.split_at(6);
@@ -341,7 +376,7 @@ fn val_carrier_is_that_of_calculix() {
             apart = apart.max(distance(&format!("carrier_{under}_{other}"), c.at(i, j), scale));
         }
     }
-    for (k, found) in body.frequencies(10).unwrap().into_iter().enumerate() {
+    for (k, found) in frequencies_of(&classes).into_iter().enumerate() {
         detuned = detuned.max(distance(&format!("carrier_frequency_{}", k + 1), found, found));
     }
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
@@ -369,10 +404,7 @@ fn val_housing_is_that_of_calculix() {
         let sum: f64 = i.iter().flat_map(|a| j.iter().map(move |b| (a, b))).map(|(a, b)| c.at(*a, *b)).sum();
         sum / (i.len() * j.len()) as f64
     };
-    let mut frequencies: Vec<f64> =
-        classes.iter().flat_map(|class| class.body.frequencies(7).unwrap()).collect();
-    frequencies.sort_by(f64::total_cmp);
-    frequencies.truncate(10);
+    let frequencies = frequencies_of(&classes);
     for (what, out_of_tune) in [("_on_the_finer_mesh", 0.005), ("", 0.01)] {
         let (mut apart, mut detuned) = (0.0_f64, 0.0_f64);
         for (i, (under, _)) in chosen.iter().enumerate() {
@@ -416,25 +448,18 @@ fn val_rims_are_those_of_calculix() {
 #[ignore = "a minute: prints how compliances go with the mesh"]
 fn compliances_against_the_mesh() {
     let machine = rv_40e_81();
-    let timed = |body: &Body, loads: &[NodalLoad], started: std::time::Instant| {
-        let c = body.compliance(loads);
-        let own: Vec<String> = (0..loads.len()).map(|k| format!("{:.5e}", c.at(k, k))).collect();
-        println!(
-            "{} unknowns, {:.1} s: {}",
-            body.quality().unknowns,
-            started.elapsed().as_secs_f64(),
-            own.join(" ")
-        );
+    let print = |classes: &[Class], c: &Compliance, own: &[usize], started: std::time::Instant| {
+        let unknowns: usize = classes.iter().map(|class| class.body.quality().unknowns).sum();
+        let own: Vec<String> = own.iter().map(|k| format!("{:.5e}", c.at(*k, *k))).collect();
+        println!("{unknowns} unknowns, {:.1} s: {}", started.elapsed().as_secs_f64(), own.join(" "));
     };
     for (size, layers) in [(1.0, [2, 3]), (1.0, [3, 3]), (0.7, [3, 3]), (1.0, [4, 3])] {
         let shape = CarrierShape::of(&machine);
         let shape = CarrierShape { size: size * shape.size, layers, ..shape };
         let started = std::time::Instant::now();
-        let body = shape.body().unwrap();
-        let loads = shape.loads(&body);
-        let chosen: Vec<NodalLoad> = [0, 1, 9, 10].map(|k| loads[k].clone()).to_vec();
+        let classes = shape.classes().unwrap();
         print!("carrier {size} {layers:?} ");
-        timed(&body, &chosen, started);
+        print(&classes, &shape.compliance_of(&classes), &[0, 1, 9, 10], started);
     }
     for (fine, coarse, layers) in
         [(1.0, 1.0, [1, 1]), (0.6, 1.0, [1, 1]), (1.0, 1.0, [1, 2]), (0.6, 1.0, [1, 2]), (1.0, 0.7, [1, 1])]
@@ -445,10 +470,8 @@ fn compliances_against_the_mesh() {
         let started = std::time::Instant::now();
         let classes = shape.classes().unwrap();
         let c = shape.compliance_of(&classes);
-        let unknowns: usize = classes.iter().map(|class| class.body.quality().unknowns).sum();
+        print!("housing {fine} {coarse} {layers:?} ");
         let own = [shape.pin(0, 0), shape.pin(0, 0) + 1, shape.pin(0, 3) + 1, shape.main_seat(0)];
-        let own: Vec<String> = own.map(|k| format!("{:.5e}", c.at(k, k))).to_vec();
-        let seconds = started.elapsed().as_secs_f64();
-        println!("housing {fine} {coarse} {layers:?} {unknowns} unknowns, {seconds:.1} s: {}", own.join(" "));
+        print(&classes, &c, &own, started);
     }
 }

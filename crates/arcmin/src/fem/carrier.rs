@@ -1,8 +1,9 @@
 //! The carrier as an elastic body: plates, pillars, crank bores, held at its output face.
 
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
+use super::symmetry::{self, Class, Mirrors, Part, reflected};
 use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
-use crate::geometry::{Vec2, unit};
+use crate::geometry::{Sector, Vec2, unit};
 use crate::machine::{CarrierSolid, Hold, Kinematics, Machine};
 use crate::materials::Material;
 
@@ -90,11 +91,44 @@ impl CarrierShape {
         [0..plate, plate + between..2 * plate + between]
     }
 
-    /// Meshes and factorises.
+    /// Planes through the axis that crankshafts and pillars are both symmetric about.
+    pub fn mirrors(&self) -> Mirrors {
+        let near = 1e-9 * self.solid.plate_radius;
+        let is_one = |component: usize| {
+            let cranks =
+                self.cranks.iter().all(|place| self.crank_at(reflected(*place, component)).is_some());
+            let pillars = self.solid.pillars.iter().all(|pillar| {
+                let shown = reflected(pillar.outer_radius * unit(pillar.centre_angle), component);
+                self.solid.pillars.iter().any(|other| {
+                    let as_large = Sector { centre_angle: pillar.centre_angle, ..*other } == *pillar;
+                    as_large && (other.outer_radius * unit(other.centre_angle) - shown).norm() < near
+                })
+            });
+            cranks && pillars
+        };
+        Mirrors::of(is_one(0), is_one(1))
+    }
+
+    /// The crankshaft at a place.
+    fn crank_at(&self, place: Vec2) -> Option<usize> {
+        self.cranks.iter().position(|crank| (crank - place).norm() < 1e-9 * self.solid.plate_radius)
+    }
+
+    /// Meshes what its mirrors leave of the carrier, and factorises it for every class of symmetry: bodies that together
+    /// are the whole.
     ///
     /// # Errors
     /// [`FemError`] if outlines cross each other or a pillar's sides do not fit its corners.
-    pub fn body(&self) -> Result<Body, FemError> {
+    pub fn classes(&self) -> Result<Vec<Class>, FemError> {
+        self.classes_with(self.mirrors())
+    }
+
+    /// With other mirrors than all that there are.
+    pub(super) fn classes_with(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
+        self.part(mirrors)?.classes(mirrors, &self.material)
+    }
+
+    fn part(&self, mirrors: Mirrors) -> Result<Part, FemError> {
         if let Some(pillar) = self.solid.pillars.iter().find(|pillar| !pillar.is_sound()) {
             return Err(FemError::Mesh {
                 reason: format!(
@@ -102,7 +136,8 @@ impl CarrierShape {
                 ),
             });
         }
-        let (plane, regions) = PlaneMesh::triangulate_regions(&self.domain(), |bits| self.is_plate(bits))?;
+        let (plane, regions) =
+            PlaneMesh::triangulate_part(&self.domain(), mirrors, |bits| self.is_plate(bits))?;
         let (ends, pillars) = (self.ends(), self.pillar_bits());
         let mesh = Mesh::layered(plane, &self.cuts(), |layer, triangle| {
             ends.iter().any(|plate| plate.contains(&layer)) || regions[triangle] & pillars != 0
@@ -127,11 +162,12 @@ impl CarrierShape {
                 triangle.iter().for_each(|node| held[top + node] = [true; 3]);
             }
         }
-        Body::new(mesh, regions, self.material.clone(), &held)
+        Ok(Part { mesh, regions, held })
     }
 
     /// Unit loads of all interface coordinates: per crankshaft and end (input, output)
-    /// [`SEAT_COORDINATES`], then x and y of the main bearing's seat on the plate at either end.
+    /// [`SEAT_COORDINATES`], then x and y of the main bearing's seat on the plate at either end. Of each the part on
+    /// the mesh.
     pub fn loads(&self, body: &Body) -> Vec<NodalLoad> {
         let ends = self.ends();
         let mut loads = Vec::new();
@@ -161,10 +197,38 @@ impl CarrierShape {
     /// C of [`CarrierShape::loads`].
     ///
     /// # Errors
-    /// As [`CarrierShape::body`].
+    /// As [`CarrierShape::classes`].
     pub fn compliance(&self) -> Result<Compliance, FemError> {
-        let body = self.body()?;
-        Ok(body.compliance(&self.loads(&body)))
+        Ok(self.compliance_of(&self.classes()?))
+    }
+
+    /// C of [`CarrierShape::loads`] from bodies that together are the whole.
+    pub(super) fn compliance_of(&self, classes: &[Class]) -> Compliance {
+        let reflected = |coordinate, mirror| self.reflected(coordinate, mirror);
+        symmetry::compliance(classes, self.main_seat(1) + 2, |body| self.loads(body), reflected)
+    }
+
+    /// The coordinate that the mirror with a normal turns another into, and its sign: φ goes to −φ in y = 0, to π − φ in
+    /// x = 0.
+    fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
+        let main = self.main_seat(0);
+        if coordinate >= main {
+            return (coordinate, if (coordinate - main) % 2 == mirror { -1.0 } else { 1.0 });
+        }
+        let (seat, way) = (coordinate / SEAT_COORDINATES, coordinate % SEAT_COORDINATES);
+        let (crank, end) = (seat / 2, seat % 2);
+        let to = self.crank_at(reflected(self.cranks[crank], mirror)).unwrap_or(crank);
+        // x, y, expansion, and pairs of cosine and sine of the orders from 2 on.
+        let (order, sine) = match way {
+            0 | 1 => (1, way == 1),
+            2 => (0, false),
+            _ => (2 + (way - 3) / 2, way % 2 == 0),
+        };
+        let turns = match mirror {
+            0 => (order + usize::from(sine)) % 2 == 1,
+            _ => sine,
+        };
+        (self.seat(to, end) + way, if turns { -1.0 } else { 1.0 })
     }
 }
 

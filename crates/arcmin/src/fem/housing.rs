@@ -2,11 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use rayon::prelude::*;
-
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
 use super::carrier::translations;
-use super::{Boundary, FemError, Mesh, Mirrors, PlaneDomain, PlaneMesh};
+use super::symmetry::{self, Class, Mirrors, Part};
+use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
 use crate::geometry::{Outline, Segment, Vec2, unit};
 use crate::machine::{Hold, HousingSolid, Machine};
 
@@ -30,16 +29,6 @@ pub struct HousingShape {
     pub layers: [usize; 2],
 }
 
-/// What mirrors leave of a housing, held on them as motions are that reflection in each leaves (even) or turns about
-/// (odd).
-pub struct Class {
-    pub odd: Vec<bool>,
-    pub body: Body,
-}
-
-/// Mesh, curves around every triangle of the section, and what the bolts hold.
-type Meshed = (Mesh, Vec<u64>, Vec<[bool; 3]>);
-
 /// Curves of the section, in this order; faces of bolts follow.
 const FLANGE: usize = 0;
 const BODY: usize = 1;
@@ -60,7 +49,7 @@ const UNDER_SHOULDER: f64 = 0.72;
 const TOWARDS_SHOULDER: f64 = 1.7;
 
 impl HousingShape {
-    /// The housing of a machine; edges 0.025 R_p long at the grooves (six edges in each; with four the grooves
+    /// The housing of a machine; edges 0.02 R_p long at the grooves (eight edges in each; with four the grooves
     /// are 0.5 % stiffer along the ring), 0.1 R_p elsewhere, five layers through a seat (with three the eighth
     /// frequency is 0.3 % higher, with a single one the tenth 3 %), two through a disc's share of the pins (with
     /// a single one grooves are 4 % too stiff).
@@ -74,7 +63,7 @@ impl HousingShape {
             disc_count: machine.disc_count,
             seat_length: machine.solids.carrier.plate_thickness,
             pin_length: machine.solids.carrier.gap,
-            sizes: [0.025 * r, 0.1 * r],
+            sizes: [0.02 * r, 0.1 * r],
             layers: [5, 2],
         }
     }
@@ -211,11 +200,7 @@ impl HousingShape {
                 (pitches - pitches.round()).abs() < 1e-9
             }
         };
-        match bolts_at(0.0) {
-            false => Mirrors::None,
-            true if self.pin_count.is_multiple_of(2) && bolts_at(FRAC_PI_2) => Mirrors::YAndX,
-            true => Mirrors::Y,
-        }
+        Mirrors::of(self.pin_count.is_multiple_of(2) && bolts_at(FRAC_PI_2), bolts_at(0.0))
     }
 
     /// Meshes what its mirrors leave of the housing, and factorises it for every class of symmetry: bodies that together
@@ -229,27 +214,12 @@ impl HousingShape {
 
     /// With other mirrors than all that there are.
     pub(super) fn classes_with(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
-        let (mesh, regions, clamped) = self.mesh(mirrors)?;
-        let planes = mirrors.components();
-        (0..1_usize << planes.len())
-            .into_par_iter()
-            .map(|bits| {
-                let odd: Vec<bool> = (0..planes.len()).map(|plane| bits >> plane & 1 == 1).collect();
-                let mut held = clamped.clone();
-                for (component, odd) in planes.iter().zip(&odd) {
-                    let on = (0..mesh.nodes.len()).filter(|node| mesh.nodes[*node][*component] == 0.0);
-                    // What is even moves along the plane, what is odd through it.
-                    on.for_each(|node| (0..3).for_each(|c| held[node][c] |= (c == *component) != *odd));
-                }
-                let body = Body::new(mesh.clone(), regions.clone(), self.solid.material.clone(), &held)?;
-                Ok(Class { odd, body })
-            })
-            .collect()
+        self.part(mirrors)?.classes(mirrors, &self.solid.material)
     }
 
     /// Meshes what mirrors leave; once again with edges of half the length where the grooves' curved ones turned an
     /// element of a thin wall inside out.
-    fn mesh(&self, mirrors: Mirrors) -> Result<Meshed, FemError> {
+    fn part(&self, mirrors: Mirrors) -> Result<Part, FemError> {
         self.check()?;
         match self.meshed(mirrors) {
             Err(FemError::InvertedElement { .. }) => {
@@ -261,7 +231,7 @@ impl HousingShape {
         }
     }
 
-    fn meshed(&self, mirrors: Mirrors) -> Result<Meshed, FemError> {
+    fn meshed(&self, mirrors: Mirrors) -> Result<Part, FemError> {
         let inside = |bits: u64, curve: usize| bits >> curve & 1 == 1;
         let metal = |bits: u64| inside(bits, FLANGE) && !inside(bits, GROOVES);
         let (plane, regions) = PlaneMesh::triangulate_part(&self.domain(), mirrors, metal)?;
@@ -300,7 +270,7 @@ impl HousingShape {
                 triangle.iter().for_each(|node| held[level + node] = [true; 3]);
             }
         }
-        Ok((mesh, regions, held))
+        Ok(Part { mesh, regions, held })
     }
 
     /// Unit loads of all interface coordinates: per disc and pin the radial (outward) and the tangential
@@ -369,76 +339,20 @@ impl HousingShape {
     }
 
     /// C of [`HousingShape::loads`] from bodies that together are the whole.
-    ///
-    /// Reflections g turn a load L into ± another, g L. Its share in a class is L_c = Σ_g χ(g) g L/n, n their number and
-    /// χ(g) = ± 1 the class's own sign, so that L = Σ_c L_c; what L_c displaces belongs to the class, and L reads n times
-    /// of it what L_c reads on the part that is meshed.
     pub(super) fn compliance_of(&self, classes: &[Class]) -> Compliance {
-        let count = self.main_seat(1) + 2;
-        let mut values = vec![0.0; count * count];
-        let of_classes: Vec<Vec<f64>> = classes
-            .par_iter()
-            .map(|class| {
-                let loads = self.loads(&class.body);
-                let there: Vec<usize> = (0..count).filter(|k| !loads[*k].is_empty()).collect();
-                let here: Vec<NodalLoad> = there.iter().map(|k| loads[*k].clone()).collect();
-                let part = class.body.compliance(&here);
-                let place = |k: usize| there.binary_search(&k).ok();
-                let images: Vec<Vec<(usize, f64)>> = (0..count)
-                    .map(|k| {
-                        self.images(k, class)
-                            .into_iter()
-                            .filter_map(|(k, sign)| Some((place(k)?, sign)))
-                            .collect()
-                    })
-                    .collect();
-                let share = 1.0 / (1_usize << class.odd.len()) as f64;
-                let sum = |i: &[(usize, f64)], j: &[(usize, f64)]| -> f64 {
-                    i.iter()
-                        .flat_map(|(a, p)| j.iter().map(move |(b, q)| (a, b, p * q)))
-                        .map(|(a, b, s)| s * part.at(*a, *b))
-                        .sum()
-                };
-                images
-                    .iter()
-                    .flat_map(|i| images.iter().map(move |j| (i, j)))
-                    .map(|(i, j)| share * sum(i, j))
-                    .collect()
-            })
-            .collect();
-        for class in of_classes {
-            values.iter_mut().zip(class).for_each(|(sum, value)| *sum += value);
-        }
-        Compliance { count, values }
+        let reflected = |coordinate, mirror| self.reflected(coordinate, mirror);
+        symmetry::compliance(classes, self.main_seat(1) + 2, |body| self.loads(body), reflected)
     }
 
-    /// What reflections make of a coordinate, with their sign in a class.
-    fn images(&self, coordinate: usize, class: &Class) -> Vec<(usize, f64)> {
-        let mut images = vec![(coordinate, 1.0)];
-        for (plane, odd) in class.odd.iter().enumerate() {
-            let class_sign = if *odd { -1.0 } else { 1.0 };
-            let reflected: Vec<(usize, f64)> = images
-                .iter()
-                .map(|(k, sign)| {
-                    let (to, own) = self.reflected(*k, plane);
-                    (to, sign * own * class_sign)
-                })
-                .collect();
-            images.extend(reflected);
-        }
-        images
-    }
-
-    /// The coordinate that a reflection, first in y = 0, then in x = 0, turns another into, and its sign.
-    fn reflected(&self, coordinate: usize, plane: usize) -> (usize, f64) {
+    /// The coordinate that the mirror with a normal turns another into, and its sign.
+    fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
         let seats = self.main_seat(0);
         if coordinate >= seats {
-            let along = (coordinate - seats) % 2;
-            return (coordinate, if along + plane == 1 { -1.0 } else { 1.0 });
+            return (coordinate, if (coordinate - seats) % 2 == mirror { -1.0 } else { 1.0 });
         }
         let (across, place) = (coordinate % 2, coordinate / 2);
         let (disc, pin) = (place / self.pin_count, place % self.pin_count);
-        let straight = if plane == 0 { 0 } else { self.pin_count / 2 };
+        let straight = if mirror == 0 { self.pin_count / 2 } else { 0 };
         let to = (straight + self.pin_count - pin) % self.pin_count;
         (self.pin(disc, to) + across, if across == 1 { -1.0 } else { 1.0 })
     }

@@ -29,6 +29,7 @@ pub mod rims;
 pub mod shape;
 pub mod solve;
 mod stress;
+pub mod symmetry;
 #[cfg(test)]
 pub(crate) mod tests;
 #[cfg(test)]
@@ -47,7 +48,7 @@ pub use flank::{FlankStations, Stencil};
 pub use housing::HousingShape;
 pub use mesh::{ElementKind, Mesh, MeshQuality};
 pub use modes::{FlankModes, FreeModes};
-pub use plane::{MeshSizes, Mirrors, PlaneDomain, PlaneMesh};
+pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
 pub use rims::RimShape;

@@ -2,6 +2,7 @@ use std::collections::HashMap;
 
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 
+use super::symmetry::Mirrors;
 use super::{Boundary, FemError};
 use crate::geometry::{Vec2, cross};
 
@@ -188,28 +189,6 @@ impl PlaneMesh {
     }
 }
 
-/// Planes through the axis that a section is symmetric about: only the part on one side of them is meshed, its nodes on
-/// them exactly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mirrors {
-    None,
-    /// y = 0; the part with y ≥ 0 is left.
-    Y,
-    /// y = 0 and x = 0; the quarter with x, y ≥ 0 is left.
-    YAndX,
-}
-
-impl Mirrors {
-    /// Components of the normals of the planes.
-    pub fn components(self) -> &'static [usize] {
-        match self {
-            Mirrors::None => &[],
-            Mirrors::Y => &[1],
-            Mirrors::YAndX => &[1, 0],
-        }
-    }
-}
-
 /// Corner nodes, triangles, and the curves.
 struct Triangulated {
     nodes: Vec<Vec2>,
@@ -319,7 +298,7 @@ fn triangulated(domain: &PlaneDomain, mirrors: Mirrors, holes: bool) -> Result<T
         let length = (nodes[*a] - nodes[*b]).norm();
         [*a, *b].into_iter().for_each(|node| spacing[node] = spacing[node].min(length));
     }
-    if mirrors == Mirrors::YAndX {
+    if mirrors == Mirrors::Both {
         nodes.push(Vec2::zeros());
         spacing.push(domain.interior_size);
     }
