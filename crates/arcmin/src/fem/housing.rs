@@ -49,7 +49,7 @@ const UNDER_SHOULDER: f64 = 0.72;
 const TOWARDS_SHOULDER: f64 = 1.7;
 
 impl HousingShape {
-    /// The housing of a machine; edges 0.02 R_p long at the grooves (eight edges in each; with four the grooves
+    /// The housing of a machine; edges 0.02 R_p long at the grooves (seven edges in each; with four the grooves
     /// are 0.5 % stiffer along the ring), 0.1 R_p elsewhere, five layers through a seat (with three the eighth
     /// frequency is 0.3 % higher, with a single one the tenth 3 %), two through a disc's share of the pins (with
     /// a single one grooves are 4 % too stiff).

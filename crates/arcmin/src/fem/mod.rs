@@ -1,9 +1,11 @@
-//! The elastic cycloid disc: meshes, finite elements, reduction to a few coordinates.
+//! Elastic bodies: meshes, finite elements, reduction to a few coordinates.
 //!
 //! The data's way: `DiscShape` (outline, bores, width, material) → [`Mesh`] (T6 plane stress or Tet10 through
 //! half the width) → [`assembly`] (K, M with bores held or tied to rigid spiders) → [`solve`] (sparse
 //! Cholesky, modes) → `reduction` (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank
-//! place). `load` and `dynamics` only ever see the reduced disc. `vtu` writes meshes and fields for ParaView.
+//! place). Carrier, housing and the rims of bores are [`body`] made of layers, [`symmetry`] parts of them, condensed to
+//! their seats in [`bodies`]. `load` and `dynamics` only ever see what is reduced. `vtu` writes meshes and fields for
+//! ParaView.
 
 pub mod assembly;
 pub mod bodies;
