@@ -9,7 +9,7 @@ pub(crate) fn slice_height(length: f64) -> f64 {
 /// One contact along a pin, on a disc that may lean: the mean of two slices.
 ///
 /// A disc of the width B that leans by σ presses a pin by δ + σ z at the height z over its middle. The force of the
-/// whole line is the mean of the law at δ ± ε, ε = σ B/√12 ([`slice_height`]), right to second order in the lean.
+/// whole line is the mean of the law at δ ± ε, ε = σ B/√12 (`slice_height`), right to second order in the lean.
 /// Forces, approaches and energies are those of the whole line, approaches of its middle.
 #[derive(Debug, Clone, Copy)]
 pub struct LeaningLine<'a> {
