@@ -123,7 +123,7 @@ mod tests {
         let steel = Material::by_name("GCr15").unwrap();
         for law in [ContactLaw::LineHertz, ContactLaw::Palmgren, ContactLaw::Linear { stiffness: 2.85e8 }] {
             let law = LineContact::new(law, &steel, &steel, 8.75e-3, 3e-3);
-            let line = |lean: f64| LeaningLine { law: &law, equivalent_radius: 4e-3, skew: lean };
+            let line = |skew: f64| LeaningLine { law: &law, equivalent_radius: 4e-3, skew };
             for (approach, lean) in [(4e-6, 1e-6), (4e-6, -2e-6), (1e-6, 3e-6), (3e-6, 0.0)] {
                 let (force, stiffness) = line(lean).force(approach);
                 let (couple, across) = line(lean).couple(approach);

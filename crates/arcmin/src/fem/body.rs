@@ -163,13 +163,6 @@ impl Body {
         MeshQuality { unknowns: self.map.count, ..self.mesh.quality() }
     }
 
-    /// Mass of the solid in kg, held nodes included.
-    pub fn solid_mass(&self) -> f64 {
-        let jacobian =
-            |e| super::elements::mass_tet10(&self.mesh.element_nodes::<10>(e), self.material.density);
-        (0..self.mesh.element_count()).map(|e| jacobian(e).iter().sum::<f64>()).sum()
-    }
-
     /// Consistent nodal forces of a unit load on a seat.
     pub fn load(&self, seat: &Seat, traction: Traction) -> NodalLoad {
         seat_load(&self.mesh, seat, traction)

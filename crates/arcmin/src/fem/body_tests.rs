@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::body::{Body, NodalLoad, Seat, Traction};
-use super::symmetry::{Class, Mirrors};
+use super::symmetry::{Class, Mirrors, Symmetric};
 use super::verification::{circle, steel};
 use super::*;
-use crate::geometry::Vec2;
+use crate::geometry::{Sector, Vec2};
 use crate::machine::HousingSolid;
 use crate::templates::rv_40e_81;
 
@@ -111,7 +111,11 @@ fn val_edges_drawn_towards_the_rim_of_a_clamp() {
         }
         let body = Body::new(mesh, regions, steel(), &held).unwrap();
         let expected = PI * radius * radius * thickness * steel().density;
-        assert!((body.solid_mass() / expected - 1.0).abs() < 2e-4, "{}", body.solid_mass() / expected);
+        assert!(
+            (body.mesh.mass(steel().density) / expected - 1.0).abs() < 2e-4,
+            "{}",
+            body.mesh.mass(steel().density) / expected
+        );
         body.frequencies(1).unwrap()[0]
     };
     let (coarse, fine) = (frequency(4e-3, 2, false), frequency(2e-3, 4, false));
@@ -129,7 +133,7 @@ fn coarse_carrier() -> CarrierShape {
 /// Constant strain passes through plate, pillars and plate: no forces but at surfaces and nodes held.
 #[test]
 fn layers_pass_the_patch_test() {
-    let whole = coarse_carrier().classes_with(Mirrors::None).unwrap();
+    let whole = coarse_carrier().classes(Mirrors::None).unwrap();
     let body = &whole[0].body;
     let mesh = &body.mesh;
     let mut faces: std::collections::HashMap<[usize; 3], (usize, [usize; 6])> = Default::default();
@@ -171,9 +175,10 @@ fn layers_pass_the_patch_test() {
     assert!(inner > 100, "{inner}");
 }
 
-/// Parts that are meshed for every class weigh together what the whole weighs.
-fn mass_of(classes: &[Class]) -> f64 {
-    classes.iter().map(|class| class.body.solid_mass()).sum()
+/// What the parts that mirrors cut off weigh together.
+fn mass_of(shape: &impl Symmetric, mirrors: Mirrors) -> f64 {
+    let parts = 1_usize << mirrors.components().len();
+    parts as f64 * shape.remnant(mirrors).unwrap().mesh.mass(shape.material().density)
 }
 
 /// The lowest ten of all classes.
@@ -194,10 +199,10 @@ fn carrier_and_housing_weigh_what_their_outlines_enclose() {
         - shape.cranks.len() as f64 * disc(s.crank_seat_radius);
     let pillars: f64 = s.pillars.iter().map(|p| p.outline().area()).sum();
     let expected = shape.material.density * (2.0 * s.plate_thickness * plate + s.gap * pillars);
-    let mass = mass_of(&shape.classes().unwrap());
+    let mass = mass_of(&shape, shape.mirrors());
     assert!((mass / expected - 1.0).abs() < 2e-4, "{mass} {expected}");
     let small = small_housing();
-    let mass = mass_of(&small.classes().unwrap());
+    let mass = mass_of(&small, small.mirrors());
     let expected = small.volume() * small.solid.material.density;
     assert!((mass / expected - 1.0).abs() < 1e-3, "{mass} {expected}");
 }
@@ -207,7 +212,7 @@ fn carrier_and_housing_weigh_what_their_outlines_enclose() {
 #[test]
 fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     let shape = coarse_carrier();
-    let whole = shape.classes_with(Mirrors::None).unwrap();
+    let whole = shape.classes(Mirrors::None).unwrap();
     let body = &whole[0].body;
     let loads = shape.loads(body);
     let all: Vec<usize> = (0..loads.len()).collect();
@@ -227,9 +232,9 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     let two = CarrierShape { size: 0.6 * shape.size, layers: [2, 2], ..shape.clone() };
     assert_eq!([shape.mirrors(), three.mirrors()], [Mirrors::Both, Mirrors::X]);
     for (shape, parts) in [(&two, vec![Mirrors::X, Mirrors::Y, Mirrors::Both]), (&three, vec![Mirrors::X])] {
-        let whole = shape.compliance_of(&shape.classes_with(Mirrors::None).unwrap());
+        let whole = shape.compliance_of(&shape.classes(Mirrors::None).unwrap());
         for part in parts {
-            let c = shape.compliance_of(&shape.classes_with(part).unwrap());
+            let c = shape.compliance_of(&shape.classes(part).unwrap());
             for (i, j) in (0..c.count).flat_map(|i| (0..c.count).map(move |j| (i, j))) {
                 let scale = (whole.at(i, i) * whole.at(j, j)).sqrt();
                 let apart = (whole.at(i, j) - c.at(i, j)).abs() / scale;
@@ -257,6 +262,29 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     }
 }
 
+/// Parts of carriers and housings of random machines weigh together what the wholes weigh.
+#[test]
+fn parts_of_random_machines_are_whole() {
+    let mut seen = Vec::new();
+    for seed in 1..=12 {
+        let machine = crate::random_designs::sound_design(seed).0.machine();
+        // Some leave no room for pillars, which elastic bodies then refuse.
+        if !machine.solids.carrier.pillars.iter().all(Sector::is_sound) {
+            continue;
+        }
+        let housing = HousingShape::of(&machine);
+        let carrier = CarrierShape::of(&machine);
+        let expected = housing.volume() * housing.solid.material.density;
+        let mass = mass_of(&housing, housing.mirrors());
+        assert!((mass / expected - 1.0).abs() < 2e-3, "seed {seed}: {mass} {expected}");
+        let [parts, whole] = [carrier.mirrors(), Mirrors::None].map(|mirrors| mass_of(&carrier, mirrors));
+        assert!((parts / whole - 1.0).abs() < 2e-4, "seed {seed}: {parts} {whole}");
+        seen.extend([housing.mirrors(), carrier.mirrors()]);
+    }
+    assert!(seen.len() >= 16, "{seen:?}");
+    assert!([Mirrors::Y, Mirrors::X, Mirrors::Both].iter().all(|mirrors| seen.contains(mirrors)), "{seen:?}");
+}
+
 /// Eight pins and four bolts, two discs.
 fn small_housing() -> HousingShape {
     let mut shape = HousingShape::of(&rv_40e_81());
@@ -280,9 +308,9 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
         shape
     });
     bolts[2].solid.first_bolt_angle = 0.5 * PI;
-    assert_eq!(bolts.each_ref().map(HousingShape::mirrors), [Mirrors::Both, Mirrors::Y, Mirrors::Both]);
+    assert_eq!(bolts.each_ref().map(Symmetric::mirrors), [Mirrors::Both, Mirrors::Y, Mirrors::Both]);
     for shape in &bolts {
-        let of = |mirrors| shape.compliance_of(&shape.classes_with(mirrors).unwrap());
+        let of = |mirrors| shape.compliance_of(&shape.classes(mirrors).unwrap());
         let whole = of(Mirrors::None);
         let all =
             if shape.mirrors() == Mirrors::Y { vec![Mirrors::Y] } else { vec![Mirrors::Y, Mirrors::Both] };
@@ -300,7 +328,7 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
         ..shape.clone()
     };
     assert_eq!((turned.mirrors(), turned.symmetry()), (Mirrors::None, 4));
-    let whole = shape.compliance_of(&shape.classes_with(Mirrors::None).unwrap());
+    let whole = shape.compliance_of(&shape.classes(Mirrors::None).unwrap());
     // A ring of seats is softer the fewer bolts hold it.
     let mut two = shape.clone();
     two.solid.bolt_count = 2;
@@ -316,7 +344,7 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
 #[test]
 fn grooves_and_rims_carry_unit_forces() {
     let shape = small_housing();
-    let whole = shape.classes_with(Mirrors::None).unwrap();
+    let whole = shape.classes(Mirrors::None).unwrap();
     let loads = shape.loads(&whole[0].body);
     let sum = |load: &NodalLoad, component: usize| -> f64 {
         load.iter().filter(|(_, c, _)| *c == component).map(|(_, _, f)| f).sum()
@@ -353,10 +381,9 @@ fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
 /// Compliance between the crank seats within 1 % (of the geometric mean of their own), and the first ten
 /// frequencies within 0.5 % of what the two meshes of the reference are extrapolated to.
 #[test]
-#[ignore = "half a minute; the solver of the reference is not run"]
 fn val_carrier_is_that_of_calculix() {
     let shape = CarrierShape::of(&rv_40e_81());
-    let classes = shape.classes().unwrap();
+    let classes = shape.classes(shape.mirrors()).unwrap();
     let c = shape.compliance_of(&classes);
     let names = ["x", "y"];
     let place = |name: &str| {
@@ -382,14 +409,11 @@ fn val_carrier_is_that_of_calculix() {
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
-/// Compliances of the housing, pins loaded over their whole length, both discs' shares alike, and its first ten
-/// frequencies: within 1 and 0.5 % of the finer mesh of the reference, both within 1 % of what its two meshes are
-/// extrapolated to (0.95 and 0.98 %: this mesh is as fine as the reference's).
-#[test]
-#[ignore = "half a minute; the solver of the reference is not run"]
-fn val_housing_is_that_of_calculix() {
+/// How far compliances of the housing, pins loaded over their whole length, both discs' shares alike, and its first ten
+/// frequencies are from values of the reference whose names end so.
+fn housing_apart(what: &str) -> [f64; 2] {
     let shape = HousingShape::of(&rv_40e_81());
-    let classes = shape.classes().unwrap();
+    let classes = shape.classes(shape.mirrors()).unwrap();
     let c = shape.compliance_of(&classes);
     // Half of a load on either disc's share of a pin.
     let mut chosen: Vec<(String, Vec<usize>)> = Vec::new();
@@ -404,23 +428,35 @@ fn val_housing_is_that_of_calculix() {
         let sum: f64 = i.iter().flat_map(|a| j.iter().map(move |b| (a, b))).map(|(a, b)| c.at(*a, *b)).sum();
         sum / (i.len() * j.len()) as f64
     };
-    let frequencies = frequencies_of(&classes);
-    for (what, out_of_tune) in [("_on_the_finer_mesh", 0.005), ("", 0.01)] {
-        let (mut apart, mut detuned) = (0.0_f64, 0.0_f64);
-        for (i, (under, _)) in chosen.iter().enumerate() {
-            if !["pin0r", "pin3t"].contains(&under.as_str()) {
-                continue;
-            }
-            for (j, (other, _)) in chosen.iter().enumerate() {
-                let scale = (mean(i, i) * mean(j, j)).sqrt();
-                apart = apart.max(distance(&format!("housing_{under}_{other}{what}"), mean(i, j), scale));
-            }
+    let (mut apart, mut detuned) = (0.0_f64, 0.0_f64);
+    for (i, (under, _)) in chosen.iter().enumerate() {
+        if !["pin0r", "pin3t"].contains(&under.as_str()) {
+            continue;
         }
-        for (k, found) in frequencies.iter().enumerate() {
-            detuned = detuned.max(distance(&format!("housing_frequency_{}{what}", k + 1), *found, *found));
+        for (j, (other, _)) in chosen.iter().enumerate() {
+            let scale = (mean(i, i) * mean(j, j)).sqrt();
+            apart = apart.max(distance(&format!("housing_{under}_{other}{what}"), mean(i, j), scale));
         }
-        assert!(apart < 0.01 && detuned < out_of_tune, "{what}: compliances {apart}, frequencies {detuned}");
     }
+    for (k, found) in frequencies_of(&classes).into_iter().enumerate() {
+        detuned = detuned.max(distance(&format!("housing_frequency_{}{what}", k + 1), found, found));
+    }
+    [apart, detuned]
+}
+
+/// Within 1 % of compliances and 0.5 % of frequencies on the finer mesh of the reference.
+#[test]
+fn val_housing_is_that_of_calculix() {
+    let [apart, detuned] = housing_apart("_on_the_finer_mesh");
+    assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
+}
+
+/// The same against what the two meshes of the reference are extrapolated to.
+#[test]
+#[ignore = "open: compliances within 0.9 %, but up to 0.96 % of frequencies, for the mesh"]
+fn val_housing_is_what_calculix_comes_to() {
+    let [apart, detuned] = housing_apart("");
+    assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
 /// Compliances of the rims of a bore, and the ways of both bores that loads on it bring, within 1 % of the
@@ -441,37 +477,4 @@ fn val_rims_are_those_of_calculix() {
         }
     }
     assert!(apart < 0.01, "{apart}");
-}
-
-/// How compliances of the shipped solids go with the mesh.
-#[test]
-#[ignore = "a minute: prints how compliances go with the mesh"]
-fn compliances_against_the_mesh() {
-    let machine = rv_40e_81();
-    let print = |classes: &[Class], c: &Compliance, own: &[usize], started: std::time::Instant| {
-        let unknowns: usize = classes.iter().map(|class| class.body.quality().unknowns).sum();
-        let own: Vec<String> = own.iter().map(|k| format!("{:.5e}", c.at(*k, *k))).collect();
-        println!("{unknowns} unknowns, {:.1} s: {}", started.elapsed().as_secs_f64(), own.join(" "));
-    };
-    for (size, layers) in [(1.0, [2, 3]), (1.0, [3, 3]), (0.7, [3, 3]), (1.0, [4, 3])] {
-        let shape = CarrierShape::of(&machine);
-        let shape = CarrierShape { size: size * shape.size, layers, ..shape };
-        let started = std::time::Instant::now();
-        let classes = shape.classes().unwrap();
-        print!("carrier {size} {layers:?} ");
-        print(&classes, &shape.compliance_of(&classes), &[0, 1, 9, 10], started);
-    }
-    for (fine, coarse, layers) in
-        [(1.0, 1.0, [1, 1]), (0.6, 1.0, [1, 1]), (1.0, 1.0, [1, 2]), (0.6, 1.0, [1, 2]), (1.0, 0.7, [1, 1])]
-    {
-        let shape = HousingShape::of(&machine);
-        let sizes = [fine * shape.sizes[0], coarse * shape.sizes[1]];
-        let shape = HousingShape { sizes, layers, ..shape };
-        let started = std::time::Instant::now();
-        let classes = shape.classes().unwrap();
-        let c = shape.compliance_of(&classes);
-        print!("housing {fine} {coarse} {layers:?} ");
-        let own = [shape.pin(0, 0), shape.pin(0, 0) + 1, shape.pin(0, 3) + 1, shape.main_seat(0)];
-        print(&classes, &c, &own, started);
-    }
 }

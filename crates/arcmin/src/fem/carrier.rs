@@ -1,7 +1,7 @@
 //! The carrier as an elastic body: plates, pillars, crank bores, held at its output face.
 
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
-use super::symmetry::{self, Class, Mirrors, Part, reflected};
+use super::symmetry::{Mirrors, Remnant, Symmetric, reflected, reflected_way};
 use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
 use crate::geometry::{Sector, Vec2, unit};
 use crate::machine::{CarrierSolid, Hold, Kinematics, Machine};
@@ -91,14 +91,38 @@ impl CarrierShape {
         [0..plate, plate + between..2 * plate + between]
     }
 
+    /// The crankshaft at a place.
+    fn crank_at(&self, place: Vec2) -> Option<usize> {
+        self.cranks.iter().position(|crank| (crank - place).norm() < 1e-9 * self.solid.plate_radius)
+    }
+
+    /// Index of the first coordinate of a crank seat; `end` is 0 at the input.
+    pub fn seat(&self, crankshaft: usize, end: usize) -> usize {
+        (2 * crankshaft + end) * SEAT_COORDINATES
+    }
+
+    /// Index of x of a main bearing's seat.
+    pub fn main_seat(&self, end: usize) -> usize {
+        2 * self.cranks.len() * SEAT_COORDINATES + 2 * end
+    }
+
+    /// C of [`CarrierShape::loads`].
+    ///
+    /// # Errors
+    /// [`FemError`] if outlines cross each other or a pillar's sides do not fit its corners.
+    pub fn compliance(&self) -> Result<Compliance, FemError> {
+        Ok(self.compliance_of(&self.classes(self.mirrors())?))
+    }
+}
+
+impl Symmetric for CarrierShape {
     /// Planes through the axis that crankshafts and pillars are both symmetric about.
-    pub fn mirrors(&self) -> Mirrors {
+    fn mirrors(&self) -> Mirrors {
         let near = 1e-9 * self.solid.plate_radius;
-        let is_one = |component: usize| {
-            let cranks =
-                self.cranks.iter().all(|place| self.crank_at(reflected(*place, component)).is_some());
+        let shows_itself = |mirror: usize| {
+            let cranks = self.cranks.iter().all(|place| self.crank_at(reflected(*place, mirror)).is_some());
             let pillars = self.solid.pillars.iter().all(|pillar| {
-                let shown = reflected(pillar.outer_radius * unit(pillar.centre_angle), component);
+                let shown = reflected(pillar.outer_radius * unit(pillar.centre_angle), mirror);
                 self.solid.pillars.iter().any(|other| {
                     let as_large = Sector { centre_angle: pillar.centre_angle, ..*other } == *pillar;
                     as_large && (other.outer_radius * unit(other.centre_angle) - shown).norm() < near
@@ -106,29 +130,14 @@ impl CarrierShape {
             });
             cranks && pillars
         };
-        Mirrors::of(is_one(0), is_one(1))
+        Mirrors::of(shows_itself(0), shows_itself(1))
     }
 
-    /// The crankshaft at a place.
-    fn crank_at(&self, place: Vec2) -> Option<usize> {
-        self.cranks.iter().position(|crank| (crank - place).norm() < 1e-9 * self.solid.plate_radius)
+    fn material(&self) -> &Material {
+        &self.material
     }
 
-    /// Meshes what its mirrors leave of the carrier, and factorises it for every class of symmetry: bodies that together
-    /// are the whole.
-    ///
-    /// # Errors
-    /// [`FemError`] if outlines cross each other or a pillar's sides do not fit its corners.
-    pub fn classes(&self) -> Result<Vec<Class>, FemError> {
-        self.classes_with(self.mirrors())
-    }
-
-    /// With other mirrors than all that there are.
-    pub(super) fn classes_with(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
-        self.part(mirrors)?.classes(mirrors, &self.material)
-    }
-
-    fn part(&self, mirrors: Mirrors) -> Result<Part, FemError> {
+    fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
         if let Some(pillar) = self.solid.pillars.iter().find(|pillar| !pillar.is_sound()) {
             return Err(FemError::Mesh {
                 reason: format!(
@@ -162,13 +171,12 @@ impl CarrierShape {
                 triangle.iter().for_each(|node| held[top + node] = [true; 3]);
             }
         }
-        Ok(Part { mesh, regions, held })
+        Ok(Remnant { mesh, regions, held })
     }
 
     /// Unit loads of all interface coordinates: per crankshaft and end (input, output)
-    /// [`SEAT_COORDINATES`], then x and y of the main bearing's seat on the plate at either end. Of each the part on
-    /// the mesh.
-    pub fn loads(&self, body: &Body) -> Vec<NodalLoad> {
+    /// [`SEAT_COORDINATES`], then x and y of the main bearing's seat on the plate at either end.
+    fn loads(&self, body: &Body) -> Vec<NodalLoad> {
         let ends = self.ends();
         let mut loads = Vec::new();
         for (k, centre) in self.cranks.iter().enumerate() {
@@ -184,36 +192,11 @@ impl CarrierShape {
         loads
     }
 
-    /// Index of the first coordinate of a crank seat; `end` is 0 at the input.
-    pub fn seat(&self, crankshaft: usize, end: usize) -> usize {
-        (2 * crankshaft + end) * SEAT_COORDINATES
-    }
-
-    /// Index of x of a main bearing's seat.
-    pub fn main_seat(&self, end: usize) -> usize {
-        2 * self.cranks.len() * SEAT_COORDINATES + 2 * end
-    }
-
-    /// C of [`CarrierShape::loads`].
-    ///
-    /// # Errors
-    /// As [`CarrierShape::classes`].
-    pub fn compliance(&self) -> Result<Compliance, FemError> {
-        Ok(self.compliance_of(&self.classes()?))
-    }
-
-    /// C of [`CarrierShape::loads`] from bodies that together are the whole.
-    pub(super) fn compliance_of(&self, classes: &[Class]) -> Compliance {
-        let reflected = |coordinate, mirror| self.reflected(coordinate, mirror);
-        symmetry::compliance(classes, self.main_seat(1) + 2, |body| self.loads(body), reflected)
-    }
-
-    /// The coordinate that the mirror with a normal turns another into, and its sign: φ goes to −φ in y = 0, to π − φ in
-    /// x = 0.
+    /// φ goes to −φ in y = 0, to π − φ in x = 0.
     fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
         let main = self.main_seat(0);
         if coordinate >= main {
-            return (coordinate, if (coordinate - main) % 2 == mirror { -1.0 } else { 1.0 });
+            return (coordinate, reflected_way((coordinate - main) % 2, mirror));
         }
         let (seat, way) = (coordinate / SEAT_COORDINATES, coordinate % SEAT_COORDINATES);
         let (crank, end) = (seat / 2, seat % 2);

@@ -4,10 +4,11 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
 use super::carrier::translations;
-use super::symmetry::{self, Class, Mirrors, Part};
+use super::symmetry::{Mirrors, Remnant, Symmetric, reflected_way};
 use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
 use crate::geometry::{Outline, Segment, Vec2, unit};
 use crate::machine::{Hold, HousingSolid, Machine};
+use crate::materials::Material;
 
 /// What the finite element model of a housing is made from. x, y of the housing's frame, z along the carrier
 /// from its input end.
@@ -188,50 +189,7 @@ impl HousingShape {
         cuts.partition_point(|z| *z < from - near)..cuts.partition_point(|z| *z < to - near)
     }
 
-    /// Planes through the axis that pins and bolts are both symmetric about.
-    pub fn mirrors(&self) -> Mirrors {
-        // Bolts are where they were after reflection in a plane at this angle, if twice what lies between it and the
-        // first of them is a whole number of pitches.
-        let bolts_at = |plane: f64| match self.solid.hold {
-            Hold::Face => true,
-            Hold::Bolts => {
-                let pitches =
-                    2.0 * (plane - self.solid.first_bolt_angle) * self.solid.bolt_count as f64 / TAU;
-                (pitches - pitches.round()).abs() < 1e-9
-            }
-        };
-        Mirrors::of(self.pin_count.is_multiple_of(2) && bolts_at(FRAC_PI_2), bolts_at(0.0))
-    }
-
-    /// Meshes what its mirrors leave of the housing, and factorises it for every class of symmetry: bodies that together
-    /// are the whole.
-    ///
-    /// # Errors
-    /// [`FemError`] if dimensions contradict each other.
-    pub fn classes(&self) -> Result<Vec<Class>, FemError> {
-        self.classes_with(self.mirrors())
-    }
-
-    /// With other mirrors than all that there are.
-    pub(super) fn classes_with(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
-        self.part(mirrors)?.classes(mirrors, &self.solid.material)
-    }
-
-    /// Meshes what mirrors leave; once again with edges of half the length where the grooves' curved ones turned an
-    /// element of a thin wall inside out.
-    fn part(&self, mirrors: Mirrors) -> Result<Part, FemError> {
-        self.check()?;
-        match self.meshed(mirrors) {
-            Err(FemError::InvertedElement { .. }) => {
-                let [fine, coarse] = self.sizes;
-                let groove = 0.25 * PI * self.groove_radius;
-                HousingShape { sizes: [0.5 * fine.min(groove), 0.7 * coarse], ..self.clone() }.meshed(mirrors)
-            }
-            other => other,
-        }
-    }
-
-    fn meshed(&self, mirrors: Mirrors) -> Result<Part, FemError> {
+    fn meshed(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
         let inside = |bits: u64, curve: usize| bits >> curve & 1 == 1;
         let metal = |bits: u64| inside(bits, FLANGE) && !inside(bits, GROOVES);
         let (plane, regions) = PlaneMesh::triangulate_part(&self.domain(), mirrors, metal)?;
@@ -270,40 +228,7 @@ impl HousingShape {
                 triangle.iter().for_each(|node| held[level + node] = [true; 3]);
             }
         }
-        Ok(Part { mesh, regions, held })
-    }
-
-    /// Unit loads of all interface coordinates: per disc and pin the radial (outward) and the tangential
-    /// place of the groove over that disc's share of the pin, then x and y of the main bearing's seat at
-    /// either end. Of each the part on the mesh.
-    pub fn loads(&self, body: &Body) -> Vec<NodalLoad> {
-        let cuts = self.cuts();
-        let mut loads = Vec::new();
-        let share = self.pin_length / self.disc_count as f64;
-        for disc in 0..self.disc_count {
-            let from = self.seat_length + share * disc as f64;
-            for pin in 0..self.pin_count {
-                let angle = TAU * pin as f64 / self.pin_count as f64;
-                let seat = Seat {
-                    curve: GROOVES,
-                    parameters: [2.0 * pin as f64, 2.0 * pin as f64 + 1.0],
-                    layers: self.layers(&cuts, from, from + share),
-                    centre: self.pin_circle_radius * unit(angle),
-                    radius: self.groove_radius,
-                };
-                let reach = FRAC_PI_2 + 0.5 * self.groove_edge();
-                for across in [false, true] {
-                    loads.push(body.load(&seat, Traction::Groove { bottom: angle, reach, across }));
-                }
-            }
-        }
-        let end = cuts[cuts.len() - 1];
-        for (from, to) in [(0.0, self.seat_length), (end - self.seat_length, end)] {
-            let seat =
-                Seat::around(SEAT, self.layers(&cuts, from, to), Vec2::zeros(), self.solid.seat_radius);
-            loads.extend(translations().map(|traction| body.load(&seat, traction)));
-        }
-        loads
+        Ok(Remnant { mesh, regions, held })
     }
 
     /// Index of the radial coordinate of a pin's groove; the tangential one follows.
@@ -333,28 +258,9 @@ impl HousingShape {
     /// C of [`HousingShape::loads`].
     ///
     /// # Errors
-    /// As [`HousingShape::classes`].
+    /// [`FemError`] if dimensions contradict each other.
     pub fn compliance(&self) -> Result<Compliance, FemError> {
-        Ok(self.over_sectors(&self.compliance_of(&self.classes()?)))
-    }
-
-    /// C of [`HousingShape::loads`] from bodies that together are the whole.
-    pub(super) fn compliance_of(&self, classes: &[Class]) -> Compliance {
-        let reflected = |coordinate, mirror| self.reflected(coordinate, mirror);
-        symmetry::compliance(classes, self.main_seat(1) + 2, |body| self.loads(body), reflected)
-    }
-
-    /// The coordinate that the mirror with a normal turns another into, and its sign.
-    fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
-        let seats = self.main_seat(0);
-        if coordinate >= seats {
-            return (coordinate, if (coordinate - seats) % 2 == mirror { -1.0 } else { 1.0 });
-        }
-        let (across, place) = (coordinate % 2, coordinate / 2);
-        let (disc, pin) = (place / self.pin_count, place % self.pin_count);
-        let straight = if mirror == 0 { self.pin_count / 2 } else { 0 };
-        let to = (straight + self.pin_count - pin) % self.pin_count;
-        (self.pin(disc, to) + across, if across == 1 { -1.0 } else { 1.0 })
+        Ok(self.over_sectors(&self.compliance_of(&self.classes(self.mirrors())?)))
     }
 
     /// The mean over all turns that leave the housing as it was: what the mesh makes different from sector to sector.
@@ -398,5 +304,85 @@ impl HousingShape {
         2.0 * self.seat_length * (disc(s.body_radius) - disc(s.seat_radius))
             + self.pin_length * (disc(s.body_radius) - self.grooves().area())
             + s.flange_thickness * (disc(s.flange_radius) - disc(s.body_radius))
+    }
+}
+
+impl Symmetric for HousingShape {
+    /// Planes through the axis that pins and bolts are both symmetric about.
+    fn mirrors(&self) -> Mirrors {
+        // Bolts are where they were after reflection in a plane at this angle, if twice what lies between it and the
+        // first of them is a whole number of pitches.
+        let bolts_at = |plane: f64| match self.solid.hold {
+            Hold::Face => true,
+            Hold::Bolts => {
+                let pitches =
+                    2.0 * (plane - self.solid.first_bolt_angle) * self.solid.bolt_count as f64 / TAU;
+                (pitches - pitches.round()).abs() < 1e-9
+            }
+        };
+        Mirrors::of(self.pin_count.is_multiple_of(2) && bolts_at(FRAC_PI_2), bolts_at(0.0))
+    }
+
+    fn material(&self) -> &Material {
+        &self.solid.material
+    }
+
+    /// Once again with edges of half the length where the grooves' curved ones turned an
+    /// element of a thin wall inside out.
+    fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
+        self.check()?;
+        match self.meshed(mirrors) {
+            Err(FemError::InvertedElement { .. }) => {
+                let [fine, coarse] = self.sizes;
+                let groove = 0.25 * PI * self.groove_radius;
+                HousingShape { sizes: [0.5 * fine.min(groove), 0.7 * coarse], ..self.clone() }.meshed(mirrors)
+            }
+            other => other,
+        }
+    }
+
+    /// Unit loads of all interface coordinates: per disc and pin the radial (outward) and the tangential
+    /// place of the groove over that disc's share of the pin, then x and y of the main bearing's seat at
+    /// either end.
+    fn loads(&self, body: &Body) -> Vec<NodalLoad> {
+        let cuts = self.cuts();
+        let mut loads = Vec::new();
+        let share = self.pin_length / self.disc_count as f64;
+        for disc in 0..self.disc_count {
+            let from = self.seat_length + share * disc as f64;
+            for pin in 0..self.pin_count {
+                let angle = TAU * pin as f64 / self.pin_count as f64;
+                let seat = Seat {
+                    curve: GROOVES,
+                    parameters: [2.0 * pin as f64, 2.0 * pin as f64 + 1.0],
+                    layers: self.layers(&cuts, from, from + share),
+                    centre: self.pin_circle_radius * unit(angle),
+                    radius: self.groove_radius,
+                };
+                let reach = FRAC_PI_2 + 0.5 * self.groove_edge();
+                for across in [false, true] {
+                    loads.push(body.load(&seat, Traction::Groove { bottom: angle, reach, across }));
+                }
+            }
+        }
+        let end = cuts[cuts.len() - 1];
+        for (from, to) in [(0.0, self.seat_length), (end - self.seat_length, end)] {
+            let seat =
+                Seat::around(SEAT, self.layers(&cuts, from, to), Vec2::zeros(), self.solid.seat_radius);
+            loads.extend(translations().map(|traction| body.load(&seat, traction)));
+        }
+        loads
+    }
+
+    fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
+        let seats = self.main_seat(0);
+        if coordinate >= seats {
+            return (coordinate, reflected_way((coordinate - seats) % 2, mirror));
+        }
+        let (across, place) = (coordinate % 2, coordinate / 2);
+        let (disc, pin) = (place / self.pin_count, place % self.pin_count);
+        let straight = if mirror == 0 { self.pin_count / 2 } else { 0 };
+        let to = (straight + self.pin_count - pin) % self.pin_count;
+        (self.pin(disc, to) + across, if across == 1 { -1.0 } else { 1.0 })
     }
 }

@@ -1,4 +1,4 @@
-use super::elements::{TET_EDGES, physical_gradient_t6, physical_gradient_tet10};
+use super::elements::{TET_EDGES, mass_tet10, physical_gradient_t6, physical_gradient_tet10};
 use super::quadrature::TETRAHEDRON_15;
 use super::{FemError, PlaneMesh};
 use crate::geometry::Vec2;
@@ -261,6 +261,12 @@ impl Mesh {
         let (low, high) =
             determinants.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(*d), h.max(*d)));
         low / high
+    }
+
+    /// Mass in kg of a mesh of tetrahedra with this density in kg/m³, that of held nodes included.
+    pub fn mass(&self, density: f64) -> f64 {
+        let of_element = |e| mass_tet10(&self.element_nodes::<10>(e), density).iter().sum::<f64>();
+        (0..self.element_count()).map(of_element).sum()
     }
 
     /// The tetrahedra above plane triangle `triangle` in `layer`.

@@ -258,65 +258,93 @@ fn along_mirror(from: Vec2, to: Vec2, sizes: [f64; 2], interior: f64) -> Vec<Vec
         .collect()
 }
 
-/// `holes`: whether metal and holes alternate from curve to curve inwards and holes are left empty.
-fn triangulated(domain: &PlaneDomain, mirrors: Mirrors, holes: bool) -> Result<Triangulated, FemError> {
-    let mut nodes: Vec<Vec2> = Vec::new();
-    let mut constraints: Vec<[usize; 2]> = Vec::new();
-    let mut curves: Vec<Curve> = Vec::new();
-    let near = 1e-9 * domain.interior_size;
-    for (boundary, size, _) in &domain.boundaries {
-        let parameters = cut_at_mirrors(boundary, boundary.sample(*size), mirrors, near);
+/// Nodes and edges that the triangulation keeps.
+#[derive(Default)]
+struct Outlines {
+    nodes: Vec<Vec2>,
+    edges: Vec<[usize; 2]>,
+    curves: Vec<Curve>,
+}
+
+impl Outlines {
+    fn of(domain: &PlaneDomain, mirrors: Mirrors) -> Outlines {
+        let mut outlines = Outlines::default();
+        let near = 1e-9 * domain.interior_size;
+        for (boundary, size, _) in &domain.boundaries {
+            outlines.add_curve(boundary, *size, mirrors, near);
+        }
+        outlines.close_along(mirrors, domain.interior_size);
+        outlines
+    }
+
+    /// What mirrors leave of a curve.
+    fn add_curve(&mut self, boundary: &Boundary, size: f64, mirrors: Mirrors, near: f64) {
+        let parameters = cut_at_mirrors(boundary, boundary.sample(size), mirrors, near);
+        let is_left = |point: Vec2| mirrors.components().iter().all(|component| point[*component] > -near);
         let indices: Vec<Option<usize>> = parameters
             .iter()
             .map(|t| {
                 let mut point = boundary.point(*t);
+                if !is_left(point) {
+                    return None;
+                }
                 for component in mirrors.components() {
-                    if point[*component].abs() <= near {
+                    if point[*component] < near {
                         point[*component] = 0.0;
                     }
                 }
-                mirrors.components().iter().all(|component| point[*component] >= 0.0).then(|| {
-                    nodes.push(point);
-                    nodes.len() - 1
-                })
+                self.nodes.push(point);
+                Some(self.nodes.len() - 1)
             })
             .collect();
         let edges: Vec<([usize; 2], [f64; 2])> = (0..parameters.len())
             .filter_map(|i| {
                 let j = (i + 1) % parameters.len();
                 let end = if j == 0 { parameters[0] + boundary.period() } else { parameters[j] };
-                let middle = boundary.midpoint(parameters[i], end).1;
-                let inside = mirrors.components().iter().all(|component| middle[*component] > -near);
-                Some(([indices[i]?, indices[j]?], [parameters[i], end])).filter(|_| inside)
+                let edge = ([indices[i]?, indices[j]?], [parameters[i], end]);
+                is_left(boundary.midpoint(parameters[i], end).1).then_some(edge)
             })
             .collect();
-        constraints.extend(edges.iter().map(|(ends, _)| *ends));
-        curves.push(Curve { parameters, edges });
+        self.edges.extend(edges.iter().map(|(ends, _)| *ends));
+        self.curves.push(Curve { parameters, edges });
     }
-    let mut spacing = vec![f64::INFINITY; nodes.len()];
-    for [a, b] in &constraints {
-        let length = (nodes[*a] - nodes[*b]).norm();
-        [*a, *b].into_iter().for_each(|node| spacing[node] = spacing[node].min(length));
-    }
-    if mirrors == Mirrors::Both {
-        nodes.push(Vec2::zeros());
-        spacing.push(domain.interior_size);
-    }
-    for component in mirrors.components() {
-        let along = 1 - component;
-        let mut on: Vec<usize> = (0..spacing.len()).filter(|node| nodes[*node][*component] == 0.0).collect();
-        on.sort_by(|a, b| nodes[*a][along].total_cmp(&nodes[*b][along]));
-        for pair in on.windows(2) {
-            let [from, to] = [pair[0], pair[1]];
-            let between =
-                along_mirror(nodes[from], nodes[to], [spacing[from], spacing[to]], domain.interior_size);
-            let first = nodes.len();
-            nodes.extend(&between);
-            let chain: Vec<usize> =
-                std::iter::once(from).chain(first..first + between.len()).chain([to]).collect();
-            constraints.extend(chain.windows(2).map(|edge| [edge[0], edge[1]]));
+
+    /// Edges along the mirrors, from curve to curve.
+    fn close_along(&mut self, mirrors: Mirrors, interior: f64) {
+        let mut spacing = vec![f64::INFINITY; self.nodes.len()];
+        for [a, b] in &self.edges {
+            let length = (self.nodes[*a] - self.nodes[*b]).norm();
+            [*a, *b].into_iter().for_each(|node| spacing[node] = spacing[node].min(length));
+        }
+        // Both mirrors meet in the axis.
+        if mirrors == Mirrors::Both {
+            self.nodes.push(Vec2::zeros());
+            spacing.push(interior);
+        }
+        for component in mirrors.components() {
+            let along = 1 - component;
+            let mut on: Vec<usize> =
+                (0..spacing.len()).filter(|node| self.nodes[*node][*component] == 0.0).collect();
+            on.sort_by(|a, b| self.nodes[*a][along].total_cmp(&self.nodes[*b][along]));
+            for pair in on.windows(2) {
+                let [from, to] = [pair[0], pair[1]];
+                let sizes = [spacing[from], spacing[to]];
+                let between = along_mirror(self.nodes[from], self.nodes[to], sizes, interior);
+                let mut last = from;
+                for node in between {
+                    self.edges.push([last, self.nodes.len()]);
+                    last = self.nodes.len();
+                    self.nodes.push(node);
+                }
+                self.edges.push([last, to]);
+            }
         }
     }
+}
+
+/// `holes`: whether metal and holes alternate from curve to curve inwards and holes are left empty.
+fn triangulated(domain: &PlaneDomain, mirrors: Mirrors, holes: bool) -> Result<Triangulated, FemError> {
+    let Outlines { nodes, edges, curves } = Outlines::of(domain, mirrors);
     let mut points: Vec<Point2<f64>> = nodes.into_iter().map(to_point).collect();
     let boundary_count = points.len();
     for (index, ((boundary, size, rows), curve)) in domain.boundaries.iter().zip(&curves).enumerate() {
@@ -327,7 +355,7 @@ fn triangulated(domain: &PlaneDomain, mirrors: Mirrors, holes: bool) -> Result<T
     }
     let mut conflict = false;
     let mut triangulation =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, constraints, |_| {
+        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, edges, |_| {
             conflict = true
         })
         .map_err(|error| FemError::Mesh { reason: error.to_string() })?;

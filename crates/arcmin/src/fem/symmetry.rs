@@ -43,9 +43,14 @@ impl Mirrors {
 }
 
 /// A place as the mirror with this normal shows it.
-pub(super) fn reflected(mut place: Vec2, component: usize) -> Vec2 {
-    place[component] = -place[component];
+pub(super) fn reflected(mut place: Vec2, mirror: usize) -> Vec2 {
+    place[mirror] = -place[mirror];
     place
+}
+
+/// What the mirror with a normal makes of a motion along x (0) or y (1): its sign.
+pub(super) fn reflected_way(axis: usize, mirror: usize) -> f64 {
+    if axis == mirror { -1.0 } else { 1.0 }
 }
 
 /// What mirrors leave of a body, held on them as motions are that are even or odd about each.
@@ -55,82 +60,98 @@ pub struct Class {
     pub body: Body,
 }
 
-/// What mirrors leave of a body, meshed: the mesh, the curves around every triangle of its section, and the components
-/// of nodes that something holds.
-pub(super) struct Part {
+/// What mirrors leave of a body, meshed.
+pub struct Remnant {
     pub mesh: Mesh,
+    /// Bits of the curves around every triangle of the section.
     pub regions: Vec<u64>,
+    /// Displacement components of the nodes that something holds.
     pub held: Vec<[bool; 3]>,
 }
 
-impl Part {
-    /// The bodies of all classes of symmetry.
-    pub fn classes(&self, mirrors: Mirrors, material: &Material) -> Result<Vec<Class>, FemError> {
+/// A body in layers that may be symmetric about planes through its axis.
+pub trait Symmetric: Sync {
+    /// All of those planes.
+    fn mirrors(&self) -> Mirrors;
+
+    fn material(&self) -> &Material;
+
+    /// Meshes what mirrors leave.
+    ///
+    /// # Errors
+    /// [`FemError`] if dimensions contradict each other.
+    fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError>;
+
+    /// Unit loads of all interface coordinates; of each the part on the mesh.
+    fn loads(&self, body: &Body) -> Vec<NodalLoad>;
+
+    /// The coordinate that the mirror with a normal (0 along x, 1 along y) turns another into, and its sign.
+    fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64);
+
+    /// The bodies of all classes of symmetry, which together are the whole. Some of the mirrors or none are as good as
+    /// all, but slower.
+    ///
+    /// # Errors
+    /// As [`Symmetric::remnant`].
+    fn classes(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
+        let Remnant { mesh, regions, held } = self.remnant(mirrors)?;
         let planes = mirrors.components();
         (0..1_usize << planes.len())
             .into_par_iter()
             .map(|bits| {
-                let mirrors: Vec<(usize, bool)> = planes
-                    .iter()
-                    .enumerate()
-                    .map(|(k, component)| (*component, bits >> k & 1 == 1))
-                    .collect();
-                let mut held = self.held.clone();
+                let odd = |(k, component): (usize, &usize)| (*component, bits >> k & 1 == 1);
+                let mirrors: Vec<(usize, bool)> = planes.iter().enumerate().map(odd).collect();
+                let mut held = held.clone();
                 for (component, odd) in &mirrors {
-                    let on = (0..held.len()).filter(|node| self.mesh.nodes[*node][*component] == 0.0);
+                    let on = (0..held.len()).filter(|node| mesh.nodes[*node][*component] == 0.0);
                     // What is even moves along the plane, what is odd through it.
                     on.for_each(|node| (0..3).for_each(|c| held[node][c] |= (c == *component) != *odd));
                 }
-                let body = Body::new(self.mesh.clone(), self.regions.clone(), material.clone(), &held)?;
+                let body = Body::new(mesh.clone(), regions.clone(), self.material().clone(), &held)?;
                 Ok(Class { mirrors, body })
             })
             .collect()
     }
-}
 
-/// C of `count` unit loads from bodies that together are the whole. `loads` gives the parts of them on a mesh,
-/// `reflected` which load, with which sign, the mirror with a normal turns another into.
-///
-/// Reflections g turn a load L into another or its opposite, g L. Its share in a class is L_c = Σ_g χ(g) g L/n, n their
-/// number and χ(g) = ± 1 the class's own sign, so that L = Σ_c L_c; what L_c displaces belongs to the class, and L reads
-/// n times of it what L_c reads on the part that is meshed.
-pub(super) fn compliance(
-    classes: &[Class],
-    count: usize,
-    loads: impl Fn(&Body) -> Vec<NodalLoad> + Sync,
-    reflected: impl Fn(usize, usize) -> (usize, f64) + Sync,
-) -> Compliance {
-    let of_class = |class: &Class| -> Vec<f64> {
+    /// C of [`Symmetric::loads`] of the whole.
+    ///
+    /// Reflections g turn a load L into another or its opposite, g L. Its share in a class is L_c = Σ_g χ(g) g L/n, n
+    /// their number and χ(g) = ± 1 the class's own sign, so that L = Σ_c L_c; what L_c displaces belongs to the class,
+    /// and L reads n times of it what L_c reads on the part that is meshed.
+    fn compliance_of(&self, classes: &[Class]) -> Compliance {
+        let loads = classes.first().map_or_else(Vec::new, |class| self.loads(&class.body));
+        let count = loads.len();
         let (there, here): (Vec<usize>, Vec<NodalLoad>) =
-            loads(&class.body).into_iter().enumerate().filter(|(_, load)| !load.is_empty()).unzip();
-        let part = class.body.compliance(&here);
-        let images: Vec<Vec<(usize, f64)>> = (0..count)
-            .map(|load| {
-                let mut images = vec![(load, 1.0)];
-                for (component, odd) in &class.mirrors {
-                    let own = if *odd { -1.0 } else { 1.0 };
-                    let more = images.iter().map(|(load, sign)| {
-                        let (to, turned) = reflected(*load, *component);
-                        (to, own * turned * sign)
-                    });
-                    let more: Vec<(usize, f64)> = more.collect();
-                    images.extend(more);
-                }
-                let on_part = |(load, sign): (usize, f64)| Some((there.binary_search(&load).ok()?, sign));
-                images.into_iter().filter_map(on_part).collect()
-            })
-            .collect();
-        let share = 1.0 / (1_usize << class.mirrors.len()) as f64;
-        let sum = |i: &[(usize, f64)], j: &[(usize, f64)]| -> f64 {
-            let pairs = i.iter().flat_map(|(a, p)| j.iter().map(move |(b, q)| (a, b, p * q)));
-            share * pairs.map(|(a, b, sign)| sign * part.at(*a, *b)).sum::<f64>()
+            loads.into_iter().enumerate().filter(|(_, load)| !load.is_empty()).unzip();
+        let of_class = |class: &Class| -> Vec<f64> {
+            let part = class.body.compliance(&here);
+            let images: Vec<Vec<(usize, f64)>> = (0..count)
+                .map(|load| {
+                    let mut images = vec![(load, 1.0)];
+                    for (component, odd) in &class.mirrors {
+                        let own = if *odd { -1.0 } else { 1.0 };
+                        for k in 0..images.len() {
+                            let (load, sign) = images[k];
+                            let (to, turned) = self.reflected(load, *component);
+                            images.push((to, own * turned * sign));
+                        }
+                    }
+                    let on_part = |(load, sign): (usize, f64)| Some((there.binary_search(&load).ok()?, sign));
+                    images.into_iter().filter_map(on_part).collect()
+                })
+                .collect();
+            let share = 1.0 / (1_usize << class.mirrors.len()) as f64;
+            let sum = |i: &[(usize, f64)], j: &[(usize, f64)]| -> f64 {
+                let pairs = i.iter().flat_map(|(a, p)| j.iter().map(move |(b, q)| (a, b, p * q)));
+                share * pairs.map(|(a, b, sign)| sign * part.at(*a, *b)).sum::<f64>()
+            };
+            images.iter().flat_map(|i| images.iter().map(|j| sum(i, j))).collect()
         };
-        images.iter().flat_map(|i| images.iter().map(|j| sum(i, j))).collect()
-    };
-    let of_classes: Vec<Vec<f64>> = classes.par_iter().map(of_class).collect();
-    let mut values = vec![0.0; count * count];
-    for class in of_classes {
-        values.iter_mut().zip(class).for_each(|(sum, value)| *sum += value);
+        let of_classes: Vec<Vec<f64>> = classes.par_iter().map(of_class).collect();
+        let mut values = vec![0.0; count * count];
+        for class in of_classes {
+            values.iter_mut().zip(class).for_each(|(sum, value)| *sum += value);
+        }
+        Compliance { count, values }
     }
-    Compliance { count, values }
 }
