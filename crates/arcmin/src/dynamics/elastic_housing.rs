@@ -11,7 +11,7 @@ use crate::machine::Machine;
 
 /// The ring of pins as part of an elastic housing.
 ///
-/// The compliance of all grooves, C of [`HousingShape::loads`](crate::fem::HousingShape::loads), is taken
+/// The compliance C of all grooves, from [`HousingShape::compliance`](crate::fem::HousingShape::compliance), is taken
 /// apart: what a groove gives way by itself, c, which sits in series with every contact, and what pins do to
 /// each other, which is smooth along the ring. The smooth part is C − c I on the Fourier orders up to
 /// `RING_ORDER` of radial and tangential ways, disc by disc; its eigenvectors are coordinates η with the

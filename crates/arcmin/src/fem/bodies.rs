@@ -10,11 +10,11 @@ use crate::progress::{Counter, Progress};
 /// Elastic carrier and housing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElasticBodies {
-    /// Of [`CarrierShape::loads`], against the output face.
+    /// [`CarrierShape::compliance`], against the output face.
     pub carrier: Compliance,
-    /// Of [`HousingShape::loads`], against what holds the flange.
+    /// [`HousingShape::compliance`], against what holds the flange.
     pub housing: Compliance,
-    /// Of [`RimShape::compliance`].
+    /// [`RimShape::compliance`].
     pub rims: Compliance,
 }
 

@@ -106,7 +106,8 @@ impl CarrierShape {
         2 * self.cranks.len() * SEAT_COORDINATES + 2 * end
     }
 
-    /// C of [`CarrierShape::loads`].
+    /// Compliance of all interface coordinates: per crankshaft and end (input, output) [`SEAT_COORDINATES`], then x and
+    /// y of the main bearing's seat on the plate at either end.
     ///
     /// # Errors
     /// [`FemError`] if outlines cross each other or a pillar's sides do not fit its corners.
@@ -174,8 +175,6 @@ impl Symmetric for CarrierShape {
         Ok(Remnant { mesh, regions, held })
     }
 
-    /// Unit loads of all interface coordinates: per crankshaft and end (input, output)
-    /// [`SEAT_COORDINATES`], then x and y of the main bearing's seat on the plate at either end.
     fn loads(&self, body: &Body) -> Vec<NodalLoad> {
         let ends = self.ends();
         let mut loads = Vec::new();

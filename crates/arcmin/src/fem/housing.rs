@@ -255,7 +255,8 @@ impl HousingShape {
         }
     }
 
-    /// C of [`HousingShape::loads`].
+    /// Compliance of all interface coordinates: per disc and pin the radial (outward) and the tangential place of the
+    /// groove over that disc's share of the pin, then x and y of the main bearing's seat at either end.
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
@@ -341,9 +342,6 @@ impl Symmetric for HousingShape {
         }
     }
 
-    /// Unit loads of all interface coordinates: per disc and pin the radial (outward) and the tangential
-    /// place of the groove over that disc's share of the pin, then x and y of the main bearing's seat at
-    /// either end.
     fn loads(&self, body: &Body) -> Vec<NodalLoad> {
         let cuts = self.cuts();
         let mut loads = Vec::new();

@@ -8,7 +8,7 @@ use crate::geometry::{Vec2, unit};
 
 impl BearingJoints {
     /// Generalised forces on the carrier in its own frame, in the order of
-    /// [`CarrierShape::loads`](crate::fem::CarrierShape::loads): every roller of the crank supports presses
+    /// [`CarrierShape::compliance`](crate::fem::CarrierShape::compliance): every roller of the crank supports presses
     /// its seat outward where it stands; the main bearings push the plates, half of their force each.
     pub fn carrier_loads(&self, position: &[f64]) -> Vec<f64> {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
@@ -37,7 +37,7 @@ impl BearingJoints {
     }
 
     /// Generalised forces on the housing in its own frame, in the order of
-    /// [`HousingShape::loads`](crate::fem::HousingShape::loads): the pins press their grooves, the main
+    /// [`HousingShape::compliance`](crate::fem::HousingShape::compliance): the pins press their grooves, the main
     /// bearings their seats.
     pub fn housing_loads(&self, position: &[f64]) -> Vec<f64> {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
