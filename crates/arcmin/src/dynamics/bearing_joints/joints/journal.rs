@@ -75,6 +75,17 @@ pub(in super::super) struct Journal {
     pub losses: Losses,
 }
 
+/// Where the rings of a bearing are on shaft and body.
+#[derive(Clone, Copy)]
+struct Arms {
+    /// Inner ring's centre from the shaft's axis.
+    inner: Vec2,
+    /// Bore from the body's centre, as it turns with the body.
+    bore: Vec2,
+    /// What else moves the bore, and stands in space while the body turns.
+    aside: Vec2,
+}
+
 impl Journal {
     /// The modes with their displacements in the housing frame.
     fn modes_at(&self, q: &[f64]) -> Vec<BoreMode> {
@@ -89,23 +100,28 @@ impl Journal {
         self.modes.iter().map(now).collect()
     }
 
-    /// Inner ring's centre from the shaft's axis and bore from the body's centre.
-    fn arms(&self, q: &[f64], modes: &[BoreMode]) -> (Vec2, Vec2) {
-        let moved = modes.iter().map(|mode| q[mode.at] * mode.by).sum::<Vec2>();
-        (self.arm.at(q[self.index[2]]), self.bore.at(q[self.index[5]]) + moved)
+    fn arms(&self, q: &[f64], modes: &[BoreMode]) -> Arms {
+        let moved = |turns: bool| -> Vec2 {
+            modes.iter().filter(|mode| mode.turns == turns).map(|mode| q[mode.at] * mode.by).sum()
+        };
+        Arms {
+            inner: self.arm.at(q[self.index[2]]),
+            bore: self.bore.at(q[self.index[5]]) + moved(true),
+            aside: moved(false),
+        }
     }
 
     /// Relative displacement of inner ring and bore (m) and cage angle (rad).
-    fn displacement(&self, q: &[f64], (arm, bore): (Vec2, Vec2)) -> ([f64; 2], f64) {
+    fn displacement(&self, q: &[f64], arms: Arms) -> ([f64; 2], f64) {
         let [x, y, turn, bx, by, angle] = self.index;
-        let u = Vec2::new(q[x] - q[bx], q[y] - q[by]) + arm - bore;
+        let u = Vec2::new(q[x] - q[bx], q[y] - q[by]) + arms.inner - arms.bore - arms.aside;
         let w = self.law.inner_share;
         ([u.x, u.y], w * q[turn] + (1.0 - w) * q[angle])
     }
 
     /// Rows u_x, u_y, ψ over shaft and body.
-    fn jacobian(&self, (arm, bore): (Vec2, Vec2)) -> [[f64; 6]; 3] {
-        let (a, b) = (quarter_turn(arm), quarter_turn(bore));
+    fn jacobian(&self, arms: Arms) -> [[f64; 6]; 3] {
+        let (a, b) = (quarter_turn(arms.inner), quarter_turn(arms.bore));
         let w = self.law.inner_share;
         [[1.0, 0.0, a.x, -1.0, 0.0, -b.x], [0.0, 1.0, a.y, 0.0, -1.0, -b.y], [0.0, 0.0, w, 0.0, 0.0, 1.0 - w]]
     }
@@ -169,7 +185,7 @@ impl Journal {
         &self,
         state: &StandState,
         jacobian: &[[f64; 6]; 3],
-        (arm, bore): (Vec2, Vec2),
+        Arms { inner, bore, .. }: Arms,
         sink: &mut dyn Sink,
     ) {
         const WIDEST: usize = 6 + RIM + SLOPES;
@@ -208,7 +224,7 @@ impl Journal {
                 matrix[j * width + i] = moves[j][..reach(j)].iter().map(|(d, by)| by * column[*d]).sum();
             }
         }
-        matrix[2 * width + 2] -= state.gradient[0] * arm.x + state.gradient[1] * arm.y;
+        matrix[2 * width + 2] -= state.gradient[0] * inner.x + state.gradient[1] * inner.y;
         matrix[5 * width + 5] += state.gradient[0] * bore.x + state.gradient[1] * bore.y;
         sink.element(&Element {
             part: self.place.part(),
@@ -259,8 +275,8 @@ impl Joint for Journal {
 
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let modes = self.modes_at(at.q);
-        let (arm, bore) = self.arms(at.q, &modes);
-        let (u, cage) = self.displacement(at.q, (arm, bore));
+        let arms = self.arms(at.q, &modes);
+        let (u, cage) = self.displacement(at.q, arms);
         let tangents = sink.takes_stiffness() || self.losses.time > 0.0;
         let (plain, whole) = self.state(&self.stand_at(at.q, (u, cage)), tangents);
         let BearingState { stored, gradient, hessian, .. } = plain;
@@ -271,12 +287,12 @@ impl Joint for Journal {
             self.damp_lean(state, at, sink);
         }
         let mut sink = WithModes { sink, modes: &modes };
-        let jacobian = self.jacobian((arm, bore));
+        let jacobian = self.jacobian(arms);
         let mut slope = [0.0; 6];
         let mut matrix = [0.0; 36];
         let mut damping = [0.0; 36];
         if let Some(state) = &whole {
-            self.visit_whole(state, &jacobian, (arm, bore), &mut sink);
+            self.visit_whole(state, &jacobian, arms, &mut sink);
         }
         for i in 0..if whole.is_some() { 0 } else { 6 } {
             let mut column = [0.0; 3];
@@ -289,8 +305,8 @@ impl Joint for Journal {
                     jacobian[0][j] * column[0] + jacobian[1][j] * column[1] + jacobian[2][j] * column[2];
             }
         }
-        matrix[2 * 6 + 2] -= gradient[0] * arm.x + gradient[1] * arm.y;
-        matrix[5 * 6 + 5] += gradient[0] * bore.x + gradient[1] * bore.y;
+        matrix[2 * 6 + 2] -= gradient[0] * arms.inner.x + gradient[1] * arms.inner.y;
+        matrix[5 * 6 + 5] += gradient[0] * arms.bore.x + gradient[1] * arms.bore.y;
         if whole.is_none() {
             sink.element(&Element {
                 part: self.place.part(),
