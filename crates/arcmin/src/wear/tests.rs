@@ -1,5 +1,5 @@
 use super::coupled::{CoupledOptions, CoupledWear};
-use crate::dynamics::{BearingMeshing, JointSettings};
+use crate::dynamics::{BearingMeshing, ElasticDiscs, FlexibleOptions, JointSettings};
 use crate::geometry::Relief;
 use crate::machine::{Machine, ManufacturingErrors};
 use crate::random_designs::sound_design;
@@ -169,6 +169,28 @@ fn trap_waves_of_the_flank_are_an_artefact() {
     for (a, b) in few.flank_seen_by_contact().samples().iter().zip(many.flank_seen_by_contact().samples()) {
         assert!((a - b).abs() < 0.08 * UM, "{a:e} {b:e}");
     }
+}
+
+/// Elastic discs give pins forces that differ severalfold with the place of the crankshafts on the carrier. The flank of
+/// fifteen positions an update is that of sixty-one within 0.02 µm in the mean, 0.25 % of its depth.
+#[test]
+fn places_of_the_crankshafts_leave_hardly_any_waves() {
+    let m = machine();
+    let discs = ElasticDiscs::free(&m, crate::fem::tests::discs(&m), FlexibleOptions::default()).unwrap();
+    let settings = JointSettings { discs: Some(discs), ..JointSettings::default() };
+    let worn = |crank_positions: usize| {
+        let options = CoupledOptions { crank_positions, ..CoupledOptions::default() };
+        let mut wear = CoupledWear::with(&m, BearingMeshing::new(&m, &settings).unwrap(), options);
+        wear.advance_until(f64::MAX, |state| state.flank().deepest().0 > 8.0 * UM).unwrap();
+        wear.state().clone()
+    };
+    let (few, many) = (worn(15), worn(61));
+    let (few, many) = (few.flank_seen_by_contact(), many.flank_seen_by_contact());
+    // One has gone a little further than the other.
+    let share = few.deepest().0 / many.deepest().0;
+    let apart = few.samples().iter().zip(many.samples()).map(|(few, many)| (few - share * many).powi(2));
+    let mean = (apart.sum::<f64>() / few.samples().len() as f64).sqrt();
+    assert!(mean < 0.02 * UM, "{mean:e}");
 }
 
 /// Machines that nobody has seen, with drawn errors, worn by some micrometres in their bearings: the flanks of steps
