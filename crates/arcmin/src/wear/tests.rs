@@ -171,26 +171,45 @@ fn trap_waves_of_the_flank_are_an_artefact() {
     }
 }
 
-/// Elastic discs give pins forces that differ severalfold with the place of the crankshafts on the carrier. The flank of
-/// fifteen positions an update is that of sixty-one within 0.02 µm in the mean, 0.25 % of its depth.
+/// How far apart the flanks are, in m in the mean, that fifteen and sixty-one positions an update wear to a depth (m);
+/// `None` where a machine does not get so far.
+fn apart_with_few_places(m: &Machine, settings: &JointSettings, depth: f64) -> Option<f64> {
+    let worn = |crank_positions: usize| {
+        let options = CoupledOptions { crank_positions, ..CoupledOptions::default() };
+        let mut wear = CoupledWear::with(m, BearingMeshing::new(m, settings).unwrap(), options);
+        wear.advance_until(f64::MAX, |state| state.flank().deepest().0 > depth).ok()?;
+        Some(wear.state().flank_seen_by_contact().clone())
+    };
+    let (few, many) = (worn(15)?, worn(61)?);
+    // One has gone a little further than the other.
+    let share = few.deepest().0 / many.deepest().0;
+    let apart = few.samples().iter().zip(many.samples()).map(|(few, many)| (few - share * many).powi(2));
+    Some((apart.sum::<f64>() / few.samples().len() as f64).sqrt())
+}
+
+/// Elastic discs give pins forces that differ severalfold with the place of the crankshafts on the carrier; that leaves
+/// waves of less than 0.02 µm on a flank that has lost 8 µm.
 #[test]
 fn places_of_the_crankshafts_leave_hardly_any_waves() {
     let m = machine();
     let discs = ElasticDiscs::free(&m, crate::fem::tests::discs(&m), FlexibleOptions::default()).unwrap();
     let settings = JointSettings { discs: Some(discs), ..JointSettings::default() };
-    let worn = |crank_positions: usize| {
-        let options = CoupledOptions { crank_positions, ..CoupledOptions::default() };
-        let mut wear = CoupledWear::with(&m, BearingMeshing::new(&m, &settings).unwrap(), options);
-        wear.advance_until(f64::MAX, |state| state.flank().deepest().0 > 8.0 * UM).unwrap();
-        wear.state().clone()
-    };
-    let (few, many) = (worn(15), worn(61));
-    let (few, many) = (few.flank_seen_by_contact(), many.flank_seen_by_contact());
-    // One has gone a little further than the other.
-    let share = few.deepest().0 / many.deepest().0;
-    let apart = few.samples().iter().zip(many.samples()).map(|(few, many)| (few - share * many).powi(2));
-    let mean = (apart.sum::<f64>() / few.samples().len() as f64).sqrt();
-    assert!(mean < 0.02 * UM, "{mean:e}");
+    let apart = apart_with_few_places(&m, &settings, 8.0 * UM).unwrap();
+    assert!(apart < 0.02 * UM, "{apart:e}");
+}
+
+/// Rigid discs of machines that nobody has seen, with two to four crankshafts.
+#[test]
+fn places_leave_hardly_any_waves_in_random_machines() {
+    let mut seen = 0;
+    for seed in 1..=14 {
+        let machine = sound_design(seed).0.machine();
+        if let Some(apart) = apart_with_few_places(&machine, &JointSettings::default(), 3.0 * UM) {
+            assert!(apart < 0.035 * UM, "{seed}: {apart:e}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 9, "{seen}");
 }
 
 /// Machines that nobody has seen, with drawn errors, worn by some micrometres in their bearings: the flanks of steps

@@ -74,12 +74,13 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         // The crank positions shift from update to update by the golden section, so that no place of the
         // flank is favoured.
         let offset = (self.places as f64 * 0.618_033_988_749_894_9).fract();
-        // Each fraction of a pitch meets all places of the period within `count` updates. Neighbouring fractions meet
-        // every other place, so that forces that go with the place leave waves half as long, which contacts average
-        // over. Where errors tell pins apart, the pins that a place meets count as much, and that gains nothing.
+        // Each fraction of a pitch meets all places of the period within `count` sets of positions. Neighbouring
+        // fractions meet every other place, so that forces that change with the place leave waves half as long, which
+        // contacts average over. Where errors tell pins apart, it counts as much which pins a place meets, and that
+        // gains nothing.
         let stride = if self.meshing.discs_alike() && count % 2 == 1 { 2 } else { 1 };
-        let (updates, several) = (self.places % count, self.meshing.pitches() > 1);
-        let place = |index: usize| if several { stride * (index + updates) % count } else { index };
+        let (sets, several) = (self.places % count, self.meshing.pitches() > 1);
+        let place = |index: usize| if several { stride * (index + sets) % count } else { index };
         let tasks: Vec<Task> = (machine.duty.iter().enumerate())
             .filter(|(_, duty)| duty.wears())
             .flat_map(|(row, duty)| (0..count).map(move |index| (row, duty, index)))
