@@ -1,7 +1,7 @@
 """arcmin: how long does an RV (cycloidal) reducer stay accurate, and what limits it?
 
 >>> import arcmin
->>> design = arcmin.Design.template("rv-40e-81")
+>>> design = arcmin.Design.template("rv-40e")
 >>> design["crankshafts.eccentricity_mm"]
 1.3
 >>> result = arcmin.contact(design, torque_nm=412)

@@ -35,7 +35,7 @@ def in_rust(analysis: str, calls: int) -> float | None:
 
 
 def main() -> None:
-    design = arcmin.Design.template("rv-40e-81")
+    design = arcmin.Design.template("rv-40e")
     calls = 1000
     ours = best_of(3, calls, lambda: arcmin.contact(design))
     print(f"contact from Python {ours:.3f} ms a call")

@@ -23,7 +23,7 @@ import arcmin
 import optuna
 
 optuna.logging.set_verbosity(optuna.logging.WARNING)
-design = arcmin.Design.template("rv-40e-81")
+design = arcmin.Design.template("rv-40e")
 
 def goals(trial):
     machine = design.replace({

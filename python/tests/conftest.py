@@ -14,13 +14,13 @@ import pytest
 import arcmin
 
 #: Three machines: two as shipped, one changed in several places.
-NAMES = ("rv-40e-81", "rv-80e", "changed")
+NAMES = ("rv-40e", "rv-80e", "changed")
 
 
 def make(name: str) -> arcmin.Design:
     if name != "changed":
         return arcmin.Design.template(name)
-    return arcmin.Design.template("rv-40e-81").replace(
+    return arcmin.Design.template("rv-40e").replace(
         {
             "name": "changed",
             "crankshafts.eccentricity_mm": 1.2,
@@ -45,7 +45,7 @@ def design_file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def design() -> arcmin.Design:
-    return arcmin.Design.template("rv-40e-81")
+    return arcmin.Design.template("rv-40e")
 
 
 def command(*words: str | os.PathLike[str], cwd: Path | None = None) -> subprocess.CompletedProcess[str]:

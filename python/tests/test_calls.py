@@ -104,7 +104,7 @@ LONG = {
 def test_ctrl_c_ends_a_call_at_once(analysis: str) -> None:
     script = f"""
 import time, threading, os, signal, arcmin
-design = arcmin.Design.template("rv-40e-81")
+design = arcmin.Design.template("rv-40e")
 def interrupt():
     global at
     time.sleep(0.4)
@@ -148,11 +148,11 @@ def _in_child(name: str) -> float:
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_processes(method: str) -> None:
-    expected = _in_child("rv-40e-81")
-    arcmin.wear(arcmin.Design.template("rv-40e-81"), joints="ideal", hours=50, points=1)
+    expected = _in_child("rv-40e")
+    arcmin.wear(arcmin.Design.template("rv-40e"), joints="ideal", hours=50, points=1)
     context = multiprocessing.get_context(method)
     with context.Pool(2) as pool:
-        assert pool.map_async(_in_child, ["rv-40e-81"] * 3).get(timeout=120) == [expected] * 3
+        assert pool.map_async(_in_child, ["rv-40e"] * 3).get(timeout=120) == [expected] * 3
 
 
 def test_forked_children_compute_in_parallel_parts_too(design: arcmin.Design) -> None:

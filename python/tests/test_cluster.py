@@ -38,7 +38,7 @@ KILLS = 10
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("cluster")
-    (folder / "design.toml").write_text(make("rv-40e-81").to_toml())
+    (folder / "design.toml").write_text(make("rv-40e").to_toml())
     (folder / "study.toml").write_text(STUDY)
     return folder / "study.toml"
 

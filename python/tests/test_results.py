@@ -15,11 +15,11 @@ import arcmin
 
 @pytest.fixture(scope="module")
 def result() -> arcmin.Result:
-    return arcmin.contact(arcmin.Design.template("rv-40e-81"), positions=24, torque_nm=300)
+    return arcmin.contact(arcmin.Design.template("rv-40e"), positions=24, torque_nm=300)
 
 
 def test_arrays_are_views_that_outlive_the_result(result: arcmin.Result) -> None:
-    table = arcmin.contact(arcmin.Design.template("rv-40e-81"), positions=24).tables["contact"]
+    table = arcmin.contact(arcmin.Design.template("rv-40e"), positions=24).tables["contact"]
     first, second = table["force_n"], table["force_n"]
     assert first.__array_interface__["data"] == second.__array_interface__["data"]
     assert not first.flags.owndata and not first.flags.writeable
@@ -54,7 +54,7 @@ def test_tables_go_to_polars_and_pandas(result: arcmin.Result) -> None:
 
 def test_what_is_not_there_is_null() -> None:
     polars = pytest.importorskip("polars")
-    life = arcmin.life(arcmin.Design.template("rv-40e-81"), joints="ideal", quasi_static=True, points=4)
+    life = arcmin.life(arcmin.Design.template("rv-40e"), joints="ideal", quasi_static=True, points=4)
     table = life.tables["life"]
     assert np.isnan(table["ste_mean_arcmin"]).all()
     assert polars.DataFrame(table)["ste_mean_arcmin"].null_count() == table.rows
@@ -71,7 +71,7 @@ def test_figures_are_attributes(result: arcmin.Result) -> None:
     assert "max_force_n" in dir(result) and "Unit: MPa" in (type(result).max_pressure_mpa.__doc__ or "")
     with pytest.raises(AttributeError, match="max_force_n"):
         result.max_force  # noqa: B018
-    run = arcmin.simulate(arcmin.Design.template("rv-40e-81"), wear_um=10, end_s=0.02, load="sine", starts=0)
+    run = arcmin.simulate(arcmin.Design.template("rv-40e"), wear_um=10, end_s=0.02, load="sine", starts=0)
     assert run.solver.steps == run.summary["solver"]["steps"]
     assert result.verdict is None
 
@@ -112,7 +112,7 @@ def test_functions_document_themselves() -> None:
 
 
 def test_columns_can_be_given_as_data() -> None:
-    design = arcmin.Design.template("rv-40e-81")
+    design = arcmin.Design.template("rv-40e")
     columns = {"hours": np.array([600.0, 1550.0]), "depth_um": [4.1, 7.9]}
     result = arcmin.calibrate(design, columns, joints="ideal")
     assert result.fitted == 2 and result.tables["calibration"]["observed"].tolist() == pytest.approx(

@@ -31,7 +31,7 @@ seed = 7
 
 @pytest.fixture
 def study_file(tmp_path: Path) -> Path:
-    (tmp_path / "design.toml").write_text(make("rv-40e-81").to_toml())
+    (tmp_path / "design.toml").write_text(make("rv-40e").to_toml())
     (tmp_path / "study.toml").write_text(STUDY)
     return tmp_path / "study.toml"
 

@@ -118,7 +118,7 @@ def exchange_like(work: Path) -> None:
     words = [word for key, value in sheet.items() for word in (f"--{key}", value)]
     machine = work / "rv-20e.toml"
     calibrated = ["--stiffness-nm-per-arcmin", stiffness, "--lost-motion-arcmin", lost_motion]
-    arcmin("new", "--like", "rv-40e-81", *words, *calibrated, machine)
+    arcmin("new", "--like", "rv-40e", *words, *calibrated, machine)
     arcmin("export", "joint", machine, "--hours", "0", "--out", work)
     torque, measured = columns(
         work / "joint.wind_up.csv", lambda row: True, "torque_n_m", "wind_up_arcmin"

@@ -1,6 +1,6 @@
 """Reference values for the elastic carrier, housing and rims: solids meshed by gmsh (OpenCASCADE), solved by CalculiX.
 
-Neither program shares a line with arcmin. The dimensions are those that arcmin assumes for the RV-40E-81 of designs/rv-40e-81.toml.
+Neither program shares a line with arcmin. The dimensions are those that arcmin assumes for the RV-40E-81 of designs/tao2024.toml.
 Usage: python make_bodies_reference.py [carrier|housing|rim] [statics|modes] (needs the Python package gmsh and the program ccx; writes bodies.csv here)
 """
 import csv

@@ -12,7 +12,7 @@ import tempfile
 
 import gmsh
 
-# RV-40E-81 of Tao2024, bores and centre hole assumed as in designs/rv-40e-81.toml. mm, t, s, N, MPa.
+# RV-40E-81 of Tao2024, bores and centre hole assumed as in designs/tao2024.toml. mm, t, s, N, MPa.
 ZP, RP, A, R_PIN, WIDTH = 40, 64.0, 1.3, 3.0, 8.75
 # CalculiX expands its plane stress elements to solid wedges of the width given: the change of thickness under a load, which plane stress leaves free from
 # point to point, then shears the wedge and stiffens it (tooth load, 8.75 mm: 0.9 %; free frequencies 0.7 %). A hundredth of the width is plane stress.

@@ -26,7 +26,7 @@ fn resources(name: &str) -> PathBuf {
         pins: Vec::new(),
     };
     std::fs::write(directory.join("unit.json"), serde_json::to_string(&unit).unwrap()).unwrap();
-    std::fs::write(directory.join("design.toml"), arcmin::templates::TEMPLATES[0].text).unwrap();
+    std::fs::write(directory.join("design.toml"), arcmin::templates::TAO2024.text).unwrap();
     directory
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
 
 use arcmin::design::{Design as Read, KeyEntry, Kind, Value};
-use arcmin::templates::TEMPLATES;
+use arcmin::templates::{self, TEMPLATES};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator, PyList, PyMapping};
@@ -177,14 +177,14 @@ impl Design {
 
     /// A shipped design, as `arcmin new` writes it; :meth:`templates` names them.
     #[staticmethod]
-    #[pyo3(signature = (name = "rv-40e-81"))]
+    #[pyo3(signature = (name = "rv-40e"))]
     fn template(py: Python<'_>, name: &str) -> PyResult<Design> {
-        let Some(template) = TEMPLATES.iter().find(|template| template.name == name) else {
+        let Some(template) = templates::find(name) else {
             let names = TEMPLATES.map(|template| template.name).join(", ");
             let message = format!("no template is called \"{name}\"; templates are {names}");
             return Err(errors::value(py, name, &message, false));
         };
-        Design::parse(py, template.text, &format!("{name}.toml"))
+        Design::parse(py, template.text, template.file)
     }
 
     /// Names of the shipped designs with a line about each.

@@ -15,7 +15,7 @@ use std::hint::black_box;
 
 fn model(law: ContactLaw, load: OutputLoad) -> IdealJoints {
     let machine =
-        arcmin::templates::rv_40e_81().with_contact_law(law).unwrap_or_else(|error| panic!("{error}"));
+        arcmin::templates::tao2024().with_contact_law(law).unwrap_or_else(|error| panic!("{error}"));
     let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
     IdealJoints::new(&machine, &Relief::uniform(10.0 * UM), drive, load, 0.0)
         .unwrap_or_else(|error| panic!("{error}"))
@@ -58,7 +58,7 @@ fn evaluation(criterion: &mut Criterion) {
             force
         });
     });
-    let machine = arcmin::templates::rv_40e_81();
+    let machine = arcmin::templates::tao2024();
     let contacts = machine.pin_contacts(&Relief::uniform(10.0 * UM));
     let pose = machine.kinematics().disc_pose(0, 1.2, -1.2 / 39.0 - 0.79 * ARCMIN);
     criterion.bench_function("contacts_40_pins_loaded", |bencher| {
@@ -68,7 +68,7 @@ fn evaluation(criterion: &mut Criterion) {
 
 /// Elastic discs in bearings.
 fn elastic(criterion: &mut Criterion) {
-    let machine = arcmin::templates::rv_40e_81();
+    let machine = arcmin::templates::tao2024();
     let discs = FlexibleDiscs::reduce(&machine, FlexibleSettings::plane_stress)
         .unwrap_or_else(|error| panic!("{error}"));
     let discs = ElasticDiscs::free(&machine, discs, FlexibleOptions::default())

@@ -6,7 +6,7 @@ use arcmin::machine::CrankAngle;
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn reduction(c: &mut Criterion) {
-    let shape = DiscShape::of(&arcmin::templates::rv_40e_81(), 0);
+    let shape = DiscShape::of(&arcmin::templates::tao2024(), 0);
     let mut group = c.benchmark_group("disc");
     group.sample_size(10);
     for (name, settings) in
@@ -23,7 +23,7 @@ fn reduction(c: &mut Criterion) {
 }
 
 fn load_sharing(c: &mut Criterion) {
-    let machine = arcmin::templates::rv_40e_81();
+    let machine = arcmin::templates::tao2024();
     let Ok(discs) = FlexibleDiscs::reduce(&machine, FlexibleSettings::plane_stress) else { return };
     let meshing = machine.flexible_meshing(&Relief::uniform(1e-5), discs);
     let mut crank = 0.0;

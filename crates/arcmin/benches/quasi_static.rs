@@ -7,13 +7,13 @@ use arcmin::geometry::Relief;
 use arcmin::life::{LifeOptions, predict};
 use arcmin::machine::CrankAngle;
 use arcmin::progress::Silent;
-use arcmin::templates::rv_40e_81;
+use arcmin::templates::tao2024;
 use arcmin::units::{HOUR, UM};
 use arcmin::wear::{CoupledOptions, CoupledWear};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn gaps(c: &mut Criterion) {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let kinematics = machine.kinematics();
     let pose = kinematics.disc_pose(0, 0.321, kinematics.nominal_output_angle(0.321) - 2e-5);
     let uneven =
@@ -41,7 +41,7 @@ fn gaps(c: &mut Criterion) {
 }
 
 fn load_sharing(c: &mut Criterion) {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let meshing = machine.meshing(&Relief::uniform(10.0 * UM));
     let crank = CrankAngle::from_degrees(30.0);
     c.bench_function("load sharing, 2 discs x 40 pins", |b| {
@@ -57,7 +57,7 @@ fn load_sharing(c: &mut Criterion) {
 }
 
 fn life(c: &mut Criterion) {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let mut group = c.benchmark_group("life");
     group.sample_size(10);
     group.bench_function("coupled wear over 7500 h", |b| {

@@ -11,7 +11,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
 fn bearings(criterion: &mut Criterion) {
-    let machine = arcmin::templates::rv_40e_81();
+    let machine = arcmin::templates::tao2024();
     let settings = JointSettings::default();
     let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };
     let load = OutputLoad::Constant { torque: 412.0 };
@@ -48,7 +48,7 @@ fn bearings(criterion: &mut Criterion) {
 
 /// One sample each of the studies `yield` and `unknowns`, on one thread.
 fn samples(criterion: &mut Criterion) {
-    let design = templates::design("rv-40e-81").unwrap_or_else(|| panic!("the design is shipped"));
+    let design = templates::design("tao2024").unwrap_or_else(|| panic!("the design is shipped"));
     let threads =
         rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap_or_else(|error| panic!("{error}"));
     let mut group = criterion.benchmark_group("sample");

@@ -15,7 +15,7 @@ fn machines() -> impl Strategy<Value = Machine> {
     let whole = (10..30usize, 1..=3usize);
     let real = (30.0..150.0f64, 0.5..0.85f64, 0.3..0.7f64, 4.0..30.0f64, 10.0..60.0f64, 0.0..20.0f64);
     (whole, real).prop_map(|((pins, discs), (circle, k1, pin, width, load, offset))| {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         let pins = 2 * pins;
         machine.ring.pin_count = pins;
         machine.ring.pin_circle_radius = circle * MM;

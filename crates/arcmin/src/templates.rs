@@ -12,6 +12,8 @@ use crate::machine::Machine;
 pub struct Template {
     /// Name on the command line.
     pub name: &'static str,
+    /// Name of the design file.
+    pub file: &'static str,
     /// What it is, in one line.
     pub summary: &'static str,
     /// The commented TOML.
@@ -20,35 +22,53 @@ pub struct Template {
     pub outer_diameter_mm: f64,
 }
 
-/// All shipped designs, the default first.
-pub const TEMPLATES: [Template; 2] = [
-    Template {
-        name: "rv-40e-81",
-        summary: "RV-40E-81 of Tao2024: 40 pins, 39 lobes, ratio 81, 412 N·m",
-        text: include_str!("../designs/rv-40e-81.toml"),
-        outer_diameter_mm: 190.0,
-    },
-    Template {
-        name: "rv-80e",
-        summary: "RV-80E with the teeth of Yang 2021: 40 pins, 39 lobes, ratio 153, 784 N·m",
-        text: include_str!("../designs/rv-80e.toml"),
-        outer_diameter_mm: 222.0,
-    },
-];
+pub const RV_40E: Template = Template {
+    name: "rv-40e",
+    file: "rv-40e-81.toml",
+    summary: "RV-40E-81 as it would be made: 40 pins, 39 lobes, ratio 81, 412 N·m",
+    text: include_str!("../designs/rv-40e-81.toml"),
+    outer_diameter_mm: 190.0,
+};
 
-/// A shipped design by its name; `None` if there is none of that name.
-pub fn design(name: &str) -> Option<Design> {
-    TEMPLATES.iter().find(|template| template.name == name).map(read)
+pub const RV_80E: Template = Template {
+    name: "rv-80e",
+    file: "rv-80e.toml",
+    summary: "RV-80E with the teeth of Yang 2021: 40 pins, 39 lobes, ratio 153, 784 N·m",
+    text: include_str!("../designs/rv-80e.toml"),
+    outer_diameter_mm: 222.0,
+};
+
+pub const TAO2024: Template = Template {
+    name: "tao2024",
+    file: "tao2024.toml",
+    summary: "the theoretical RV-40E-81 of Tao2024: unmodified flanks, no friction",
+    text: include_str!("../designs/tao2024.toml"),
+    outer_diameter_mm: 190.0,
+};
+
+/// All shipped designs, the default first.
+pub const TEMPLATES: [Template; 3] = [RV_40E, RV_80E, TAO2024];
+
+/// A shipped design by its name or the name of its file, with or without `.toml`.
+pub fn find(name: &str) -> Option<&'static Template> {
+    static ALL: [Template; 3] = TEMPLATES;
+    let stem = name.strip_suffix(".toml").unwrap_or(name);
+    ALL.iter().find(|template| template.name == stem || template.file.strip_suffix(".toml") == Some(stem))
 }
 
-/// The RV-40E-81 of Tao2024, with the assumptions that the paper leaves open.
-pub fn rv_40e_81() -> Machine {
-    read(&TEMPLATES[0]).machine()
+/// A shipped design by the names that [`find`] takes; `None` if there is none of that name.
+pub fn design(name: &str) -> Option<Design> {
+    find(name).map(read)
+}
+
+/// The theoretical machine of Tao2024, with the assumptions that the paper leaves open.
+pub fn tao2024() -> Machine {
+    read(&TAO2024).machine()
 }
 
 fn read(template: &Template) -> Design {
     // The text is part of the program and a test reads it, so a failure here is a fault of the build.
-    match Design::parse(template.text, &format!("{}.toml", template.name)) {
+    match Design::parse(template.text, template.file) {
         Ok(design) => design,
         Err(error) => unreachable!("shipped design: {error}"),
     }
@@ -68,8 +88,8 @@ mod tests {
     }
 
     #[test]
-    fn rv_40e_81_has_the_values_of_its_sources() {
-        let machine = rv_40e_81();
+    fn tao2024_has_the_values_of_its_sources() {
+        let machine = tao2024();
         assert_eq!(machine.kinematics().ratio(), 81.0);
         assert_eq!(machine.ring.pin_circle_radius, 64.0 * MM);
         assert!((machine.disc.mass - 0.6366).abs() < 5e-5 && (machine.disc.inertia - 1.3394e-3).abs() < 5e-8);

@@ -84,8 +84,8 @@ fn compare(design: &str) {
 }
 
 #[test]
-fn regress_rv_40e() {
-    compare("rv-40e-81");
+fn regress_tao2024() {
+    compare("tao2024");
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn design(name: &str) -> Design {
 
 /// The RV-40E with another equidistant offset in µm.
 fn rv_40e_with_offset(offset_um: f64) -> Machine {
-    let design = arcmin::templates::design("rv-40e-81").unwrap();
+    let design = arcmin::templates::design("tao2024").unwrap();
     design.with("disc.modification.equidistant_offset_um", offset_um).unwrap().machine()
 }
 
@@ -91,7 +91,7 @@ fn val_bearings_and_ideal_joints_agree_on_interference() {
 /// without a jump; half a micrometre of interference takes the clearance of the bearings up.
 #[test]
 fn lost_motion_on_the_bench_passes_through_zero_without_a_jump() {
-    for template in ["rv-40e-81", "rv-80e"] {
+    for template in ["tao2024", "rv-80e"] {
         let design = arcmin::templates::design(template).unwrap();
         for (key, sign) in [("equidistant_offset_um", 1.0), ("radial_offset_um", -1.0)] {
             let lost_motion = |gap_um: f64| {
@@ -191,7 +191,7 @@ fn causes_add_up_on_an_edge() {
 /// give the efficiency of the other.
 #[test]
 fn val_friction_in_load_sharing_is_that_of_the_bench() {
-    let machine = arcmin::templates::rv_40e_81().with_friction(rig::ASSUMED_FRICTION).unwrap();
+    let machine = arcmin::templates::tao2024().with_friction(rig::ASSUMED_FRICTION).unwrap();
     let settings = JointSettings::default();
     let mut running = BearingMeshing::running(&machine, &settings).unwrap();
     let (ratio, speed) = (machine.kinematics().ratio(), machine.rated().input_speed);

@@ -40,7 +40,7 @@ fn agree_with(table: &str, quantity: &str, value: f64, tolerance: f64) {
 }
 
 fn shape() -> DiscShape {
-    DiscShape::of(&arcmin::templates::rv_40e_81(), 0)
+    DiscShape::of(&arcmin::templates::tao2024(), 0)
 }
 
 fn clamped() -> DiscModel {

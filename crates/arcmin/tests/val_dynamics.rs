@@ -12,7 +12,7 @@ const LINEAR: ContactLaw = ContactLaw::Linear { stiffness: 2.85e8 };
 
 /// The reference machine with the linear contact of the published figures: 2.85e8 N/m per pin.
 fn linear() -> Machine {
-    arcmin::templates::rv_40e_81().with_contact_law(LINEAR).unwrap()
+    arcmin::templates::tao2024().with_contact_law(LINEAR).unwrap()
 }
 
 fn speed_law() -> Drive {
@@ -76,13 +76,8 @@ fn val_sinusoidal_load() {
 
 #[test]
 fn val_unworn_and_unloaded_there_is_no_error() {
-    let te = statistics(&simulate(
-        &arcmin::templates::rv_40e_81(),
-        0.0,
-        OutputLoad::None,
-        0.0,
-        RunPlan::default(),
-    ));
+    let te =
+        statistics(&simulate(&arcmin::templates::tao2024(), 0.0, OutputLoad::None, 0.0, RunPlan::default()));
     assert!(te.max_abs / ARCMIN < 1e-3, "{}", te.max_abs / ARCMIN);
 }
 
@@ -181,7 +176,7 @@ fn val_independent_bdf_solver_agrees() {
 /// other sign, over −80 instead of 81.
 #[test]
 fn val_fixed_carrier() {
-    let design = arcmin::templates::design("rv-40e-81").unwrap().with("fixed_member", "carrier").unwrap();
+    let design = arcmin::templates::design("tao2024").unwrap().with("fixed_member", "carrier").unwrap();
     let machine = design.machine().with_contact_law(LINEAR).unwrap();
     let result = simulate(&machine, 10.0, RATED, 0.0, RunPlan::default());
     assert!((result.mean_ratio.unwrap() / -80.0 - 1.0).abs() < 1e-4);
@@ -244,7 +239,7 @@ fn every_contact_law_runs_and_keeps_energy() {
     ];
     let plan = RunPlan { end: 0.2, ..RunPlan::default() };
     for contact_law in laws {
-        let machine = arcmin::templates::rv_40e_81().with_contact_law(contact_law).unwrap();
+        let machine = arcmin::templates::tao2024().with_contact_law(contact_law).unwrap();
         let result = simulate(&machine, 10.0, RATED, 0.0, plan);
         let te = statistics(&result).mean / ARCMIN;
         assert!((-0.95..-0.7).contains(&te), "{contact_law:?}: {te}");

@@ -29,7 +29,7 @@ fn machine(law: WearLaw) -> Machine {
             ("wear.law.smoothing_depth_um", (depth / UM).into()),
         ],
     };
-    arcmin::templates::design("rv-40e-81").unwrap().with_all(keys).unwrap().machine()
+    arcmin::templates::design("tao2024").unwrap().with_all(keys).unwrap().machine()
 }
 
 /// The rows of the table in the chapter on validation: predicted increase at 1550 h in seconds of arc with ideal

@@ -9,7 +9,7 @@ out=${1:-"$root/target/flank-modification"}
 arcmin="$root/target/release/arcmin"
 mkdir -p "$out"
 cp "$here"/*.toml "$out"
-cp "$root/designs/rv-40e-81.toml" "$out/handbook-design.toml"
+cp "$root/designs/tao2024.toml" "$out/handbook-design.toml"
 "$arcmin" study "$out/unmodified.toml" --out "$out/unmodified"
 pressure=$(python3 -c 'import json, sys
 for quantile in json.load(open(sys.argv[1]))["results"]["max_pressure_mpa"]["quantiles"]:

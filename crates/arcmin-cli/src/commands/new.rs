@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use arcmin::analyses::like::like;
-use arcmin::templates::{DataSheet, TEMPLATES, Template};
+use arcmin::templates::{self, DataSheet, TEMPLATES, Template};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::Ending;
@@ -34,7 +34,7 @@ pub fn command() -> Command {
         ))
         .after_help(
             "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-80e bigger.toml --force\n  arcmin new --list\n  \
-             arcmin new --like rv-40e-81 --ratio 105 --torque-nm 167 --outer-diameter-mm 145 \
+             arcmin new --like rv-40e --ratio 105 --torque-nm 167 --outer-diameter-mm 145 \
              --stiffness-nm-per-arcmin 49 --lost-motion-arcmin 0.8 rv-20e.toml",
         )
         .arg(
@@ -42,7 +42,7 @@ pub fn command() -> Command {
                 .num_args(0..=2)
                 .action(ArgAction::Append)
                 .value_names(["TEMPLATE", "FILE"])
-                .help("File to write, and before it the template to start from [default: rv-40e-81]"),
+                .help("File to write, and before it the template to start from [default: rv-40e]"),
         )
         .arg(
             Arg::new("like")
@@ -80,7 +80,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return run_like(name, matches);
     }
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
-    let known = |name: &str| TEMPLATES.iter().find(|template| template.name == name);
+    let known = templates::find;
     let (template, file) = match words.as_slice() {
         [template, file] => {
             let template =
@@ -111,18 +111,13 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
 }
 
 fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
-    let template: &Template = TEMPLATES
-        .iter()
-        .find(|template| template.name == name)
-        .ok_or_else(|| Failure::UnknownTemplate { name: name.to_owned() })?;
+    let template: &Template =
+        templates::find(name).ok_or_else(|| Failure::UnknownTemplate { name: name.to_owned() })?;
     let usage =
         |message: &str, help: &str| Failure::Usage { message: message.to_owned(), help: help.to_owned() };
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
     let [file] = words.as_slice() else {
-        return Err(usage(
-            "--like needs one file to write",
-            "`arcmin new --like rv-40e-81 … my-reducer.toml`",
-        ));
+        return Err(usage("--like needs one file to write", "`arcmin new --like rv-40e … my-reducer.toml`"));
     };
     let of = |name: &str| matches.get_one::<f64>(name).copied();
     let (Some(ratio), Some(torque)) = (of("ratio"), of("torque-nm")) else {

@@ -80,7 +80,7 @@ fn a_unit_holds_what_it_needs_and_repeats_to_the_byte() {
 fn a_data_sheet_that_is_none_is_refused() {
     let directory = with_design();
     let d = directory.path();
-    let like = |more: &[&str]| refused(d, &[&["new", "--like", "rv-40e-81"][..], more].concat());
+    let like = |more: &[&str]| refused(d, &[&["new", "--like", "rv-40e"][..], more].concat());
     assert!(like(&["x.toml"]).contains("--ratio"));
     assert!(like(&["--ratio", "81", "--torque-nm", "412"]).contains("one file"));
     assert!(like(&["--ratio", "5", "--torque-nm", "412", "x.toml"]).contains("a ratio of 5"));

@@ -72,7 +72,7 @@ fn new_lists_its_templates_and_writes_one() {
     let d = directory.path();
     let list = good(d, &["new", "--list"]);
     let first: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(first, ["rv-40e-81", "rv-80e"]);
+    assert_eq!(first, ["rv-40e", "rv-80e", "tao2024"]);
     assert_eq!(names(d), Vec::<String>::new(), "a list writes nothing");
     assert!(good(d, &["new", "d.toml"]).ends_with("next: arcmin check d.toml\n"));
     good(d, &["new", "rv-80e", "e.toml"]);
@@ -93,7 +93,7 @@ fn new_does_not_overwrite_unless_told_so() {
     assert!(read(d, "d.toml").contains("RV-80E"));
     assert_eq!(
         refused(d, &["new", "rv-9", "e.toml"]),
-        "  × no template is called \"rv-9\"\n  help: templates are rv-40e-81, rv-80e\n"
+        "  × no template is called \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024\n"
     );
     assert_eq!(
         refused(d, &["new", "rv-80e"]),

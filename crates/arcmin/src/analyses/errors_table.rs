@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn only_what_deviates_is_listed() {
         assert!(table(&Fidelity::ideal()).is_none());
-        let design = crate::templates::design("rv-40e-81").unwrap();
+        let design = crate::templates::design("tao2024").unwrap();
         let machine = design.machine();
         let errors = ManufacturingErrors::draw(&machine, &design.drawing_tolerances().unwrap(), 1);
         let table = table(&Fidelity::ideal().with_errors(errors, 1)).unwrap();

@@ -115,7 +115,7 @@ pub fn like(template: Template, sheet: DataSheet, host: &dyn Host) -> Result<Lik
 mod tests {
     use super::*;
     use crate::analyses::NoHost;
-    use crate::templates::TEMPLATES;
+    use crate::templates::TAO2024;
 
     /// A data sheet's stiffness and lost motion come back from the bench within 1 %, and a machine stiffer than
     /// its scaled parts says that it is not reached.
@@ -128,12 +128,12 @@ mod tests {
             stiffness_n_m_per_arcmin: Some(49.0),
             lost_motion_arcmin: Some(0.8),
         };
-        let found = like(TEMPLATES[0], sheet, &NoHost).unwrap();
+        let found = like(TAO2024, sheet, &NoHost).unwrap();
         let (stiffness, lost) = bench(&Design::parse(&found.text, "like").unwrap()).unwrap();
         assert!((stiffness / 49.0 - 1.0).abs() < 0.01, "{:?}", found.notes);
         assert!((lost / 0.8 - 1.0).abs() < 0.01, "{:?}", found.notes);
         let hard = DataSheet { stiffness_n_m_per_arcmin: Some(5000.0), lost_motion_arcmin: None, ..sheet };
-        let found = like(TEMPLATES[0], hard, &NoHost).unwrap();
+        let found = like(TAO2024, hard, &NoHost).unwrap();
         assert!(found.notes[0].contains("not reached"), "{:?}", found.notes);
     }
 }

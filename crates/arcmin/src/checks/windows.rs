@@ -70,14 +70,14 @@ mod tests {
     use super::*;
 
     fn rv_80e() -> Machine {
-        crate::design::Design::parse(crate::templates::TEMPLATES[1].text, "rv-80e.toml").unwrap().machine()
+        crate::design::Design::parse(crate::templates::RV_80E.text, "rv-80e.toml").unwrap().machine()
     }
 
     /// The shipped disc has no windows and nothing to check; with the assumed ones the assumed pillars keep
     /// 0.02 R_p beyond the eccentricity, and a window drawn in further than that is found.
     #[test]
     fn assumed_windows_pass_and_tight_ones_are_found() {
-        for mut machine in [crate::templates::rv_40e_81(), rv_80e()] {
+        for mut machine in [crate::templates::tao2024(), rv_80e()] {
             assert!(check(&machine).is_empty());
             machine.disc.windows = machine.solids.windows.clone();
             let [pillars, walls] = <[Finding; 2]>::try_from(check(&machine)).unwrap();

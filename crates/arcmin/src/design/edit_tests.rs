@@ -4,7 +4,7 @@ use super::*;
 use crate::templates;
 
 fn design() -> Design {
-    templates::design("rv-40e-81").unwrap()
+    templates::design("tao2024").unwrap()
 }
 
 /// What a change gives must be what its text gives.

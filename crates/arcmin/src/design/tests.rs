@@ -1,9 +1,9 @@
 use super::*;
-use crate::templates::TEMPLATES;
+use crate::templates::TAO2024;
 
 /// The shipped design up to its unknowns, which would name keys that tests take out.
 fn text() -> &'static str {
-    let text = TEMPLATES[0].text;
+    let text = TAO2024.text;
     &text[..text.find("# What is not known exactly").unwrap()]
 }
 

@@ -217,13 +217,13 @@ fn groove_compliance(machine: &Machine) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::turned;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
 
     /// A compliance made of a groove's own and a smooth part comes back: ways of the modes plus the own one
     /// are C F for forces that vary smoothly, and no more modes are kept than the smooth part has.
     #[test]
     fn smooth_and_own_compliance_come_apart() {
-        let machine = rv_40e_81();
+        let machine = tao2024();
         let (discs, pins) = (machine.disc_count, machine.ring.pin_count);
         let size = 2 * discs * pins;
         let (own, soft) = (3e-10, 8e-9);

@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     fn mesh(backlash: f64, variation: f64) -> GearMesh {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.gear_stage.backlash = backlash;
         machine.gear_stage.mesh_stiffness_variation = variation;
         GearMesh::new(&machine)

@@ -257,7 +257,7 @@ mod tests {
     /// does, within the tolerance; from a start that is no good it gives up.
     #[test]
     fn the_short_way_ends_where_the_long_one_does() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let mut model = BearingJoints::held(&machine, &JointSettings::default()).unwrap();
         let control = EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-6, ..Default::default() };
         for sun in [0.0, 3.3, 17.0] {
@@ -281,9 +281,9 @@ mod tests {
     /// where those that do not end, and end at far more of the places.
     #[test]
     fn steps_from_afar_end_at_the_same_balance() {
-        let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+        let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
         let machines = [
-            crate::templates::rv_40e_81(),
+            crate::templates::tao2024(),
             crate::templates::design("rv-80e").unwrap().machine(),
             crate::random_designs::sound_design(6).0.machine(),
             crate::random_designs::sound_design(11).0.machine(),

@@ -21,7 +21,7 @@ use crate::progress::Progress;
 /// use arcmin::dynamics::*;
 /// use arcmin::progress::Silent;
 /// # fn main() -> Result<(), DynamicsError> {
-/// let machine = arcmin::templates::rv_40e_81();
+/// let machine = arcmin::templates::tao2024();
 /// let drive = Drive::GivenMotion(GivenMotion::default());
 /// let load = OutputLoad::GivenTorque(GivenTorque::constant(100.0));
 /// let wear = arcmin::geometry::Relief::uniform(10e-6);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::templates::rv_40e_81;
+use crate::templates::tao2024;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -45,7 +45,7 @@ fn text(head: &str, columns: &[&[f64]]) -> String {
 /// Sums over the written TOML against sums over all readings, both computed here.
 #[test]
 fn fifty_rows_stand_for_the_whole_log() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let (time, torque, speed) = log(600, 200);
     let file = text("time_s,torque_n_m,speed_rad_s,state", &[&time, &torque, &speed, &time]);
     let import = import_duty(&machine, file.as_bytes(), "log.csv", &DutyImportOptions::default()).unwrap();
@@ -95,7 +95,7 @@ fn fifty_rows_stand_for_the_whole_log() {
     );
     let shares: f64 = import.picture.cells.iter().flatten().sum();
     assert!((shares - 100.0).abs() < 1e-9);
-    let design = crate::templates::TEMPLATES[0].text;
+    let design = crate::templates::TAO2024.text;
     let (before, after) = design.split_once("[[duty]]").unwrap();
     let rest = after.split_once("[wear]").unwrap().1;
     let design = format!("{before}{}\n[wear]{rest}", import.toml);
@@ -106,7 +106,7 @@ fn fifty_rows_stand_for_the_whole_log() {
 /// Current and motor angle say the same as torque and speed at the output.
 #[test]
 fn motor_side_logs_agree() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let ratio = machine.kinematics().ratio();
     let (time, torque, speed) = log(60, 100);
     let file = text("time_s,torque_n_m,speed_rad_s", &[&time, &torque, &speed]);
@@ -135,7 +135,7 @@ fn motor_side_logs_agree() {
 
 #[test]
 fn gaps_and_constant_logs() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let mut file = String::from("time_s,torque_n_m,speed_rpm\n");
     for i in 0..100 {
         let t = f64::from(i) * 0.1 + if i >= 50 { 1000.0 } else { 0.0 };
@@ -155,7 +155,7 @@ fn gaps_and_constant_logs() {
 
 #[test]
 fn hostile_logs_are_refused_with_a_remedy() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     for file in [
         "",
         "time_s,torque_n_m\n0,1\n1,1\n",

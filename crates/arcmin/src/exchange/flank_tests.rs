@@ -1,7 +1,7 @@
 use super::*;
 use crate::geometry::{FlankDirection, FlankError, FlankHarmonic, Relief, Vec2, turned, unit};
 use crate::machine::Machine;
-use crate::templates::rv_40e_81;
+use crate::templates::tao2024;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
@@ -19,7 +19,7 @@ struct Measurement {
 
 impl Measurement {
     fn points(&self, machine: &Machine, seed: u64) -> Vec<[f64; 4]> {
-        let design = crate::design::Design::parse(crate::templates::TEMPLATES[0].text, "t").unwrap();
+        let design = crate::design::Design::parse(crate::templates::TAO2024.text, "t").unwrap();
         let options = ProfileOptions { tolerance: 2e-6, ..ProfileOptions::default() };
         let export = ProfileExport::new(machine, Stamp::of(&design), options).unwrap();
         let set = read_points(export.csv().as_bytes(), "profile.csv").unwrap();
@@ -99,7 +99,7 @@ fn measured() -> FlankTarget {
 /// Every format, in any order and place, with a ball and outliers: the pose comes back within the noise.
 #[test]
 fn pose_is_found_in_every_format() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let measurement = Measurement { probe: 1e-3, outliers: 12, ..plain() };
     let points = measurement.points(&machine, 1);
     let pitch = std::f64::consts::TAU / 39.0;
@@ -122,7 +122,7 @@ fn pose_is_found_in_every_format() {
 /// What is written as a measured flank is read back as the error that was there.
 #[test]
 fn measured_flank_round_trip() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let harmonic = |order, amplitude, phase, direction| FlankHarmonic { order, amplitude, phase, direction };
     let error = FlankError {
         harmonics: vec![
@@ -176,7 +176,7 @@ fn measured_flank_round_trip() {
         assert!(off.norm() < 0.1e-6, "{found:?}");
     }
     assert!((import.split.common_depth(0.7) - 2e-6 * 0.7_f64.cos()).abs() < 0.15e-6);
-    let text = crate::templates::TEMPLATES[0].text.to_owned() + &import.toml;
+    let text = crate::templates::TAO2024.text.to_owned() + &import.toml;
     let design = crate::design::Design::parse(&text, "t").unwrap();
     assert!(design.given_errors().unwrap().discs[1].flank.harmonics.len() >= 2);
 }
@@ -184,7 +184,7 @@ fn measured_flank_round_trip() {
 /// With the file's origin as the axis, a disc off its centre shows run-out of the first order.
 #[test]
 fn run_out_against_the_axis() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let measurement = Measurement { centre: Vec2::new(6e-6, 8e-6), rotation: 0.0, noise: 0.3e-6, ..plain() };
     let text = as_table(&measurement.points(&machine, 3));
     let axis = FlankImportOptions { origin_is_axis: true, ..options(FlankTarget::Harmonics { disc: 0 }) };
@@ -202,13 +202,13 @@ fn run_out_against_the_axis() {
 /// The modification of a ground flank comes back as keys of the design.
 #[test]
 fn modification_round_trip() {
-    let mut machine = rv_40e_81();
+    let mut machine = tao2024();
     machine.disc.modification.equidistant_offset = 12e-6;
     machine.disc.modification.radial_offset = -20e-6;
     machine.disc.modification.rotation = 1e-4;
     let text = as_table(&plain().points(&machine, 4));
     let import =
-        import_flank(&rv_40e_81(), text.as_bytes(), "points", &options(FlankTarget::Modification)).unwrap();
+        import_flank(&tao2024(), text.as_bytes(), "points", &options(FlankTarget::Modification)).unwrap();
     let keys = import.toml.replace("[disc.modification]", "");
     let parsed: toml::Table = keys.parse().unwrap();
     let value =
@@ -219,7 +219,7 @@ fn modification_round_trip() {
     assert!((value("radial_offset_um") + 20.0).abs() < 3.0, "{keys}");
     assert!((value("rotation_arcmin") - 1e-4_f64.to_degrees() * 60.0).abs() < 0.1, "{keys}");
     // Whatever the keys: the flank that they describe is the one that was measured.
-    let mut back = rv_40e_81();
+    let mut back = tao2024();
     back.disc.modification.equidistant_offset = value("equidistant_offset_um") * 1e-6;
     back.disc.modification.radial_offset = value("radial_offset_um") * 1e-6;
     back.disc.modification.rotation = value("rotation_arcmin") / 60.0_f64 * crate::units::DEG;
@@ -243,7 +243,7 @@ fn modification_round_trip() {
 
 #[test]
 fn hostile_points_are_refused_with_line_and_remedy() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let list = |rows: &str| format!("XYZIJK METRIC\n{rows}");
     for (text, line) in [
         (String::new(), None),

@@ -9,7 +9,7 @@ fn shipped(name: &str) -> Design {
 }
 
 fn machine() -> (Machine, Stamp) {
-    let design = shipped("rv-40e-81");
+    let design = shipped("tao2024");
     (design.machine(), Stamp::of(&design))
 }
 

@@ -165,7 +165,7 @@ mod tests {
     /// Bytes come back as they went; those of other solids, cut ones and changed ones are refused.
     #[test]
     fn bytes_belong_to_their_solids() {
-        let shapes = BodyShapes::of(&crate::templates::rv_40e_81());
+        let shapes = BodyShapes::of(&crate::templates::tao2024());
         let bodies = ElasticBodies { carrier: some(5), housing: some(7), rims: some(3) };
         let bytes = shapes.to_bytes(&bodies);
         assert_eq!(shapes.from_bytes(&bytes), Ok(bodies));

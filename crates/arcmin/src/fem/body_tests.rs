@@ -8,7 +8,7 @@ use super::verification::{circle, steel};
 use super::*;
 use crate::geometry::{Sector, Vec2};
 use crate::machine::HousingSolid;
-use crate::templates::rv_40e_81;
+use crate::templates::tao2024;
 
 /// A ring between radii a and b, held at three corners of its lower face against rigid motions alone.
 fn ring(a: f64, b: f64, width: f64, size: f64) -> (Body, Seat, Seat) {
@@ -126,7 +126,7 @@ fn val_edges_drawn_towards_the_rim_of_a_clamp() {
 }
 
 fn coarse_carrier() -> CarrierShape {
-    let shape = CarrierShape::of(&rv_40e_81());
+    let shape = CarrierShape::of(&tao2024());
     CarrierShape { size: 2.0 * shape.size, layers: [1, 2], ..shape }
 }
 
@@ -191,7 +191,7 @@ fn frequencies_of(classes: &[Class]) -> Vec<f64> {
 
 #[test]
 fn carrier_and_housing_weigh_what_their_outlines_enclose() {
-    let shape = CarrierShape::of(&rv_40e_81());
+    let shape = CarrierShape::of(&tao2024());
     let s = &shape.solid;
     let disc = |r: f64| PI * r * r;
     let plate = disc(s.plate_radius)
@@ -287,7 +287,7 @@ fn parts_of_random_machines_are_whole() {
 
 /// Eight pins and four bolts, two discs.
 fn small_housing() -> HousingShape {
-    let mut shape = HousingShape::of(&rv_40e_81());
+    let mut shape = HousingShape::of(&tao2024());
     shape.pin_count = 8;
     shape.solid.bolt_count = 4;
     shape.sizes = [6e-3, 12e-3];
@@ -382,7 +382,7 @@ fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
 /// frequencies within 0.5 % of what the two meshes of the reference are extrapolated to.
 #[test]
 fn val_carrier_is_that_of_calculix() {
-    let shape = CarrierShape::of(&rv_40e_81());
+    let shape = CarrierShape::of(&tao2024());
     let classes = shape.classes(shape.mirrors()).unwrap();
     let c = shape.compliance_of(&classes);
     let names = ["x", "y"];
@@ -412,7 +412,7 @@ fn val_carrier_is_that_of_calculix() {
 /// How far compliances of the housing, pins loaded over their whole length, both discs' shares alike, and its first ten
 /// frequencies are from values of the reference whose names end so.
 fn housing_apart(what: &str) -> [f64; 2] {
-    let shape = HousingShape::of(&rv_40e_81());
+    let shape = HousingShape::of(&tao2024());
     let classes = shape.classes(shape.mirrors()).unwrap();
     let c = shape.compliance_of(&classes);
     // Half of a load on either disc's share of a pin.
@@ -463,7 +463,7 @@ fn val_housing_is_what_calculix_comes_to() {
 /// geometric mean of the rims' own, of the own one of the loaded rim where a bore moves.
 #[test]
 fn val_rims_are_those_of_calculix() {
-    let mut machine = rv_40e_81();
+    let mut machine = tao2024();
     machine.disc.windows = machine.solids.windows.clone();
     let c = RimShape::of(&machine).compliance().unwrap();
     let names = ["x", "y", "expansion", "cos2", "sin2", "cos3", "sin3", "cos4", "sin4"];

@@ -190,7 +190,7 @@ mod tests {
     /// lobes included.
     #[test]
     fn arc_is_smooth_and_invertible() {
-        let profile = crate::templates::rv_40e_81().profile();
+        let profile = crate::templates::tao2024().profile();
         for arc in [FlankArc::new(&profile), FlankArc::blended_with_meshing_angle(&profile)] {
             let cell = TAU / 39.0 / 4000.0;
             for tau in [1e-4, 0.0123, 0.0803, 1.7, 5.9] {

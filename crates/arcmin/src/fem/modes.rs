@@ -150,14 +150,14 @@ impl ReducedDisc {
 #[cfg(test)]
 mod tests {
     use super::super::tests::reduced;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
 
     /// Momentum and moment of momentum of a mode, from rᵀ M (Ψ b + Φ q) = (Ψᵀ M Ψ r_b)·b + (Φᵀ M r)·q,
     /// vanish: a disc that vibrates neither moves nor turns as a whole. The second factor comes from the
     /// rigid motions of the mesh.
     #[test]
     fn free_modes_carry_no_momentum() {
-        let (disc, machine) = (reduced(), rv_40e_81());
+        let (disc, machine) = (reduced(), tao2024());
         let held = 3;
         let nb = disc.interface.count;
         let (_, vectors) = disc.free_eigen(held).unwrap();

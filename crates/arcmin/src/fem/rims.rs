@@ -177,7 +177,7 @@ mod tests {
     /// Reciprocity between the rims of the shipped disc, and its two bores alike.
     #[test]
     fn rims_of_the_shipped_disc() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.disc.windows = machine.solids.windows.clone();
         let shape = RimShape::of(&machine);
         let c = shape.compliance().unwrap();

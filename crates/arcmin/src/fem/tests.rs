@@ -7,7 +7,7 @@ use super::*;
 use crate::contact::ContactLaw;
 use crate::geometry::Relief;
 use crate::machine::{CrankAngle, Machine};
-use crate::templates::rv_40e_81;
+use crate::templates::tao2024;
 use crate::units::ARCMIN;
 
 /// Plane stress on a mesh coarse enough for tests: half as long again at the edges.
@@ -25,7 +25,7 @@ struct Fixture {
 }
 
 fn fixture() -> &'static Fixture {
-    fixture_of(&rv_40e_81())
+    fixture_of(&tao2024())
 }
 
 /// The reference machine's disc as it is, or with the windows assumed for its carrier's pillars.
@@ -235,7 +235,7 @@ fn total_compliance_does_not_depend_on_the_reading_depth() {
 
 #[test]
 fn both_discs_of_the_reference_machine_are_one_part() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let (first, second) = (DiscShape::of(&machine, 0), DiscShape::of(&machine, 1));
     let turn = second.turned_onto(&first).expect("half a turn brings 39 lobes and two bores onto each other");
     // 39 lobes: half a turn is a whole number of pitches plus a half, which the mounting angle makes up for.
@@ -256,7 +256,7 @@ fn lag(machine: &Machine, wear: f64, torque: f64, flexible: bool) -> f64 {
 
 #[test]
 fn at_vanishing_torque_elastic_and_rigid_discs_touch_alike() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     for wear in [10e-6, 60e-6] {
         for torque in [1e-3, -1e-3] {
             let difference = lag(&machine, wear, torque, true) - lag(&machine, wear, torque, false);
@@ -270,7 +270,7 @@ fn at_vanishing_torque_elastic_and_rigid_discs_touch_alike() {
 /// virtual work.
 #[test]
 fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
-    let machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..rv_40e_81() };
+    let machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..tao2024() };
     let meshing = machine.flexible_meshing(&Relief::uniform(10e-6), discs(&machine));
     let at = CrankAngle::from_radians(0.7);
     let sharing = meshing.load_sharing(at, 412.0).unwrap();
@@ -304,7 +304,7 @@ fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
 
 #[test]
 fn a_disc_ten_thousand_times_stiffer_is_rigid() {
-    let mut machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..rv_40e_81() };
+    let mut machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..tao2024() };
     machine.disc.material.youngs_modulus *= 1e4;
     let stiff = fixture().reduced.stiffened(1e4);
     let discs = FlexibleDiscs::with(&machine, |_| Ok::<_, FemError>(stiff.clone())).unwrap();
@@ -354,7 +354,7 @@ fn vtu_holds_every_node_and_element() {
 /// and teeth.
 #[test]
 fn val_tetrahedra_agree_with_plane_stress() {
-    let shape = DiscShape::of(&rv_40e_81(), 0);
+    let shape = DiscShape::of(&tao2024(), 0);
     let plane = &fixture().model;
     let sizes = MeshSizes { flank: 1.2e-3, flank_rows: 1, bore: 2.5e-3, hole: 3.5e-3, interior: 6e-3 };
     let settings = FlexibleSettings { element: DiscElement::Solid { layers: 1 }, sizes, ..plane.settings };

@@ -161,7 +161,7 @@ mod tests {
     /// leave, and little is of second order.
     #[test]
     fn causes_add_up_to_the_lost_motion() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let mut worn_pins = machine.clone();
         worn_pins.wear.pin_ratio = 1.0;
         let part_wear =
@@ -195,7 +195,7 @@ mod tests {
     /// would leave many times the whole: tight machines press their parts together without load.
     #[test]
     fn manufacturing_errors_are_a_cause_of_their_own() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let tolerances = Tolerances {
             pin_position: 3.0 * UM,
             pin_radius: UM,
@@ -243,7 +243,7 @@ mod tests {
     /// do much work under the preload, but conjugate flanks let the cranks turn: together they do none.
     #[test]
     fn conjugate_flanks_under_preload_have_no_curvature() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.disc.modification.equidistant_offset = -8.0 * UM;
         machine.bearings.turning_arm.clearance = 0.0;
         machine.gear_stage.backlash = 200.0 * UM;
@@ -258,7 +258,7 @@ mod tests {
     /// bearings loaded at a slightly other place).
     #[test]
     fn val_gear_wear_opens_the_lost_motion_by_its_closed_form() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let gap = 5.0 * UM;
         let (r1, r2) = (machine.gear_stage.sun_base_radius(), machine.gear_stage.planet_base_radius());
         let expected = gap / (r2 * 39.0 + r1 + r2);
@@ -280,7 +280,7 @@ mod tests {
     }
 
     fn with_laws() -> Machine {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         let law = RollingWear { coefficient: 1e-18, slip: 0.01 };
         machine.wear.parts.turning_arm = Some(law);
         machine.wear.parts.crank_support = Some(law);

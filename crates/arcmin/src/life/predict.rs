@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn life_starts_new_and_loses_accuracy_monotonically() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let options = LifeOptions { intervals: 5, crank_positions: 6, ..LifeOptions::default() };
         let prediction = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
         assert_eq!(prediction.points.len(), 6);
@@ -289,7 +289,7 @@ mod tests {
                 false
             }
         }
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let options = LifeOptions { intervals: 5, crank_positions: 6, ..LifeOptions::default() };
         let told = Told(Default::default());
         predict(&machine, &Fidelity::ideal(), options, &told, |_| ()).unwrap();
@@ -309,7 +309,7 @@ mod tests {
                 true
             }
         }
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let stopped = predict(&machine, &Fidelity::ideal(), LifeOptions::default(), &Cancelled, |_| ());
         assert!(matches!(stopped, Err(AnalysisError::Stopped)));
     }
@@ -317,7 +317,7 @@ mod tests {
     /// "After H hours" is one state: that of the prediction and that of every other question, to the bit.
     #[test]
     fn a_state_is_the_same_wherever_it_is_asked() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let options = LifeOptions { intervals: 6, crank_positions: 6, ..LifeOptions::default() };
         let prediction = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
         let hours = prediction.points[2].hours();
@@ -329,7 +329,7 @@ mod tests {
     /// motion and hours by less than 0.2 %.
     #[test]
     fn finer_steps_leave_lost_motion_and_hours_of_a_drawn_machine() {
-        let design = crate::templates::design("rv-40e-81").unwrap();
+        let design = crate::templates::design("tao2024").unwrap();
         let mut machine = design.machine();
         // A short life within which the limit is reached.
         machine.limits.service_life = 3000.0 * HOUR;

@@ -50,7 +50,7 @@ mod tests {
     /// The study reproduces the play of the uniformly worn disc and the paper's hours.
     #[test]
     fn val_study_at_ten_and_sixty_micrometres() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let study = paper_study(&machine, &paper_depths(), 72).unwrap();
         assert!((study.points[1].2.play.arcmin() - 0.6536).abs() < 1e-4);
         assert!((study.points[6].2.play.arcmin() - 3.9218).abs() < 1e-4);

@@ -314,7 +314,7 @@ mod tests {
     /// wears less.
     #[test]
     fn coupled_wear_on_elastic_discs() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let reduced = {
             let shape = crate::fem::DiscShape::of(&machine, 0);
             let fine = FlexibleSettings::plane_stress(&shape);

@@ -6,7 +6,7 @@ use crate::machine::{CrankAngle, Machine};
 use crate::units::{ARCMIN, DEG, UM};
 
 fn machine(equidistant_um: f64, radial_um: f64) -> Machine {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.disc.modification.equidistant_offset = equidistant_um * UM;
     machine.disc.modification.radial_offset = radial_um * UM;
     machine
@@ -65,7 +65,7 @@ fn val_play_of_an_interference_is_the_relief_that_frees_it() {
             assert!(missing > 0.5 * UM);
             let travel = meshing.free_travel(CrankAngle::from_radians(crank)).unwrap();
             let per_um = {
-                let play = crate::templates::rv_40e_81()
+                let play = crate::templates::tao2024()
                     .meshing(&Relief::uniform(UM))
                     .free_travel(CrankAngle::from_radians(crank))
                     .unwrap();

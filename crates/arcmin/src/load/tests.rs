@@ -5,7 +5,7 @@ use crate::machine::{CrankAngle, Machine};
 use crate::units::{ARCMIN, DEG, UM};
 
 fn machine() -> Machine {
-    crate::templates::rv_40e_81()
+    crate::templates::tao2024()
 }
 
 #[test]

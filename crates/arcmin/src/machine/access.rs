@@ -159,11 +159,11 @@ impl Machine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
 
     #[test]
     fn assumptions_keep_what_every_solver_relies_on() {
-        let machine = rv_40e_81();
+        let machine = tao2024();
         let rough = Friction { flank: 0.05, regularisation_speed: f64::NAN, ..Friction::default() };
         let changed = machine.with_friction(rough).unwrap();
         assert_eq!(changed.friction().flank, 0.05);

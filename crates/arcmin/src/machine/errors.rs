@@ -133,7 +133,7 @@ mod tests {
     /// carrier.
     #[test]
     fn everything_repeats_after_these_turns() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         (machine.gear_stage.sun_teeth, machine.gear_stage.planet_teeth) = (16, 36);
         let one = RunOut { amplitude: 1e-6, phase: 0.3 };
         let pin = PinError { radial: 1e-6, ..PinError::default() };

@@ -155,13 +155,13 @@ impl Machine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
 
     /// 0.74 µm per kelvin of difference on a pin circle of 64 mm; equal temperatures and materials leave
     /// everything as it was, a cast housing that expands less grips the discs.
     #[test]
     fn the_ring_grows_against_the_discs() {
-        let mut machine = rv_40e_81();
+        let mut machine = tao2024();
         machine.thermal.temperature = Some(21.0);
         machine.thermal.internal_excess = -1.0;
         let growth = machine.thermal.pin_circle_growth(64e-3);
@@ -182,7 +182,7 @@ mod tests {
     /// boundary. Sliding of one contact comes out of the closed form by hand.
     #[test]
     fn friction_over_speed_and_temperature() {
-        let mut machine = rv_40e_81();
+        let mut machine = tao2024();
         machine.friction.flank = 0.1;
         machine.friction.oil_drag = 1e-4;
         let at = |celsius: f64, share: f64| {

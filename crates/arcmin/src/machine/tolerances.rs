@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_seed_gives_the_same_machine_and_nothing_leaves_its_tolerance() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let tolerances = Tolerances {
             pin_position: 5e-6,
             eccentricity: 3e-6,
@@ -241,7 +241,7 @@ mod tests {
     /// and the vectors of run-outs do alike.
     #[test]
     fn batches_have_their_share_of_the_variance() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let tolerances =
             Tolerances { eccentricity: 3e-6, pin_radius: 3e-6, sun_run_out: 3e-6, ..Tolerances::default() };
         let draw = |batch: u64, seed: u64, share: f64| {

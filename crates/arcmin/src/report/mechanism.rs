@@ -145,14 +145,14 @@ mod tests {
     use super::*;
     use crate::geometry::Relief;
     use crate::machine::CrankAngle;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
     use crate::units::UM;
 
     /// The drawing's rule, normals through the pitch point a·z_p·e(θ_k + α), carries the torque: 0.4815 T on each
     /// disc of the new machine.
     #[test]
     fn drawn_forces_balance_the_torque() {
-        let machine = rv_40e_81();
+        let machine = tao2024();
         let cycle = machine.meshing(&Relief::uniform(0.0)).cycle(machine.rated.torque, 6).expect("solvable");
         let drawing = mechanism(&machine, &[("new".to_owned(), &cycle)]);
         let pins = drawing.pin_count;
@@ -186,7 +186,7 @@ mod tests {
     /// pitch.
     #[test]
     fn forces_move_on_by_one_pin_per_pitch() {
-        let machine = rv_40e_81();
+        let machine = tao2024();
         let meshing = machine.meshing(&Relief::uniform(3.0 * UM));
         let at = |crank: f64| meshing.load_sharing(CrankAngle::from_radians(crank), 412.0).expect("solvable");
         let pitch = meshing.kinematics().pattern_period();

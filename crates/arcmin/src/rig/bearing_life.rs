@@ -168,7 +168,7 @@ impl BearingLoad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
 
     /// Two equally loaded tapered supports of 15°: each pushes the other by F/(2 Y), Y = 1.49, and carries its
     /// radial force alone; the unloaded one of two carries Y S = F/2.
@@ -177,7 +177,7 @@ mod tests {
         let support = RollerBearing {
             kind: RollerKind::Tapered,
             contact_angle: 15.0_f64.to_radians(),
-            ..rv_40e_81().bearings.crank_support
+            ..tao2024().bearings.crank_support
         };
         let axial = induced_axial(&support, [3000.0, 3000.0]);
         assert!((axial - 3000.0 / (2.0 * 1.492_82)).abs() < 0.1, "{axial}");
@@ -191,7 +191,7 @@ mod tests {
     /// Of a machine with tapered supports the lighter support lives shorter than by its radial force alone.
     #[test]
     fn axial_forces_shorten_the_life_of_the_lighter_support() {
-        let mut machine = rv_40e_81();
+        let mut machine = tao2024();
         let settings = JointSettings::default();
         machine.bearings.crank_support.contact_angle = 0.2;
         machine.bearings.crank_support.dynamic_load_rating = Some(20e3);

@@ -293,7 +293,7 @@ mod tests {
     /// oil), rises with load, and the oil's drag is what the no-load torque loses when it warms up.
     #[test]
     fn efficiency_over_speed_load_and_temperature() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.friction = crate::machine::Friction {
             regularisation_speed: machine.friction.regularisation_speed,
             oil_drag: 1e-3,

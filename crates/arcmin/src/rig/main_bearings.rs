@@ -103,7 +103,7 @@ fn row_life(row: &RollerBearing, elements: &[ElementLoad]) -> f64 {
 mod tests {
     use super::*;
     use crate::dynamics::RingBearing;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
     use crate::units::ARCMIN;
 
     /// A radial load that presses half of a deep row's circle gives (C/F)³ of balls, as ISO 281 says, within
@@ -134,7 +134,7 @@ mod tests {
     /// More moment, more tilt and less life; the stiffness under load is the slope between two loads.
     #[test]
     fn moments_tilt_the_output() {
-        let machine = rv_40e_81();
+        let machine = tao2024();
         let at = |moment: f64| {
             main_bearing_load(&machine, OutputForces { moment, axial: 500.0, radial: 0.0 }).unwrap()
         };

@@ -27,7 +27,7 @@ fn orders(machine: &Machine, errors: &ManufacturingErrors) -> Vec<f64> {
 }
 
 fn machine() -> Machine {
-    crate::templates::rv_40e_81()
+    crate::templates::tao2024()
 }
 
 /// The strongest order, its amplitude, and the strongest among the orders that are no multiple of `base`.

@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn every_cause_within_the_resolution_is_named() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let of = |order| causes(&machine, order, 1024).join(" | ");
         assert!(of(40).contains("z_p (40): run-out or pitch of a disc") && !of(40).contains("z_c"));
         assert!(
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn strongest_orders_come_first_and_the_weak_have_no_name() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let line = |order, amplitude| SpectrumLine { order, amplitude };
         let named = name_orders(
             &[line(0, 9.0), line(3, 1e-4), line(17, 0.5), line(40, 1.0), line(900, 3.0)],

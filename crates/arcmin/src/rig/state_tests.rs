@@ -5,19 +5,19 @@ use crate::dynamics::{BearingMeshing, JointSettings};
 use crate::load::ShareLoad;
 use crate::machine::{CrankAngle, Friction, Machine, ManufacturingErrors};
 use crate::progress::Silent;
-use crate::templates::{design, rv_40e_81};
+use crate::templates::{design, tao2024};
 
 /// Both shipped machines and one that nobody has seen.
 fn machines() -> [Machine; 3] {
     let other = design("rv-80e").unwrap().machine();
-    [rv_40e_81(), other, crate::random_designs::sound_design(6).0.machine()]
+    [tao2024(), other, crate::random_designs::sound_design(6).0.machine()]
 }
 
 /// A bench that is asked for one transmission error finds the one that it finds among all of them: on a new machine,
 /// on one as drawn, and on one that nobody has seen.
 #[test]
 fn one_curve_is_that_of_all() {
-    let tolerances = design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    let tolerances = design("tao2024").unwrap().drawing_tolerances().unwrap();
     for (place, machine) in machines().into_iter().enumerate() {
         let errors = match place {
             0 => ManufacturingErrors::default(),
@@ -83,10 +83,10 @@ fn pins_carry_what_the_load_sharing_finds() {
 /// fall together by twos where there are two.
 #[test]
 fn five_crank_positions_stand_for_many() {
-    let mut three = rv_40e_81();
+    let mut three = tao2024();
     three.crankshafts.count = 3;
     let large = design("rv-80e").unwrap().machine();
-    for machine in [rv_40e_81(), large, three] {
+    for machine in [tao2024(), large, three] {
         let over = |positions: usize| {
             let plan = RigPlan {
                 loop_positions: positions,

@@ -4,7 +4,7 @@ use crate::machine::{Machine, RollerBearing, RollerKind};
 use crate::units::ARCMIN;
 
 fn machine() -> Machine {
-    crate::templates::rv_40e_81()
+    crate::templates::tao2024()
 }
 
 /// A made loop: stiffness k, half clearance j and half width w, so every figure is known.

@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn the_verdict_is_worded_by_the_band() {
-        let design = crate::templates::design("rv-40e-81").unwrap();
+        let design = crate::templates::design("tao2024").unwrap();
         let study = study(&design, "points = 6\nquasi_static = true", MACHINES, 1, &NoHost).unwrap();
         assert_eq!(study.plan.rows(), 93);
         assert!(study.plan.factors().len() > 20);

@@ -353,7 +353,7 @@ mod tests {
     use super::*;
     use crate::checks::{Severity, check_design};
     use crate::design::Design;
-    use crate::templates::TEMPLATES;
+    use crate::templates::{TAO2024, TEMPLATES};
 
     /// Catalogue figures of the RV-E series: name, torque, ratio, outer diameter.
     const CATALOGUE: [(&str, f64, f64, f64); 4] = [
@@ -396,10 +396,10 @@ mod tests {
     /// Scaled by one, with its own data, the template stays what it is.
     #[test]
     fn the_template_is_like_itself() {
-        let template = TEMPLATES[0];
+        let template = TAO2024;
         let scaled = Scaled::new(template, sheet(412.0, 81.0, template.outer_diameter_mm)).unwrap();
         let (old, new) = (
-            crate::templates::rv_40e_81(),
+            crate::templates::tao2024(),
             Design::parse(&scaled.text(None, None, &[]), "like").unwrap().machine(),
         );
         assert_eq!(scaled.teeth, (18, 36));
@@ -410,7 +410,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_scaled_is_refused() {
-        let template = TEMPLATES[0];
+        let template = TAO2024;
         assert!(matches!(Scaled::new(template, sheet(412.0, 10.0, 190.0)), Err(ScaleError::Range { .. })));
         assert!(matches!(Scaled::new(template, sheet(f64::NAN, 81.0, 190.0)), Err(ScaleError::Range { .. })));
         assert!(matches!(Scaled::new(template, sheet(412.0, 81.0, 5.0)), Err(ScaleError::Range { .. })));

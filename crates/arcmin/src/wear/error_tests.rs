@@ -43,7 +43,7 @@ fn difference(a: &Relief, b: &Relief) -> f64 {
 /// the nominal ring (3e-5 of its radius).
 #[test]
 fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let errors = ManufacturingErrors { pin_circle_radius: 2.0 * UM, ..ManufacturingErrors::default() };
     let mut modified = machine.clone();
     modified.ring.pin_circle_radius += 2.0 * UM;
@@ -73,7 +73,7 @@ fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
 /// both.
 #[test]
 fn a_flank_per_disc_agrees_with_the_common_one() {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.wear.pin_ratio = 0.5;
     let nothing = ManufacturingErrors {
         carrier: RunOut { amplitude: 1e-15, phase: 0.0 },
@@ -102,7 +102,7 @@ fn a_flank_per_disc_agrees_with_the_common_one() {
 /// positions around the ring; more than twice the others'.
 #[test]
 fn val_a_displaced_pin_wears_by_its_own_load() {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.wear.pin_ratio = 1.0;
     let mut pins = vec![PinError::default(); 8];
     pins[7].radial = -3.0 * UM;
@@ -143,7 +143,7 @@ fn val_a_displaced_pin_wears_by_its_own_load() {
 /// deepest place.
 #[test]
 fn few_positions_per_update_suffice_with_errors() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let tolerances = Tolerances {
         pin_position: 3.0 * UM,
         pin_radius: UM,

@@ -234,7 +234,7 @@ mod tests {
     /// programs.
     #[test]
     fn val_hours_of_the_paper() {
-        let wear = PaperWear::new(&crate::templates::rv_40e_81(), 60.0 * UM).unwrap();
+        let wear = PaperWear::new(&crate::templates::tao2024(), 60.0 * UM).unwrap();
         assert!((wear.hours_at(60.0 * UM) - 7500.0).abs() < 1e-6);
         let hours = wear.hours_at(50.0 * UM);
         assert!((hours / 6442.0 - 1.0).abs() < 1e-3, "{hours}");
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn halving_the_step_moves_the_hours_by_less_than_a_ten_thousandth() {
-        let m = crate::templates::rv_40e_81();
+        let m = crate::templates::tao2024();
         let coarse = PaperWear::with_step(&m, 60.0 * UM, STEP).unwrap().hours_at(50.0 * UM);
         let fine = PaperWear::with_step(&m, 60.0 * UM, 0.5 * STEP).unwrap().hours_at(50.0 * UM);
         assert!((coarse / fine - 1.0).abs() < 1e-4, "{coarse} {fine}");

@@ -161,7 +161,7 @@ mod tests {
     /// Second way: passes of rollers over one point of each surface, Δh = k (Q/l) s per pass.
     #[test]
     fn clearance_grows_by_the_passes_of_the_rollers() {
-        let bearing = crate::templates::rv_40e_81().bearings.crank_support;
+        let bearing = crate::templates::tao2024().bearings.crank_support;
         let (slip, forces, speed) = (0.01, 5000.0, 70.0);
         let (z, d, cosine) =
             (bearing.roller_count as f64, bearing.roller_diameter, bearing.contact_angle.cos());
@@ -182,7 +182,7 @@ mod tests {
     /// by summation over mesh positions.
     #[test]
     fn sliding_of_the_gears_agrees_with_rolling_two_involutes() {
-        let stage = crate::templates::rv_40e_81().gear_stage;
+        let stage = crate::templates::tao2024().gear_stage;
         let path = PathOfContact::new(&stage);
         let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
         let arcs =
@@ -221,7 +221,7 @@ mod tests {
     /// The pitch point does not slide.
     #[test]
     fn pitch_point_does_not_wear() {
-        let path = PathOfContact::new(&crate::templates::rv_40e_81().gear_stage);
+        let path = PathOfContact::new(&crate::templates::tao2024().gear_stage);
         assert_eq!(path.specific_sliding(0.0), [0.0, 0.0]);
     }
 }

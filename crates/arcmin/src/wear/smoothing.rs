@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn averaging_keeps_a_uniform_depth() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let profile = machine.profile();
         let arc = FlankArc::new(&profile, 720);
         let average = ContactAverage::new(&machine, &profile, &arc, 1440);
@@ -247,7 +247,7 @@ mod tests {
     }
 
     fn average_of_the_rv_40e() -> ContactAverage {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let profile = machine.profile();
         ContactAverage::new(&machine, &profile, &FlankArc::new(&profile, 720), 1440)
     }

@@ -6,7 +6,7 @@ use crate::random_designs::sound_design;
 use crate::units::{DEG, HOUR, UM};
 
 fn machine() -> Machine {
-    crate::templates::rv_40e_81()
+    crate::templates::tao2024()
 }
 
 fn life(m: &Machine, options: CoupledOptions) -> CoupledWear<'_> {
@@ -217,7 +217,7 @@ fn places_leave_hardly_any_waves_in_random_machines() {
 /// method. What is left is the scatter of the places that the updates meet.
 #[test]
 fn steps_of_wear_hold_on_random_designs() {
-    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     for seed in [1, 2, 7, 10] {
         let machine = sound_design(seed).0.machine();
         let errors = ManufacturingErrors::draw(&machine, &tolerances, seed);
@@ -241,7 +241,7 @@ fn steps_of_wear_hold_on_random_designs() {
 /// lose it everywhere, and wear ends there with its history kept.
 #[test]
 fn wear_ends_where_a_machine_is_past_any_use() {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.limits.lost_motion = 0.1 * crate::units::ARCMIN;
     let depth = super::depth_past_use(&machine);
     let mut meshing = machine.meshing(&Relief::uniform(depth));

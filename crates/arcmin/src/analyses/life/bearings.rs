@@ -175,7 +175,7 @@ mod tests {
     /// loads follow the torque.
     #[test]
     fn lives_follow_the_duty() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let settings = JointSettings::default();
         let one = bearing_lives(&machine, &settings, 12).unwrap();
         let (rough, _) = with_friction(&machine, false);
@@ -201,7 +201,7 @@ mod tests {
     /// rows by their damages; a duty that does not leaves them out.
     #[test]
     fn a_tilting_duty_wears_the_main_bearings() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         let settings = JointSettings::default();
         let lives = |machine: &Machine| bearing_lives(machine, &settings, 6).unwrap();
         let of_main = |lives: &BearingLives| {
@@ -230,7 +230,7 @@ mod tests {
     /// At rated torque and 15 rpm of the output the catalogue's life is the life.
     #[test]
     fn catalogue_life_is_kept_at_its_own_conditions() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         let speed = 15.0 * crate::units::RPM * machine.kinematics().ratio();
         machine.duty = vec![DutyPoint { input_speed: speed, share: 1.0, ..machine.rated }];
         assert!((catalogue_life_at_duty(&machine, 6000.0).unwrap() - 6000.0).abs() < 1e-6);

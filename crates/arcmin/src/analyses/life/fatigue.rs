@@ -72,7 +72,7 @@ mod tests {
     /// times as long.
     #[test]
     fn constant_pressure_has_a_closed_form() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         let pressure = 1500.0 * MPA;
         let history = [(0.0, pressure), (500.0, pressure), (2000.0, pressure)];
         let (damage, hours) = fatigue(&machine, &history, pressure, 1e4);

@@ -3,7 +3,7 @@ use crate::analyses::{NoHost, Outcome, Said};
 use crate::report::{Block, Plot, Tone};
 
 fn quick(options: &str) -> Life {
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     let options = Options::parse(&format!("points = 4\n{options}"), "test").unwrap();
     run(&design, &options, &NoHost).unwrap()
 }
@@ -33,7 +33,7 @@ fn terminal_report_and_summary_agree_on_what_ends_the_life() {
 #[test]
 fn advice_is_what_the_changed_design_gives() {
     let life = quick("quasi_static = true");
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     assert!(!life.advice.is_empty() && life.advice.len() <= 3);
     for advice in life.advice.iter().filter(|advice| advice.key.starts_with("bearings.")) {
         let changed = design.with(advice.key, advice.to).unwrap().machine();
@@ -47,7 +47,7 @@ fn advice_is_what_the_changed_design_gives() {
 /// Limits that a design sets beyond the usual ones enter the verdict.
 #[test]
 fn limits_of_the_maker_enter_the_verdict() {
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     let design = design
         .with_all([
             // Less than the wave of the new machine under load, 0.0003′ with ideal joints.
@@ -122,7 +122,7 @@ fn ages_stand_in_the_table_and_figures_can_be_read() {
 /// Advice speaks of the quantity whose limit ends the life, and gives what the changed design gives.
 #[test]
 fn advice_is_about_the_limit_that_is_reached() {
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     for (key, value, words) in [
         ("limits.transmission_error_arcmin", 1e-4, "transmission error"),
         ("limits.backlash_arcmin", 1e-3, "backlash"),
@@ -150,7 +150,7 @@ fn advice_is_about_the_limit_that_is_reached() {
 /// A duty that asks for too much says itself what to change; the bearings that do not last are advised on.
 #[test]
 fn advice_goes_on_to_the_next_limit() {
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     let design = design.with("limits.start_stop_torque_n_m", 400.0).unwrap();
     let options = Options::parse("points = 4\nquasi_static = true", "test").unwrap();
     let life = run(&design, &options, &NoHost).unwrap();
@@ -165,7 +165,7 @@ fn advice_goes_on_to_the_next_limit() {
 
 #[test]
 fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     let design = design.with("limits.service_life_h", 100.0).unwrap();
     let options =
         Options::parse("points = 4\nquasi_static = true\nerrors = \"drawn\"\nseed = 3", "test").unwrap();
@@ -193,7 +193,7 @@ fn results_do_not_depend_on_what_else_is_asked_for() {
             result == "hours_to_lost_motion_limit"
         }
     }
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     let options = Options::parse("points = 4\nquasi_static = true\nerrors = \"drawn\"", "test").unwrap();
     let (all, few) = (run(&design, &options, &NoHost).unwrap(), run(&design, &options, &HoursAlone).unwrap());
     assert!(few.prediction.points.iter().all(|point| point.travel.is_none() && point.causes.is_none()));

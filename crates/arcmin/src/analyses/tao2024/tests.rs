@@ -7,7 +7,7 @@ fn study(design: &Design) -> Tao2024 {
 }
 
 fn default_study() -> Tao2024 {
-    study(&crate::templates::design("rv-40e-81").unwrap())
+    study(&crate::templates::design("tao2024").unwrap())
 }
 
 fn plots(page: &Page) -> impl Iterator<Item = &Plot> {
@@ -60,7 +60,7 @@ fn figure_10_reaches_nearly_the_uniform_depth() {
 
 #[test]
 fn the_papers_numbers_stand_beside_its_own_machine_only() {
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     let simulated = |design: &Design| {
         let mut study = study(design);
         let wear = [Relief::uniform(0.0)];
@@ -107,7 +107,7 @@ fn an_unsettled_closed_form_is_said() {
 
 #[test]
 fn bearings_are_refused_with_the_reason() {
-    let design = crate::templates::design("rv-40e-81").unwrap();
+    let design = crate::templates::design("tao2024").unwrap();
     let options = Options::parse("joints = \"bearings\"", "test").unwrap();
     let error = run(&design, &options, &NoHost).unwrap_err();
     assert!(error.to_string().contains("ideal joints"), "{error}");

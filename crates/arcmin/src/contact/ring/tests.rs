@@ -3,7 +3,7 @@ use crate::geometry::turned;
 use crate::units::{ARCMIN, UM, wrap_angle};
 
 fn machine() -> crate::machine::Machine {
-    crate::templates::rv_40e_81()
+    crate::templates::tao2024()
 }
 
 fn worn(phi: f64) -> f64 {

@@ -20,7 +20,7 @@ const TORQUE: f64 = 412.0;
 const SMALL: f64 = 0.02 * UM;
 
 fn machine() -> Machine {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.contact_law = ContactLaw::Linear { stiffness: 2.85e8 };
     machine.bearings.turning_arm.clearance = 0.0;
     machine
@@ -237,7 +237,7 @@ fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
 /// for a machine without errors, miss some pins.
 #[test]
 fn means_over_the_ring_converge() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let tolerances = Tolerances {
         pin_position: 3.0 * UM,
         pin_radius: UM,

@@ -254,7 +254,7 @@ mod tests {
     use super::*;
 
     fn state() -> (PlanarMesh, Row) {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.gear_stage.mesh_stiffness_variation = 0.1;
         let mut mesh = PlanarMesh::new(&machine, 1, 1e5);
         mesh.planet_run_out = (20e-6, 0.4);
@@ -314,7 +314,7 @@ mod tests {
     /// pulling the centres apart by dD opens it by sin α dD.
     #[test]
     fn centre_distance_opens_the_mesh() {
-        let machine = crate::templates::rv_40e_81();
+        let machine = crate::templates::tao2024();
         let mesh = PlanarMesh::new(&machine, 0, 1e30);
         let rest = [0.0; MESH_COORDINATES];
         let force = |extra: f64, twist: f64| {

@@ -196,10 +196,10 @@ mod tests {
     /// and with errors of manufacture.
     #[test]
     fn a_little_more_relief_frees_and_a_little_less_does_not() {
-        let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+        let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
         for (name, key) in [
-            ("rv-40e-81", "equidistant_offset_um"),
-            ("rv-40e-81", "radial_offset_um"),
+            ("tao2024", "equidistant_offset_um"),
+            ("tao2024", "radial_offset_um"),
             ("rv-80e", "equidistant_offset_um"),
         ] {
             // Interference is a negative equidistant and a positive radial offset.

@@ -230,7 +230,7 @@ mod tests {
     use super::*;
 
     fn bearing() -> RadialBearing {
-        RadialBearing::new(&crate::templates::rv_40e_81().bearings.turning_arm, 1.0)
+        RadialBearing::new(&crate::templates::tao2024().bearings.turning_arm, 1.0)
     }
 
     /// Gradient and Hessian are differences of the energy in all variables; a round rim changes nothing, and so do rings
@@ -328,7 +328,7 @@ mod tests {
     fn val_two_slices_in_other_machines() {
         let random = (1..=20).map(|seed| crate::random_designs::sound_design(seed).0.machine());
         let rollers = random
-            .chain([crate::templates::rv_40e_81(), crate::templates::design("rv-80e").unwrap().machine()])
+            .chain([crate::templates::tao2024(), crate::templates::design("rv-80e").unwrap().machine()])
             .map(|machine| RadialBearing::new(&machine.bearings.turning_arm, 1.0))
             .filter(|bearing| bearing.reach > 0.0);
         let mut seen = 0;

@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     fn turning_arm() -> RollerBearing {
-        crate::templates::rv_40e_81().bearings.turning_arm
+        crate::templates::tao2024().bearings.turning_arm
     }
 
     /// Harris: two raceways of 8.06e4 l^(8/9) each give 3.73e4 l^(8/9) in series.

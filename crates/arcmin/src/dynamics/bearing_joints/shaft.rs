@@ -158,7 +158,7 @@ mod tests {
     /// One disc at midspan: 48 E I/L³ in series with the shear stiffness 4 κ G A/L.
     #[test]
     fn one_disc_at_midspan_is_the_textbook_beam() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.disc_count = 1;
         let shaft = Shaft::new(&machine, 1.0, false);
         let (l, d, e, nu) = (0.04f64, 0.018f64, 219e9, 0.3);
@@ -174,7 +174,7 @@ mod tests {
     /// A thick eccentric in the middle: 2 ∫ (z/2)²/(E I) in two pieces, shear and twist likewise in series.
     #[test]
     fn a_thick_eccentric_stiffens_the_middle() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.disc_count = 1;
         machine.bearings.turning_arm.pitch_diameter = 28.5e-3;
         let shaft = Shaft::new(&machine, 1.0, false);
@@ -197,7 +197,7 @@ mod tests {
     /// and supported at the other, 192 E I/L³ if both ends are clamped; a body that turns bends it nowhere.
     #[test]
     fn slopes_held_and_free_are_the_textbook_beams() {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         let both = Shaft::new(&machine, 1.0, false);
         let leaning = Shaft::new(&machine, 1.0, true);
         let matrix = |shaft: &Shaft, count| nalgebra::DMatrix::from_row_slice(count, count, &shaft.stiffness);

@@ -10,7 +10,7 @@ use crate::random_designs::sound_design;
 use crate::units::ARCMIN;
 
 pub(super) fn machine() -> Machine {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.contact_law = ContactLaw::Linear { stiffness: 2.85e8 };
     machine
 }
@@ -176,7 +176,7 @@ fn val_stiff_bearings_are_ideal_joints() {
 
 #[test]
 fn split_adds_up_to_the_tangent_compliance() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let mut model =
         BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
     model.set_load(412.0);
@@ -203,7 +203,7 @@ fn split_adds_up_to_the_tangent_compliance() {
 /// found with leaves out small terms. (The output alone: without friction a shaft that nothing holds may be anywhere.)
 #[test]
 fn tangent_by_differences_is_that_of_balances() {
-    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     let random = (1..=12).map(|seed| (seed, sound_design(seed).0.machine()));
     for (seed, machine) in std::iter::once((0, machine())).chain(random) {
         let errors = ManufacturingErrors::draw(&machine, &tolerances, seed);

@@ -9,7 +9,7 @@ fn drive() -> Drive {
 }
 
 fn variants() -> Vec<IdealJoints> {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.contact_law = ContactLaw::Linear { stiffness: 2.85e8 };
     machine.gear_stage.mesh_stiffness_variation = 0.1;
     let load = OutputLoad::Constant { torque: 412.0 };
@@ -104,7 +104,7 @@ fn tangents_are_the_derivatives_of_the_forces() {
 /// Without damping and load the forces do the work that the stored energy loses, whatever the direction.
 #[test]
 fn elastic_forces_derive_from_the_stored_energy() {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.contact_law = ContactLaw::Linear { stiffness: 2.85e8 };
     machine.gear_stage.mesh_stiffness_variation = 0.1;
     let governed = Drive::Governed { speed: 0.0, rise_time: 0.1, gain: 1e-30 };
@@ -130,7 +130,7 @@ fn elastic_forces_derive_from_the_stored_energy() {
 /// Two equal discs carry 0.4815 T each, the rest goes through the gear stage.
 #[test]
 fn equilibrium_splits_the_torque_between_discs_and_gear_stage() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let load = OutputLoad::Constant { torque: 412.0 };
     let model = IdealJoints::new(&machine, &Relief::uniform(0.0), drive(), load, 0.0).unwrap();
     let rest =
@@ -151,7 +151,7 @@ fn equilibrium_splits_the_torque_between_discs_and_gear_stage() {
 
 #[test]
 fn input_without_meaning_is_refused() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let build = |load: OutputLoad, drag: f64| {
         IdealJoints::new(&machine, &Relief::uniform(0.0), drive(), load, drag).map(|_| ())
     };
@@ -163,7 +163,7 @@ fn input_without_meaning_is_refused() {
 
 #[test]
 fn friction_dissipates_and_spinning_pins_take_the_smaller_coefficient() {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.friction.flank = 0.08;
     machine.friction.pin_seat = 0.02;
     let dissipation = |machine: &Machine| {
@@ -188,7 +188,7 @@ fn friction_dissipates_and_spinning_pins_take_the_smaller_coefficient() {
 /// already halve the play that 10 µm of wear leave.
 #[test]
 fn meshed_flanks_give_the_smooth_transmission_error_in_the_limit() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let arc = crate::fem::boundary::FlankArc::new(&machine.profile());
     let mean = |mesh: Option<(MeshContact, f64)>| {
         let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.01 };

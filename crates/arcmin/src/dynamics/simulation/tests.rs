@@ -11,7 +11,7 @@ use crate::progress::Silent;
 use crate::units::{ARCMIN, RPM};
 
 fn machine() -> Machine {
-    crate::templates::rv_40e_81()
+    crate::templates::tao2024()
 }
 
 fn law() -> Drive {

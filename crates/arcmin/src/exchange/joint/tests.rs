@@ -3,7 +3,7 @@ use crate::rig::{ASSUMED_FRICTION, hysteresis_loop};
 use crate::units::ARCMIN;
 
 fn machine() -> Machine {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.friction = ASSUMED_FRICTION;
     machine
 }

@@ -110,13 +110,13 @@ mod tests {
     use super::*;
     use crate::contact::ContactLaw;
     use crate::fem::flank::Stencil;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
 
     /// Strongly coupled contacts, where Newton's method on the approaches goes round in circles for one in some:
     /// the descent always ends where F = f(s − C F), whatever the law, and where Newton's method ends, there too.
     #[test]
     fn descent_finds_the_forces_that_newton_may_miss() {
-        let machine = rv_40e_81();
+        let machine = tao2024();
         let mut random = Pcg64::seed_from_u64(3);
         let mut missed = 0;
         for case in 0..200 {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::super::settle::creep;
 use super::*;
 use crate::dynamics::{ElasticDiscs, ElasticHousing, FlexibleOptions};
-use crate::templates::rv_40e_81;
+use crate::templates::tao2024;
 use crate::units::ARCMIN;
 
 /// A housing whose ring gives way by radial `mean` + cos 2(β − β₀) and tangential −½ sin 2(β − β₀), for every
@@ -56,7 +56,7 @@ fn amplitudes(machine: &Machine, housing: Option<ElasticHousing>, torque: f64, o
 /// brings 2 z_c. Lines grow with torque and vanish with a stiff ring.
 #[test]
 fn an_uneven_ring_brings_its_own_orders() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let lobes = machine.ring.pin_count - 1;
     let (orders, torque) = ([2 * lobes, 4 * lobes], machine.rated.torque);
     let softness = 2e-10;
@@ -87,7 +87,7 @@ fn an_uneven_ring_brings_its_own_orders() {
 /// own share of the pins' length, or (`alike`) both discs all of it.
 fn lines_of_bolts(count: usize, alike: bool) -> Vec<f64> {
     const ANGLES: usize = 240;
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let mut shape = crate::fem::HousingShape::of(&machine);
     shape.solid.bolt_count = count;
     shape.sizes = [1.2 * shape.sizes[0], 1.3 * shape.sizes[1]];

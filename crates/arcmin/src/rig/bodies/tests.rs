@@ -8,7 +8,7 @@ use crate::dynamics::{
 use crate::fem::{BodyShapes, DiscModel, FlexibleDiscs, FlexibleSettings};
 use crate::machine::{FixedMember, Hold, OutputForces};
 use crate::progress::Silent;
-use crate::templates::{TEMPLATES, rv_40e_81};
+use crate::templates::{TEMPLATES, tao2024};
 use crate::units::ARCMIN;
 
 fn zero(count: usize) -> Compliance {
@@ -28,7 +28,7 @@ fn none(machine: &Machine) -> ElasticBodies {
 /// give way by c in any direction are pins on seats of the compliance c, a part of the model itself.
 #[test]
 fn known_compliances_add_what_they_must() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let shapes = BodyShapes::of(&machine);
     let settings = JointSettings::default();
     let mut twisting = none(&machine);
@@ -72,7 +72,7 @@ fn known_compliances_add_what_they_must() {
 /// Rollers of the supports carry what the torque asks: their seats' forces turn the carrier by the torque.
 #[test]
 fn loads_of_the_carrier_balance_the_torque() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let shapes = BodyShapes::of(&machine);
     let mut model =
         BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
@@ -107,7 +107,7 @@ fn loads_of_the_carrier_balance_the_torque() {
 /// above, and 10⁴ times stiffer ones are none.
 #[test]
 fn elastic_carrier_softens_the_machine() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let mut bodies = none(&machine);
     let n = bodies.carrier.count;
     for i in 0..n - 4 {
@@ -162,7 +162,7 @@ fn coarse(machine: &Machine) -> ElasticBodies {
 /// little, and 10⁴ times stiffer bodies are rigid ones within 1e-4'.
 #[test]
 fn everything_elastic_in_one_model() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let bodies = coarse(&machine);
     let all = elastic(&machine, &bodies);
     let bare = JointSettings { carrier: None, housing: None, rims: None, ..all.clone() };
@@ -214,7 +214,7 @@ fn everything_elastic_in_one_model() {
 /// Forces asked for alone are those that come with a tangent, bit for bit, whichever member is at rest.
 #[test]
 fn forces_do_not_depend_on_whether_tangents_are_asked_for() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let bodies = coarse(&machine);
     let all = JointSettings {
         lean: Some(Lean::of(&machine, OutputForces { moment: 200.0, ..OutputForces::default() })),
@@ -286,7 +286,7 @@ fn leaning(machine: &Machine) -> JointSettings {
 /// rest, with what leans and what bends.
 #[test]
 fn forces_neither_make_nor_lose_energy_on_a_way() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let bodies = coarse(&machine);
     let all = JointSettings { lean: leaning(&machine).lean, ..elastic(&machine, &bodies) };
     for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
@@ -332,7 +332,7 @@ fn forces_alone_are_the_same_on_random_machines() {
 /// In a system this large the last steps go by tangents of places before: they end where exact ones do.
 #[test]
 fn kept_tangents_lead_to_the_same_balance() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let settings = elastic(&machine, &coarse(&machine));
     let mut model = BearingJoints::held(&machine, &settings).unwrap();
     let control = EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-6, ..Default::default() };
@@ -357,7 +357,7 @@ fn kept_tangents_lead_to_the_same_balance() {
 /// the stiffness and the causes of lost motion add up.
 #[test]
 fn discs_with_windows_balance_with_everything_else_elastic() {
-    let mut machine = rv_40e_81();
+    let mut machine = tao2024();
     machine.disc.windows.clone_from(&machine.solids.windows);
     let forces = OutputForces { moment: 200.0, ..OutputForces::default() };
     let lean = Some(Lean::of(&machine, forces));
@@ -410,7 +410,7 @@ fn discs_with_windows_balance_with_everything_else_elastic() {
 /// the forces of the pins at rated torque.
 #[test]
 fn modes_of_the_housing_stand_for_its_compliance() {
-    let machine = rv_40e_81();
+    let machine = tao2024();
     let bodies = coarse(&machine);
     let bare = JointSettings { damped: false, ..JointSettings::default() };
     let mut model = BearingJoints::held(&machine, &bare).unwrap();

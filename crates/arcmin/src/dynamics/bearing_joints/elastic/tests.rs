@@ -124,7 +124,7 @@ fn val_stiff_bearings_are_ideal_joints_with_elastic_discs() {
 
 #[test]
 fn split_adds_up_with_a_part_for_the_discs() {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.ring.seat_compliance = 1e-9;
     for discs in [elastic(&machine), None] {
         let mut model = BearingJoints::held(&machine, &still(discs)).unwrap();
@@ -207,7 +207,7 @@ fn turning_arms_act_and_react() {
 #[test]
 fn causes_add_up_with_elastic_discs() {
     use crate::dynamics::{BearingMeshing, Cause};
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let settings = JointSettings { flank_wear: vec![Relief::uniform(10e-6)], ..still(elastic(&machine)) };
     let split =
         BearingMeshing::new(&machine, &settings).unwrap().lost_motion_causes(4, &mut Vec::new()).unwrap();

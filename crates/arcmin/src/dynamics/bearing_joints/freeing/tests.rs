@@ -5,7 +5,7 @@ use crate::random_designs::sound_design;
 
 /// Gradients of all limits against differences, at places off the nominal one. Hands back how many limits there are.
 fn check_gradients(name: &str, machine: &Machine) -> usize {
-    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     let mut errors = ManufacturingErrors::draw(machine, &tolerances, 2);
     // The slope of flank errors along the flank is left out.
     errors.discs.iter_mut().for_each(|disc| disc.flank = Default::default());
@@ -46,7 +46,7 @@ fn check_gradients(name: &str, machine: &Machine) -> usize {
 
 #[test]
 fn gradients_of_limits_are_those_of_their_values() {
-    for name in ["rv-40e-81", "rv-80e"] {
+    for name in ["tao2024", "rv-80e"] {
         assert!(check_gradients(name, &crate::templates::design(name).unwrap().machine()) > 100);
     }
     for seed in 1..=20 {

@@ -143,7 +143,7 @@ mod tests {
     use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
     use crate::machine::{FixedMember, Machine, OutputForces};
     use crate::rig::main_bearing_load;
-    use crate::templates::rv_40e_81;
+    use crate::templates::tao2024;
     use crate::units::ARCMIN;
 
     fn model(machine: &Machine, forces: OutputForces, torque: f64) -> (BearingJoints, Vec<f64>) {
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn a_leaning_output_derives_from_its_energy() {
         for fixed in [FixedMember::Housing, FixedMember::Carrier] {
-            let machine = Machine { fixed_member: fixed, ..rv_40e_81() };
+            let machine = Machine { fixed_member: fixed, ..tao2024() };
             let forces = OutputForces { moment: 300.0, axial: -2000.0, radial: 1500.0 };
             let (model, position) = model(&machine, forces, machine.rated.torque);
             let (n, rest) = (model.size(), vec![0.0; model.size()]);
@@ -220,7 +220,7 @@ mod tests {
     /// and a moment the other way leans it the other way.
     #[test]
     fn a_moment_leans_the_carrier_as_the_pair_alone() {
-        for machine in [rv_40e_81(), crate::templates::design("rv-80e").unwrap().machine()] {
+        for machine in [tao2024(), crate::templates::design("rv-80e").unwrap().machine()] {
             let lean = |moment: f64| {
                 let forces = OutputForces { moment, ..OutputForces::default() };
                 let (model, position) = model(&machine, forces, 0.05 * machine.rated.torque);
@@ -241,7 +241,7 @@ mod tests {
     /// straight: pins a thousand times softer let them go with the shafts.
     #[test]
     fn discs_lean_with_the_crankshafts_as_far_as_pins_let_them() {
-        for machine in [rv_40e_81(), crate::templates::design("rv-80e").unwrap().machine()] {
+        for machine in [tao2024(), crate::templates::design("rv-80e").unwrap().machine()] {
             let leans = |stiffness: f64| {
                 let mut machine = machine.clone();
                 machine.contact_law = ContactLaw::Linear { stiffness };

@@ -8,7 +8,7 @@ use crate::wear::{CoupledOptions, CoupledWear, WearSnapshot};
 /// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears
 /// likewise, no clearance.
 fn stiff(law: ContactLaw) -> (Machine, BearingMeshing) {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     machine.contact_law = law;
     machine.bearings.turning_arm.clearance = 0.0;
     machine.gear_stage.mesh_stiffness *= 1e6;
@@ -103,7 +103,7 @@ fn val_stiff_bearings_wear_like_ideal_joints() {
 /// lies a third higher, nearer to the root, and fewer pins carry; the discs' shares stay what they are.
 #[test]
 fn trap_ideal_joints_are_too_stiff() {
-    let machine = crate::templates::rv_40e_81();
+    let machine = crate::templates::tao2024();
     let mut meshing = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
     let cycle = meshing.whole_cycle(412.0, 36).unwrap();
     let ideal = machine.meshing(&Relief::uniform(0.0)).cycle(412.0, 36).unwrap();
@@ -119,7 +119,7 @@ fn trap_ideal_joints_are_too_stiff() {
 /// as it does, has the forces of the exact balance to a thousandth of the largest.
 #[test]
 fn wear_sees_the_forces_of_exact_balances_on_random_designs() {
-    let tolerances = crate::templates::design("rv-40e-81").unwrap().drawing_tolerances().unwrap();
+    let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     for seed in 1..=12 {
         let machine = crate::random_designs::sound_design(seed).0.machine();
         let errors = ManufacturingErrors::draw(&machine, &tolerances, seed);
@@ -145,7 +145,7 @@ fn wear_sees_the_forces_of_exact_balances_on_random_designs() {
 /// ways and without load, and asking twice changes nothing.
 #[test]
 fn balances_foretold_from_two_states_of_wear_are_those_found_anew() {
-    let machines = [crate::templates::rv_40e_81(), crate::random_designs::sound_design(3).0.machine()];
+    let machines = [crate::templates::tao2024(), crate::random_designs::sound_design(3).0.machine()];
     for machine in machines {
         let anew = || BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
         let mut followed = anew();
@@ -171,7 +171,7 @@ fn balances_foretold_from_two_states_of_wear_are_those_found_anew() {
 /// Forces on the output that are put on later are those that the model was built with: every pin bears the same.
 #[test]
 fn forces_put_on_the_output_are_those_it_was_built_with() {
-    let mut machine = crate::templates::rv_40e_81();
+    let mut machine = crate::templates::tao2024();
     let forces = OutputForces { moment: 300.0, axial: -2000.0, radial: 1500.0 };
     machine.duty[0].forces = forces;
     let leaning = |forces| {
@@ -200,7 +200,7 @@ fn forces_put_on_the_output_are_those_it_was_built_with() {
 fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
     // Metal lost by the flanks, and per disc the first harmonic of the pins' loss over the ring.
     let worn = |moment: f64| {
-        let mut machine = crate::templates::rv_40e_81();
+        let mut machine = crate::templates::tao2024();
         machine.wear.pin_ratio = 1.0;
         machine.duty[0].forces = OutputForces { moment, ..OutputForces::default() };
         let lean = Some(Lean::of(&machine, OutputForces::default()));

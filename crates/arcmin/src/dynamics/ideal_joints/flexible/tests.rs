@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 /// Contact stiffness of one pin that the published comparison figures go with.
 fn machine() -> Machine {
-    Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..crate::templates::rv_40e_81() }
+    Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..crate::templates::tao2024() }
 }
 
 fn reduced() -> &'static ReducedDisc {
