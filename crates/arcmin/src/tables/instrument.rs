@@ -33,9 +33,9 @@ pub(super) fn joint_state(name: &str, ros: bool) -> Option<(&'static str, String
     let (path, part) = name.rsplit_once(['/', '.']).unwrap_or(("", name));
     let word = part.trim_end_matches(|c: char| c.is_ascii_digit() || "[]_".contains(c));
     let ours = match word {
-        "position" => "angle_rad",
-        "velocity" => "speed_rad_s",
-        "effort" => "torque_n_m",
+        "position" => "joint_angle_rad",
+        "velocity" => "joint_speed_rad_s",
+        "effort" => "joint_torque_n_m",
         _ => return None,
     };
     Some((ours, format!("{path}.{}", &part[word.len()..])))

@@ -45,3 +45,4 @@ pub use error::{TableError, TableErrorKind, UnitKind};
 pub use naming::Naming;
 pub use read::{Form, Limits};
 pub use table::Table;
+pub use text::text_of;

@@ -164,7 +164,7 @@ impl Form {
                     (None, None) => continue,
                 };
             let column = self.columns.iter().position(|column| match (ours, dimension) {
-                (Some(ours), _) => column.name == ours,
+                (Some(ours), _) => matches!(Name::new(ours).fits(column), Fit::Yes(_)),
                 (None, Some(unit)) => column.dimension() == Some(unit.dimension),
                 _ => false,
             });
@@ -173,9 +173,9 @@ impl Form {
             if taken || proposed.iter().any(|(other, _)| *other == column) {
                 continue;
             }
-            let ours = match dimension {
+            let ours: String = match dimension {
                 Some(unit) => format!("{}_{}", self.columns[column].quantity(), unit.endings[0]),
-                None => self.columns[column].name.to_owned(),
+                None => ours.unwrap_or_default().to_owned(),
             };
             proposed.push((column, format!("{}={ours}", shown(written))));
         }

@@ -29,6 +29,18 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<String, TableErrorKind> {
     Ok(if text.contains('\r') { text.replace("\r\n", "\n").replace('\r', "\n") } else { text })
 }
 
+/// Text of a design or another file that is none of a table: UTF-8 with its line ends as they are, else as
+/// tables are read: UTF-16 or Latin-1, line ends as `\n`.
+///
+/// # Errors
+/// [`TableErrorKind::NotText`].
+pub fn text_of(bytes: &[u8]) -> Result<String, TableErrorKind> {
+    match str::from_utf8(bytes) {
+        Ok(text) if !text.contains('\0') => Ok(text.strip_prefix('\u{feff}').unwrap_or(text).to_owned()),
+        _ => decode(bytes),
+    }
+}
+
 /// A last byte without its partner is what is left of a letter where the file was cut.
 fn sixteen(bytes: &[u8], read: fn([u8; 2]) -> u16) -> Result<String, TableErrorKind> {
     let units = bytes.chunks_exact(2).map(|pair| read([pair[0], pair[1]]));
