@@ -288,11 +288,12 @@ fn duty(design: &DesignSections, source: &Source) -> Result<()> {
     if !design.duty.is_empty() && (sum - 1.0).abs() > rounding.min(LARGEST_ROUNDING) + 1e-6 {
         let message = format!("the shares of the duty rows add up to {}, not to 1", plain(sum));
         let place = design.duty.last().and_then(|row| row.share.span.clone());
-        let hint = match (sum - 100.0).abs() <= 2.0 {
-            true => "shares are parts of the running time, not percent: divide them by 100",
-            false => "shares are parts of the running time, not percent",
-        };
-        return Err(contradiction(source, &place, message, hint));
+        return Err(contradiction(
+            source,
+            &place,
+            message,
+            "shares are parts of the running time, not percent",
+        ));
     }
     if *design.load.input_speed_rpm == 0.0 {
         let message = "a rated input speed of zero turns nothing".to_owned();

@@ -111,6 +111,7 @@ pub(super) fn for_number(key: &Key, number: f64) -> String {
         "N/µm" => vec![("N/m", 1e-6), ("N/mm", 1e-3)],
         "kg" => vec![("g", 1e-3)],
         "kg·m²" => vec![("kg·mm²", 1e-6), ("kg·cm²", 1e-4)],
+        "" if key.name == "share" => vec![("percent", 1e-2)],
         "°" => vec![("rad", 180.0 / std::f64::consts::PI)],
         _ => Vec::new(),
     };

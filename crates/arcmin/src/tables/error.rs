@@ -108,7 +108,11 @@ impl TableError {
                 "if these are decimal commas, separate the fields by semicolons or write decimal points".into()
             }
             FieldCount { separator, .. } => {
-                let name = if *separator == '\t' { "tabs" } else { "semicolons" };
+                let name = match separator {
+                    '\t' => "tabs",
+                    ' ' => "blanks",
+                    _ => "semicolons",
+                };
                 format!("give every row as many fields as the header names, separated by {name}")
             }
             Unnamed(_) => "name it, or delete its values".into(),

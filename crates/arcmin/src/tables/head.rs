@@ -129,17 +129,23 @@ impl<'a> Above<'a> {
 }
 
 impl Above<'_> {
-    /// Names in a head with more than one line are as many as the fields of the rows.
-    fn as_many_fields(&self, at: usize, names: &[String]) -> Result<(), (Line<'_>, TableErrorKind)> {
-        let Some(row) = self.lines.get(self.row).filter(|_| self.row > at + 1) else { return Ok(()) };
+    /// Separator and number of fields of the first row.
+    fn of_row(&self) -> Option<(u8, usize)> {
+        let row = self.lines.get(self.row)?;
         let separator = self.told.or_else(|| text::separator(row.text).ok()).unwrap_or(b';');
-        let blanks = separator == b',' && !row.text.contains(',');
-        let found = row.fields(if blanks { b' ' } else { separator }).len();
+        let separator = if separator == b',' && !row.text.contains(',') { b' ' } else { separator };
+        Some((separator, row.fields(separator).len()))
+    }
+
+    /// Names in a head with more than one line are as many as the fields of the rows.
+    fn as_many_fields(&self, at: usize, names: &[String]) -> Result<(), Problem> {
+        let Some((separator, found)) = self.of_row().filter(|_| self.row > at + 1) else { return Ok(()) };
         let header = names.len();
         if found == header || (instrument::may_lack_last(names) && found + 1 == header) {
             return Ok(());
         }
-        Err((*row, TableErrorKind::FieldCount { header, found, separator: char::from(separator) }))
+        let kind = TableErrorKind::FieldCount { header, found, separator: char::from(separator) };
+        Err((self.lines[self.row].number, kind))
     }
 }
 
@@ -176,7 +182,7 @@ impl Form {
             },
         };
         let names = line.fields(separator);
-        above.as_many_fields(at, &names).map_err(|(line, kind)| (line.number, kind))?;
+        above.as_many_fields(at, &names)?;
         let Units { units, line: units_line, labelled } = Units::around(above, at, separator, names.len());
         let sources = self.sources(&names, &units, labelled, &shown(line.text)).map_err(problem)?;
         let proposal = self.proposal(&names, &units, &sources);
@@ -257,10 +263,14 @@ impl Form {
             let separator = above.told.or_else(|| text::separator(above.lines[at].text).ok())?;
             let names = above.lines[at].fields(separator);
             let units = Units::around(above, at, separator, names.len());
-            (names.len() == row.fields(separator).len()).then_some((at, names, units))
+            (Some(names.len()) == above.of_row().map(|row| row.1)).then_some((at, names, units))
         };
         let candidates: Vec<_> = (0..above.row).filter_map(read).collect();
-        let known = |names: &[String]| names.iter().filter(|name| self.knows(name)).count();
+        // Who gives names has seen the line that holds them.
+        let known = |names: &[String]| {
+            let given = !self.naming.pairs.is_empty() && self.naming.renamed(names).is_ok();
+            (given, names.iter().filter(|name| self.knows(name)).count())
+        };
         let most = candidates.iter().map(|candidate| known(&candidate.1)).max()?;
         let (at, names, units) = candidates.into_iter().find(|candidate| known(&candidate.1) == most)?;
         let kind = match self.sources(&names, &units.units, units.labelled, &shown(above.lines[at].text)) {
