@@ -405,12 +405,12 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
     write_page(&out.join("duty.html"), page, &design)?;
     let summary = serde_json::to_vec_pretty(&duty_summary(&found, &design))
         .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
-    write_file(&out.join("duty.json"), &summary)?;
+    write_file(&out.join("summary.json"), &summary)?;
     say(&format!(
         "rows for the design in {}, the spectrum in {}, all figures in {}",
         out.join("duty.toml").display(),
         out.join("duty.html").display(),
-        out.join("duty.json").display()
+        out.join("summary.json").display()
     ))?;
     Ok(Ending::Fine)
 }

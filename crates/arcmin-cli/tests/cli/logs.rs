@@ -19,10 +19,10 @@ fn a_duty_tells_what_it_assumes_and_its_rest() {
     let d = directory.path();
     write(d, "log.csv", &log("time_s,motor_torque_n_m,motor_speed_rpm", ",", 1.0 / 81.0, 81.0));
     let said = good(d, &["import", "duty", "d.toml", "log.csv", "--efficiency", "0.8", "--out", "o"]);
-    for words in ["--rotor-inertia", "at rest", "by the clock", "4 starts", "duty.json"] {
+    for words in ["--rotor-inertia", "at rest", "by the clock", "4 starts", "summary.json"] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    let figures: serde_json::Value = serde_json::from_str(&read(d, "o/duty.json")).unwrap();
+    let figures: serde_json::Value = serde_json::from_str(&read(d, "o/summary.json")).unwrap();
     let figure = |key: &str| figures[key].as_f64().unwrap();
     assert!((figure("rest_h") * 3600.0 - 8.0).abs() < 0.05, "{figures}");
     assert!((figure("equivalent_torque_n_m") - 160.0).abs() < 1e-3, "{figures}");

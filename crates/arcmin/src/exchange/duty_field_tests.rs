@@ -97,28 +97,17 @@ impl Truth {
         text
     }
 
-    fn angle_log(
-        &self,
-        name: &str,
-        unit: f64,
-        low: f64,
-        ratio: f64,
-        grid: f64,
-        noise: f64,
-        seed: u64,
-    ) -> String {
-        let mut random = Pcg64::seed_from_u64(seed);
-        let wrapped: Vec<f64> = self
-            .angle
-            .iter()
-            .map(|angle| {
-                let noisy =
-                    angle * ratio + noise * (random.random_range(-1.0..1.0) + random.random_range(-1.0..1.0));
-                let turned = noisy - TAU * ((noisy - low) / TAU).floor();
-                if grid > 0.0 { (turned / grid).floor() * grid } else { turned }
-            })
-            .collect();
-        self.log(&format!("time_s,torque_n_m,{name}"), &wrapped, 1.0 / unit)
+    /// Angles of an encoder that starts anew at `low` and has a grid and noise, in rad of its own shaft.
+    fn angle_log(&self, name: &str, encoder: &Encoder, grid: f64, noise: f64) -> String {
+        let mut random = Pcg64::seed_from_u64(self.angle.len() as u64);
+        let mut size = || noise * (random.random_range(-1.0..1.0) + random.random_range(-1.0..1.0));
+        let read = |angle: &f64| {
+            let noisy = angle * encoder.ratio + size();
+            let turned = noisy - TAU * ((noisy - encoder.low) / TAU).floor();
+            if grid > 0.0 { (turned / grid).floor() * grid } else { turned }
+        };
+        let read: Vec<f64> = self.angle.iter().map(read).collect();
+        self.log(&format!("time_s,torque_n_m,{name}"), &read, 1.0 / encoder.unit)
     }
 
     /// How far a reading of the log may be off: sums of wear and life relative, rest as a part of the log.
@@ -146,6 +135,16 @@ impl Truth {
     }
 }
 
+/// An encoder at the output or the motor.
+struct Encoder {
+    /// Turns of its shaft per turn of the output.
+    ratio: f64,
+    /// rad, where it starts anew.
+    low: f64,
+    /// Unit of the log in rad.
+    unit: f64,
+}
+
 fn read(machine: &Machine, text: &str, options: &DutyImportOptions) -> DutyImport {
     import_duty(machine, text.as_bytes(), "log.csv", options)
         .unwrap_or_else(|error| panic!("{error}: {} in {}", error.remedy(), &text[..200.min(text.len())]))
@@ -170,36 +169,23 @@ fn angles_that_start_anew() {
         ][seed as usize % 6];
         // Of more than 0.4 of a turn between readings nobody can say which way they went.
         let turned = truth.peak_speed() * ratio * truth.step / TAU;
+        let encoder = Encoder { ratio: if on_motor { ratio } else { 1.0 }, low, unit };
         if on_motor && turned > 0.38 {
-            let log = truth.angle_log(name, unit, low, ratio, 0.0, 0.0, seed);
+            let log = truth.angle_log(name, &encoder, 0.0, 0.0);
             let found = import_duty(&machine, log.as_bytes(), "l", &DutyImportOptions::default());
             let lost = found.is_err_and(|error| error.to_string().contains("which way it went"));
             assert!(lost || turned < 0.4, "{turned}");
             continue;
         }
-        let ratio = if on_motor { ratio } else { 1.0 };
-        let log = truth.angle_log(name, unit, low, ratio, 0.0, 0.0, seed);
-        truth.hold(
-            &read(&machine, &log, &DutyImportOptions::default()),
-            &format!("{seed} {name}"),
-            0.01,
-            0.01,
-        );
-        // An encoder of 16 bits, then noise of an hundredth of a degree.
-        let log = truth.angle_log(name, unit, low, ratio, TAU / 65536.0, 0.0, seed);
-        truth.hold(
-            &read(&machine, &log, &DutyImportOptions::default()),
-            &format!("{seed} {name} 16 bit"),
-            0.02,
-            0.02,
-        );
-        let log = truth.angle_log(name, unit, low, ratio, 0.0, 0.01 * deg * ratio, seed);
-        truth.hold(
-            &read(&machine, &log, &DutyImportOptions::default()),
-            &format!("{seed} {name} noise"),
-            0.02,
-            0.03,
-        );
+        // As it is, an encoder of 16 bits, noise of a hundredth of a degree.
+        let noise = 0.01 * deg * encoder.ratio;
+        for (grid, noise, sums, rest) in
+            [(0.0, 0.0, 0.01, 0.01), (TAU / 65536.0, 0.0, 0.02, 0.02), (0.0, noise, 0.02, 0.03)]
+        {
+            let log = truth.angle_log(name, &encoder, grid, noise);
+            let import = read(&machine, &log, &DutyImportOptions::default());
+            truth.hold(&import, &format!("{seed} {name} {grid} {noise}"), sums, rest);
+        }
     }
 }
 
@@ -388,7 +374,7 @@ fn heads_units_and_encodings_change_nothing() {
         ("plain", format!("time_s,torque_n_m,speed_rpm\n{plain}").into_bytes()),
         ("cut", {
             let text = format!("time_s,torque_n_m,speed_rpm\n{plain}");
-            text[..text.len() - 9].as_bytes().to_vec()
+            text.as_bytes()[..text.len() - 9].to_vec()
         }),
         ("index", format!(",time_s,torque_n_m,speed_rpm\n{}", rows(",", '.', true)).into_bytes()),
         ("units", format!("Zeit;Drehmoment;Drehzahl\n[s];[Nm];[U/min]\n{}", rows(";", ',', false)).into_bytes()),
@@ -422,6 +408,24 @@ fn heads_units_and_encodings_change_nothing() {
     let error = import_duty(&machine, strange.as_bytes(), "l", &naming("A=time_s,C=speed_rpm,D=torque_n_m"))
         .unwrap_err();
     assert!(error.to_string().contains("\"D\"") && error.remedy().contains("B [Nm]"), "{error}");
+}
+
+/// Signals recorded at rates of their own leave fields empty.
+#[test]
+fn empty_fields_hold_and_angles_run_on() {
+    let machine = tao2024();
+    let truth = truth(550, 0.004);
+    let row = |i: usize| {
+        let degrees = truth.angle[i].to_degrees().rem_euclid(360.0);
+        match i % 4 {
+            0 => format!("{:.4},,{degrees:.5}\n", truth.time(i)),
+            _ => format!("{:.4},{:.3},\n", truth.time(i), truth.torque[i]),
+        }
+    };
+    let rows: String = (0..truth.torque.len()).map(row).collect();
+    let import =
+        read(&machine, &format!("time_s,torque_n_m,angle_deg\n{rows}"), &DutyImportOptions::default());
+    truth.hold(&import, "empty fields", 0.01, 0.01);
 }
 
 /// Columns that do not say their side are not taken for the output's where they cannot be.

@@ -127,7 +127,7 @@ pub(super) struct Name {
 impl Name {
     pub(super) fn new(written: &str) -> Name {
         let written = written.trim();
-        let (before, bracket) = match written.find(['[', '(']) {
+        let (before, bracket) = match written.rfind(['[', '(']) {
             Some(at) if written.ends_with([']', ')']) => {
                 let inner = &written[at + 1..];
                 let inner = &inner[..inner.len() - 1];

@@ -48,11 +48,10 @@ pub enum TableErrorKind {
     #[error("there is no column {name}{}", above(*.rows))]
     Missing {
         name: String,
-        found: String,
         /// Line of the first row, where more than the names stands above it.
         rows: Option<usize>,
-        /// `theirs=ours` of columns that may be meant, where the user can say so.
-        proposal: String,
+        /// The columns that the file has, and which of them may be meant.
+        found: String,
     },
     #[error("there is no column \"{name}\" to take as another")]
     NotInFile { name: String, found: String },
@@ -118,10 +117,7 @@ impl TableError {
             Unnamed(_) => "name it, or delete its values".into(),
             Twice { .. } => "keep one of them".into(),
             Unknown { wanted, .. } => format!("rename or delete it; known columns: {wanted}"),
-            Missing { found, proposal, .. } if !proposal.is_empty() => {
-                format!("the file has {found}; say which is which, such as --columns \"{proposal}\"")
-            }
-            Missing { found, .. } => format!("add or rename it; the file has {found}"),
+            Missing { found, .. } => format!("add or rename it; {found}"),
             NotInFile { found, .. } => format!("the file has {found}"),
             NotAsked { wanted, .. } => format!("known columns: {wanted}"),
             TwoUnits { .. } => "keep the right one of the two".into(),

@@ -6,7 +6,7 @@ use super::column::Name;
 use super::error::{TableErrorKind, shown};
 use super::naming::Naming;
 use super::read::Form;
-use super::sources::Source;
+use super::sources::{Source, first_names};
 use super::text::Clean;
 use super::{instrument, stamp, text, unit};
 
@@ -274,8 +274,8 @@ impl Form {
         let most = candidates.iter().map(|candidate| known(&candidate.1)).max()?;
         let (at, names, units) = candidates.into_iter().find(|candidate| known(&candidate.1) == most)?;
         let kind = match self.sources(&names, &units.units, units.labelled, &shown(above.lines[at].text)) {
-            Err(TableErrorKind::Missing { name, found, proposal, .. }) => {
-                TableErrorKind::Missing { name, found, proposal, rows: Some(row.number) }
+            Err(TableErrorKind::Missing { name, found, .. }) => {
+                TableErrorKind::Missing { name, rows: Some(row.number), found }
             }
             Err(kind) => kind,
             Ok(_) => return None,
@@ -358,8 +358,7 @@ impl Naming {
                     .filter(|at| *at < names.len())
             };
             let Some(at) = exact.or_else(like).or_else(number) else {
-                let found: Vec<String> = names.iter().take(20).map(|name| shown(name)).collect();
-                return Err(TableErrorKind::NotInFile { name: shown(theirs), found: found.join(", ") });
+                return Err(TableErrorKind::NotInFile { name: shown(theirs), found: first_names(names) });
             };
             renamed[at] = ours.clone();
         }

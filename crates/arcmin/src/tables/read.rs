@@ -3,6 +3,7 @@ use super::error::{TableError, TableErrorKind, shown};
 use super::head::Head;
 use super::naming::Naming;
 use super::number::Marks;
+use super::sources::first_names;
 use super::table::{Cells, Read, Table};
 use super::{instrument, text};
 
@@ -173,7 +174,8 @@ impl Form {
             cells,
         });
         let columns = columns.collect();
-        Ok(Table { file: shown(file), header_line, lines, columns, proposal, notes })
+        let names = first_names(&names);
+        Ok(Table { file: shown(file), header_line, lines, columns, names, proposal, notes })
     }
 }
 

@@ -30,7 +30,7 @@ impl Form {
             return Err(TableErrorKind::TooLarge { what, limit: self.limits.columns });
         }
         if names.iter().any(|name| is_no_name(name)) {
-            return Err(TableErrorKind::NoHeader { found: line.to_owned(), wanted: self.wanted() });
+            return Err(TableErrorKind::NoHeader { found: line.to_owned(), wanted: self.wanted_names() });
         }
         let renamed = self.naming.renamed(names)?;
         let conventional =
@@ -62,16 +62,32 @@ impl Form {
         }
         for (index, column) in self.columns.iter().enumerate().filter(|(_, column)| column.required) {
             if !sources.iter().any(|source| source.column == index) {
-                let found: Vec<String> = names.iter().take(20).map(|name| shown(name)).collect();
+                let proposal = self.proposal(names, units, &sources);
                 return Err(TableErrorKind::Missing {
                     name: column.name.to_owned(),
-                    found: found.join(", "),
                     rows: None,
-                    proposal: self.proposal(names, units, &sources),
+                    found: found(&first_names(names), &proposal),
                 });
             }
         }
         Ok(sources)
+    }
+
+    /// What to write above rows without names.
+    fn wanted_names(&self) -> String {
+        let by_number: Vec<String> = self
+            .columns
+            .iter()
+            .take(2)
+            .enumerate()
+            .map(|(at, column)| format!("{}={}", at + 1, column.name))
+            .collect();
+        match self.nameable {
+            true => {
+                format!("{}; or give them by number: --columns \"{}\"", self.wanted(), by_number.join(","))
+            }
+            false => self.wanted(),
+        }
     }
 
     fn wanted(&self) -> String {
@@ -180,6 +196,19 @@ impl Form {
             proposed.push((column, format!("{}={ours}", shown(written))));
         }
         proposed.into_iter().map(|(_, pair)| pair).collect::<Vec<_>>().join(",")
+    }
+}
+
+/// The names of a file, the first twenty at most.
+pub(super) fn first_names(names: &[String]) -> String {
+    names.iter().take(20).map(|name| shown(name)).collect::<Vec<_>>().join(", ")
+}
+
+/// What a file has, for a remedy.
+pub(super) fn found(names: &str, proposal: &str) -> String {
+    match proposal {
+        "" => format!("the file has {names}"),
+        proposal => format!("the file has {names}: say which is which, such as --columns \"{proposal}\""),
     }
 }
 

@@ -7,6 +7,7 @@ pub struct Table {
     pub(super) header_line: usize,
     pub(super) lines: Vec<u32>,
     pub(super) columns: Vec<Read>,
+    pub(super) names: String,
     pub(super) proposal: String,
     pub(super) notes: Vec<String>,
 }
@@ -53,6 +54,11 @@ impl Table {
     /// The name of a column in the file.
     pub fn written(&self, name: &str) -> &str {
         self.columns.iter().find(|column| column.name == name).map_or("", |column| &column.written)
+    }
+
+    /// All columns as the file names them, the first twenty at most.
+    pub fn names(&self) -> &str {
+        &self.names
     }
 
     /// Columns of the file that were not asked for but have the dimension of one that may be meant, as
@@ -126,12 +132,10 @@ impl Table {
     }
 
     fn missing(&self, name: &str) -> TableError {
-        let found: Vec<&str> = self.columns.iter().map(|column| column.name).collect();
         let kind = TableErrorKind::Missing {
             name: name.to_owned(),
-            found: found.join(", "),
             rows: None,
-            proposal: self.proposal.clone(),
+            found: super::sources::found(&self.names, &self.proposal),
         };
         self.error(self.header_line, kind)
     }

@@ -204,7 +204,8 @@ fn heads_of_instruments() {
     );
     assert_eq!(
         error.remedy(),
-        "the file has Zeitpunkt, Kraft [N], M [Nm]; say which is which, such as --columns \"M [Nm]=torque_n_m\""
+        "add or rename it; the file has Zeitpunkt, Kraft [N], M [Nm]: say which is which, such as --columns \"M \
+         [Nm]=torque_n_m\""
     );
     // A strict form has its head and units, too.
     let text = "Prüfstand 4\nhours;depth;note\n;mm;\n0;0,001;a\n5;0,002;b\n";
@@ -221,6 +222,13 @@ fn names_by_convention_and_by_the_user() {
     let table = log().read(ros.as_bytes(), "t").unwrap();
     assert_eq!(table.numbers("angle_rad").unwrap(), [0.5, 0.6]);
     assert_eq!(table.numbers("torque_n_m").unwrap(), [3.0, 4.0]);
+    // Brackets of an index before those of the unit.
+    let drive = "Time [ms],r80[0] Torque [Nm],r81\n0,5,1\n1,6,1\n";
+    let table = log().read(drive.as_bytes(), "t").unwrap();
+    assert_eq!(
+        (table.proposal(), table.names()),
+        ("r80[0] Torque [Nm]=torque_n_m", "Time [ms], r80[0] Torque [Nm], r81")
+    );
     // Two joints: the user chooses.
     let two = "__time,/joint_states/a/position,/joint_states/b/position\n0,1,2\n1,1,2\n";
     let table = log().read(two.as_bytes(), "t").unwrap();

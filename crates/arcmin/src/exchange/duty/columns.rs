@@ -34,8 +34,6 @@ pub(super) struct Signal {
 
 /// Readings of a log: times from 0 on, torque or current, speed or angle.
 pub(super) struct Readings {
-    /// Row of the table of each reading.
-    pub rows: Vec<usize>,
     pub time: Vec<f64>,
     pub load: Signal,
     pub motion: Signal,
@@ -101,8 +99,11 @@ pub(super) fn read(
         return Err(header(&table, "current is no torque yet", "give --torque-constant in N·m/A").into());
     }
     let stamps = table.numbers("time_s")?;
-    let (loads, motions) = (table.gaps(load.0)?, table.gaps(motion.0)?);
+    let (loads, mut motions) = (table.gaps(load.0)?, table.gaps(motion.0)?);
     let mut notes = table.notes().to_vec();
+    if motion.1 == Kind::Angle {
+        notes.extend(join_angles(&table, motion.0, &mut motions)?);
+    }
     // Where a field is empty, nothing has changed since the last one that is not.
     let begin = (0..table.len()).find(|row| {
         loads[..=*row].iter().any(Option::is_some) && motions[..=*row].iter().any(Option::is_some)
@@ -118,7 +119,6 @@ pub(super) fn read(
         _ => signal(&table, motion, held(&motions, begin)),
     };
     let mut readings = Readings {
-        rows: (begin..table.len()).collect(),
         time: stamps[begin..].iter().map(|stamp| stamp - stamps[begin]).collect(),
         load,
         motion,
@@ -128,7 +128,6 @@ pub(super) fn read(
         return Err(table.wrong(0, "readings at one time are no log", "record at least two times").into());
     }
     readings.mend_clock(&mut notes);
-    readings.join_angles(&table, &mut notes)?;
     readings.believe(machine, &table, options, &mut notes)?;
     readings.notes = notes;
     Ok(readings)
@@ -146,34 +145,9 @@ impl Readings {
             self.time = pick(&self.time);
             self.load.values = pick(&self.load.values);
             self.motion.values = pick(&self.motion.values);
-            self.rows = kept.iter().map(|i| self.rows[*i]).collect();
         }
         let start = self.time[0];
         self.time.iter_mut().for_each(|time| *time -= start);
-    }
-
-    fn join_angles(&mut self, table: &Table, notes: &mut Vec<String>) -> Result<(), TableError> {
-        if self.motion.kind != Kind::Angle {
-            return Ok(());
-        }
-        match super::angle::join(&mut self.motion.values) {
-            Ok(None) => {}
-            Ok(Some((period, jumps))) => notes.push(format!(
-                "{} starts anew every {}°, {jumps} times in the log: joined to one angle",
-                table.written(self.motion.name),
-                compact(period / DEG, 6)
-            )),
-            Err(lost) => {
-                let message = format!(
-                    "{} starts anew every {}° and jumps by about half of that here: which way it went is not known",
-                    table.written(self.motion.name),
-                    compact(lost.period / DEG, 6)
-                );
-                let remedy = "record faster, or record the speed or an angle that counts turns";
-                return Err(table.wrong(self.rows[lost.at], message, remedy));
-            }
-        }
-        Ok(())
     }
 
     /// Names that do not say their side are the output's, unless their size says otherwise.
@@ -252,6 +226,32 @@ impl Readings {
     }
 }
 
+/// Joins the angles that the file gives, and says so.
+fn join_angles(table: &Table, name: &str, values: &mut [Option<f64>]) -> Result<Option<String>, TableError> {
+    let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_some()).collect();
+    let mut given: Vec<f64> = values.iter().flatten().copied().collect();
+    if given.is_empty() {
+        return Ok(None);
+    }
+    let written = table.written(name);
+    let degrees = |period: f64| compact(period / DEG, 6);
+    let joined = super::angle::join(&mut given).map_err(|lost| {
+        let message = format!(
+            "{written} starts anew every {}° and jumps by about half of that here: which way it went is not known",
+            degrees(lost.period)
+        );
+        let remedy = "record faster, or record the speed or an angle that counts turns";
+        table.wrong(rows[lost.at], message, remedy)
+    })?;
+    rows.iter().zip(given).for_each(|(row, angle)| values[*row] = Some(angle));
+    Ok(joined.map(|(period, jumps)| {
+        format!(
+            "{written} starts anew every {}°, {jumps} times in the log: joined to one angle",
+            degrees(period)
+        )
+    }))
+}
+
 /// Torque and motion hold; the first field may be blank.
 fn held(values: &[Option<f64>], begin: usize) -> Vec<f64> {
     let mut last = values[..=begin].iter().rev().flatten().next().copied().unwrap_or(0.0);
@@ -318,7 +318,7 @@ fn one_of<const N: usize>(
         [one] => Ok(one),
         [] => {
             let names: Vec<&str> = columns.iter().map(|column| column.0).collect();
-            let mut remedy = format!("name one of {}", names.join(", "));
+            let mut remedy = format!("the file has {}; name one of {}", table.names(), names.join(", "));
             if !table.proposal().is_empty() {
                 remedy += &format!(
                     ", or say which is which, such as --columns \"{}\" (motor_… where it is the motor's)",

@@ -208,14 +208,17 @@ impl Motion<'_> {
 
     /// Readings below the threshold on the ramps of a move belong to it.
     fn draw_ramps_on(&self, moves: &mut [bool], threshold: f64) {
+        // Means over several readings have begun to rise before the speed itself.
+        let early = if self.blurred > 1 { self.blurred as f64 * self.step() } else { 0.0 };
+        let reach = |edge: usize, back: bool| (self.ramp(edge, back, threshold) - early).max(0.0);
         for (from, to) in runs(moves, self.connected, false) {
             let (start, end) = (self.time[from], self.time[to.min(moves.len() - 1)]);
             // A ramp takes the outer third at most.
             let most = (end - start) / 3.0;
             let after_move = from > 0 && self.connected[from];
             let before_move = to < moves.len() && self.connected[to];
-            let down = if after_move { self.ramp(from - 1, true, threshold).min(most) } else { 0.0 };
-            let up = if before_move { self.ramp(to, false, threshold).min(most) } else { 0.0 };
+            let down = if after_move { reach(from - 1, true).min(most) } else { 0.0 };
+            let up = if before_move { reach(to, false).min(most) } else { 0.0 };
             for i in from..to {
                 // A reading that holds for long is none of a ramp.
                 let until = self.time[(i + 1).min(moves.len() - 1)];
