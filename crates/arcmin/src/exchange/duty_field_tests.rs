@@ -428,6 +428,20 @@ fn empty_fields_hold_and_angles_run_on() {
     truth.hold(&import, "empty fields", 0.01, 0.01);
 }
 
+/// Steady speeds in whole numbers, of which the slowest is one count: slow motion that lasts is no flicker.
+#[test]
+fn slow_motion_that_lasts_is_motion() {
+    let machine = tao2024();
+    let levels = [0, 1, 0, 5, 0, 20, 0, -1];
+    let rows: String = (0..levels.len() * 200)
+        .map(|i| format!("{:.3},100,{}\n", i as f64 * 0.02, levels[i / 50 % levels.len()]))
+        .collect();
+    let import =
+        read(&machine, &format!("time_s,torque_n_m,speed_rpm\n{rows}"), &DutyImportOptions::default());
+    assert_eq!((import.starts, import.reversals), (16, 7));
+    assert!((import.at_rest - 16.0).abs() < 0.1, "{}", import.at_rest);
+}
+
 /// Columns that do not say their side are not taken for the output's where they cannot be.
 #[test]
 fn trap_motor_columns_without_a_side() {

@@ -138,11 +138,11 @@ impl Motion<'_> {
         if flickers < 3 { 0.0 } else { tops.into_iter().fold(0.0, f64::max) }
     }
 
-    /// Changes of the direction between readings above the threshold. Two readings the other way that stand out
-    /// by less than once more are noise.
+    /// Changes of the direction from one stretch that moves to the next. A stretch that is slow and short, or of two
+    /// readings that stand out by less than once more, is noise.
     fn reversals(&self, moves: &[bool], threshold: f64) -> usize {
         let mut ways: Vec<(f64, usize, f64)> = Vec::new();
-        for i in (0..moves.len()).filter(|i| moves[*i] && self.speed[*i].abs() > threshold) {
+        for i in (0..moves.len()).filter(|i| moves[*i] && self.speed[*i].abs() > 0.5 * threshold) {
             let (way, size) = (self.speed[i].signum(), self.speed[i].abs());
             match ways.last_mut() {
                 Some((last, count, top)) if *last == way => (*count, *top) = (*count + 1, top.max(size)),
@@ -150,7 +150,10 @@ impl Motion<'_> {
             }
         }
         let quick = self.step() < QUICK;
-        let real = |way: &&(f64, usize, f64)| !quick || way.1 > 2 * self.blurred || way.2 > 2.0 * threshold;
+        let real = |(_, count, top): &&(f64, usize, f64)| {
+            let fast = *top > threshold && (!quick || *count > 2 * self.blurred || *top > 2.0 * threshold);
+            fast || *count >= SUSTAINED * self.blurred
+        };
         let mut ways = ways.iter().filter(real).map(|way| way.0);
         let first = ways.next();
         ways.fold((0, first), |(count, last), way| (count + usize::from(Some(way) != last), Some(way))).0
