@@ -159,8 +159,9 @@ impl Design {
         let bytes = std::fs::read(&path).map_err(|cause| {
             PyErr::from(std::io::Error::new(cause.kind(), format!("cannot read {}: {cause}", path.display())))
         })?;
-        let text = String::from_utf8(bytes).map_err(|_| {
-            pyo3::exceptions::PyUnicodeError::new_err(format!("{} is no text in UTF-8", path.display()))
+        let text = arcmin::tables::text_of(&bytes).map_err(|kind| {
+            let message = format!("cannot read {}: {kind}; save it as UTF-8", path.display());
+            pyo3::exceptions::PyUnicodeError::new_err(message)
         })?;
         let directory = path.parent().unwrap_or(Path::new("")).to_owned();
         let directory = std::path::absolute(&directory).unwrap_or(directory);

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use arcmin::design::Design;
 use arcmin::exchange::{
-    DutyImportOptions, ExchangeError, Flank, FlankImportOptions, FlankTarget, Parts, ProfileExport,
-    ProfileOptions, Stamp, import_duty, import_flank,
+    DutyImport, DutyImportOptions, ExchangeError, Flank, FlankImportOptions, FlankTarget, Parts,
+    ProfileExport, ProfileOptions, Stamp, import_duty, import_flank,
 };
 use arcmin::fidelity::Fidelity;
 use arcmin::geometry::Relief;
 use arcmin::life::worn_after;
-use arcmin::report::Page;
+use arcmin::report::{Page, compact};
+use arcmin::tables::Naming;
 use arcmin::units::{DEG, MM, RPM, UM};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
@@ -76,18 +77,41 @@ pub fn import() -> Command {
         .arg(out());
     let duty = Command::new("duty")
         .about("Reduce the log of a robot joint to a load spectrum of the design")
-        .after_help("Examples:\n  arcmin import duty my-reducer.toml joint-3.csv --torque-constant 0.21")
-        .arg(path("DESIGN", "Design file"))
-        .arg(path("LOG", "Log: time_s, torque_n_m or current_a, speed or angle"))
-        .arg(
-            Arg::new("torque-constant")
-                .long("torque-constant")
-                .value_name("X")
-                .value_parser(value_parser!(f64))
-                .help("Torque of the motor per current in N·m/A"),
+        .long_about(
+            "Reduces the log of a joint to rows of [[duty]]. Columns are found by name and unit: time, torque at \
+             the output (output_torque_n_m), at the motor (motor_torque_n_m) or current, and speed or angle of \
+             output or motor. Angles that start anew after a turn are joined, readings hold up to the next, rest is \
+             told from the noise of the log. What is assumed or passed over is said.",
         )
-        .arg(number("efficiency", "1", "Part of the motor's torque that arrives at the output"))
+        .after_help(
+            "Examples:\n  arcmin import duty my-reducer.toml joint-3.csv --torque-constant 0.21\n  arcmin import \
+             duty my-reducer.toml trace.csv --columns \"J3_ActTorque=motor_torque,J3_ActVelo=motor_speed\" \
+             --efficiency 0.85",
+        )
+        .arg(path("DESIGN", "Design file"))
+        .arg(path("LOG", "Log: time, torque or current, speed or angle"))
+        .arg(number_left_out("torque-constant", "Torque of the motor per current in N·m/A"))
+        .arg(number("efficiency", "1", "Part of the power that arrives, whichever side drives"))
+        .arg(number(
+            "rotor-inertia",
+            "0",
+            "Moment of inertia of the motor's rotor in kg·m²: what speeds it up is taken out of its torque",
+        ))
+        .arg(
+            number_left_out("rest-speed", "Output speed in rpm below which the joint rests [default: from the noise]")
+                .visible_alias("rest-speed-rpm"),
+        )
+        .arg(
+            number_left_out(
+                "largest-gap",
+                "Longest step in s over which a reading holds; longer ones are gaps [default: 20 usual steps; an \
+                 hour in a log recorded on change]",
+            )
+            .visible_alias("largest-gap-s"),
+        )
         .arg(number("rows", "50", "Rows of the spectrum at most"))
+        .arg(columns())
+        .arg(skip_lines())
         .arg(out());
     Command::new("import")
         .about("Take measured flanks and logs into the design")
@@ -109,6 +133,43 @@ pub(super) fn number(name: &'static str, default: &'static str, help: &'static s
         .allow_negative_numbers(true)
         .value_parser(value_parser!(f64))
         .help(help)
+}
+
+/// A number that has no default.
+fn number_left_out(name: &'static str, help: &'static str) -> Arg {
+    Arg::new(name)
+        .long(name)
+        .value_name("X")
+        .allow_negative_numbers(true)
+        .value_parser(value_parser!(f64))
+        .help(help)
+}
+
+fn columns() -> Arg {
+    Arg::new("columns").long("columns").value_name("THEIRS=OURS,…").action(clap::ArgAction::Append).help(
+        "What columns are whose names say nothing: theirs=motor_speed_rpm, 3=torque_n_m by number, note=- to pass \
+         one over",
+    )
+}
+
+fn skip_lines() -> Arg {
+    Arg::new("skip-lines")
+        .long("skip-lines")
+        .value_name("N")
+        .default_value("0")
+        .value_parser(value_parser!(usize))
+        .help("Lines before the names of the columns")
+}
+
+/// How the user names columns.
+fn naming(matches: &ArgMatches) -> Result<Naming, Failure> {
+    let given: Vec<&str> =
+        matches.get_many::<String>("columns").unwrap_or_default().map(String::as_str).collect();
+    let naming = Naming::parse(&given.join(",")).map_err(|what| Failure::Usage {
+        message: format!("--columns: {what}"),
+        help: "write --columns theirs=ours,theirs=ours, such as --columns Speed=motor_speed_rpm".to_owned(),
+    })?;
+    Ok(naming.skipping(matches.get_one("skip-lines").copied().unwrap_or(0)))
 }
 
 pub(super) fn choice(name: &'static str, default: &'static str, words: Vec<&'static str>) -> Arg {
@@ -296,24 +357,42 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
     let (path, design) = given.design()?;
     let log = given.file("LOG");
+    let number = |name: &str| matches.get_one::<f64>(name).copied();
     let options = DutyImportOptions {
-        torque_constant: matches.get_one::<f64>("torque-constant").copied(),
+        torque_constant: number("torque-constant"),
         gear_efficiency: given.number("efficiency"),
+        rotor_inertia: given.number("rotor-inertia"),
+        rest_speed: number("rest-speed").map(|rpm| rpm * RPM),
+        largest_gap: number("largest-gap"),
         rows: given.within("rows", 1.0, 1000.0)? as usize,
+        naming: naming(matches)?,
         ..DutyImportOptions::default()
     };
     let found =
         import_duty(&design.machine(), &read(&log)?, &log.display().to_string(), &options).map_err(failed)?;
     let out = directory(matches, &path, "import")?;
     let r = &found.reduction;
+    for note in &found.notes {
+        say(&format!("{}: {note}", name_of(&log)))?;
+    }
     say(&format!(
-        "{:.1} s in {} readings, {:.1} s at rest, {} starts, {} reversals\npeak {:.1} N·m, {:.2} rpm at the \
-         output\n{} rows: wear {:+.2} %, equivalent bearing load {:+.2} %, bearing life {:+.2} % against the log",
+        "{:.1} s in {} readings, {:.1} s at rest (below {} rpm at the output), {} starts, {} reversals",
         found.duration,
-        r.samples,
+        found.readings,
         found.at_rest,
+        compact(found.rest_speed / RPM, 3),
         found.starts,
         found.reversals,
+    ))?;
+    say(&format!(
+        "{:.4} h in motion, {:.4} h at rest: 1000 h in motion, as the program counts, are {} h by the clock",
+        (found.duration - found.at_rest) / 3600.0,
+        found.at_rest / 3600.0,
+        found.clock_hours()
+    ))?;
+    say(&format!(
+        "peak {:.1} N·m, {:.2} rpm at the output\n{} rows: wear {:+.2} %, equivalent bearing load {:+.2} %, bearing \
+         life {:+.2} % against the log",
         found.peak_torque.0,
         found.peak_speed.0 / RPM,
         found.rows.len(),
@@ -324,12 +403,47 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
     write_file(&out.join("duty.toml"), found.toml.as_bytes())?;
     let page = found.page(design.machine().name(), &name_of(&log));
     write_page(&out.join("duty.html"), page, &design)?;
+    let summary = serde_json::to_vec_pretty(&duty_summary(&found, &design))
+        .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
+    write_file(&out.join("summary.json"), &summary)?;
     say(&format!(
-        "rows for the design in {}, the spectrum in {}",
+        "rows for the design in {}, the spectrum in {}, all figures in {}",
         out.join("duty.toml").display(),
-        out.join("duty.html").display()
+        out.join("duty.html").display(),
+        out.join("summary.json").display()
     ))?;
     Ok(Ending::Fine)
+}
+
+/// What a log says, for programs.
+fn duty_summary(found: &DutyImport, design: &Design) -> serde_json::Value {
+    let provenance = crate::provenance(design, Vec::new());
+    let r = &found.reduction;
+    serde_json::json!({
+        "arcmin_version": provenance.version,
+        "design_hash": provenance.design_hash,
+        "command": provenance.command,
+        "readings": found.readings,
+        "recorded_h": found.duration / 3600.0,
+        "rest_h": found.at_rest / 3600.0,
+        "motion_h": (found.duration - found.at_rest) / 3600.0,
+        "gaps_h": found.gaps / 3600.0,
+        "rest_speed_rpm": found.rest_speed / RPM,
+        "longest_held_s": found.longest_held,
+        "starts": found.starts,
+        "reversals": found.reversals,
+        "output_turns": found.output_turns,
+        "peak_torque_n_m": found.peak_torque.0,
+        "holding_torque_n_m": found.holding_torque,
+        "peak_speed_rpm": found.peak_speed.0 / RPM,
+        "mean_speed_rpm": r.mean_speed / RPM,
+        "equivalent_torque_n_m": r.equivalent_torque,
+        "rows": found.rows.len(),
+        "wear_error": r.wear_error,
+        "bearing_load_error": r.bearing_load_error,
+        "life_error": r.life_error,
+        "notes": found.notes,
+    })
 }
 
 fn name_of(file: &Path) -> String {

@@ -32,13 +32,18 @@ pub fn read_bounded(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Text of a file in UTF-8, UTF-16 or Latin-1.
+pub fn text_of(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
+    arcmin::tables::text_of(bytes).map_err(|kind| Failure::Usage {
+        message: format!("cannot read {}: {kind}", path.display()),
+        help: "save it as UTF-8".to_owned(),
+    })
+}
+
 /// Reads and parses a design file.
 pub fn read_design(path: &Path) -> Result<Design, Failure> {
     let bytes =
         read_bounded(path, LARGEST_DESIGN).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
-    let text = String::from_utf8(bytes).map_err(|error| Failure::Read {
-        path: path.to_owned(),
-        cause: std::io::Error::new(std::io::ErrorKind::InvalidData, error),
-    })?;
+    let text = text_of(path, &bytes)?;
     Design::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
 }

@@ -5,6 +5,7 @@ mod common;
 mod errors;
 mod exchange;
 mod kills;
+mod logs;
 mod messages;
 mod runs;
 mod studies;

@@ -272,9 +272,20 @@ fn bearings(design: &DesignSections, source: &Source) -> Result<()> {
     Ok(())
 }
 
+/// Shares that are off by more altogether are not rounded but wrong.
+const LARGEST_ROUNDING: f64 = 0.02;
+
+/// Half a unit of the last digit that a share is written with: so much it may be rounded by. Sums within that are
+/// taken in proportion.
+fn half_a_digit(share: f64) -> f64 {
+    let digits = share.to_string().split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    0.5 * 10_f64.powi(-(digits as i32))
+}
+
 fn duty(design: &DesignSections, source: &Source) -> Result<()> {
     let sum: f64 = design.duty.iter().map(|row| *row.share).sum();
-    if !design.duty.is_empty() && (sum - 1.0).abs() > 1e-6 {
+    let rounding: f64 = design.duty.iter().map(|row| half_a_digit(*row.share)).sum();
+    if !design.duty.is_empty() && (sum - 1.0).abs() > rounding.min(LARGEST_ROUNDING) + 1e-6 {
         let message = format!("the shares of the duty rows add up to {}, not to 1", plain(sum));
         let place = design.duty.last().and_then(|row| row.share.span.clone());
         return Err(contradiction(

@@ -88,7 +88,8 @@ pub(crate) fn join(path: &str, name: &str) -> String {
 pub(crate) fn parse(source: &Source<'_>) -> Result<Branch> {
     let parsed = toml::de::DeTable::parse(source.text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
-        source.error(DesignErrorKind::Syntax { message: error.message().replace('\n', ", ") }, span, None)
+        let hint = hint::for_syntax(source.text, span.start);
+        source.error(DesignErrorKind::Syntax { message: error.message().replace('\n', ", ") }, span, hint)
     })?;
     Ok(Branch::from_toml(parsed.get_ref()))
 }
@@ -265,6 +266,7 @@ impl<'a> Table<'a> {
             Node::Text(text) if number(text).is_some() => {
                 Some(format!("write the number without quotes: {} = {text}", key.name))
             }
+            Node::Text(text) => hint::for_number_in_words(key, text),
             _ => None,
         };
         self.source.error(kind, item.span.clone(), hint)

@@ -42,7 +42,15 @@ pub(super) fn for_unknown_key(
         .chain(sections_of(root, ""))
         .find(|(_, section)| section.keys.iter().any(|known| known.name == key));
     let close = closest(key, schema.keys.iter().map(|known| known.name));
+    // Part of a name: `torque` or `torque_n_m` for `rated_torque_n_m`.
+    let stem = |name: &str| unit_suffix(name).map_or(name.to_owned(), |(stem, _)| stem.to_owned());
+    let (word, mut longer) = (stem(key), schema.keys.iter().map(|known| known.name));
+    let longer = longer.find(|name| stem(name).split('_').any(|part| part == word));
     let hint = match (close, elsewhere) {
+        (None, None) if longer.is_some() => format!("did you mean `{}`?", longer.unwrap_or_default()),
+        (None, Some((path, _))) if longer.is_some() => {
+            format!("did you mean `{}`? `{key}` belongs to [{path}]", longer.unwrap_or_default())
+        }
         (_, Some((path, _))) if path.is_empty() => {
             "it belongs to the top of the file, before the first section".to_owned()
         }
@@ -54,6 +62,36 @@ pub(super) fn for_unknown_key(
         ),
     };
     (unknown, hint)
+}
+
+/// Hint for a text such as `3 mm` or `3,0` where a number belongs.
+pub(super) fn for_number_in_words(key: &Key, text: &str) -> Option<String> {
+    let text = text.trim();
+    let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,".contains(c))).unwrap_or(text.len());
+    let (digits, unit) = (text[..end].replace(',', "."), text[end..].trim());
+    let number: f64 = digits.parse().ok()?;
+    let wanted = key.unit();
+    Some(match unit {
+        "" => format!("write a decimal point and no quotes: {} = {}", key.name, plain(number)),
+        unit if unit == wanted || wanted.is_empty() => {
+            format!("the unit is part of the key: {} = {}", key.name, plain(number))
+        }
+        unit => format!(
+            "convert the value from {} to {wanted}, which is part of the key, and write the number alone",
+            crate::tables::shown(unit)
+        ),
+    })
+}
+
+/// Hint for a decimal comma, which TOML does not know; `at` is where reading stopped.
+pub(super) fn for_syntax(text: &str, at: usize) -> Option<String> {
+    let start = text.get(..at)?.rfind('\n').map_or(0, |newline| newline + 1);
+    let line = text[start..].lines().next()?;
+    let value = line.split_once('=')?.1.split('#').next()?.trim();
+    let (whole, decimals) = value.split_once(',')?;
+    let digits = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    let sign = whole.trim_start_matches(['+', '-']);
+    (digits(sign) && digits(decimals)).then(|| format!("write a decimal point: {whole}.{decimals}"))
 }
 
 /// Hint for a number outside of its range: often a unit is the reason.
@@ -73,6 +111,7 @@ pub(super) fn for_number(key: &Key, number: f64) -> String {
         "N/µm" => vec![("N/m", 1e-6), ("N/mm", 1e-3)],
         "kg" => vec![("g", 1e-3)],
         "kg·m²" => vec![("kg·mm²", 1e-6), ("kg·cm²", 1e-4)],
+        "" if key.name == "share" => vec![("percent", 1e-2)],
         "°" => vec![("rad", 180.0 / std::f64::consts::PI)],
         _ => Vec::new(),
     };

@@ -31,10 +31,12 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
     let duty = if design.duty.is_empty() {
         vec![rated]
     } else {
+        // Rounded shares are taken in proportion.
+        let whole: f64 = design.duty.iter().map(|row| *row.share).sum();
         let row = |row: &super::DutySection| DutyPoint {
             torque: *row.torque_n_m,
             input_speed: *row.input_speed_rpm * RPM,
-            share: *row.share,
+            share: if (whole - 1.0).abs() > 1e-12 { *row.share / whole } else { *row.share },
             forces: OutputForces { moment: *row.moment_n_m, axial: *row.axial_n, radial: *row.radial_n },
         };
         design.duty.iter().map(|at| row(at)).collect()

@@ -51,6 +51,44 @@ fn all_mistakes_are_told_at_once() {
     assert!(told.len() == 3 && told[0].contains("widht_mm") && told[1].contains("pin_count"), "{told:?}");
 }
 
+/// Shares that only rounding keeps from 1 are taken in proportion; a row that is missing is not made up for.
+#[test]
+fn rounded_shares_are_taken_in_proportion() {
+    let read = |shares: &[f64]| {
+        let row =
+            |share: &f64| format!("[[duty]]\ntorque_n_m = 300\ninput_speed_rpm = 1500\nshare = {share}\n");
+        let rows: String = shares.iter().map(row).collect();
+        let (before, rest) = text().split_once("[[duty]]").unwrap();
+        let after = &rest[rest.find("[wear]").unwrap()..];
+        Design::parse(&format!("{before}{rows}\n{after}"), "d.toml").map(|design| design.machine().duty)
+    };
+    for (shares, right) in [
+        (vec![0.3333, 0.3333, 0.3333], vec![1.0 / 3.0; 3]),
+        (vec![0.33, 0.33, 0.33], vec![1.0 / 3.0; 3]),
+        (vec![0.667, 0.334], vec![0.667 / 1.001, 0.334 / 1.001]),
+        (vec![0.25, 0.75], vec![0.25, 0.75]),
+    ] {
+        let duty = read(&shares).unwrap_or_else(|error| panic!("{shares:?}: {error}"));
+        assert!((duty.iter().map(|row| row.share).sum::<f64>() - 1.0).abs() < 1e-12);
+        for (row, right) in duty.iter().zip(right) {
+            assert!((row.share - right).abs() < 1e-12, "{shares:?}");
+        }
+    }
+    for shares in
+        [vec![0.5, 0.4], vec![0.49, 0.49], vec![0.3334, 0.3333], vec![0.9998, 0.0003], vec![0.5, 0.501]]
+    {
+        assert!(read(&shares).is_err(), "{shares:?}");
+    }
+}
+
+/// A decimal comma is no TOML; the answer says how numbers are written.
+#[test]
+fn decimal_commas_are_answered() {
+    let wrong = text().replacen("pin_radius_mm = 3 ", "pin_radius_mm = 3,5 ", 1);
+    let error = Design::parse(&wrong, "d.toml").unwrap_err();
+    assert_eq!((error.line(), error.hint()), (Some(14), Some("write a decimal point: 3.5")), "{error}");
+}
+
 #[test]
 fn hash_depends_on_values_alone() {
     let hash = |text: &str| Design::parse(text, "d.toml").unwrap().hash();

@@ -99,6 +99,7 @@ impl OutputLoad {
         match self {
             OutputLoad::Stepped(steps) => steps.iter().map(|(from, _)| *from).find(|from| *from > time),
             OutputLoad::DutyCycle(phases) => phase_ends(phases, time).into_iter().find(|end| *end > time),
+            OutputLoad::Table(table) => table.next_jump(time),
             _ => None,
         }
     }

@@ -18,6 +18,24 @@ impl TimeTable {
     /// [`DynamicsError::TableRunsBackwards`] naming the row; [`DynamicsError::BadTable`] for an empty table
     /// or values that are not finite.
     pub fn new(name: &'static str, rows: &[(f64, f64)]) -> Result<TimeTable, DynamicsError> {
+        TimeTable::checked(name, rows, |rows, row| rows[row].0 > rows[row - 1].0)
+    }
+
+    /// From rows of which two may have one time: there the value jumps from the first to the second.
+    ///
+    /// # Errors
+    /// As [`TimeTable::new`]; three rows at one time run backwards.
+    pub fn with_jumps(name: &'static str, rows: &[(f64, f64)]) -> Result<TimeTable, DynamicsError> {
+        TimeTable::checked(name, rows, |rows, row| {
+            rows[row].0 >= rows[row - 1].0 && (row < 2 || rows[row].0 > rows[row - 2].0)
+        })
+    }
+
+    fn checked(
+        name: &'static str,
+        rows: &[(f64, f64)],
+        follows: fn(&[(f64, f64)], usize) -> bool,
+    ) -> Result<TimeTable, DynamicsError> {
         if rows.is_empty() {
             return Err(DynamicsError::BadTable { table: name, message: "it has no rows" });
         }
@@ -29,7 +47,7 @@ impl TimeTable {
         }
         for (index, pair) in rows.windows(2).enumerate() {
             let ((previous, _), (time, _)) = (pair[0], pair[1]);
-            if time <= previous {
+            if !follows(rows, index + 1) {
                 // Rows are counted from 1, as an editor shows them under one header row.
                 return Err(DynamicsError::TableRunsBackwards {
                     table: name,
@@ -59,6 +77,12 @@ impl TimeTable {
     /// Integral of the value from time 0 to `time` (s).
     pub fn integral(&self, time: f64) -> f64 {
         self.sample(time).1 - self.sample(0.0).1
+    }
+
+    /// First jump after `time`.
+    pub fn next_jump(&self, time: f64) -> Option<f64> {
+        let after = self.times.partition_point(|t| *t <= time);
+        self.times[after..].windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
     }
 
     fn sample(&self, time: f64) -> (f64, f64) {
@@ -91,6 +115,27 @@ mod tests {
         assert!((table.integral(0.3) - 2.5).abs() < 1e-12);
         assert!((table.integral(0.35) - 2.75).abs() < 1e-12);
         assert!((table.integral(0.5) - 1.5).abs() < 1e-12);
+    }
+
+    /// Two rows at one time are a step: straight lines on either side, the second value at the time itself.
+    #[test]
+    fn two_rows_at_one_time_are_a_step() {
+        let rows = [(0.0, 0.0), (0.1, 10.0), (0.1, -10.0), (0.3, -10.0), (0.3, 4.0)];
+        assert!(TimeTable::new("load table", &rows).is_err());
+        let table = TimeTable::with_jumps("load table", &rows).unwrap();
+        assert!((table.value(0.1 - 1e-9) - 10.0).abs() < 1e-6);
+        assert_eq!(
+            (table.value(0.1), table.value(0.2), table.value(0.3), table.value(9.0)),
+            (-10.0, -10.0, 4.0, 4.0)
+        );
+        assert_eq!(
+            (table.next_jump(0.0), table.next_jump(0.1), table.next_jump(0.3)),
+            (Some(0.1), Some(0.3), None)
+        );
+        assert!((table.integral(0.3) - (0.5 - 2.0)).abs() < 1e-12);
+        assert!(
+            TimeTable::with_jumps("load table", &[(0.0, 0.0), (0.1, 1.0), (0.1, 2.0), (0.1, 3.0)]).is_err()
+        );
     }
 
     #[test]

@@ -1,6 +1,12 @@
 //! From the log of a joint to a load spectrum.
 
+mod angle;
+mod clock;
+mod columns;
+mod holding;
 mod merge;
+mod motor;
+mod rest;
 mod spectrum;
 
 use std::fmt::Write as _;
@@ -9,9 +15,10 @@ pub use merge::{DutyRow, Reduction};
 
 use super::{ExchangeError, trimmed};
 use crate::machine::Machine;
-use crate::report::HeatMap;
-use crate::tables::{Column, Form, Table, TableError};
+use crate::report::{HeatMap, compact};
+use crate::tables::Naming;
 use crate::units::RPM;
+use columns::{Kind, Readings, Side};
 use merge::Sample;
 
 /// How a log is read and reduced.
@@ -19,15 +26,24 @@ use merge::Sample;
 pub struct DutyImportOptions {
     /// Torque of the motor per current in N·m/A, for logs of current.
     pub torque_constant: Option<f64>,
-    /// Part of the motor's torque that arrives at the output.
+    /// Part of the power that arrives at the other side, whichever drives: of a motor's torque τ the output has
+    /// τ i η where the motor drives and τ i/η where the load does.
     pub gear_efficiency: f64,
+    /// Moment of inertia of the motor's rotor in kg·m², for torques and currents of the motor: what speeds it up
+    /// never arrives.
+    pub rotor_inertia: f64,
     /// Whether the log's torque is that of the surroundings on the joint. Otherwise it is what the joint
     /// exerts, which drives positive motion where it is positive and has the sign of the duty's torque.
     pub torque_is_outer: bool,
     /// Rows of the spectrum at most.
     pub rows: usize,
-    /// Output speed in rad/s below which the joint is at rest; `None`: a thousandth of the largest.
+    /// Output speed in rad/s below which the joint is at rest; `None`: told from the noise of the log.
     pub rest_speed: Option<f64>,
+    /// Longest step in s up to which a reading holds, longer ones are gaps; `None`: twenty times the median of
+    /// the steps, and an hour at least where the log seems to be recorded on change.
+    pub largest_gap: Option<f64>,
+    /// Columns that the user names.
+    pub naming: Naming,
     /// Exponent m of wear ∝ |T|^m |ω| t; the engine's law is linear in the pin force.
     pub wear_exponent: f64,
 }
@@ -37,9 +53,12 @@ impl Default for DutyImportOptions {
         DutyImportOptions {
             torque_constant: None,
             gear_efficiency: 1.0,
+            rotor_inertia: 0.0,
             torque_is_outer: false,
             rows: 50,
             rest_speed: None,
+            largest_gap: None,
+            naming: Naming::default(),
             wear_exponent: 1.0,
         }
     }
@@ -51,12 +70,18 @@ pub struct DutyImport {
     /// The spectrum while the joint moves; shares add up to 1.
     pub rows: Vec<DutyRow>,
     pub reduction: Reduction,
+    /// Readings of the log.
+    pub readings: usize,
     /// s, gaps of the recording left out.
     pub duration: f64,
     /// s, of the duration.
     pub at_rest: f64,
+    /// Output speed in rad/s below which the joint is taken to rest.
+    pub rest_speed: f64,
     /// s, in which nothing was recorded.
     pub gaps: f64,
+    /// Longest step in s that a reading holds for; longer ones are gaps.
+    pub longest_held: f64,
     /// Largest |torque| at the output in N·m, its sign kept, and when in s.
     pub peak_torque: (f64, f64),
     /// Largest |torque| while at rest in N·m: what only holds.
@@ -68,6 +93,8 @@ pub struct DutyImport {
     pub reversals: usize,
     /// Turns of the output in either direction.
     pub output_turns: f64,
+    /// What was taken otherwise than it stands, assumed or passed over, as sentences.
+    pub notes: Vec<String>,
     /// The rows as `[[duty]]` of a design.
     pub toml: String,
     pub picture: HeatMap,
@@ -78,8 +105,10 @@ pub struct DutyImport {
 /// speed or angle of the output (`speed_rpm`, `output_speed_…`, `angle_deg`, …) or of the motor
 /// (`input_speed_…`, `motor_speed_…`, `input_angle_…`). Any unit of these; other columns are passed over.
 ///
-/// A reading holds for half the time to its neighbours. Steps in time more than twenty times the median are
-/// gaps of the recording. Angles become speeds by central differences.
+/// A reading holds up to the next; steps longer than [`DutyImportOptions::largest_gap`] are gaps. Empty fields
+/// repeat the value before. Angles that start anew after whole turns are joined, and become speeds over steps, or
+/// over as many as their noise asks for. A column that does not say its side is the output's, unless its size
+/// says otherwise, which is refused or noted.
 ///
 /// # Errors
 /// A table that cannot be read, columns that are missing or given twice, a joint that never moves or never
@@ -91,41 +120,59 @@ pub fn import_duty(
     options: &DutyImportOptions,
 ) -> Result<DutyImport, ExchangeError> {
     check(options)?;
-    let table = form().read(bytes, file)?;
-    let time = table.numbers("time_s")?;
     let ratio = machine.kinematics().ratio();
-    let mut torque = output_torque(&table, options, ratio)?;
+    let Readings { time, load, motion, mut notes, .. } = columns::read(machine, bytes, file, options)?;
+    let count = time.len();
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let holding = holding::of(&time, [&load.values, &motion.values], options.largest_gap);
+    let connected: Vec<bool> = (0..count).map(|i| i > 0 && steps[i - 1] <= holding.longest).collect();
+    let long: Vec<f64> = steps.iter().copied().filter(|step| *step > holding.longest).collect();
+    let gaps = long.iter().fold(0.0, |sum, step| sum + step);
+    notes.extend(held_note(&steps, &long, holding));
+
+    let own_side = if motion.side == Side::Motor { 1.0 / ratio } else { 1.0 };
+    let angle::Speeds { mut speeds, blurred, noise } = match motion.kind {
+        Kind::Angle => angle::speeds(&time, &motion.values, &|i| connected[i]),
+        _ => angle::Speeds { speeds: motion.values, blurred: 1, noise: 0.0 },
+    };
+    speeds.iter_mut().for_each(|speed| *speed *= own_side);
+    let (speed, noise) = (speeds, noise * own_side.abs());
+    let split = rest::Motion { time: &time, speed: &speed, connected: &connected, blurred, noise };
+    let split = split.split(options.rest_speed);
+    let mut torque = match load.side {
+        Side::Output => load.values,
+        Side::Motor => motor::output_torque(&motor::Shaft {
+            time: &time,
+            torque: match (load.kind, options.torque_constant) {
+                (Kind::Current, Some(constant)) => {
+                    load.values.iter().map(|current| current * constant).collect()
+                }
+                _ => load.values,
+            },
+            speed: &speed,
+            connected: &connected,
+            moves: &split.moves,
+            ratio,
+            efficiency: options.gear_efficiency,
+            rotor_inertia: options.rotor_inertia,
+        }),
+    };
     if options.torque_is_outer {
         torque.iter_mut().for_each(|t| *t = -*t);
     }
-    let speed = output_speed(&table, time, ratio)?;
-    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.is_empty() {
-        return Err(table.wrong(0, "one reading is no log", "record at least two").into());
-    }
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let longest = 20.0 * sorted[sorted.len() / 2];
-    let gaps: f64 = steps.iter().filter(|step| **step > longest).sum();
-    let weight = |i: usize| {
-        let before = i.checked_sub(1).and_then(|j| steps.get(j));
-        let half = |step: Option<&f64>| step.filter(|step| **step <= longest).map_or(0.0, |step| 0.5 * step);
-        half(before) + half(steps.get(i))
-    };
-    let fastest = largest(&speed, |_| true);
-    let rest = options.rest_speed.unwrap_or(1e-3 * fastest.0.abs());
-    let moves = |i: usize| speed[i].abs() > rest;
-    let samples: Vec<Sample> = (0..table.len())
-        .filter(|i| moves(*i))
+
+    let weight = |i: usize| if i + 1 < count && connected[i + 1] { steps[i] } else { 0.0 };
+    let samples: Vec<Sample> = (0..count)
+        .filter(|i| split.moves[*i])
         .map(|i| Sample { torque: torque[i], speed: speed[i], time: weight(i) })
         .filter(|sample| sample.time > 0.0)
         .collect();
     let nothing =
         |message: &str, remedy: &str| ExchangeError::Fit { message: message.into(), remedy: remedy.into() };
-    if samples.is_empty() {
+    if samples.is_empty() || samples.iter().all(|sample| sample.speed == 0.0) {
         return Err(nothing(
             "the joint never moves in this log",
-            "check the column of speed or angle and its unit",
+            "check the column of speed or angle and its unit, and --rest-speed if it is given",
         ));
     }
     if samples.iter().all(|sample| sample.torque == 0.0) {
@@ -134,37 +181,56 @@ pub fn import_duty(
             "check the column of torque or current",
         ));
     }
-    let duration: f64 = (0..table.len()).map(weight).sum();
+    let duration: f64 = (0..count).map(weight).sum();
     let moving: f64 = samples.iter().map(|sample| sample.time).sum();
     let turned: f64 = samples.iter().map(|sample| sample.speed.abs() * sample.time).sum();
     let (rows, reduction) = merge::reduce(&samples, options.rows, options.wear_exponent, ratio);
     let picture = spectrum::picture(&samples, moving);
-    let starts = (1..table.len()).filter(|i| moves(*i) && !moves(i - 1)).count();
-    let mut direction = 0.0;
-    let mut reversals = 0;
-    for i in (0..table.len()).filter(|i| moves(*i)) {
-        reversals += usize::from(direction * speed[i] < 0.0);
-        direction = speed[i].signum();
-    }
     let peak = largest(&torque, |_| true);
-    let holding = largest(&torque, |i| !moves(i)).0.abs();
+    let fastest = largest(&speed, |i| split.moves[i]);
     let mut import = DutyImport {
         rows,
         reduction,
+        readings: count,
         duration,
         at_rest: duration - moving,
+        rest_speed: split.speed,
         gaps,
+        longest_held: holding.longest.min(steps.iter().copied().fold(0.0, f64::max)),
         peak_torque: (peak.0, time[peak.1]),
-        holding_torque: holding,
+        holding_torque: largest(&torque, |i| !split.moves[i]).0.abs(),
         peak_speed: (fastest.0, time[fastest.1]),
-        starts,
-        reversals,
+        starts: split.starts,
+        reversals: split.reversals,
         output_turns: turned / std::f64::consts::TAU,
+        notes,
         toml: String::new(),
         picture,
     };
     import.toml = toml(&import);
     Ok(import)
+}
+
+/// What is done with steps that are much longer than the others.
+fn held_note(steps: &[f64], gaps: &[f64], holding: holding::Holding) -> Option<String> {
+    let longest = steps.iter().copied().filter(|step| *step <= holding.longest).fold(0.0, f64::max);
+    let usual = clock::median(steps);
+    let mut note = String::new();
+    if longest > 20.0 * usual {
+        let why = if holding.on_change { "recorded where values change: " } else { "" };
+        let _ = write!(note, "{why}each reading holds up to the next, {} s at most", compact(longest, 4));
+    }
+    if !gaps.is_empty() {
+        let _ = write!(
+            note,
+            "{}{} steps longer than {} s, {} h in all, are gaps (--largest-gap)",
+            if note.is_empty() { "" } else { "; " },
+            gaps.len(),
+            compact(holding.longest, 4),
+            compact(gaps.iter().sum::<f64>() / 3600.0, 4)
+        );
+    }
+    (!note.is_empty()).then_some(note)
 }
 
 fn check(options: &DutyImportOptions) -> Result<(), ExchangeError> {
@@ -178,92 +244,17 @@ fn check(options: &DutyImportOptions) -> Result<(), ExchangeError> {
     within("a torque constant in N·m/A", options.torque_constant.unwrap_or(1.0), 1e-6, 1e4)?;
     within("an efficiency", options.gear_efficiency, 0.01, 1.0)?;
     within("a number of rows", options.rows as f64, 8.0, 1000.0)?;
+    within("a rotor's moment of inertia in kg·m²", options.rotor_inertia, 0.0, 100.0)?;
     within("a speed of rest in rad/s", options.rest_speed.unwrap_or(0.0), 0.0, 1e4)?;
+    within("a largest gap in s", options.largest_gap.unwrap_or(1.0), 1e-6, 1e9)?;
     within("an exponent of wear", options.wear_exponent, 0.1, 10.0)
 }
 
-fn form() -> Form {
-    Form::new(&[
-        Column::number("time_s").also(&["t", "timestamp"]).rising(),
-        Column::number("torque_n_m").also(&["output_torque", "joint_torque"]).optional().within(-1e7, 1e7),
-        Column::number("input_torque_n_m").also(&["motor_torque"]).optional().within(-1e7, 1e7),
-        Column::number("current_a").also(&["motor_current"]).optional().within(-1e6, 1e6),
-        Column::number("speed_rad_s")
-            .also(&["output_speed", "joint_speed", "velocity"])
-            .optional()
-            .within(-1e4, 1e4),
-        Column::number("input_speed_rad_s").also(&["motor_speed"]).optional().within(-1e5, 1e5),
-        Column::number("angle_rad")
-            .also(&["output_angle", "joint_angle", "position"])
-            .optional()
-            .within(-1e9, 1e9),
-        Column::number("input_angle_rad").also(&["motor_angle"]).optional().within(-1e9, 1e9),
-    ])
-    .with_others()
-}
-
-/// The one column of several that the file has.
-fn one_of<'a>(table: &Table, names: &[&'a str], what: &str) -> Result<&'a str, TableError> {
-    let found: Vec<&str> = names.iter().copied().filter(|name| table.has(name)).collect();
-    match found[..] {
-        [one] => Ok(one),
-        [] => Err(header(
-            table,
-            format!("there is no column of {what}"),
-            format!("name one of {}", names.join(", ")),
-        )),
-        _ => Err(header(
-            table,
-            format!("{what} is given more than once: {}", found.join(", ")),
-            "rename or delete all but one".to_owned(),
-        )),
+impl DutyImport {
+    /// Hours by the clock in which the joint moves for a thousand hours, as text.
+    pub fn clock_hours(&self) -> String {
+        trimmed(1000.0 * self.duration / (self.duration - self.at_rest), 0)
     }
-}
-
-fn header(table: &Table, message: String, remedy: String) -> TableError {
-    // Rows end before this one, so the line is that of the header.
-    table.wrong(usize::MAX, message, remedy)
-}
-
-fn output_torque(table: &Table, options: &DutyImportOptions, ratio: f64) -> Result<Vec<f64>, TableError> {
-    let name = one_of(table, &["torque_n_m", "input_torque_n_m", "current_a"], "torque or current")?;
-    let factor = match (name, options.torque_constant) {
-        ("torque_n_m", _) => 1.0,
-        ("input_torque_n_m", _) => ratio * options.gear_efficiency,
-        (_, Some(constant)) => constant * ratio * options.gear_efficiency,
-        (_, None) => {
-            return Err(header(
-                table,
-                "current is no torque yet".to_owned(),
-                "give the motor's torque constant in N·m/A".to_owned(),
-            ));
-        }
-    };
-    Ok(table.numbers(name)?.iter().map(|value| value * factor).collect())
-}
-
-fn output_speed(table: &Table, time: &[f64], ratio: f64) -> Result<Vec<f64>, TableError> {
-    let names = ["speed_rad_s", "input_speed_rad_s", "angle_rad", "input_angle_rad"];
-    // A log often has both; the speed is the better one.
-    let name = match one_of(table, &names[..2], "speed") {
-        Ok(name) => name,
-        Err(_) if !table.has(names[0]) && !table.has(names[1]) => {
-            one_of(table, &names[2..], "speed or angle")?
-        }
-        Err(error) => return Err(error),
-    };
-    let values = table.numbers(name)?;
-    let factor = if name.starts_with("input") { 1.0 / ratio } else { 1.0 };
-    if name.contains("speed") {
-        return Ok(values.iter().map(|value| value * factor).collect());
-    }
-    let last = values.len() - 1;
-    Ok((0..values.len())
-        .map(|i| {
-            let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
-            if a == b { 0.0 } else { (values[b] - values[a]) / (time[b] - time[a]) * factor }
-        })
-        .collect())
 }
 
 /// The value of the largest size among the indices, and its index; zero if there is none.
@@ -279,9 +270,16 @@ fn toml(import: &DutyImport) -> String {
     let hours = |seconds: f64| trimmed(seconds / 3600.0, 4);
     let _ = writeln!(
         text,
-        "# From a log of {} h, of which {} h at rest.",
+        "# From a log of {} h, of which {} h at rest (below {} rpm at the output) and {} h in motion:",
         hours(import.duration),
-        hours(import.at_rest)
+        hours(import.at_rest),
+        trimmed(import.rest_speed / RPM, 4),
+        hours(import.duration - import.at_rest)
+    );
+    let _ = writeln!(
+        text,
+        "# 1000 h in motion, as the program counts, are {} h by the clock.",
+        import.clock_hours()
     );
     let _ = writeln!(
         text,
@@ -299,6 +297,9 @@ fn toml(import: &DutyImport) -> String {
         import.starts,
         import.reversals
     );
+    for note in &import.notes {
+        let _ = writeln!(text, "# {}", crate::report::printable(note));
+    }
     for row in &import.rows {
         let _ = writeln!(
             text,

@@ -13,6 +13,8 @@ mod crankshaft;
 mod drawing;
 mod duty;
 #[cfg(test)]
+mod duty_field_tests;
+#[cfg(test)]
 mod duty_tests;
 mod dxf;
 mod fit;

@@ -30,9 +30,9 @@ impl DutyImport {
             ),
             KeyFigure::new(
                 "At rest",
-                significant(100.0 * self.at_rest / self.duration, 3),
-                "%",
-                "of the time recorded",
+                significant(self.at_rest / 3600.0, 3),
+                "h",
+                format!("{} % of the time recorded", significant(100.0 * self.at_rest / self.duration, 3)),
             ),
             KeyFigure::new("Peak torque", significant(self.peak_torque.0, 4), "N·m", "at the output"),
             KeyFigure::new("Peak speed", significant(self.peak_speed.0 / RPM, 4), "rpm", "at the output"),
@@ -51,13 +51,19 @@ impl DutyImport {
             (
                 "What did the joint do?".into(),
                 format!(
-                    "{} turns of the output, {} reversals; at rest it held {} N·m at most.",
+                    "{} turns of the output, {} reversals; at rest (below {} rpm) it held {} N·m at most. 1000 h in \
+                     motion, as the program counts, are {} h by the clock.",
                     significant(self.output_turns, 4),
                     self.reversals,
-                    significant(self.holding_torque, 4)
+                    compact(self.rest_speed / RPM, 3),
+                    significant(self.holding_torque, 4),
+                    self.clock_hours()
                 ),
             ),
         ];
+        if !self.notes.is_empty() {
+            verdict.answers.push(("What is assumed?".into(), self.notes.join(". ") + "."));
+        }
         let rows = self.rows.iter().map(|row| {
             vec![compact(row.torque, 3), compact(row.input_speed / RPM, 2), significant(100.0 * row.share, 3)]
         });

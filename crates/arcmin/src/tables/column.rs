@@ -15,6 +15,8 @@ pub struct Column {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Holds {
     Numbers,
+    /// Times: numbers, or dates with the time of day.
+    Stamps,
     Words,
 }
 
@@ -55,6 +57,12 @@ impl Column {
         Column { required: false, ..self }
     }
 
+    /// A column of times, required: numbers in a unit, numbers without one that count since 1970 or 1601 and so
+    /// tell theirs by their size, or dates with the time of day.
+    pub const fn stamps(name: &'static str) -> Column {
+        Column { holds: Holds::Stamps, ..Column::number(name) }
+    }
+
     /// Other names without units that mean the same.
     pub const fn also(self, aliases: &'static [&'static str]) -> Column {
         Column { aliases, ..self }
@@ -80,6 +88,15 @@ impl Column {
         Column { within: (low, high), ..self }
     }
 
+    /// Whether its fields are numbers inside.
+    pub(super) fn is_number(&self) -> bool {
+        self.holds != Holds::Words
+    }
+
+    pub(super) fn dimension(&self) -> Option<Dimension> {
+        unit::split(self.name).1.map(|unit| unit.dimension)
+    }
+
     pub(super) fn quantity(&self) -> &'static str {
         unit::split(self.name).0
     }
@@ -102,13 +119,15 @@ pub(super) enum Fit {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Name {
     key: String,
+    /// The same where capitals begin words, as in `MotorTorque`.
+    by_capitals: String,
     bracket: Option<String>,
 }
 
 impl Name {
     pub(super) fn new(written: &str) -> Name {
         let written = written.trim();
-        let (before, bracket) = match written.find(['[', '(']) {
+        let (before, bracket) = match written.rfind(['[', '(']) {
             Some(at) if written.ends_with([']', ')']) => {
                 let inner = &written[at + 1..];
                 let inner = &inner[..inner.len() - 1];
@@ -116,30 +135,40 @@ impl Name {
             }
             _ => (written, None),
         };
-        let mut key = String::with_capacity(before.len());
-        for c in before.trim().chars() {
-            if c.is_alphanumeric() {
-                key.extend(c.to_lowercase());
-            } else if !key.ends_with('_') && !key.is_empty() {
-                key.push('_');
-            }
-        }
-        key.truncate(key.trim_end_matches('_').len());
         let bracket = bracket.filter(|text| !matches!(text.as_str(), "" | "-" | "1"));
-        Name { key, bracket }
+        Name { key: key(before, false), by_capitals: key(before, true), bracket }
+    }
+
+    /// The same name with a unit that stands elsewhere, unless it has one in brackets.
+    pub(super) fn with_unit(self, unit: &str) -> Name {
+        Name { bracket: self.bracket.or_else(|| Some(unit.to_owned())), ..self }
+    }
+
+    /// Whether both are the same but for case and signs.
+    pub(super) fn is_like(&self, other: &Name) -> bool {
+        self.key == other.key && !self.key.is_empty()
+    }
+
+    /// The unit in brackets or at the end of the name, as it is written.
+    pub(super) fn unit(&self) -> Option<&str> {
+        match &self.bracket {
+            Some(bracket) => Some(bracket),
+            None => unit::split(&self.key).1.map(|unit| unit.endings[0]),
+        }
     }
 
     pub(super) fn fits(&self, column: &Column) -> Fit {
         let (quantity, wanted) = unit::split(column.name);
-        std::iter::once(quantity)
-            .chain(column.aliases.iter().copied())
-            .map(|quantity| self.fits_quantity(quantity, wanted))
+        let quantities = || std::iter::once(quantity).chain(column.aliases.iter().copied());
+        let keys = [&self.key, &self.by_capitals];
+        keys.into_iter()
+            .flat_map(|key| quantities().map(move |quantity| self.fits_quantity(key, quantity, wanted)))
             .find(|fit| *fit != Fit::No)
             .unwrap_or(Fit::No)
     }
 
-    fn fits_quantity(&self, quantity: &str, wanted: Option<&'static unit::Unit>) -> Fit {
-        let Some(rest) = self.key.strip_prefix(quantity) else { return Fit::No };
+    fn fits_quantity(&self, key: &str, quantity: &str, wanted: Option<&'static unit::Unit>) -> Fit {
+        let Some(rest) = key.strip_prefix(quantity) else { return Fit::No };
         let given = match (rest.strip_prefix('_'), &self.bracket) {
             (None, _) if !rest.is_empty() => return Fit::No,
             (None, None) => None,
@@ -171,4 +200,23 @@ impl Name {
             (Some(_), None) => Fit::No,
         }
     }
+}
+
+/// Lower case, one underscore for all that is neither letter nor digit, none at the ends.
+fn key(written: &str, capitals_begin_words: bool) -> String {
+    let mut key = String::with_capacity(written.len());
+    let mut small_before = false;
+    for c in written.trim().chars() {
+        if c.is_alphanumeric() {
+            if capitals_begin_words && small_before && c.is_uppercase() {
+                key.push('_');
+            }
+            key.extend(c.to_lowercase());
+        } else if !key.ends_with('_') && !key.is_empty() {
+            key.push('_');
+        }
+        small_before = c.is_lowercase();
+    }
+    key.truncate(key.trim_end_matches('_').len());
+    key
 }

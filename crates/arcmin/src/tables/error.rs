@@ -11,6 +11,10 @@ pub struct TableError {
     pub kind: TableErrorKind,
 }
 
+fn above(rows: Option<usize>) -> String {
+    rows.map_or(String::new(), |rows| format!(" above the rows, which begin in line {rows}"))
+}
+
 fn place(line: Option<usize>) -> String {
     line.map_or(String::new(), |line| format!(", line {line}"))
 }
@@ -41,8 +45,20 @@ pub enum TableErrorKind {
     Twice { first: String, second: String },
     #[error("nothing is known of a column \"{name}\"")]
     Unknown { name: String, wanted: String },
-    #[error("there is no column {name}")]
-    Missing { name: String, found: String },
+    #[error("there is no column {name}{}", above(*.rows))]
+    Missing {
+        name: String,
+        /// Line of the first row, where more than the names stands above it.
+        rows: Option<usize>,
+        /// The columns that the file has, and which of them may be meant.
+        found: String,
+    },
+    #[error("there is no column \"{name}\" to take as another")]
+    NotInFile { name: String, found: String },
+    #[error("no column is called \"{name}\" here")]
+    NotAsked { name: String, wanted: String },
+    #[error("the column \"{name}\" is in another unit than {unit}, which the row of units says")]
+    TwoUnits { name: String, unit: String },
     #[error("the column \"{name}\" does not say its unit")]
     NoUnit { name: String, quantity: &'static str, dimension: UnitKind },
     #[error("the unit of the column \"{name}\" is not one of those for {quantity}")]
@@ -51,6 +67,8 @@ pub enum TableErrorKind {
     Blank { column: String },
     #[error("\"{field}\" in column {column} is not a finite number")]
     NotANumber { column: String, field: String },
+    #[error("\"{field}\" in column {column} is neither a number nor a date with the time of day")]
+    NotADate { column: String, field: String },
     #[error("\"{field}\" in column {column} begins with a zero that no number begins with")]
     LeadingZero { column: String, field: String },
     #[error("\"{field}\" in column {column} groups thousands")]
@@ -78,7 +96,7 @@ impl TableError {
         use TableErrorKind::*;
         match &self.kind {
             Empty | NoRows => "give a header with the names of the columns and rows of values below it".into(),
-            NotText => "save it as \"CSV UTF-8\"".into(),
+            NotText => "save it as UTF-8 (in a spreadsheet: \"CSV UTF-8\")".into(),
             ControlCharacter(_) => "export the file again as plain text; such characters belong to other formats".into(),
             OpenQuote => "close it on the same line, or write a quote inside of a field twice".into(),
             TooLarge { .. } => "thin the data out, or split the file".into(),
@@ -89,17 +107,25 @@ impl TableError {
                 "if these are decimal commas, separate the fields by semicolons or write decimal points".into()
             }
             FieldCount { separator, .. } => {
-                let name = if *separator == '\t' { "tabs" } else { "semicolons" };
+                let name = match separator {
+                    '\t' => "tabs",
+                    ' ' => "blanks",
+                    _ => "semicolons",
+                };
                 format!("give every row as many fields as the header names, separated by {name}")
             }
             Unnamed(_) => "name it, or delete its values".into(),
             Twice { .. } => "keep one of them".into(),
             Unknown { wanted, .. } => format!("rename or delete it; known columns: {wanted}"),
-            Missing { found, .. } => format!("add or rename it; the file has {found}"),
+            Missing { found, .. } => format!("add or rename it; {found}"),
+            NotInFile { found, .. } => format!("the file has {found}"),
+            NotAsked { wanted, .. } => format!("known columns: {wanted}"),
+            TwoUnits { .. } => "keep the right one of the two".into(),
             NoUnit { quantity, dimension, .. } | WrongUnit { quantity, dimension, .. } => {
                 format!("name it {quantity} with one of the endings {}", unit::endings_of(dimension.0))
             }
             Blank { .. } => "write the value, or delete the row".into(),
+            NotADate { .. } => "write seconds, or dates such as 2026-03-03T11:20:53.419".into(),
             NotANumber { field, .. } if field.contains([';', '\t', ' ']) => {
                 "separate the fields of the rows like the names of the header".into()
             }
@@ -113,6 +139,9 @@ impl TableError {
             MixedMarks { .. } => "use the same decimal mark in the whole file".into(),
             AmbiguousComma { .. } => "write decimal points and no separators of thousands".into(),
             Unbelievable { .. } => "check the unit in the column's name".into(),
+            Order { rule: "rise", value, before, .. } if value == before => {
+                "keep one row for each value; in the file of a load, two rows at one time are a step".into()
+            }
             Order { .. } => "sort the rows, or look for a restart of the recording".into(),
             Content { remedy, .. } => remedy.clone(),
         }

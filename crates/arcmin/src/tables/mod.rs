@@ -26,8 +26,14 @@
 
 mod column;
 mod error;
+mod head;
+mod instrument;
+mod naming;
 mod number;
 mod read;
+mod sources;
+mod stamp;
+mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod text;
@@ -36,4 +42,7 @@ mod unit;
 pub use column::Column;
 pub(crate) use error::shown;
 pub use error::{TableError, TableErrorKind, UnitKind};
-pub use read::{Form, Limits, Table};
+pub use naming::Naming;
+pub use read::{Form, Limits};
+pub use table::Table;
+pub use text::text_of;

@@ -1,7 +1,11 @@
-use super::column::{Column, Fit, Holds, Name, Order};
-use super::error::{TableError, TableErrorKind, UnitKind, shown};
-use super::number::{Malformed, Marks};
-use super::{text, unit};
+use super::column::{Column, Order};
+use super::error::{TableError, TableErrorKind, shown};
+use super::head::Head;
+use super::naming::Naming;
+use super::number::Marks;
+use super::sources::first_names;
+use super::table::{Cells, Read, Table};
+use super::{instrument, text};
 
 /// How much is read at most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,44 +25,33 @@ impl Default for Limits {
 /// What a table must look like.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Form {
-    columns: Vec<Column>,
-    others: bool,
-    limits: Limits,
-}
-
-/// Columns that were read, with the line of every row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Table {
-    file: String,
-    header_line: usize,
-    lines: Vec<u32>,
-    columns: Vec<(&'static str, Cells)>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Cells {
-    /// Gaps are NaN inside; [`Table::numbers`] never gives them out.
-    Numbers(Vec<f64>, bool),
-    Words(Vec<String>),
-}
-
-/// A column of the file that is wanted: its place in the row, what it is, the factor to the wanted unit.
-struct Source {
-    field: usize,
-    column: usize,
-    factor: f64,
-    written: String,
+    pub(super) columns: Vec<Column>,
+    pub(super) others: bool,
+    pub(super) limits: Limits,
+    pub(super) naming: Naming,
+    pub(super) nameable: bool,
 }
 
 impl Form {
     /// Tables of these columns and no others.
     pub fn new(columns: &[Column]) -> Form {
-        Form { columns: columns.to_vec(), others: false, limits: Limits::default() }
+        Form {
+            columns: columns.to_vec(),
+            others: false,
+            limits: Limits::default(),
+            naming: Naming::default(),
+            nameable: false,
+        }
     }
 
     /// Columns that nothing is known of are passed over, as in the logs of machines.
     pub fn with_others(self) -> Form {
         Form { others: true, ..self }
+    }
+
+    /// Columns as the user names them (`--columns`), who is told of this way where a column is missing.
+    pub fn naming(self, naming: &Naming) -> Form {
+        Form { naming: naming.clone(), nameable: true, ..self }
     }
 
     pub fn with_limits(self, limits: Limits) -> Form {
@@ -88,11 +81,14 @@ impl Form {
         if let Some((line, code)) = text::control_character(&text) {
             return Err((line, TableErrorKind::ControlCharacter(code)));
         }
-        let clean = text::without_comments(&text)?;
+        let clean = text::without_comments(&text, self.naming.skip_lines)?;
+        // The line of a file that has no end may be cut off.
+        let open = if text.ends_with('\n') { 0 } else { text.matches('\n').count() + 1 };
         drop(text);
-        let (header_line, separator, body) = header_of(&clean)?;
+        let Head { line: header_line, separator, names, mut sources, body_line, body, mut notes, proposal } =
+            self.head(&clean)?;
         let mut reader = csv::ReaderBuilder::new()
-            .delimiter(separator)
+            .delimiter(if separator == b' ' { b'\t' } else { separator })
             .has_headers(false)
             .flexible(true)
             .terminator(csv::Terminator::Any(b'\n'))
@@ -102,40 +98,44 @@ impl Form {
         // record is that of the empty lines before it.)
         let next = |reader: &mut csv::Reader<&[u8]>, record: &mut csv::StringRecord| {
             let more = reader.read_record(record).map_err(|_| (header_line, TableErrorKind::NotText))?;
-            let line = header_line + reader.position().line() as usize - 2;
+            let line = body_line + reader.position().line() as usize - 2;
             Ok::<_, (usize, TableErrorKind)>(more.then_some(line))
         };
-        next(&mut reader, &mut record)?;
-        let names: Vec<String> = record.iter().map(|name| name.trim().to_owned()).collect();
-        let sources = self.sources(&names, &shown(first_line(body))).map_err(|kind| (header_line, kind))?;
-
         let mut cells: Vec<Cells> = sources
             .iter()
-            .map(|source| match self.columns[source.column].holds {
-                Holds::Numbers => Cells::Numbers(Vec::new(), false),
-                Holds::Words => Cells::Words(Vec::new()),
+            .map(|source| match self.columns[source.column].is_number() {
+                true => Cells::Numbers(Vec::new(), false),
+                false => Cells::Words(Vec::new()),
             })
             .collect();
         let mut lines: Vec<u32> = Vec::new();
         let mut marks = Marks::default();
-        let unnamed: Vec<usize> = (0..names.len()).filter(|i| names[*i].is_empty()).collect();
+        let mut index = IndexColumn::of(&names, self.others);
+        let mut end = End::of(&names, clean.cut, open);
         while let Some(line) = next(&mut reader, &mut record)? {
-            if record.iter().all(|field| field.trim().is_empty()) && record.len() == names.len() {
+            let count = record.len();
+            if record.iter().all(|field| field.trim().is_empty()) && count == names.len() {
                 continue;
             }
-            if record.len() != names.len() {
-                let (header, found, separator) = (names.len(), record.len(), char::from(separator));
+            if end.is_cut(&record, line, lines.len()) {
+                break;
+            }
+            if count != names.len() && !end.lacks_comment(count) {
+                let (header, found, separator) = (names.len(), count, char::from(separator));
                 return Err((line, TableErrorKind::FieldCount { header, found, separator }));
+            }
+            // Programs that go on with a file write the names once more.
+            if !lines.is_empty() && record.iter().zip(&names).all(|(field, name)| field.trim() == name) {
+                notes.push(format!("line {line} repeats the names and is passed over"));
+                continue;
             }
             if lines.len() == self.limits.rows {
                 let what = "the number of rows".to_owned();
                 return Err((line, TableErrorKind::TooLarge { what, limit: self.limits.rows }));
             }
-            if let Some(field) = unnamed.iter().find(|field| !record[**field].trim().is_empty()) {
-                return Err((line, TableErrorKind::Unnamed(field + 1)));
-            }
-            for (source, cells) in sources.iter().zip(&mut cells) {
-                let field = record[source.field].trim();
+            index.check(&record).map_err(|kind| (line, kind))?;
+            for (source, cells) in sources.iter_mut().zip(&mut cells) {
+                let field = record.get(source.field).unwrap_or_default().trim();
                 let column = &self.columns[source.column];
                 match cells {
                     Cells::Words(words) => words.push(field.to_owned()),
@@ -145,7 +145,7 @@ impl Form {
                     }
                     Cells::Numbers(numbers, _) => {
                         let value = source
-                            .number(field, line, separator == b',', &mut marks)
+                            .number(field, line, column, separator == b',', &mut marks)
                             .and_then(|value| in_order(column, value, numbers.last()))
                             .map_err(|kind| (line, kind))?;
                         numbers.push(value);
@@ -154,6 +154,7 @@ impl Form {
             }
             lines.push(u32::try_from(line).unwrap_or(u32::MAX));
         }
+        notes.extend(end.cut.map(|line| format!("line {line}, the last, is cut off and left out")));
         if lines.is_empty() {
             return Err((header_line, TableErrorKind::NoRows));
         }
@@ -162,161 +163,96 @@ impl Form {
                 return Err((line, TableErrorKind::MixedMarks { point }));
             }
             // Who separates by semicolons does so because the comma is taken by the decimals.
-            if !marks.decimal_for_sure && separator != b';' {
+            if !marks.decimal_for_sure && !matches!(separator, b';' | b' ') {
                 return Err((line, TableErrorKind::AmbiguousComma { field: shown(&field) }));
             }
         }
-        let columns = sources
-            .iter()
-            .zip(cells)
-            .map(|(source, cells)| (self.columns[source.column].name, cells))
-            .collect();
-        Ok(Table { file: shown(file), header_line, lines, columns })
-    }
-
-    /// Which field of a row is which column.
-    fn sources(&self, names: &[String], line: &str) -> Result<Vec<Source>, TableErrorKind> {
-        if names.len() > self.limits.columns {
-            let what = format!("a header of {} columns", names.len());
-            return Err(TableErrorKind::TooLarge { what, limit: self.limits.columns });
-        }
-        let is_number = |name: &String| name.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
-        let wanted = || self.columns.iter().map(|column| column.name).collect::<Vec<_>>().join(", ");
-        if names.iter().any(is_number) {
-            return Err(TableErrorKind::NoHeader { found: line.to_owned(), wanted: wanted() });
-        }
-        let mut sources: Vec<Source> = Vec::new();
-        for (field, written) in names.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
-            let name = Name::new(written);
-            let fits = self.columns.iter().map(|column| name.fits(column)).enumerate();
-            // A column of that very unit goes before one of another dimension: `angle_deg` and `angle_h`.
-            let mut fits: Vec<(usize, Fit)> = fits.filter(|(_, fit)| *fit != Fit::No).collect();
-            fits.sort_by_key(|(_, fit)| !matches!(fit, Fit::Yes(_)));
-            let shown_name = shown(written);
-            match fits.first() {
-                None if self.others => {}
-                None => return Err(TableErrorKind::Unknown { name: shown_name, wanted: wanted() }),
-                Some((column, Fit::Yes(factor))) => {
-                    if let Some(first) = sources.iter().find(|source| source.column == *column) {
-                        return Err(TableErrorKind::Twice {
-                            first: first.written.clone(),
-                            second: shown_name,
-                        });
-                    }
-                    sources.push(Source { field, column: *column, factor: *factor, written: shown_name });
-                }
-                Some((column, fit)) => {
-                    let column = &self.columns[*column];
-                    let quantity = column.quantity();
-                    let dimension = unit::split(column.name).1.map(|unit| unit.dimension);
-                    return Err(match (fit, dimension) {
-                        (Fit::NoUnit, Some(dimension)) => TableErrorKind::NoUnit {
-                            name: shown_name,
-                            quantity,
-                            dimension: UnitKind(dimension),
-                        },
-                        (Fit::WrongUnit(dimension), _) => TableErrorKind::WrongUnit {
-                            name: shown_name,
-                            quantity,
-                            dimension: UnitKind(*dimension),
-                        },
-                        _ => TableErrorKind::Unknown { name: shown_name, wanted: wanted() },
-                    });
-                }
-            }
-        }
-        for (index, column) in self.columns.iter().enumerate().filter(|(_, column)| column.required) {
-            if !sources.iter().any(|source| source.column == index) {
-                let found: Vec<String> = names.iter().take(20).map(|name| shown(name)).collect();
-                return Err(TableErrorKind::Missing {
-                    name: column.name.to_owned(),
-                    found: found.join(", "),
-                });
-            }
-        }
-        Ok(sources)
+        let columns = sources.into_iter().zip(cells).map(|(source, cells)| Read {
+            name: self.columns[source.column].name,
+            written: source.written,
+            meant: source.meant,
+            cells,
+        });
+        let columns = columns.collect();
+        let names = first_names(&names);
+        Ok(Table { file: shown(file), header_line, lines, columns, names, proposal, notes })
     }
 }
+
+/// The column without a name in which data frames number their rows.
+struct IndexColumn {
+    unnamed: Vec<usize>,
+    others: bool,
+    last: Option<f64>,
+}
+
+impl IndexColumn {
+    fn of(names: &[String], others: bool) -> IndexColumn {
+        let unnamed = (0..names.len()).filter(|i| names[*i].is_empty()).collect();
+        IndexColumn { unnamed, others, last: None }
+    }
+
+    /// In the first column whole numbers that rise are passed over, in logs whatever stands there.
+    fn check(&mut self, record: &csv::StringRecord) -> Result<(), TableErrorKind> {
+        for field in &self.unnamed {
+            let text = record.get(*field).unwrap_or_default().trim();
+            let number = text.parse::<f64>().ok().filter(|number| number.fract() == 0.0);
+            let rises = number.is_some_and(|number| self.last.is_none_or(|last| number > last));
+            if *field == 0 && (self.others || rises) {
+                self.last = number;
+            } else if !text.is_empty() {
+                return Err(TableErrorKind::Unnamed(field + 1));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How the file ends.
+struct End {
+    names: usize,
+    may_lack_last: bool,
+    /// Line that has no end and may be cut off; 0 if all have.
+    open: usize,
+    /// Fewest decimals of the last field in all rows so far.
+    decimals: usize,
+    cut: Option<usize>,
+}
+
+impl End {
+    fn of(names: &[String], cut: Option<usize>, open: usize) -> End {
+        let may_lack_last = instrument::may_lack_last(names);
+        End { names: names.len(), may_lack_last, open, decimals: usize::MAX, cut }
+    }
+
+    fn lacks_comment(&self, count: usize) -> bool {
+        self.may_lack_last && count + 1 == self.names
+    }
+
+    /// Whether this is the last line, without an end, and holds fewer fields than it should or fewer decimals
+    /// than every line before.
+    fn is_cut(&mut self, record: &csv::StringRecord, line: usize, rows: usize) -> bool {
+        let last = record.get(self.names - 1).unwrap_or_default().trim();
+        let decimals = last.split_once(['.', ',']).map_or(0, |(_, decimals)| decimals.len());
+        if line != self.open || rows == 0 {
+            self.decimals = self.decimals.min(decimals);
+            return false;
+        }
+        let short = record.len() < self.names && !self.lacks_comment(record.len());
+        let half = rows >= SURE && decimals < self.decimals && self.decimals != usize::MAX;
+        if short || half {
+            self.cut = Some(line);
+        }
+        short || half
+    }
+}
+
+/// Rows from which on fewer decimals than in all others are no chance.
+const SURE: usize = 20;
 
 fn push(cells: &mut Cells, value: f64) {
     if let Cells::Numbers(numbers, _) = cells {
         numbers.push(value);
-    }
-}
-
-fn first_line(text: &str) -> &str {
-    text.split('\n').next().unwrap_or("")
-}
-
-/// Line of the header, its separator, and the text from it on. A `sep=;` line of spreadsheets goes before.
-fn header_of(clean: &str) -> Result<(usize, u8, &str), (usize, TableErrorKind)> {
-    let mut rest = clean;
-    let mut line = 1;
-    let mut told = None;
-    while !rest.is_empty() {
-        let (first, after) = rest.split_once('\n').unwrap_or((rest, ""));
-        let trimmed = first.trim().trim_matches('"');
-        if let Some(separator) = trimmed.strip_prefix("sep=").filter(|_| told.is_none()) {
-            told = match separator {
-                ";" => Some(b';'),
-                "," => Some(b','),
-                // Trimming has taken a tab away.
-                "" | "\t" => Some(b'\t'),
-                _ => {
-                    let found = shown(trimmed);
-                    return Err((line, TableErrorKind::MixedSeparators { found, kinds: shown(separator) }));
-                }
-            };
-        } else if !trimmed.is_empty() {
-            let separator = match told {
-                Some(separator) => separator,
-                // Numbers where names belong are said as that, whatever stands between them.
-                None if !first.chars().any(|c| c.is_alphabetic() && !matches!(c, 'e' | 'E')) => b',',
-                None => text::separator(first).map_err(|kind| (line, kind))?,
-            };
-            return Ok((line, separator, rest));
-        }
-        rest = after;
-        line += 1;
-    }
-    Err((0, TableErrorKind::Empty))
-}
-
-impl Source {
-    fn number(
-        &self,
-        field: &str,
-        line: usize,
-        separated_by_comma: bool,
-        marks: &mut Marks,
-    ) -> Result<f64, TableErrorKind> {
-        let column = || self.written.clone();
-        if field.is_empty() {
-            return Err(TableErrorKind::Blank { column: column() });
-        }
-        let value = marks.read(field, line, separated_by_comma).map_err(|malformed| {
-            let (column, field) = (column(), shown(field));
-            match malformed {
-                Malformed::NotANumber => TableErrorKind::NotANumber { column, field },
-                Malformed::LeadingZero => TableErrorKind::LeadingZero { column, field },
-                Malformed::Grouped => TableErrorKind::Grouped { column, field },
-            }
-        })?;
-        let value = scaled(value, self.factor);
-        match value.is_finite() {
-            true => Ok(value),
-            false => Err(TableErrorKind::NotANumber { column: column(), field: shown(field) }),
-        }
-    }
-}
-
-/// Value times factor; factors such as 1000 and 1/1000 act as whole numbers, which rounds once.
-fn scaled(value: f64, factor: f64) -> f64 {
-    let near = |x: f64| ((x - x.round()).abs() < 1e-12 * x).then(|| x.round());
-    match (near(factor), near(1.0 / factor)) {
-        (Some(whole), _) if whole >= 1.0 => value * whole,
-        (_, Some(whole)) if whole >= 1.0 => value / whole,
-        _ => value * factor,
     }
 }
 
@@ -335,91 +271,5 @@ fn in_order(column: &Column, value: f64, before: Option<&f64>) -> Result<f64, Ta
             Err(TableErrorKind::Order { column: name(), rule: "not fall", value, before: *before })
         }
         _ => Ok(value),
-    }
-}
-
-impl Table {
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.lines.len()
-    }
-
-    /// Never: a table without rows is not read.
-    pub fn is_empty(&self) -> bool {
-        self.lines.is_empty()
-    }
-
-    /// Whether the file has the column.
-    pub fn has(&self, name: &str) -> bool {
-        self.columns.iter().any(|(column, _)| *column == name)
-    }
-
-    /// Line in the file of a row, rows counted from 0 and lines from 1.
-    pub fn line(&self, row: usize) -> usize {
-        self.lines.get(row).map_or(self.header_line, |line| *line as usize)
-    }
-
-    pub fn header_line(&self) -> usize {
-        self.header_line
-    }
-
-    /// A column of numbers without gaps, in the unit of its name.
-    ///
-    /// # Errors
-    /// If the file has no such column, or a field of it is empty.
-    pub fn numbers(&self, name: &str) -> Result<&[f64], TableError> {
-        match self.cells(name)? {
-            Cells::Numbers(numbers, false) => Ok(numbers),
-            Cells::Numbers(numbers, true) => {
-                let row = numbers.iter().position(|number| number.is_nan()).unwrap_or(0);
-                Err(self.error(self.line(row), TableErrorKind::Blank { column: name.to_owned() }))
-            }
-            Cells::Words(_) => Err(self.missing(name)),
-        }
-    }
-
-    /// A column of numbers that may have gaps.
-    ///
-    /// # Errors
-    /// If the file has no such column.
-    pub fn gaps(&self, name: &str) -> Result<Vec<Option<f64>>, TableError> {
-        match self.cells(name)? {
-            Cells::Numbers(numbers, _) => {
-                Ok(numbers.iter().map(|number| (!number.is_nan()).then_some(*number)).collect())
-            }
-            Cells::Words(_) => Err(self.missing(name)),
-        }
-    }
-
-    /// A column of words.
-    ///
-    /// # Errors
-    /// If the file has no such column.
-    pub fn words(&self, name: &str) -> Result<&[String], TableError> {
-        match self.cells(name)? {
-            Cells::Words(words) => Ok(words),
-            Cells::Numbers(..) => Err(self.missing(name)),
-        }
-    }
-
-    /// An error about what a row says, for whoever uses the columns.
-    pub fn wrong(&self, row: usize, message: impl Into<String>, remedy: impl Into<String>) -> TableError {
-        let kind = TableErrorKind::Content { message: message.into(), remedy: remedy.into() };
-        self.error(self.line(row), kind)
-    }
-
-    fn cells(&self, name: &str) -> Result<&Cells, TableError> {
-        let found = self.columns.iter().find(|(column, _)| *column == name);
-        found.map(|(_, cells)| cells).ok_or_else(|| self.missing(name))
-    }
-
-    fn missing(&self, name: &str) -> TableError {
-        let found: Vec<&str> = self.columns.iter().map(|(column, _)| *column).collect();
-        let kind = TableErrorKind::Missing { name: name.to_owned(), found: found.join(", ") };
-        self.error(self.header_line, kind)
-    }
-
-    fn error(&self, line: usize, kind: TableErrorKind) -> TableError {
-        TableError { file: self.file.clone(), line: Some(line), kind }
     }
 }

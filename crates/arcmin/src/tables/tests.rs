@@ -161,6 +161,136 @@ fn messages_verbatim() {
     assert_eq!(error.remedy(), "name it depth with one of the endings _m, _mm, _um");
 }
 
+fn log() -> Form {
+    Form::new(&[
+        Column::stamps("time_s").also(&["t", "timestamp"]).not_falling(),
+        Column::number("torque_n_m").also(&["joint_torque"]).optional().with_gaps(),
+        Column::number("angle_rad").also(&["position", "joint_angle"]).optional(),
+    ])
+    .with_others()
+    .naming(&Naming::default())
+}
+
+/// A trace of TwinCAT: a head, names that are the user's, units and other lines between names and rows.
+const TRACE: &str = "Name;JointTrace\nFile;C:\\Scope\\JointTrace.csv\n\n\nName;J3_ActTorque;J3_Pos\n\
+    SymbolComment;Actual torque;Angle\nSampleTime[ms];8;8\nUnit;Nm (Torque);° (Angle)\nUnit ScaleFactor;1;1\n\n\
+    132907764534190000;-64.7029;180\n132907764534270000;-52.5895;90\n";
+
+#[test]
+fn heads_of_instruments() {
+    let table = log().read(TRACE.as_bytes(), "t").unwrap();
+    // Times are known; what the others are is proposed.
+    assert_eq!((table.header_line(), table.line(0)), (5, 11));
+    assert_eq!(table.proposal(), "J3_ActTorque=torque_n_m,J3_Pos=angle_deg");
+    let times = table.numbers("time_s").unwrap();
+    assert!((times[1] - times[0] - 0.008).abs() < 1e-5);
+    let naming = Naming::parse("J3_ActTorque=joint_torque, J3_Pos=angle_rad").unwrap();
+    let error = log().naming(&naming).read(TRACE.as_bytes(), "t").unwrap_err();
+    assert!(matches!(error.kind, TableErrorKind::TwoUnits { .. }), "{error}");
+    let naming = Naming::parse("J3_ActTorque=joint_torque,J3_Pos=angle").unwrap();
+    let table = log().naming(&naming).read(TRACE.as_bytes(), "t").unwrap();
+    assert_eq!(table.numbers("torque_n_m").unwrap(), [-64.7029, -52.5895]);
+    assert!((table.numbers("angle_rad").unwrap()[1] - 0.5 * std::f64::consts::PI).abs() < 1e-12);
+    assert_eq!((table.meant("torque_n_m"), table.written("torque_n_m")), ("joint_torque", "J3_ActTorque"));
+    // Skipped lines count.
+    let table = log().naming(&naming.skipping(4)).read(TRACE.as_bytes(), "t").unwrap();
+    assert_eq!((table.header_line(), table.len()), (5, 2));
+    // Where no line names what is needed, the nearest one and the rows are told.
+    let text = "Rig 7\nMessung;A\n\nZeitpunkt;Kraft [N];M [Nm]\n0;1;2\n1;1;2\n";
+    let error = log().read(text.as_bytes(), "t").unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "t, line 4: there is no column time_s above the rows, which begin in line 5"
+    );
+    assert_eq!(
+        error.remedy(),
+        "add or rename it; the file has Zeitpunkt, Kraft [N], M [Nm]: say which is which, such as --columns \"M \
+         [Nm]=torque_n_m\""
+    );
+    // A strict form has its head and units, too.
+    let text = "Prüfstand 4\nhours;depth;note\n;mm;\n0;0,001;a\n5;0,002;b\n";
+    assert_eq!(depths(text), [1.0, 2.0]);
+    // What stands between names and rows is no unit: an error of its line, as ever.
+    assert_eq!(refused("hours,depth_um\nabc,def\n0,1\n1,2\n").0, Some(2));
+    assert!(matches!(refused("hours,depth_um\nmm,mm\n0,1\n1,2\n").1, TableErrorKind::TwoUnits { .. }));
+}
+
+#[test]
+fn names_by_convention_and_by_the_user() {
+    let ros = "%time,field.header.seq,field.position0,field.effort0\n1772536853000000000,1,0.5,3\n\
+               1772536853010000000,2,0.6,4\n";
+    let table = log().read(ros.as_bytes(), "t").unwrap();
+    assert_eq!(table.numbers("angle_rad").unwrap(), [0.5, 0.6]);
+    assert_eq!(table.numbers("torque_n_m").unwrap(), [3.0, 4.0]);
+    // Brackets of an index before those of the unit.
+    let drive = "Time [ms],r80[0] Torque [Nm],r81\n0,5,1\n1,6,1\n";
+    let table = log().read(drive.as_bytes(), "t").unwrap();
+    assert_eq!(
+        (table.proposal(), table.names()),
+        ("r80[0] Torque [Nm]=torque_n_m", "Time [ms], r80[0] Torque [Nm], r81")
+    );
+    // Two joints: the user chooses.
+    let two = "__time,/joint_states/a/position,/joint_states/b/position\n0,1,2\n1,1,2\n";
+    let table = log().read(two.as_bytes(), "t").unwrap();
+    assert!(!table.has("angle_rad"));
+    assert_eq!(table.proposal(), "/joint_states/a/position=joint_angle_rad");
+    let naming = Naming::parse("/joint_states/b/position=joint_angle_rad").unwrap();
+    assert_eq!(
+        log().naming(&naming).read(two.as_bytes(), "t").unwrap().numbers("angle_rad").unwrap(),
+        [2.0, 2.0]
+    );
+    // By number, without a line of names; and one passed over.
+    let naming = Naming::parse("1=time_ms,3=torque_n_m").unwrap();
+    let table = log().naming(&naming).read(b"0 7 1.5\n10 8 2.5\n", "t").unwrap();
+    assert_eq!(table.numbers("time_s").unwrap(), [0.0, 0.01]);
+    assert_eq!(table.numbers("torque_n_m").unwrap(), [1.5, 2.5]);
+    let naming = Naming::parse("joint_torque_n_m=-").unwrap();
+    let twice = b"t [s],torque [Nm],joint_torque_n_m\n0,1,9\n1,2,9\n";
+    assert_eq!(log().naming(&naming).read(twice, "t").unwrap().numbers("torque_n_m").unwrap(), [1.0, 2.0]);
+    assert!(matches!(log().read(twice, "t").unwrap_err().kind, TableErrorKind::Twice { .. }));
+    for (text, told) in [("x", "which column"), ("=a", "lacks a name"), ("a=", "lacks a name")] {
+        assert!(Naming::parse(text).unwrap_err().contains(told), "{text}");
+    }
+    let naming = Naming::parse("t=colour").unwrap();
+    let error = log().naming(&naming).read(b"t,torque [Nm]\n0,1\n", "t").unwrap_err();
+    assert!(matches!(error.kind, TableErrorKind::NotAsked { .. }), "{error}");
+}
+
+#[test]
+fn ends_indexes_and_stamps() {
+    let times = |text: &str| log().read(text.as_bytes(), "t").unwrap().numbers("time_s").unwrap().to_vec();
+    // A cut last line is left out and said; one with a line end is an error.
+    let table = log().read(b"time_s,torque_n_m\n0,1.25\n1,1.50\n2", "t").unwrap();
+    assert_eq!(
+        (table.len(), table.notes()),
+        (2, &["line 4, the last, is cut off and left out".to_owned()][..])
+    );
+    assert!(log().read(b"time_s,torque_n_m\n0,1.25\n1,1.50\n2\n", "t").is_err());
+    assert_eq!(times("time_s,torque_n_m\n0,1\n1,2").len(), 2);
+    // Twenty rows with two decimals, then one with one.
+    let rows: String = (0..20).map(|i| format!("{i},1.25\n")).collect();
+    assert_eq!(times(&format!("time_s,torque_n_m\n{rows}20,1.2")).len(), 20);
+    assert_eq!(times(&format!("time_s,torque_n_m\n{rows}20,1.2\n")).len(), 21);
+    // Index columns.
+    assert_eq!(depths(",hours,depth_um\n0,0,1\n1,5,2\n"), [1.0, 2.0]);
+    assert!(matches!(refused(",hours,depth_um\n1,0,1\n0,5,2\n").1, TableErrorKind::Unnamed(1)));
+    assert!(matches!(refused("hours,,depth_um\n1,0,1\n5,1,2\n").1, TableErrorKind::Unnamed(2)));
+    // Times by date, by size, and a number that says nothing.
+    let dates = times("timestamp,torque_n_m\n2026-03-03 11:20:53.5,1\n2026-03-03 11:20:54.25,1\n");
+    assert!((dates[1] - dates[0] - 0.75).abs() < 1e-6);
+    let stamps = times("timestamp,torque_n_m\n1772536853500,1\n1772536854250,1\n");
+    assert!((stamps[1] - stamps[0] - 0.75).abs() < 1e-6 && (stamps[0] - dates[0]).abs() < 1e-3);
+    let error = log().read(b"timestamp,torque_n_m\n0,1\n1,1\n", "t").unwrap_err();
+    assert!(matches!(error.kind, TableErrorKind::NoUnit { .. }), "{error}");
+    assert!(log().read(b"timestamp,torque_n_m\n2026-13-03 11:20:53,1\n", "t").is_err());
+    // UTF-16 without a mark, and cut in the middle of a letter.
+    let bytes: Vec<u8> =
+        "time_s;torque_n_m\n0;1\n1;2\n3;".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert_eq!(log().read(&bytes[..bytes.len() - 1], "t").unwrap().len(), 2);
+    let turns = log().read("t [s],Position [U]\n0,0.5\n".as_bytes(), "t").unwrap();
+    assert!((turns.numbers("angle_rad").unwrap()[0] - std::f64::consts::PI).abs() < 1e-12);
+}
+
 /// A table as a spreadsheet writes it.
 fn written(numbers: &[(f64, f64)], separator: char, mark: char, end: &str) -> String {
     let number = |x: f64| x.to_string().replace('.', &mark.to_string());

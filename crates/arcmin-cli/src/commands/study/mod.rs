@@ -19,7 +19,7 @@ use serde_json::{Map, Value, json};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{Parts, Results, SampleBar, Terminal, read_design, say, terminal_text, write_file};
+use crate::run::{Parts, Results, SampleBar, Terminal, read_design, say, terminal_text, text_of, write_file};
 
 const GUIDE: &str = "\
 A study computes many machines instead of one: it reads a study file (TOML), which names a design, an analysis
@@ -343,10 +343,7 @@ fn broken(cause: impl ToString) -> Failure {
 /// Reads a study and its design.
 fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
     let bytes = std::fs::read(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
-    let text = String::from_utf8(bytes).map_err(|error| Failure::Read {
-        path: path.to_owned(),
-        cause: std::io::Error::new(std::io::ErrorKind::InvalidData, error),
-    })?;
+    let text = text_of(path, &bytes)?;
     let file = StudyFile::parse(&text, &path.display().to_string())
         .map_err(|error| Failure::design(error, &text))?;
     let design_path = path.parent().unwrap_or(Path::new("")).join(&file.design.0);

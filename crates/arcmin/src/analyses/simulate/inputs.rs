@@ -6,7 +6,8 @@ use crate::contact::ContactLaw;
 use crate::design::{Choice, InputFile};
 use crate::dynamics::{Drive, OutputLoad, TimeTable};
 use crate::machine::Machine;
-use crate::tables::{Column, Form};
+use crate::report::compact;
+use crate::tables::{Column, Form, Naming};
 use crate::units::RPM;
 
 choice! {
@@ -49,37 +50,57 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Analy
     })
 }
 
-pub(super) fn drive(options: &Options, machine: &Machine, host: &dyn Host) -> Result<Drive, AnalysisError> {
+/// A drive or a load from the options, with what is to be said of the file that it comes from.
+pub(super) struct Given<T> {
+    pub value: T,
+    pub notes: Vec<String>,
+}
+
+pub(super) fn drive(
+    options: &Options,
+    machine: &Machine,
+    host: &dyn Host,
+) -> Result<Given<Drive>, AnalysisError> {
     let speed = options.speed_rpm.map_or(machine.rated.input_speed, |rpm| rpm * RPM);
     let rise_time = options.rise_s;
-    let rows = |column: &'static str, unit: f64| {
+    let mut notes = Vec::new();
+    let mut rows = |column: &'static str, unit: f64| {
         let file = needed(&options.drive_file, "this drive needs a file", "drive_file")?;
-        let rows = pairs(file, Column::number("time_s").rising(), column, unit, host)?;
+        let (mut rows, said) = pairs(file, Column::stamps("time_s").rising(), column, unit, options, host)?;
+        notes = said;
+        notes.extend(from_start(&mut rows, options, file, "value")?);
         TimeTable::new("drive table", &rows).map_err(AnalysisError::compute("read the drive"))
     };
     if !matches!(options.drive, DriveKind::SpeedTable | DriveKind::TorqueTable) {
         unread(&options.drive_file, "drive_file", "drive = speed-table or torque-table")?;
     }
-    Ok(match options.drive {
+    let value = match options.drive {
         DriveKind::Speed => Drive::SpeedLaw { speed, rise_time },
         DriveKind::Angle => Drive::AngleLaw { speed, rise_time },
         DriveKind::SpeedTable => Drive::SpeedTable(rows("speed_rpm", RPM)?),
         DriveKind::TorqueTable => Drive::TorqueTable(rows("torque_n_m", 1.0)?),
         DriveKind::Governed => Drive::Governed { speed, rise_time, gain: options.gain },
-    })
+    };
+    Ok(Given { value, notes })
 }
 
 pub(super) fn load(
     options: &Options,
     machine: &Machine,
     host: &dyn Host,
-) -> Result<OutputLoad, AnalysisError> {
+) -> Result<Given<OutputLoad>, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
-    let rows = |first: Column| {
+    let mut notes = Vec::new();
+    let mut rows = |first: Column, outside: Option<&str>| {
         let file = needed(&options.load_file, "this load needs a file", "load_file")?;
-        pairs(file, first, "torque_n_m", 1.0, host)
+        let (mut rows, said) = pairs(file, first, "torque_n_m", 1.0, options, host)?;
+        notes = said;
+        if let Some(outside) = outside {
+            notes.extend(from_start(&mut rows, options, file, outside)?);
+        }
+        Ok::<_, AnalysisError>(rows)
     };
-    let time = || Column::number("time_s").rising();
+    let time = || Column::stamps("time_s");
     if !matches!(options.load, LoadKind::Table | LoadKind::Stepped | LoadKind::DutyCycle) {
         unread(&options.load_file, "load_file", "load = table, stepped or duty-cycle")?;
     }
@@ -89,17 +110,67 @@ pub(super) fn load(
             "it goes with load = constant or sine",
         ));
     }
-    Ok(match options.load {
+    let value = match options.load {
         LoadKind::None => OutputLoad::None,
         LoadKind::Constant => OutputLoad::Constant { torque },
         LoadKind::Sine => OutputLoad::Sine { amplitude: torque, period: options.period_s },
         LoadKind::Table => {
-            let table = TimeTable::new("load table", &rows(time())?);
+            let table = TimeTable::with_jumps("load table", &rows(time().not_falling(), Some("torque"))?);
             OutputLoad::Table(table.map_err(AnalysisError::compute("read the load"))?)
         }
-        LoadKind::Stepped => OutputLoad::Stepped(rows(time())?),
-        LoadKind::DutyCycle => OutputLoad::DutyCycle(rows(Column::number("duration_s").within(1e-9, 1e9))?),
-    })
+        LoadKind::Stepped => OutputLoad::Stepped(rows(time().rising(), Some("torque"))?),
+        LoadKind::DutyCycle => {
+            OutputLoad::DutyCycle(rows(Column::number("duration_s").within(1e-9, 1e9), None)?)
+        }
+    };
+    Ok(Given { value, notes })
+}
+
+/// s; times beyond this are those of a clock, not of a run.
+const CLOCK: f64 = 1e7;
+
+/// Lets the times of a clock count from the first row, and says where the rows do not cover the run.
+fn from_start(
+    rows: &mut [(f64, f64)],
+    options: &Options,
+    file: &InputFile,
+    what: &str,
+) -> Result<Vec<String>, AnalysisError> {
+    let mut notes = Vec::new();
+    let (Some(first), Some(last)) = (rows.first().copied(), rows.last().copied()) else { return Ok(notes) };
+    let (file, end) = (&file.0, options.end_s);
+    let shift = if first.0 > CLOCK.max(end) { first.0 } else { 0.0 };
+    rows.iter_mut().for_each(|row| row.0 -= shift);
+    let (from, to) = (first.0 - shift, last.0 - shift);
+    if shift > 0.0 {
+        notes.push(format!("{file}: its times are those of a clock and count from its first row"));
+    }
+    if from > end || to < 0.0 {
+        return Err(AnalysisError::usage(
+            format!(
+                "{file} covers {} s to {} s, nothing of the run from 0 to {end} s",
+                compact(from, 4),
+                compact(to, 4)
+            ),
+            "let its times begin with the run, or set end_s",
+        ));
+    }
+    if from > 0.0 {
+        let before = if options.load == LoadKind::Stepped && what == "torque" {
+            "there is none before".to_owned()
+        } else {
+            format!("its first {what} holds before")
+        };
+        notes.push(format!("{file}: begins at {} s of the run; {before}", compact(from, 4)));
+    }
+    if to < end {
+        notes.push(format!(
+            "{file}: ends at {} s of the run's {} s; its last {what} holds to the end",
+            compact(to, 4),
+            compact(end, 4)
+        ));
+    }
+    Ok(notes)
 }
 
 fn needed<'a>(
@@ -118,16 +189,28 @@ fn unread(file: &Option<InputFile>, option: &str, choice: &str) -> Result<(), An
     })
 }
 
-/// Two columns of a file; the second is multiplied by `unit`.
+/// Rows of time and value.
+type Rows = Vec<(f64, f64)>;
+
+/// Two columns of a file, the second multiplied by `unit`, and what the reader says.
 fn pairs(
     file: &InputFile,
     first: Column,
     second: &'static str,
     unit: f64,
+    options: &Options,
     host: &dyn Host,
-) -> Result<Vec<(f64, f64)>, AnalysisError> {
+) -> Result<(Rows, Vec<String>), AnalysisError> {
     let name = first.name();
-    let table = table(file, &Form::new(&[first, Column::number(second)]), host)?;
+    let naming = Naming::parse(&options.columns)
+        .map_err(|what| AnalysisError::usage(what, "write columns = theirs=time_s,theirs=torque_n_m"))?
+        .skipping(options.skip_lines);
+    let table = table(file, &Form::new(&[first, Column::number(second)]).naming(&naming), host)?;
     let (times, values) = (table.numbers(name)?, table.numbers(second)?);
-    Ok(times.iter().zip(values).map(|(time, value)| (*time, value * unit)).collect())
+    if let Some(row) = (2..times.len()).find(|row| times[*row] == times[row - 2]) {
+        let remedy = "two rows at one time are a step; keep the first and the last of them";
+        return Err(table.wrong(row, "three rows at one time", remedy).into());
+    }
+    let rows = times.iter().zip(values).map(|(time, value)| (*time, value * unit)).collect();
+    Ok((rows, table.notes().iter().map(|note| format!("{}: {note}", file.0)).collect()))
 }

@@ -67,6 +67,11 @@ options! {
         period_s: f64 => default(0.3, 1e-4, 1e4),
         /// Rows of the load: time_s and torque_n_m for table and stepped, duration_s and torque_n_m for duty-cycle.
         load_file: Option<InputFile> => optional(0.0, 0.0),
+        /// What the columns of these files are called, where their names say nothing: theirs=time_s,theirs=torque_n_m,
+        /// or with numbers of columns, 1=time_s,2=torque_n_m.
+        columns: String => default_word(""),
+        /// Lines of these files before the names of the columns.
+        skip_lines: usize => default(0.0, 0.0, 1e6),
         /// Steady drag torque at the output against the motion.
         drag_nm: f64 => default(0.0, 0.0, 1e6),
         /// Tilting moment on the output from outside, N·m; joints = bearings.
@@ -171,6 +176,8 @@ pub struct Simulate {
     pub facet: Option<f64>,
     /// Seconds of the computation, where the host has a clock.
     pub wall: f64,
+    /// What is to be said of the files of drive and load.
+    pub notes: Vec<String>,
 }
 
 /// What a checkpoint holds.
@@ -197,6 +204,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
     }
     let drive = inputs::drive(options, &machine, host)?;
     let load = inputs::load(options, &machine, host)?;
+    let notes = [drive.notes, load.notes].concat();
     let mut fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     let worn = match options.hours {
         Some(hours) => worn_after(&machine, &fidelity, hours, host)?,
@@ -210,7 +218,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
         Flank::Faceted => Some(Facets { contact: MeshContact::Edges, size }),
         Flank::Nodes => Some(Facets { contact: MeshContact::Nodes, size }),
     };
-    let model = fidelity.model(&machine, &worn, drive, load, options.drag_nm, facets)?;
+    let model = fidelity.model(&machine, &worn, drive.value, load.value, options.drag_nm, facets)?;
     let ratio = model.ratio();
     let plan = plan(options);
     let started = host.seconds();
@@ -234,6 +242,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
         result: motion.result(),
         facet: facets.map(|facets| facets.size),
         wall: host.seconds() - started,
+        notes,
         machine,
         fidelity,
         worn,

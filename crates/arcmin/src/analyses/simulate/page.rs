@@ -12,6 +12,7 @@ const CHAOTIC: &str = "the unloaded machine rattles chaotically: its mean is no 
 
 pub(super) fn said(run: &Simulate) -> Vec<Said> {
     let mut said = vec![Said::line(heading(run))];
+    said.extend(run.notes.iter().map(Said::line));
     if let Some(te) = run.result.statistics {
         said.push(Said::line(format!(
             "TE  mean {:+.4}′   mean |TE| {:.4}′   max |TE| {:.4}′   peak to peak {:.4}′   RMS {:.4}′",
@@ -77,6 +78,9 @@ pub(super) fn page(run: &Simulate) -> Page {
         ];
     }
     verdict.answers.push(("Which physics".to_owned(), run.fidelity.sentence()));
+    if !run.notes.is_empty() {
+        verdict.answers.push(("What the files hold".to_owned(), run.notes.join(". ") + "."));
+    }
     if chaotic {
         verdict.answers.push(("What to be careful with".to_owned(), CHAOTIC.to_owned()));
     }
