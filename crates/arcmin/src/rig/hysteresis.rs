@@ -49,6 +49,25 @@ pub struct LoopFigures {
     pub work: f64,
 }
 
+impl LoopFigures {
+    /// In the order of the declaration.
+    pub(super) fn all(&self) -> [f64; 6] {
+        [
+            self.lost_motion,
+            self.backlash,
+            self.stiffness,
+            self.soft_stiffness,
+            self.middle_stiffness,
+            self.work,
+        ]
+    }
+
+    pub(super) fn from_all(all: [f64; 6]) -> LoopFigures {
+        let [lost_motion, backlash, stiffness, soft_stiffness, middle_stiffness, work] = all;
+        LoopFigures { lost_motion, backlash, stiffness, soft_stiffness, middle_stiffness, work }
+    }
+}
+
 /// Shares of rated torque between which the torsional stiffness is read.
 pub const STIFFNESS_WINDOW: (f64, f64) = (0.5, 1.0);
 /// "Zero" torque while the flank still holds: this share of rated torque on the side the branch comes from.
@@ -107,7 +126,7 @@ pub fn hysteresis_loop(
 }
 
 /// Angle of one branch at a torque, between its neighbours.
-fn angle_at(branch: &[LoopPoint], torque: f64) -> Option<f64> {
+pub(super) fn angle_at(branch: &[LoopPoint], torque: f64) -> Option<f64> {
     branch.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
         let between = (a.torque - torque) * (b.torque - torque) <= 0.0 && a.torque != b.torque;
