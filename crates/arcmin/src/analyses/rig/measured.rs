@@ -6,7 +6,7 @@ use crate::machine::Machine;
 use crate::rig::{
     Branch, LoopRow, MeasuredOnBench, Remark, TurnRow, Unusable, name_orders, read_loops, read_turns,
 };
-use crate::tables::{Column, Form, Table, TableErrorKind};
+use crate::tables::{Column, Form, Table, TableError, TableErrorKind};
 use crate::units::{ARCMIN, DEG};
 
 /// Reads loops and transmission errors and evaluates them as the computed ones are; `None` without files.
@@ -25,10 +25,9 @@ pub(super) fn read(
         // The columns tell which of the two it is: a transmission error has one of that name.
         match curve_form().read(&bytes, &file.0) {
             Ok(table) => curves(&table, &file.0, rated, &mut bench)?,
-            Err(error)
-                if matches!(&error.kind, TableErrorKind::Missing { .. }) && !names_an_error(&error.kind) =>
-            {
-                loops(&loop_form().read(&bytes, &file.0)?, &file.0, rated, &mut bench)?;
+            Err(error) if is_no_curve(&error) => {
+                let table = loop_form().read(&bytes, &file.0).map_err(neither)?;
+                loops(&table, &file.0, rated, &mut bench)?;
             }
             Err(error) => return Err(error.into()),
         }
@@ -46,10 +45,25 @@ pub(super) fn read(
     Ok(Some(bench))
 }
 
-/// Whether the file has the error, but not the angle.
-fn names_an_error(kind: &TableErrorKind) -> bool {
-    matches!(kind, TableErrorKind::Missing { name, .. } if name != ERROR)
-        && matches!(kind, TableErrorKind::Missing { found, .. } if found.split(", ").any(|name| name.starts_with("te")))
+/// Whether a file has no column of a transmission error.
+fn is_no_curve(error: &TableError) -> bool {
+    let TableErrorKind::Missing { name, found } = &error.kind else { return false };
+    let is_error =
+        |name: &str| name == "te" || ["te_", "te ", "te[", "te("].iter().any(|te| name.starts_with(te));
+    name == ERROR || !found.to_lowercase().split(", ").any(is_error)
+}
+
+/// What is missing of a loop may as well be missing of a transmission error.
+fn neither(error: TableError) -> TableError {
+    let TableErrorKind::Missing { name, found } = &error.kind else { return error };
+    let kind = TableErrorKind::Content {
+        message: format!("there is no column {name} of a loop, and no {ERROR} of a transmission error"),
+        remedy: format!(
+            "a loop has torque_n_m and angle_arcmin, a transmission error output_angle_deg and {ERROR}; the file \
+             has {found}"
+        ),
+    };
+    TableError { kind, ..error }
 }
 
 fn loop_form() -> Form {

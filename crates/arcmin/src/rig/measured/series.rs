@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Values in the order of the test, each replaced by the value of a straight line through the rows around it.
 ///
 /// The line reaches as far as the values stay straight: beginning with a single row it is made longer until
-/// the intervals of two standard deviations have no point in common any more (Goldenshluger and Nemirovski
+/// the intervals of some standard deviations have no point in common any more (Goldenshluger and Nemirovski
 /// 1997; Katkovnik, IEEE Trans. Signal Process. 47, 1999). So an even ramp is averaged over hundreds of rows
 /// and a bend over few, and values without noise stay as they are.
 #[derive(Debug, Clone)]
@@ -18,14 +18,30 @@ pub(super) struct Lines {
     reach: Vec<usize>,
     /// Over what the lines are straight.
     over: Vec<f64>,
+    course: Course,
 }
 
-/// Standard deviations to either side within which lines of different length must agree.
-const AGREEMENT: f64 = 1.6;
+/// What the lines go through: how many standard deviations to either side lines of different length must agree within.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Course {
+    /// Set by the bench, even for long: long lines.
+    Set,
+    /// The answer of the machine, which bends: lines that end before they flatten a bend.
+    Answer,
+}
+
+impl Course {
+    fn agreement(self) -> f64 {
+        match self {
+            Course::Set => 2.1,
+            Course::Answer => 1.6,
+        }
+    }
+}
 
 impl Lines {
     /// Lines over `over`, which goes one way: the number of the row, or what is set in the test.
-    pub fn through(over: &[f64], values: &[f64]) -> Lines {
+    pub fn through(over: &[f64], values: &[f64], course: Course) -> Lines {
         let noise = noise(over, values);
         let mut reaches = vec![0_usize];
         while reaches[reaches.len() - 1] < values.len() {
@@ -39,7 +55,7 @@ impl Lines {
                 let mut best = 0;
                 for reach in &reaches {
                     let (value, share) = sums.line(at, *reach);
-                    let width = AGREEMENT * noise * share.sqrt();
+                    let width = course.agreement() * noise * share.sqrt();
                     (low, high) = (low.max(value - width), high.min(value + width));
                     if low > high {
                         break;
@@ -55,12 +71,12 @@ impl Lines {
         let next = rests.get(1..).unwrap_or_default();
         let alike = (product(&rests, next) / product(&rests, &rests)).clamp(0.0, 0.9);
         let noise = if alike > 0.0 { noise * ((1.0 + alike) / (1.0 - alike)).sqrt() } else { noise };
-        Lines { values: values_on_lines, noise, reach, over: over.to_vec() }
+        Lines { values: values_on_lines, noise, reach, over: over.to_vec(), course }
     }
 
-    /// What these same lines make of other values.
+    /// What is made of other values over the same rows.
     pub fn of(&self, values: &[f64]) -> Vec<f64> {
-        Sums::new(&self.over, values).lines(&self.reach)
+        Lines::through(&self.over, values, self.course).values
     }
 
     /// What lines of half the length make of the same values.

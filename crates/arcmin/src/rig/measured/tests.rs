@@ -302,19 +302,25 @@ fn what_is_no_loop_is_refused() {
 /// Noise, lines and steps by themselves.
 #[test]
 fn lines_average_noise_and_keep_corners() {
-    use super::series::{Lines, held, noise, one_way, turning_points};
+    use super::series::{Course, Lines, held, noise, one_way, turning_points};
     let mut random = Pcg64::seed_from_u64(3);
     let normal = Normal::new(0.0, 0.1).unwrap();
     let rows: Vec<f64> = (0..1000).map(f64::from).collect();
     let corner = |x: &f64| if *x < 500.0 { 0.01 * x } else { 5.0 + 0.03 * (x - 500.0) };
     let noisy: Vec<f64> = rows.iter().map(|x| corner(x) + normal.sample(&mut random)).collect();
     assert!((noise(&rows, &noisy) / 0.1 - 1.0).abs() < 0.1);
-    let lines = Lines::through(&rows, &noisy);
+    let lines = Lines::through(&rows, &noisy, Course::Answer);
     let square: f64 = rows.iter().zip(&lines.values).map(|(x, y)| (y - corner(x)).powi(2)).sum();
     // As means over eighteen rows.
     assert!((square / 1000.0).sqrt() < 0.1 / 18f64.sqrt(), "{}", (square / 1000.0).sqrt());
     let clean: Vec<f64> = rows.iter().map(corner).collect();
-    assert!(Lines::through(&rows, &clean).values.iter().zip(&clean).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert!(
+        Lines::through(&rows, &clean, Course::Set)
+            .values
+            .iter()
+            .zip(&clean)
+            .all(|(a, b)| (a - b).abs() < 1e-9)
+    );
     assert_eq!(one_way(&[1.0, 3.0, 2.0, 4.0], true), [1.0, 2.5, 2.5, 4.0]);
     assert_eq!(one_way(&[4.0, 2.0, 3.0], false), [4.0, 2.5, 2.5]);
     assert_eq!(turning_points(&[0.0, 5.0, 4.8, 5.2, -5.0, 5.0, 4.0], 3.0), [0, 3, 4, 6]);

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::series::{Lines, held, mean, noise, one_way, turning_points};
+use super::series::{Course, Lines, held, mean, noise, one_way, turning_points};
 use super::{Remark, Unusable};
 use crate::dynamics::{OrderWaves, SpectrumLine};
 use crate::rig::ErrorCurve;
@@ -219,7 +219,7 @@ fn read_curve(
     };
     remarks.push(Remark::of_rows(at, said));
     let (places, errors): (Vec<f64>, Vec<f64>) = curve.points.iter().copied().unzip();
-    let lines = Lines::through(&places, &errors);
+    let lines = Lines::through(&places, &errors, Course::Answer);
     let (low, high) =
         lines.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| (l.min(*e), h.max(*e)));
     Ok(MeasuredCurve {
@@ -252,11 +252,12 @@ fn proceeding(
         held.into_iter().map(|rows| (mean(&angles[rows.clone()]), mean(&errors[rows]))).collect()
     } else {
         let rows: Vec<f64> = (0..angles.len()).map(|row| row as f64).collect();
-        let lines = Lines::through(&rows, angles);
+        let lines = Lines::through(&rows, angles, Course::Set);
         remarks.push(Remark::of_rows(
             at.clone(),
             format!(
-                "angles go to and fro by {:.3}° (one standard deviation): they are read from straight lines through up to {} rows",
+                "angles go to and fro by {:.3}° (one standard deviation): they are read from straight lines through up \
+                 to {} rows",
                 lines.noise / DEG,
                 lines.longest()
             ),
@@ -319,7 +320,7 @@ fn take_drift_out(
         )
     } else {
         // Both ends of the turn, each taken half of the way to the other.
-        let lines = Lines::through(&places, &errors).values;
+        let lines = Lines::through(&places, &errors, Course::Answer).values;
         let half = 0.5 * (TAU - covered).max(0.0);
         let slope = |a: usize, b: usize| (lines[b] - lines[a]) / (places[b] - places[a]).abs();
         let end = lines[last] + half * slope(last - 1, last);
