@@ -116,8 +116,8 @@ fn imports_show_what_they_found() {
     }
 }
 
-/// Whatever form a measured flank is written in, the design takes it, and the machine lasts as long as with the
-/// flank itself: the missing metal is not lost on the way.
+/// Whatever form a measured flank is written in, the design takes it, and the machine lasts as long as with
+/// the flank itself: the missing metal is not lost on the way.
 #[test]
 fn the_design_takes_what_an_import_writes() {
     let directory = with_design();

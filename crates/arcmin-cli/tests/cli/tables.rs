@@ -152,8 +152,9 @@ fn measured_curves_are_answered_with_their_line() {
     assert_eq!(summary(d, "r")["errors"]["source"], "given");
 }
 
-/// A loop as a bench gives it, with a first loading, a column of time and no names of branches, angle against torque; a
-/// turn without its last place. Figures come with their uncertainty, and what was done is said with its lines.
+/// A loop as a bench gives it, with a first loading, a column of time and no names of branches, angle against
+/// torque; a turn without its last place. Figures come with their uncertainty, and what was done is said with
+/// its lines.
 #[test]
 fn measured_curves_are_read_as_benches_give_them() {
     let directory = with_design();

@@ -205,7 +205,8 @@ const HIGHEST_ORDER: usize = 4000;
 const DEEPEST: f64 = 500.0 * UM;
 
 /// The depth as equidistant and radial offset and rotation, by least squares over all points, where these
-/// describe what all lobes have in common; else its least depth as equidistant offset and the rest as free form.
+/// describe what all lobes have in common; else its least depth as equidistant offset and the rest as free
+/// form.
 ///
 /// The three depths are 1, cos ψ and sin ψ of the angle ψ between normal and radius, which stays below some
 /// 55°: they trade against each other, so that together they are known far better than each alone.
@@ -274,8 +275,8 @@ fn modification(
     Ok(text)
 }
 
-/// The common depth beyond the least one, from which the design's curve is off by a tenth of a micrometre at most:
-/// points every ten degrees, and between them where it takes more, down to one degree.
+/// The common depth beyond the least one, from which the design's curve is off by a tenth of a micrometre at
+/// most: points every ten degrees, and between them where it takes more, down to one degree.
 fn free_form(split: &FlankSplit, least: f64) -> Vec<[f64; 2]> {
     let depth = |phi: f64| split.common_depth(phi) - least;
     let mut angles: Vec<f64> = (-18..18).map(|i| 10.0 * f64::from(i)).collect();

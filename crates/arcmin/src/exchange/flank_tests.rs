@@ -294,8 +294,8 @@ fn hostile_points_are_refused_with_line_and_remedy() {
     ));
 }
 
-/// Missing metal of a made flank over τ: what all lobes have in common (smooth waves, a narrow bump at the roots as
-/// some generators leave it), run-out and pitch.
+/// Missing metal of a made flank over τ: what all lobes have in common (smooth waves, a narrow bump at the
+/// roots as some generators leave it), run-out and pitch.
 struct Made {
     mean: f64,
     waves: Vec<(f64, f64, f64)>,
@@ -344,7 +344,8 @@ impl Made {
         self.common(profile.meshing_angle(tau)) + self.around.depth(tau, profile.outward_normal(tau))
     }
 
-    /// As a measuring machine gives it: each lobe at its own places, denser where it likes, off the centre, turned.
+    /// As a measuring machine gives it: each lobe at its own places, denser where it likes, off the centre,
+    /// turned.
     fn points(&self, machine: &Machine, per_lobe: usize, noise: f64, random: &mut Pcg64) -> String {
         let profile = machine.profile();
         let normal = Normal::new(0.0, noise).unwrap();
@@ -364,8 +365,8 @@ impl Made {
     }
 }
 
-/// What `import flank` finds as text of a design whose flank it is, in one of the three forms: the depth over τ that
-/// the program makes of it.
+/// What `import flank` finds as text of a design whose flank it is, in one of the three forms: the depth over
+/// τ that the program makes of it.
 fn read_back(import: &FlankImport) -> Box<dyn Fn(f64) -> f64> {
     let template = crate::templates::TAO2024.text;
     let (before, rest) = template.split_once("[disc.modification]").unwrap();
@@ -397,8 +398,8 @@ fn read_back(import: &FlankImport) -> Box<dyn Fn(f64) -> f64> {
     Box::new(move |tau| error.depth(tau, profile.outward_normal(tau)))
 }
 
-/// Root mean square of the difference of two flanks in m, a shift and a turn of the whole disc aside, which no form
-/// tells; and the difference of their mean depths.
+/// Root mean square of the difference of two flanks in m, a shift and a turn of the whole disc aside, which
+/// no form tells; and the difference of their mean depths.
 fn difference(machine: &Machine, a: &dyn Fn(f64) -> f64, b: &dyn Fn(f64) -> f64) -> (f64, f64) {
     let profile = machine.profile();
     let count = 4000;
@@ -422,9 +423,9 @@ fn difference(machine: &Machine, a: &dyn Fn(f64) -> f64, b: &dyn Fn(f64) -> f64)
     (square.sqrt(), rests.iter().sum::<f64>() / f64::from(count))
 }
 
-/// Random flanks as measuring machines give them, written in each of the three forms, read by the design: the same
-/// flank within 0.35 µm and a part of the noise, its mean depth within 0.1 µm and a twentieth of the noise. Of a
-/// modification what all lobes have in common.
+/// Random flanks as measuring machines give them, written in each of the three forms, read by the design: the
+/// same flank within 0.35 µm and a part of the noise, its mean depth within 0.1 µm and a twentieth of the
+/// noise. Of a modification what all lobes have in common.
 #[test]
 fn every_form_gives_the_flank_back_with_its_mean_depth() {
     let machine = tao2024();
@@ -457,8 +458,8 @@ fn every_form_gives_the_flank_back_with_its_mean_depth() {
     }
 }
 
-/// Teeth of a public generator: 10 µm are missing everywhere and 30 µm at roots and tips, within some degrees of the
-/// root. Every form keeps that, and the design takes what is written.
+/// Teeth of a public generator: 10 µm are missing everywhere and 30 µm at roots and tips, within some degrees
+/// of the root. Every form keeps that, and the design takes what is written.
 #[test]
 fn a_form_that_is_steep_at_the_roots() {
     let machine = tao2024();

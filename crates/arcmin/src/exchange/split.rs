@@ -75,7 +75,8 @@ impl FlankSplit {
         self.rest * (self.modification.len() as f64 / self.points as f64).sqrt()
     }
 
-    /// Total cumulative pitch deviation F_p, largest single pitch deviation f_p, and radial run-out F_r, in m.
+    /// Total cumulative pitch deviation F_p, largest single pitch deviation f_p, and radial run-out F_r, in
+    /// m.
     pub fn pitch_and_run_out(&self) -> (f64, f64, f64) {
         let span = |values: &[f64]| {
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -92,8 +93,8 @@ impl FlankSplit {
 /// deviation and pitch (orders 1 to 3 around the disc), and profile (orders 4 to 8); then the pitch and the
 /// radial deviation of every lobe from what is common to all. `None` if there are too few points.
 ///
-/// As many harmonics are common as the points of all lobes resolve together and stand out of the noise, forty at
-/// most: at roots a flank may change within some degrees.
+/// As many harmonics are common as the points of all lobes resolve together and stand out of the noise, forty
+/// at most: at roots a flank may change within some degrees.
 ///
 /// Radial and pitch are told apart by the flank's normal, which leans to either side of a lobe; of lower
 /// orders the profile cannot be told from both together.

@@ -128,9 +128,9 @@ impl FlankError {
         measured.min(0.0) + depth - waves.map(|h| h.amplitude.abs()).sum::<f64>()
     }
 
-    /// Bounds from below in m, one for each of equal sectors of τ from 0 on with those beside it: by what the flank
-    /// has at two places in each sector, less the largest difference of neighbouring ones. Waves too short for
-    /// these places take their whole amplitude away everywhere.
+    /// Bounds from below in m, one for each of equal sectors of τ from 0 on with those beside it: by what the
+    /// flank has at two places in each sector, less the largest difference of neighbouring ones. Waves too
+    /// short for these places take their whole amplitude away everywhere.
     pub(crate) fn floors(&self, profile: &Profile) -> ErrorFloors {
         let lobes = profile.lobe_count();
         let count = SECTORS_PER_LOBE * lobes;
@@ -296,9 +296,9 @@ fn power(e: Vec2, mut n: usize) -> Vec2 {
 mod tests {
     use super::*;
 
-    /// Nowhere does a flank have less than the bound of its sector, nor within a sector's width to either side, and
-    /// the bounds follow the error but at the roots, where normals turn within a sector: run-out, pitch and profile
-    /// errors, measured flanks, waves too short for them.
+    /// Nowhere does a flank have less than the bound of its sector, nor within a sector's width to either
+    /// side, and the bounds follow the error but at the roots, where normals turn within a sector: run-out,
+    /// pitch and profile errors, measured flanks, waves too short for them.
     #[test]
     fn floors_of_sectors_hold_and_are_close() {
         let profile =

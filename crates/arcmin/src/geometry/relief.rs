@@ -43,8 +43,8 @@ impl Relief {
         Relief::with_bends(depths, bends)
     }
 
-    /// A free form: through pairs of meshing angle (rad, rising within one turn) and depth (m) that close around the
-    /// tooth, between them a cubic that never overshoots them, taken on a grid of half degrees.
+    /// A free form: through pairs of meshing angle (rad, rising within one turn) and depth (m) that close
+    /// around the tooth, between them a cubic that never overshoots them, taken on a grid of half degrees.
     pub fn through(points: &[[f64; 2]]) -> Relief {
         Relief::from_samples(Relief::grid(720).map(|phi| between(points, phi)).collect())
     }
@@ -71,8 +71,8 @@ impl Relief {
         self.values.iter().zip(&self.bends).map(|(value, bend)| value - weight * bend).collect()
     }
 
-    /// The spline with these control points (m) at φ_i = −π + 2π i/n: near the points, not through them, so that it does
-    /// not ring beside an edge, and convex where they are.
+    /// The spline with these control points (m) at φ_i = −π + 2π i/n: near the points, not through them, so
+    /// that it does not ring beside an edge, and convex where they are.
     pub(crate) fn from_control_points(points: &[f64]) -> Relief {
         let (values, bends) = (0..points.len()).map(|i| at_control_point(points, i)).unzip();
         Relief::with_bends(values, bends)
@@ -256,8 +256,8 @@ mod tests {
         }
     }
 
-    /// Beside the edge between two arcs the spline through the samples rings; the one near them is bent as the arcs
-    /// are from one cell on, and off them by no more than the edge within its cell.
+    /// Beside the edge between two arcs the spline through the samples rings; the one near them is bent as
+    /// the arcs are from one cell on, and off them by no more than the edge within its cell.
     #[test]
     fn trap_a_spline_through_an_edge_rings() {
         let arcs = |phi: f64| 1e-5 * (phi.abs() - 1.5).powi(2);

@@ -10,7 +10,8 @@ use crate::rig::{Branch, LoopPoint};
 
 /// Rows of a branch; longer ones are averaged to so many.
 const MOST_ROWS: usize = 10_000;
-/// Torque may come back by this share of the rated one without being noisy, the angle by this share of its range.
+/// Torque may come back by this share of the rated one without being noisy, the angle by this share of its
+/// range.
 const STILL_ONE_WAY: (f64, f64) = (2e-4, 1e-3);
 
 /// A whole branch of rows in the order of the test.
@@ -58,7 +59,8 @@ impl Cleaned {
             }
         }
         if held.is_none() && !goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated) {
-            // Where the torque turns, noise hides the row at which it does: rows of the next branch may be here.
+            // Where the torque turns, noise hides the row at which it does: rows of the next branch may be
+            // here.
             let within = without_corners(&torque, rising);
             for values in [&mut torque, &mut angle, &mut order] {
                 *values = values[within.clone()].to_vec();
@@ -69,7 +71,8 @@ impl Cleaned {
         let torque_goes = goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated);
         let angle_goes = goes_one_way(&angle, rising, STILL_ONE_WAY.1 * span);
         let rows: Vec<f64> = (0..torque.len()).map(|row| row as f64).collect();
-        // Torque without noise is what the angle is a line over; with noise, only the order of the rows is sure.
+        // Torque without noise is what the angle is a line over; with noise, only the order of the rows is
+        // sure.
         let angle_lines = (!angle_goes)
             .then(|| Lines::through(if torque_goes { &torque } else { &rows }, &angle, Course::Answer));
         let torque_lines = (!torque_goes).then(|| Lines::through(&rows, &torque, Course::Set));
@@ -113,12 +116,13 @@ impl Cleaned {
         torque.iter().zip(angle).map(point).collect()
     }
 
-    /// How far the angle at a torque may lie off the straight line between the rows next to it, rad; nothing where it
-    /// is read from lines.
+    /// How far the angle at a torque may lie off the straight line between the rows next to it, rad; nothing
+    /// where it is read from lines.
     ///
-    /// Of a curve that bends one way over these and the next rows the angle lies between the line and what the
-    /// rows on either side foretell, the nearer of both. Where it bends both ways, it may go as far as the farther. And
-    /// it goes no farther than the sharper of the bends at both rows, spread over the way between, would take it twice.
+    /// Of a curve that bends one way over these and the next rows the angle lies between the line and what
+    /// the rows on either side foretell, the nearer of both. Where it bends both ways, it may go as far as
+    /// the farther. And it goes no farther than the sharper of the bends at both rows, spread over the way
+    /// between, would take it twice.
     pub fn between_rows(&self, torque: f64) -> f64 {
         if self.torque_lines.is_some() || self.angle_lines.is_some() {
             return 0.0;

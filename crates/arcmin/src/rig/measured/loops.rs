@@ -67,8 +67,8 @@ const COVERAGE: f64 = 2.0;
 /// Reads the loops of one crank position from rows in the order of the test; `rated` torque in N·m.
 ///
 /// Branches are found from the order of the torque. What is before the first whole branch and behind the last
-/// one is left out; whole branches are taken in pairs, each a loop. Where torque or angle go to and fro within
-/// a branch, straight lines are laid through their rows ([`Lines`]) and the loop is read from these.
+/// one is left out; whole branches are taken in pairs, each a loop. Where torque or angle go to and fro
+/// within a branch, straight lines are laid through their rows ([`Lines`]) and the loop is read from these.
 ///
 /// # Errors
 /// [`Unusable`]: rows without a falling and a rising branch between ± rated torque.
@@ -117,8 +117,8 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
     let mut ranges: Vec<Range<usize>> = Vec::new();
     let mut start = 0;
     for turn in &turns[1..] {
-        // Where the file goes back to another beginning there are no rows on the way; noise before the first step
-        // gets nowhere.
+        // Where the file goes back to another beginning there are no rows on the way; noise before the first
+        // step gets nowhere.
         if turn + 1 - start > 2 && (torques[*turn] - torques[start]).abs() > 0.05 * range {
             ranges.push(start..turn + 1);
             start = turn + 1;
@@ -229,7 +229,8 @@ fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
     let (coarse, coarse_at_zero) = (0.5 * (between(reading) + between(-reading)), between(0.0));
     uncertainty.lost_motion = uncertainty.lost_motion.hypot(coarse);
     uncertainty.backlash = uncertainty.backlash.hypot(drift).hypot(coarse_at_zero);
-    // Lines that are too long for a bend are off by the square of their length: halved ones by a quarter of that.
+    // Lines that are too long for a bend are off by the square of their length: halved ones by a quarter of
+    // that.
     let shorter: Vec<LoopPoint> =
         cleaned.iter().flat_map(|one| one.points(&one.halved.0, &one.halved.1)).collect();
     if let Ok(shorter) = evaluate(&shorter) {
@@ -279,8 +280,8 @@ fn span(points: &[LoopPoint]) -> f64 {
 /// Takes out a drift of the angle that is even over the loop, and gives what the backlash is uncertain by for
 /// it, rad.
 ///
-/// The loop of a machine is as wide at + T as at − T. With a drift it is not: the branches pass one of the two
-/// soon after each other and the other at the ends of the test.
+/// The loop of a machine is as wide at + T as at − T. With a drift it is not: the branches pass one of the
+/// two soon after each other and the other at the ends of the test.
 fn take_drift_out(branches: &mut [Cleaned], how: &mut How) -> f64 {
     let [one, two] = &branches[..] else { return 0.0 };
     let angles = [one, two].map(|branch| branch.points(&branch.torque, &branch.angle));

@@ -1,8 +1,9 @@
 //! Curves from real benches, read as ours are, with what noise and the course of the test leave uncertain.
 //!
 //! A real loop begins with a first loading, runs several times, is held at steps, scatters in torque or
-//! angle, drifts, and counts torque and angle in senses of its own; a real transmission error repeats and jitters in
-//! angle, lacks its last place, runs several turns. What is done about each is said in a [`Remark`].
+//! angle, drifts, and counts torque and angle in senses of its own; a real transmission error repeats and
+//! jitters in angle, lacks its last place, runs several turns. What is done about each is said in a
+//! [`Remark`].
 
 mod branch;
 mod loops;

@@ -21,7 +21,8 @@ pub(super) struct Lines {
     course: Course,
 }
 
-/// What the lines go through: how many standard deviations to either side lines of different length must agree within.
+/// What the lines go through: how many standard deviations to either side lines of different length must
+/// agree within.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Course {
     /// Set by the bench, even for long: long lines.
@@ -132,7 +133,8 @@ impl Sums<'_> {
         Sums { over, values, sums, zero }
     }
 
-    /// Value at a row of the line through those that it reaches, and its variance as a share of a single row's.
+    /// Value at a row of the line through those that it reaches, and its variance as a share of a single
+    /// row's.
     fn line(&self, at: usize, reach: usize) -> (f64, f64) {
         let (start, end) = (at.saturating_sub(reach), (at + reach + 1).min(self.values.len()));
         if end - start < 2 {

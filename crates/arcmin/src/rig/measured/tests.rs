@@ -206,9 +206,10 @@ fn read(rows: &[LoopRow], rated: f64) -> ([(f64, f64); 6], Vec<Remark>) {
     (of.map(|of| bench.figure(of).unwrap()), remarks)
 }
 
-/// Random loops on random benches: noise of torque and angle, offset, drift, either sense of torque and angle, first
-/// loading, one to three cycles, steps, missing last rows, with and without names of the branches. Figures are
-/// within their intervals and 1 % in nineteen of twenty cases (the intervals are of 95 %), and near the truth.
+/// Random loops on random benches: noise of torque and angle, offset, drift, either sense of torque and
+/// angle, first loading, one to three cycles, steps, missing last rows, with and without names of the
+/// branches. Figures are within their intervals and 1 % in nineteen of twenty cases (the intervals are of 95
+/// %), and near the truth.
 #[test]
 fn loops_are_read_through_what_benches_do() {
     let mut random = Pcg64::seed_from_u64(1);
@@ -239,8 +240,8 @@ fn loops_are_read_through_what_benches_do() {
     }
 }
 
-/// The same file from a bench that counts in other senses, from below, in rows sorted by torque, or with the names of
-/// the branches the wrong way round, gives the same figures, and each is said.
+/// The same file from a bench that counts in other senses, from below, in rows sorted by torque, or with the
+/// names of the branches the wrong way round, gives the same figures, and each is said.
 #[test]
 fn senses_and_orders_of_rows_do_not_matter_and_are_said() {
     let mut random = Pcg64::seed_from_u64(2);
@@ -386,8 +387,9 @@ impl TurnBench {
     }
 }
 
-/// A turn without its last place, several turns with an angle that wraps, repeated and jittering angles, coarse
-/// encoders, noise, drift, both directions: orders are within their intervals (and 1 %), and so is the peak to peak.
+/// A turn without its last place, several turns with an angle that wraps, repeated and jittering angles,
+/// coarse encoders, noise, drift, both directions: orders are within their intervals (and 1 %), and so is the
+/// peak to peak.
 #[test]
 fn turns_are_read_through_what_benches_do() {
     let plain = TurnBench {
@@ -461,8 +463,9 @@ fn turns_are_read_through_what_benches_do() {
     }
 }
 
-/// Forward and back in one file without a column of directions are two curves; a part of a turn is read and has no
-/// spectrum, which is said; directions given against the angles count; torques that scatter belong together.
+/// Forward and back in one file without a column of directions are two curves; a part of a turn is read and
+/// has no spectrum, which is said; directions given against the angles count; torques that scatter belong
+/// together.
 #[test]
 fn files_of_several_curves_and_parts_of_turns() {
     let at = |degrees: f64, direction, torque| TurnRow {

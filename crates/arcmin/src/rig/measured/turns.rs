@@ -60,8 +60,8 @@ const GAP: f64 = 0.03;
 /// Reads the transmission errors of a file from rows in the order of the test; `rated` torque in N·m.
 ///
 /// A new curve begins where the direction or the torque changes, or the angle turns back. Angles that wrap
-/// are counted on. Where an angle repeats, its errors are averaged; where it jitters, it is read from straight
-/// lines over the rows. A turn of which no more than the last two places are missing is whole.
+/// are counted on. Where an angle repeats, its errors are averaged; where it jitters, it is read from
+/// straight lines over the rows. A turn of which no more than the last two places are missing is whole.
 ///
 /// # Errors
 /// [`Unusable`]: rows whose angles do not proceed.
