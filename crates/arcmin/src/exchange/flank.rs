@@ -241,11 +241,11 @@ fn modification(
     let off = |keys: &[f64; 3]| {
         let rest = |phi: f64| {
             let [_, outwards, lever] = basis(phi);
-            (split.common_depth(phi) - keys[0] - keys[1] * outwards - keys[2] * lever).abs()
+            (split.common_depth(phi) - keys[0] - keys[1] * outwards - keys[2] * lever).powi(2)
         };
-        Relief::grid(720).map(rest).fold(0.0, f64::max)
+        (Relief::grid(720).map(rest).sum::<f64>() / 720.0).sqrt()
     };
-    let known = 0.3 * UM + 4.0 * split.common_noise();
+    let known = 0.2 * UM + 2.0 * split.common_noise();
     let described = |keys: &[f64; 3]| off(keys) < known && keys[0].abs().max(keys[1].abs()) < DEEPEST;
     let (keys, free) = match both.filter(described) {
         Some(keys) => (keys, Vec::new()),

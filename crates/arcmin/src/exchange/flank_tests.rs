@@ -307,13 +307,15 @@ impl Made {
     fn random(random: &mut Pcg64) -> Made {
         let harmonic =
             |order, amplitude, phase, direction| FlankHarmonic { order, amplitude, phase, direction };
-        let size = random.random_range(0.0..8e-6);
+        // Forms that lean to one side turn the fit by their part of a rotation; of larger ones the places
+        // would move.
+        let size = random.random_range(0.0..3e-6);
         Made {
             mean: random.random_range(-5e-6..25e-6),
             waves: (1..5)
                 .map(|k| (f64::from(k), size / f64::from(k), random.random_range(-3.0..3.0)))
                 .collect(),
-            bump: random.random_range(0.0..8e-6),
+            bump: random.random_range(0.0..6e-6),
             around: FlankError {
                 harmonics: vec![
                     harmonic(
@@ -469,7 +471,8 @@ fn a_form_that_is_steep_at_the_roots() {
     let text = made.points(&machine, 100, 0.0, &mut random);
     let import =
         import_flank(&machine, text.as_bytes(), "points", &options(FlankTarget::Modification)).unwrap();
-    assert!(import.toml.contains("free_form_deg_um") && !import.toml.contains(", -"), "{}", import.toml);
+    let free = import.toml.lines().find(|line| line.starts_with("free_form_deg_um")).unwrap();
+    assert!(!free.contains(", -"), "{free}");
     let (low, high) = import.split.common_range();
     assert!((low - 10e-6).abs() < 0.2e-6 && (high - 30e-6).abs() < 0.3e-6, "{low:e} {high:e}");
     assert!(
