@@ -148,6 +148,12 @@ fn slope(branch: &[LoopPoint], low: f64, high: f64) -> Option<f64> {
     (covariance != 0.0).then(|| variance / covariance)
 }
 
+/// Slope dT/dφ between two torques of a branch with less than two points between them.
+fn chord(branch: &[LoopPoint], low: f64, high: f64) -> Option<f64> {
+    let turn = angle_at(branch, high)? - angle_at(branch, low)?;
+    (turn != 0.0).then(|| (high - low) / turn)
+}
+
 /// Reads lost motion, backlash, stiffness and work from a loop, computed or measured; `rated` in N·m. The
 /// order of the points within a branch is that of the test.
 ///
@@ -188,11 +194,10 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
         for branch in &branches {
             for (low, high) in [(from, to), (-to, -from)] {
                 // Compliances of equal windows add up, hence the harmonic mean.
-                let k = slope(branch, low * rated * (1.0 - 1e-9), high * rated * (1.0 + 1e-9));
-                sum += 1.0
-                    / k.ok_or(RigError::BadLoop(
-                        "too few points between 50 % and 100 % of the rated torque",
-                    ))?;
+                let (low, high) = (low * rated, high * rated);
+                let k = slope(branch, low * (1.0 - 1e-9), high * (1.0 + 1e-9))
+                    .or_else(|| chord(branch, low, high));
+                sum += 1.0 / k.ok_or(RigError::BadLoop("a branch does not reach the rated torque"))?;
             }
         }
         Ok(4.0 / sum)

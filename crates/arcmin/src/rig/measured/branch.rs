@@ -9,7 +9,7 @@ use super::series::{Course, Lines, goes_one_way, held, mean, noise, one_way};
 use crate::rig::{Branch, LoopPoint};
 
 /// Rows of a branch; longer ones are averaged to so many.
-const MOST_ROWS: usize = 10_000;
+const MOST_ROWS: usize = 4_000;
 /// Torque may come back by this share of the rated one without being noisy, the angle by this share of its
 /// range.
 const STILL_ONE_WAY: (f64, f64) = (2e-4, 1e-3);

@@ -201,13 +201,8 @@ fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
         cleaned.iter().flat_map(|one| one.points(&one.torque, &one.angle)).collect()
     };
     let bad = |error: crate::rig::RigError| {
-        Unusable::at(
-            first_row,
-            error.to_string(),
-            format!(
-                "cycle the torque to ± rated ({rated} N·m), with ten rows or more between 50 % and 100 %"
-            ),
-        )
+        let remedy = format!("cycle the torque from + rated ({rated} N·m) to − rated and back");
+        Unusable::at(first_row, error.to_string(), remedy)
     };
     let mut all = points(&cleaned);
     let mut figures = evaluate(&all).map_err(bad)?;

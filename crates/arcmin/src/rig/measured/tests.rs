@@ -293,7 +293,7 @@ fn what_is_no_loop_is_refused() {
         (vec![row(1.0, 0.0); 20], "torque does not change"),
         (vec![row(1.0, 0.0), row(2.0, 1.0)], "torque does not change"),
         (up, "not both here"),
-        (small, "50 % and 100 %"),
+        (small, "does not reach the rated torque"),
     ] {
         let error = read_loops(&rows, 25.0).unwrap_err();
         assert!(error.what.contains(words) && !error.remedy.is_empty(), "{error:?}");
