@@ -245,7 +245,7 @@ fn modification(
         };
         (Relief::grid(720).map(rest).sum::<f64>() / 720.0).sqrt()
     };
-    let known = 0.2 * UM + 2.0 * split.common_noise();
+    let known = 0.2 * UM + split.common_noise();
     let described = |keys: &[f64; 3]| off(keys) < known && keys[0].abs().max(keys[1].abs()) < DEEPEST;
     let (keys, free) = match both.filter(described) {
         Some(keys) => (keys, Vec::new()),
