@@ -159,11 +159,12 @@ fn unusable(table: &Table, rows: &[usize], error: Unusable) -> AnalysisError {
 
 /// Adds remarks with the lines of the file that they are about.
 fn say(table: &Table, file: &str, rows: &[usize], remarks: Vec<Remark>, bench: &mut MeasuredOnBench) {
+    let name = crate::tables::shown(file.rsplit(['/', '\\']).next().unwrap_or(file));
     for Remark { rows: about, text } in remarks {
         let (first, last) = about.map_or((0, rows.len() - 1), |about| (about.start, about.end - 1));
         let (first, last) = (table.line(rows[first]), table.line(rows[last]));
         let place = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
-        let remark = format!("{}, {place}: {text}", crate::tables::shown(file));
+        let remark = format!("{name}, {place}: {text}");
         if !bench.remarks.contains(&remark) {
             bench.remarks.push(remark);
         }
