@@ -116,6 +116,52 @@ fn imports_show_what_they_found() {
     }
 }
 
+/// Whatever form a measured flank is written in, the design takes it, and the machine lasts as long as with
+/// the flank itself: the missing metal is not lost on the way.
+#[test]
+fn the_design_takes_what_an_import_writes() {
+    let directory = with_design();
+    let d = directory.path();
+    good(d, &["export", "profile", "d.toml", "--format", "csv", "--out", "flank"]);
+    let number = |name: &str| -> Vec<f64> {
+        column(d, "flank/profile.csv", name).iter().map(|cell| cell.parse().unwrap()).collect()
+    };
+    let (x, y) = (number("x_mm"), number("y_mm"));
+    let (nx, ny) = (number("outward_normal_x"), number("outward_normal_y"));
+    let rows: String = (0..x.len())
+        .map(|i| {
+            // Ten micrometres everywhere, twenty more where the normal is radial: at roots and tips.
+            let radius = x[i].hypot(y[i]);
+            let depth = 1e-3 * (10.0 + 20.0 * ((x[i] * nx[i] + y[i] * ny[i]) / radius).powi(8));
+            format!("{:.6},{:.6}\n", x[i] - depth * nx[i], y[i] - depth * ny[i])
+        })
+        .collect();
+    write(d, "points.csv", &format!("x_mm,y_mm\n{rows}"));
+    let bare = read(d, "d.toml");
+    let mut plays = Vec::new();
+    for form in ["modification", "harmonics", "measured"] {
+        good(d, &["import", "flank", "d.toml", "points.csv", "--as", form, "--out", "."]);
+        let keys = read(d, "flank.toml");
+        assert!(keys.contains("# Missing metal that all lobes have in common"), "{keys}");
+        let design = if form == "modification" {
+            let (before, rest) = bare.split_once("[disc.modification]").unwrap();
+            format!("{before}{keys}{}", &rest[rest.find("\n[").unwrap()..])
+        } else {
+            let other = keys.replace("disc = 1", "disc = 2");
+            format!("{bare}\n{keys}\n{other}")
+        };
+        write(d, "with.toml", &design);
+        good(d, &["check", "with.toml"]);
+        good(d, &["contact", "with.toml", "--joints", "bearings", "--errors", "given", "--out", "c"]);
+        plays.push(figure(&summary(d, "c"), "play_arcmin"));
+    }
+    let (low, high) = plays.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(*p), h.max(*p)));
+    assert!(high - low < 0.02 * high, "{plays:?}");
+    write(d, "with.toml", &bare);
+    good(d, &["contact", "with.toml", "--joints", "bearings", "--out", "c"]);
+    assert!(figure(&summary(d, "c"), "play_arcmin") < 0.8 * low, "{plays:?}");
+}
+
 /// A hostile file of every format that is read is refused with its line and a remedy, and nothing is written.
 #[test]
 fn hostile_imports_are_refused_with_line_and_remedy() {

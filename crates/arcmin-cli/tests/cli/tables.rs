@@ -122,7 +122,17 @@ fn measured_curves_are_answered_with_their_line() {
         &["loop.csv, line 4", "up"],
     );
     told("te.csv", "output_angle_deg,te_arcmin\n0,0.1\n1,x\n", &["te.csv, line 3", "\"x\"", "te_arcmin"]);
-    told("other.csv", "# a comment\na,b\n1,2\n", &["other.csv"]);
+    told(
+        "other.csv",
+        "# a comment\na,b\n1,2\n",
+        &["other.csv, line 2", "torque_n_m of a loop", "te_arcmin of a transmission error", "a, b"],
+    );
+    let up: String = (-20..=20).map(|i| format!("{},{}\n", 20 * i, 0.1 * f64::from(i))).collect();
+    told(
+        "up.csv",
+        &format!("torque_n_m,angle_arcmin\n{up}"),
+        &["up.csv, line 2", "not both here", "-400 → 400 N·m", "from + rated (412 N·m) to − rated and back"],
+    );
     edit(d, "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]");
     let said = refused(d, &["rig", "d.toml"]);
     assert!(said.contains("flank.csv") && said.contains("its place is beside the design file"), "{said}");
@@ -141,4 +151,58 @@ fn measured_curves_are_answered_with_their_line() {
     flank(0.5, None);
     good(d, &["rig", "d.toml", "--positions", "1", "--te-positions", "64", "--out", "r"]);
     assert_eq!(summary(d, "r")["errors"]["source"], "given");
+}
+
+/// A loop as a bench gives it, with a first loading, a column of time and no names of branches, angle against
+/// torque; a turn without its last place. Figures come with their uncertainty, and what was done is said with
+/// its lines.
+#[test]
+fn measured_curves_are_read_as_benches_give_them() {
+    let directory = with_design();
+    let d = directory.path();
+    let angle = |torque: f64, side: f64| torque / 200.0 + 0.2 * (torque / 4.0).tanh() + 0.15 * side;
+    let mut rows = String::from("time_s,temperature_degc,angle_arcmin,torque_n_m\n");
+    let mut time = 0;
+    let mut add = |torque: f64, side: f64| {
+        rows += &format!("{time},24.5,{:.5},{torque:.3}\n", -angle(torque, side));
+        time += 1;
+    };
+    (0..50).for_each(|i| add(412.0 * f64::from(i) / 50.0, 0.0));
+    for side in [1.0, -1.0] {
+        (0..=824).for_each(|i| add(side * f64::from(412 - i), side));
+    }
+    write(d, "loop.csv", &rows);
+    let error =
+        |degrees: f64| 0.3 * (40.0 * degrees.to_radians()).sin() + 0.1 * (39.0 * degrees.to_radians()).cos();
+    let turn: String =
+        (0..1440).map(|i| 0.25 * f64::from(i)).map(|a| format!("{a},{:.5}\n", error(a))).collect();
+    write(d, "te.csv", &format!("output_angle_deg,te_arcmin\n{turn}"));
+    let bench = ["rig", "d.toml", "--positions", "1", "--te-positions", "64", "--out", "r"];
+    let said = good(d, &[&bench[..], &["--measured", "loop.csv", "--measured", "te.csv"]].concat());
+    for words in [
+        "loop.csv, lines 2 to 51: the first loading",
+        "opposite senses",
+        "strongest measured orders: 40 (0.300 ±",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let summary = summary(d, "r");
+    let reading = 0.03 * 412.0;
+    for (name, unit, expected) in [
+        ("lost_motion", "arcmin", angle(reading, 1.0) + angle(reading, -1.0)),
+        ("backlash", "arcmin", 0.3),
+        ("stiffness", "n_m_per_arcmin", 200.0),
+    ] {
+        let value = figure(&summary, &format!("measured.{name}_{unit}"));
+        let uncertainty = figure(&summary, &format!("measured.{name}_uncertainty_{unit}"));
+        assert!((value - expected).abs() < uncertainty + 2e-3 * expected, "{name}: {value} ± {uncertainty}");
+        assert!(uncertainty < 0.02 * expected, "{name}: ± {uncertainty}");
+    }
+    let measured = &summary["measured"];
+    assert_eq!(measured["orders"][0]["order"], 40);
+    assert!(measured["orders"][0]["uncertainty_arcmin"].as_f64().unwrap() < 1e-3);
+    assert!(measured["transmission_error"][0]["peak_to_peak_uncertainty_arcmin"].as_f64().unwrap() < 1e-3);
+    assert_eq!(measured["remarks"].as_array().unwrap().len(), 2);
+    let report = read(d, "r/report.html");
+    assert!(report.contains("lines 2 to 51: the first loading") && report.contains(" ± "));
 }

@@ -75,8 +75,8 @@ section! {
         disc: usize => required(1.0, 6.0),
         /// What deviates.
         kind: FlankDirection => word(),
-        /// Waves around the disc.
-        order: usize => required(1.0, 4000.0),
+        /// Waves around the disc; 0 is the same depth everywhere.
+        order: usize => required(0.0, 4000.0),
         /// Amplitude.
         amplitude_um: f64 => required(-500.0, 500.0),
         /// Angle on the disc of a crest; 0 is a root of the flank, on the x axis of disc 1.

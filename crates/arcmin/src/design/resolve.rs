@@ -11,9 +11,6 @@ use crate::units::{ARCMIN, DEG, HOUR, MM, MPA, RPM, UM};
 
 /// N/m in one N/µm.
 const N_PER_UM: f64 = 1e6;
-/// Grid of a free form given by points.
-const FREE_FORM_POINTS: usize = 720;
-
 /// The machine, and the last of the contradictions: keys that only make sense together.
 pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machine, Box<DesignError>> {
     let ring = ring(design);
@@ -215,36 +212,8 @@ fn modification(section: &ModificationSection) -> FlankModification {
         equidistant_offset: *section.equidistant_offset_um * UM,
         radial_offset: *section.radial_offset_um * UM,
         rotation: *section.rotation_arcmin * ARCMIN,
-        free_form: (!points.is_empty()).then(|| {
-            Relief::from_samples(Relief::grid(FREE_FORM_POINTS).map(|phi| between(&points, phi)).collect())
-        }),
+        free_form: (!points.is_empty()).then(|| Relief::through(&points)),
     }
-}
-
-/// Depth at the meshing angle φ from points with rising angles, closed around the tooth: cubic Hermite with
-/// the slopes of Fritsch and Butland (harmonic mean), which never overshoots the points.
-fn between(points: &[[f64; 2]], phi: f64) -> f64 {
-    let count = points.len() as isize;
-    let at = |index: isize| {
-        let [angle, depth] = points[index.rem_euclid(count) as usize];
-        [angle + index.div_euclid(count) as f64 * std::f64::consts::TAU, depth]
-    };
-    let secant = |index: isize| {
-        let ([x0, y0], [x1, y1]) = (at(index), at(index + 1));
-        (y1 - y0) / (x1 - x0)
-    };
-    let slope = |index: isize| {
-        let (before, after) = (secant(index - 1), secant(index));
-        if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
-    };
-    let left = points.iter().rposition(|point| point[0] <= phi).map_or(-1, |index| index as isize);
-    let ([x0, y0], [x1, y1]) = (at(left), at(left + 1));
-    let h = x1 - x0;
-    let t = (phi - x0) / h;
-    let s = 1.0 - t;
-    y0 * s * s * (1.0 + 2.0 * t)
-        + y1 * t * t * (1.0 + 2.0 * s)
-        + h * s * t * (s * slope(left) - t * slope(left + 1))
 }
 
 /// Mass in kg and moment of inertia in kg·m² of one crankshaft with its planet, from cylinders.

@@ -47,7 +47,7 @@ pub use reducer::{ForceSummary, Reducer};
 pub use ring_bearing::{ElementLoad, Five, MainBalance, MainBearings, RingBearing, RingState};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
-pub use spectrum::{SpectrumLine, order_spectrum};
+pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
 pub use statistics::{ErrorIntegrals, ErrorStatistics};
 pub use study::{
     StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study,

@@ -14,41 +14,76 @@ pub struct SpectrumLine {
 }
 
 /// Spectrum of a transmission error in orders of the output turn, from pairs (nominal output angle, error) in
-/// rad.
-///
-/// The error is resampled at equal steps of the nominal output angle θ_s/i (cubic Lagrange interpolation),
-/// over the last whole number of turns. `None` if the samples cover less than one turn or the angle does not
-/// proceed.
+/// rad: the amplitudes of [`OrderWaves`].
 pub fn order_spectrum(samples: &[(f64, f64)]) -> Option<Vec<SpectrumLine>> {
-    let (first, last) = (samples.first()?, samples.last()?);
-    let direction = (last.0 - first.0).signum();
-    // A run of exactly one turn must not fail by rounding.
-    let turns = ((last.0 - first.0).abs() / TAU + 1e-9).floor();
-    if !(turns >= 1.0) || samples.windows(2).any(|pair| (pair[1].0 - pair[0].0) * direction <= 0.0) {
-        return None;
-    }
-    let angles: Vec<f64> = samples.iter().map(|s| direction * s.0).collect();
-    let start = angles[angles.len() - 1] - turns * TAU;
-    let per_turn = ((samples.len() as f64 / turns) as usize).next_power_of_two().clamp(1024, 1 << 16);
-    let count = per_turn * turns as usize;
-    // Whole orders of a turn are what all turns have in common: their transform is that of the mean turn.
-    let mut turn = vec![Complex64::default(); per_turn];
-    let mut cell = 0;
-    for i in 0..count {
-        let angle = start + TAU * i as f64 / per_turn as f64;
-        while cell + 1 < angles.len() && angles[cell + 1] <= angle {
-            cell += 1;
+    OrderWaves::of(samples).map(|waves| waves.lines())
+}
+
+/// Waves of a transmission error over the output turn.
+#[derive(Debug, Clone)]
+pub struct OrderWaves {
+    /// Transform of the mean turn.
+    turn: Vec<Complex64>,
+    /// Samples over all turns.
+    count: usize,
+}
+
+impl OrderWaves {
+    /// From pairs (nominal output angle, error) in rad.
+    ///
+    /// The error is resampled at equal steps of the nominal output angle θ_s/i (cubic Lagrange interpolation),
+    /// over the last whole number of turns. `None` if the samples cover less than one turn or the angle does
+    /// not proceed.
+    pub fn of(samples: &[(f64, f64)]) -> Option<OrderWaves> {
+        let (first, last) = (samples.first()?, samples.last()?);
+        let direction = (last.0 - first.0).signum();
+        // A run of exactly one turn must not fail by rounding.
+        let turns = ((last.0 - first.0).abs() / TAU + 1e-9).floor();
+        if !(turns >= 1.0) || samples.windows(2).any(|pair| (pair[1].0 - pair[0].0) * direction <= 0.0) {
+            return None;
         }
-        turn[i % per_turn].re += lagrange(&angles, samples, cell, angle);
+        let angles: Vec<f64> = samples.iter().map(|s| direction * s.0).collect();
+        let start = angles[angles.len() - 1] - turns * TAU;
+        let per_turn = ((samples.len() as f64 / turns) as usize).next_power_of_two().clamp(1024, 1 << 16);
+        let count = per_turn * turns as usize;
+        // Whole orders of a turn are what all turns have in common: their transform is that of the mean turn.
+        let mut turn = vec![Complex64::default(); per_turn];
+        let mut cell = 0;
+        for i in 0..count {
+            let angle = start + TAU * i as f64 / per_turn as f64;
+            while cell + 1 < angles.len() && angles[cell + 1] <= angle {
+                cell += 1;
+            }
+            turn[i % per_turn].re += lagrange(&angles, samples, cell, angle);
+        }
+        // A turn has a power of two of samples, so that the radix-4 transform is enough; a planner for every
+        // length would be a sixth of the library's code.
+        Radix4::new(per_turn, FftDirection::Forward).process(&mut turn);
+        Some(OrderWaves { turn, count })
     }
-    // A turn has a power of two of samples, so that the radix-4 transform is enough; a planner for every length
-    // would be a sixth of the library's code.
-    Radix4::new(per_turn, FftDirection::Forward).process(&mut turn);
-    let lines = turn[..per_turn / 2].iter().enumerate().map(|(order, line)| {
-        let scale = if order == 0 { 1.0 } else { 2.0 } / count as f64;
-        SpectrumLine { order, amplitude: scale * line.norm() }
-    });
-    Some(lines.collect())
+
+    /// Amplitudes by order.
+    pub fn lines(&self) -> Vec<SpectrumLine> {
+        let half = &self.turn[..self.turn.len() / 2];
+        let line = |(order, line): (usize, &Complex64)| {
+            let scale = if order == 0 { 1.0 } else { 2.0 } / self.count as f64;
+            SpectrumLine { order, amplitude: scale * line.norm() }
+        };
+        half.iter().enumerate().map(line).collect()
+    }
+
+    /// Peak to peak over a turn of the sum of some waves alone, in rad.
+    pub fn peak_to_peak(&self, orders: &[usize]) -> f64 {
+        let mut turn = vec![Complex64::default(); self.turn.len()];
+        for order in orders {
+            turn[*order] = self.turn[*order] * (2.0 / self.count as f64);
+        }
+        Radix4::new(turn.len(), FftDirection::Inverse).process(&mut turn);
+        let (low, high) = turn
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z.re), high.max(z.re)));
+        high - low
+    }
 }
 
 fn lagrange(angles: &[f64], samples: &[(f64, f64)], cell: usize, angle: f64) -> f64 {

@@ -7,7 +7,7 @@ use super::fit::{self, FlankFit};
 use super::points::read_points;
 use super::split::{self, FlankSplit};
 use super::{ExchangeError, Outline, PointSet, trimmed};
-use crate::geometry::{FlankDirection, Profile, Relief, unit};
+use crate::geometry::{FlankDirection, FlankHarmonic, Profile, Relief, unit};
 use crate::machine::Machine;
 use crate::report::{Axis, Plot, Series, Style};
 use crate::units::{ARCMIN, DEG, UM};
@@ -95,8 +95,10 @@ pub fn import_flank(
                 disc + 1
             )
         }
-        FlankTarget::Harmonics { disc } => head(&fit, &split) + &harmonics(&split, *disc, depths.len()),
-        FlankTarget::Modification => head(&fit, &split) + &modification(&profile, &depths, &split),
+        FlankTarget::Harmonics { disc } => {
+            head(&fit, &split) + &harmonics(&split, *disc, profile.lobe_count())
+        }
+        FlankTarget::Modification => head(&fit, &split) + &modification(&profile, &depths, &split)?,
     };
     let plots = plots(&profile, &depths, &split);
     Ok(FlankImport { points, fit, split, csv, toml, plots })
@@ -118,8 +120,10 @@ fn um(metres: f64) -> String {
 
 fn head(fit: &FlankFit, split: &FlankSplit) -> String {
     let (cumulative, single, run_out) = split.pitch_and_run_out();
+    let (low, high) = split.common_range();
     format!(
         "# Best fit: rotation {} arcmin, centre ({}, {}) um, offset {} um, {} points, {} outliers.\n\
+         # Missing metal that all lobes have in common: {} um in the mean, {} to {} um.\n\
          # Pitch: cumulative {} um, single {} um; radial run-out {} um; not explained: {} um (standard deviation).\n",
         trimmed(fit.rotation / ARCMIN, 4),
         um(fit.centre.x),
@@ -127,6 +131,9 @@ fn head(fit: &FlankFit, split: &FlankSplit) -> String {
         um(fit.offset),
         fit.distances.len(),
         fit.outliers.len(),
+        um(split.modification[0]),
+        um(low),
+        um(high),
         um(cumulative),
         um(single),
         um(run_out),
@@ -168,11 +175,13 @@ fn measured_table(depths: &[(f64, f64)], lobes: usize) -> Result<String, Exchang
     Ok(text)
 }
 
-fn harmonics(split: &FlankSplit, disc: usize, points: usize) -> String {
+fn harmonics(split: &FlankSplit, disc: usize, lobes: usize) -> String {
     // What is below three of its standard deviations is noise.
-    let noise = 3.0 * split.rest * (2.0 / points as f64).sqrt();
+    let noise = (3.0 * split.rest * (2.0 / split.points as f64).sqrt()).max(0.01 * UM);
+    let written = |h: &&FlankHarmonic| h.order <= HIGHEST_ORDER && h.amplitude.abs() > noise;
+    let common = split.common_harmonics(lobes);
     let mut text = String::new();
-    for h in split.harmonics.iter().filter(|h| h.amplitude > noise.max(0.01 * UM)) {
+    for h in common.iter().chain(&split.harmonics).filter(written) {
         let kind = match h.direction {
             FlankDirection::Inwards => "radial",
             FlankDirection::Around => "pitch",
@@ -184,19 +193,28 @@ fn harmonics(split: &FlankSplit, disc: usize, points: usize) -> String {
             disc + 1,
             h.order,
             um(h.amplitude),
-            trimmed(h.phase / DEG, 4)
+            trimmed(h.phase / DEG, 6)
         );
     }
     text
 }
 
-/// The depth as equidistant and radial offset and rotation, by least squares over all points, and what is
-/// left of the common depth as free form.
+/// Highest order around the disc that a design takes.
+const HIGHEST_ORDER: usize = 4000;
+/// Largest depth and offset that a design takes, m.
+const DEEPEST: f64 = 500.0 * UM;
+
+/// The depth as equidistant and radial offset and rotation, by least squares over all points, where these
+/// describe what all lobes have in common; else its least depth as equidistant offset and the rest as free
+/// form.
 ///
 /// The three depths are 1, cos ψ and sin ψ of the angle ψ between normal and radius, which stays below some
 /// 55°: they trade against each other, so that together they are known far better than each alone.
-fn modification(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) -> String {
-    let grid = Relief::grid(360);
+fn modification(
+    profile: &Profile,
+    depths: &[(f64, f64)],
+    split: &FlankSplit,
+) -> Result<String, ExchangeError> {
     let basis = |phi: f64| {
         let tau = -phi / profile.lobe_count() as f64;
         let outwards = profile.outward_normal(tau).dot(&unit(tau));
@@ -220,23 +238,68 @@ fn modification(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) ->
     };
     // A rotation adds nothing to the metal; without one, both offsets take its share.
     let both = solve(true).filter(|solution| solution[2] >= 0.0).or_else(|| solve(false));
-    let [equidistant, radial, rotation] = both.unwrap_or([split.modification[0], 0.0, 0.0]);
-    let rest = |phi: f64| {
-        let [_, outwards, lever] = basis(phi);
-        split.common_depth(phi) - equidistant - radial * outwards - rotation * lever
+    let off = |keys: &[f64; 3]| {
+        let rest = |phi: f64| {
+            let [_, outwards, lever] = basis(phi);
+            (split.common_depth(phi) - keys[0] - keys[1] * outwards - keys[2] * lever).powi(2)
+        };
+        (Relief::grid(720).map(rest).sum::<f64>() / 720.0).sqrt()
+    };
+    let known = 0.2 * UM + split.common_noise();
+    let described = |keys: &[f64; 3]| off(keys) < known && keys[0].abs().max(keys[1].abs()) < DEEPEST;
+    let (keys, free) = match both.filter(described) {
+        Some(keys) => (keys, Vec::new()),
+        None => {
+            let (least, deepest) = split.common_range();
+            if least.abs() > DEEPEST || deepest - least > DEEPEST {
+                return Err(ExchangeError::Fit {
+                    message: format!("metal of {} to {} um is missing", um(least), um(deepest)),
+                    remedy: "a modification reaches to 500 um: check the design, the unit (mm) and the radius of the probe"
+                        .into(),
+                });
+            }
+            ([least, 0.0, 0.0], free_form(split, least))
+        }
     };
     let mut text = format!(
         "[disc.modification]\nequidistant_offset_um = {}\nradial_offset_um = {}\nrotation_arcmin = {}\n",
-        um(equidistant),
-        um(radial),
-        trimmed(rotation / ARCMIN, 5)
+        um(keys[0]),
+        um(keys[1]),
+        trimmed(keys[2] / ARCMIN, 5)
     );
-    if grid.map(|phi| rest(phi).abs()).fold(0.0, f64::max) > 0.3 * UM {
-        let pairs: Vec<String> =
-            (-18..18).map(|i| format!("[{}, {}]", 10 * i, um(rest(f64::from(10 * i) * DEG)))).collect();
+    if !free.is_empty() {
+        let pair = |point: &[f64; 2]| format!("[{}, {}]", trimmed(point[0] / DEG, 3), um(point[1].max(0.0)));
+        let pairs: Vec<String> = free.iter().map(pair).collect();
         let _ = writeln!(text, "free_form_deg_um = [{}]", pairs.join(", "));
     }
-    text
+    Ok(text)
+}
+
+/// The common depth beyond the least one, from which the design's curve is off by a tenth of a micrometre at
+/// most: points every ten degrees, and between them where it takes more, down to one degree.
+fn free_form(split: &FlankSplit, least: f64) -> Vec<[f64; 2]> {
+    let depth = |phi: f64| split.common_depth(phi) - least;
+    let mut angles: Vec<f64> = (-18..18).map(|i| 10.0 * f64::from(i)).collect();
+    loop {
+        let points: Vec<[f64; 2]> = angles.iter().map(|angle| [angle * DEG, depth(angle * DEG)]).collect();
+        let relief = Relief::through(&points);
+        let mut added = Vec::new();
+        for (index, angle) in angles.iter().enumerate() {
+            let next = angles.get(index + 1).copied().unwrap_or(180.0);
+            let off = |i: i32| {
+                let phi = (angle + (next - angle) * f64::from(i) / 8.0) * DEG;
+                (relief.at(phi).depth - depth(phi)).abs()
+            };
+            if next - angle >= 2.0 && (1..8).map(off).fold(0.0, f64::max) > 0.1 * UM {
+                added.push(0.5 * (angle + next));
+            }
+        }
+        if added.is_empty() {
+            return points;
+        }
+        angles.extend(added);
+        angles.sort_by(f64::total_cmp);
+    }
 }
 
 fn plots(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) -> Vec<Plot> {

@@ -121,19 +121,23 @@ impl FlankError {
             // The spline may undershoot its points a little.
             low - 0.5 * (high - low)
         });
-        measured.min(0.0) - self.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>()
+        // A wave of order 0 along the normal is a depth that all places have.
+        let everywhere = |h: &&FlankHarmonic| h.order == 0 && h.direction == FlankDirection::Normal;
+        let depth: f64 = self.harmonics.iter().filter(everywhere).map(|h| h.amplitude).sum();
+        let waves = self.harmonics.iter().filter(|h| !everywhere(h));
+        measured.min(0.0) + depth - waves.map(|h| h.amplitude.abs()).sum::<f64>()
     }
 
-    /// Bounds from below in m, one for each of equal sectors of τ from 0 on with those beside it: by what the flank
-    /// has at two places in each sector, less the largest difference of neighbouring ones. Waves too short for
-    /// these places have [`FlankError::shallowest`] everywhere.
+    /// Bounds from below in m, one for each of equal sectors of τ from 0 on with those beside it: by what the
+    /// flank has at two places in each sector, less the largest difference of neighbouring ones. Waves too
+    /// short for these places take their whole amplitude away everywhere.
     pub(crate) fn floors(&self, profile: &Profile) -> ErrorFloors {
         let lobes = profile.lobe_count();
         let count = SECTORS_PER_LOBE * lobes;
-        if self.harmonics.iter().any(|h| h.order > 8 * lobes) {
-            return ErrorFloors { sectors: vec![self.shallowest(); count] };
-        }
-        let reader = FlankErrorReader::new(self);
+        let (short, long): (Vec<FlankHarmonic>, Vec<FlankHarmonic>) =
+            self.harmonics.iter().copied().partition(|h| h.order > 8 * lobes);
+        let short: f64 = short.iter().map(|h| h.amplitude.abs()).sum();
+        let reader = FlankErrorReader::new(&FlankError { harmonics: long, measured: self.measured.clone() });
         let places = 2 * count;
         let depths: Vec<f64> = (0..places)
             .map(|i| {
@@ -149,7 +153,7 @@ impl FlankError {
                 least = least.min(near(i));
                 step = step.max((near(i) - near(i - 1)).abs());
             }
-            least - step
+            least - step - short
         };
         ErrorFloors { sectors: (0..count).map(floor).collect() }
     }
@@ -292,9 +296,9 @@ fn power(e: Vec2, mut n: usize) -> Vec2 {
 mod tests {
     use super::*;
 
-    /// Nowhere does a flank have less than the bound of its sector, nor within a sector's width to either side, and
-    /// the bounds follow the error but at the roots, where normals turn within a sector: run-out, pitch and profile
-    /// errors, measured flanks, waves too short for them.
+    /// Nowhere does a flank have less than the bound of its sector, nor within a sector's width to either
+    /// side, and the bounds follow the error but at the roots, where normals turn within a sector: run-out,
+    /// pitch and profile errors, measured flanks, waves too short for them.
     #[test]
     fn floors_of_sectors_hold_and_are_close() {
         let profile =

@@ -43,6 +43,12 @@ impl Relief {
         Relief::with_bends(depths, bends)
     }
 
+    /// A free form: through pairs of meshing angle (rad, rising within one turn) and depth (m) that close
+    /// around the tooth, between them a cubic that never overshoots them, taken on a grid of half degrees.
+    pub fn through(points: &[[f64; 2]]) -> Relief {
+        Relief::from_samples(Relief::grid(720).map(|phi| between(points, phi)).collect())
+    }
+
     fn with_bends(values: Vec<f64>, bends: Vec<f64>) -> Relief {
         let count = values.len() as f64;
         let step = TAU / count;
@@ -65,8 +71,8 @@ impl Relief {
         self.values.iter().zip(&self.bends).map(|(value, bend)| value - weight * bend).collect()
     }
 
-    /// The spline with these control points (m) at φ_i = −π + 2π i/n: near the points, not through them, so that it does
-    /// not ring beside an edge, and convex where they are.
+    /// The spline with these control points (m) at φ_i = −π + 2π i/n: near the points, not through them, so
+    /// that it does not ring beside an edge, and convex where they are.
     pub(crate) fn from_control_points(points: &[f64]) -> Relief {
         let (values, bends) = (0..points.len()).map(|i| at_control_point(points, i)).unzip();
         Relief::with_bends(values, bends)
@@ -144,6 +150,32 @@ impl Relief {
             bend: s * m0 + t * m1,
         }
     }
+}
+
+/// Depth at the meshing angle φ from points with rising angles, closed around the tooth: cubic Hermite with
+/// the slopes of Fritsch and Butland (harmonic mean), which never overshoots the points.
+fn between(points: &[[f64; 2]], phi: f64) -> f64 {
+    let count = points.len() as isize;
+    let at = |index: isize| {
+        let [angle, depth] = points[index.rem_euclid(count) as usize];
+        [angle + index.div_euclid(count) as f64 * TAU, depth]
+    };
+    let secant = |index: isize| {
+        let ([x0, y0], [x1, y1]) = (at(index), at(index + 1));
+        (y1 - y0) / (x1 - x0)
+    };
+    let slope = |index: isize| {
+        let (before, after) = (secant(index - 1), secant(index));
+        if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
+    };
+    let left = points.iter().rposition(|point| point[0] <= phi).map_or(-1, |index| index as isize);
+    let ([x0, y0], [x1, y1]) = (at(left), at(left + 1));
+    let h = x1 - x0;
+    let t = (phi - x0) / h;
+    let s = 1.0 - t;
+    y0 * s * s * (1.0 + 2.0 * t)
+        + y1 * t * t * (1.0 + 2.0 * s)
+        + h * s * t * (s * slope(left) - t * slope(left + 1))
 }
 
 /// Depth (m) and bend (m/rad²) at grid point `i` of the spline with these control points.
@@ -224,8 +256,8 @@ mod tests {
         }
     }
 
-    /// Beside the edge between two arcs the spline through the samples rings; the one near them is bent as the arcs
-    /// are from one cell on, and off them by no more than the edge within its cell.
+    /// Beside the edge between two arcs the spline through the samples rings; the one near them is bent as
+    /// the arcs are from one cell on, and off them by no more than the edge within its cell.
     #[test]
     fn trap_a_spline_through_an_edge_rings() {
         let arcs = |phi: f64| 1e-5 * (phi.abs() - 1.5).powi(2);

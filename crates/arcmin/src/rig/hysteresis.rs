@@ -49,6 +49,25 @@ pub struct LoopFigures {
     pub work: f64,
 }
 
+impl LoopFigures {
+    /// In the order of the declaration.
+    pub(super) fn all(&self) -> [f64; 6] {
+        [
+            self.lost_motion,
+            self.backlash,
+            self.stiffness,
+            self.soft_stiffness,
+            self.middle_stiffness,
+            self.work,
+        ]
+    }
+
+    pub(super) fn from_all(all: [f64; 6]) -> LoopFigures {
+        let [lost_motion, backlash, stiffness, soft_stiffness, middle_stiffness, work] = all;
+        LoopFigures { lost_motion, backlash, stiffness, soft_stiffness, middle_stiffness, work }
+    }
+}
+
 /// Shares of rated torque between which the torsional stiffness is read.
 pub const STIFFNESS_WINDOW: (f64, f64) = (0.5, 1.0);
 /// "Zero" torque while the flank still holds: this share of rated torque on the side the branch comes from.
@@ -107,7 +126,7 @@ pub fn hysteresis_loop(
 }
 
 /// Angle of one branch at a torque, between its neighbours.
-fn angle_at(branch: &[LoopPoint], torque: f64) -> Option<f64> {
+pub(super) fn angle_at(branch: &[LoopPoint], torque: f64) -> Option<f64> {
     branch.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
         let between = (a.torque - torque) * (b.torque - torque) <= 0.0 && a.torque != b.torque;
@@ -127,6 +146,12 @@ fn slope(branch: &[LoopPoint], low: f64, high: f64) -> Option<f64> {
     let covariance: f64 = points.iter().map(|p| (p.torque - t) * (p.angle - a)).sum();
     let variance: f64 = points.iter().map(|p| (p.torque - t).powi(2)).sum();
     (covariance != 0.0).then(|| variance / covariance)
+}
+
+/// Slope dT/dφ between two torques of a branch with less than two points between them.
+fn chord(branch: &[LoopPoint], low: f64, high: f64) -> Option<f64> {
+    let turn = angle_at(branch, high)? - angle_at(branch, low)?;
+    (turn != 0.0).then(|| (high - low) / turn)
 }
 
 /// Reads lost motion, backlash, stiffness and work from a loop, computed or measured; `rated` in N·m. The
@@ -169,11 +194,10 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
         for branch in &branches {
             for (low, high) in [(from, to), (-to, -from)] {
                 // Compliances of equal windows add up, hence the harmonic mean.
-                let k = slope(branch, low * rated * (1.0 - 1e-9), high * rated * (1.0 + 1e-9));
-                sum += 1.0
-                    / k.ok_or(RigError::BadLoop(
-                        "too few points between 50 % and 100 % of the rated torque",
-                    ))?;
+                let (low, high) = (low * rated, high * rated);
+                let k = slope(branch, low * (1.0 - 1e-9), high * (1.0 + 1e-9))
+                    .or_else(|| chord(branch, low, high));
+                sum += 1.0 / k.ok_or(RigError::BadLoop("a branch does not reach the rated torque"))?;
             }
         }
         Ok(4.0 / sum)

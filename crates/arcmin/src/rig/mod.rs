@@ -10,6 +10,7 @@ mod bodies;
 mod efficiency;
 mod hysteresis;
 mod main_bearings;
+mod measured;
 #[cfg(test)]
 mod order_tests;
 mod orders;
@@ -33,8 +34,12 @@ pub use hysteresis::{
     stiffness_split,
 };
 pub use main_bearings::{MainBearingLoad, main_bearing_load};
+pub use measured::{
+    LoopRow, MeasuredCurve, MeasuredLoop, MeasuredOnBench, Remark, TurnRow, TurnSpectrum, Unusable,
+    read_loops, read_turns,
+};
 pub use orders::{NamedOrder, name_orders};
-pub use state::{MeasuredOnBench, RigPlan, RigState};
+pub use state::{RigPlan, RigState};
 pub use transmission::{
     Curves, ErrorCurve, PinLoads, TransmissionSettings, error_curve, transmission_error_curves,
 };
@@ -51,9 +56,9 @@ pub enum RigError {
     Loose,
     #[error("test bench: the rated torque must not be zero")]
     NoTorque,
-    #[error("the measured loop is not usable: {0}")]
+    #[error("the loop is not usable: {0}")]
     BadLoop(&'static str),
-    #[error("the measured transmission error is not usable: {0}")]
+    #[error("the transmission error is not usable: {0}")]
     BadCurve(&'static str),
 }
 

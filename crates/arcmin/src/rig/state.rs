@@ -75,18 +75,6 @@ fn forward_at_rated(curves: &[ErrorCurve]) -> Option<&ErrorCurve> {
     curves.iter().rfind(|curve| curve.direction > 0.0)
 }
 
-/// What was measured on a real bench, evaluated like ours.
-#[derive(Debug, Clone, Default)]
-pub struct MeasuredOnBench {
-    pub loops: Vec<Vec<LoopPoint>>,
-    /// One per loop.
-    pub figures: Vec<LoopFigures>,
-    pub curves: Vec<ErrorCurve>,
-    /// Of the first curve that covers a turn; empty if none does.
-    pub spectrum: Vec<SpectrumLine>,
-    pub orders: Vec<NamedOrder>,
-}
-
 /// How finely the bench measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RigPlan {

@@ -373,29 +373,6 @@ fn power_balances_with_all_frictions() {
     }
 }
 
-/// A measured curve is read like a computed one.
-#[test]
-fn measured_curves_are_checked() {
-    let points: Vec<(f64, f64)> = (0..=400)
-        .map(|i| {
-            (
-                std::f64::consts::TAU * f64::from(i) / 400.0,
-                1e-5 * (39.0 * f64::from(i) / 400.0 * std::f64::consts::TAU).sin(),
-            )
-        })
-        .collect();
-    let curve = ErrorCurve::measured(points.clone(), 4.0).unwrap();
-    assert_eq!((curve.direction, curve.torque), (1.0, 4.0));
-    assert!((curve.peak_to_peak() - 2e-5).abs() < 1e-7);
-    let mut back = points.clone();
-    back.reverse();
-    assert_eq!(ErrorCurve::measured(back, 4.0).unwrap().direction, -1.0);
-    let mut torn = points;
-    torn.swap(10, 11);
-    assert!(matches!(ErrorCurve::measured(torn, 0.0), Err(RigError::BadCurve(_))));
-    assert!(ErrorCurve::measured(vec![(0.0, 0.0); 3], 0.0).is_err());
-}
-
 /// A carrier of finite torsional stiffness lies in series with all that is computed: 1/k = 1/k_rigid +
 /// 1/k_carrier. 195 N·m/arcmin would bring the RV-40E-81 to its catalogue's 108 N·m/arcmin; that is a
 /// calibration, and the shipped design leaves the carrier rigid.

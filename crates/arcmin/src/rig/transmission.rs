@@ -47,25 +47,6 @@ pub struct PinLoads {
 }
 
 impl ErrorCurve {
-    /// A curve from a real bench: (output angle, error) in rad in the order of the test, at a torque (N·m).
-    /// Its direction is that of the angles.
-    ///
-    /// # Errors
-    /// [`RigError::BadCurve`] for fewer than eight points or angles that turn back.
-    pub fn measured(points: Vec<(f64, f64)>, torque: f64) -> Result<ErrorCurve, RigError> {
-        let (Some(first), Some(last)) = (points.first(), points.last()) else {
-            return Err(RigError::BadCurve("it has no points"));
-        };
-        let direction = if last.0 >= first.0 { 1.0 } else { -1.0 };
-        if points.len() < 8 {
-            return Err(RigError::BadCurve("it has fewer than eight points"));
-        }
-        if points.windows(2).any(|pair| !((pair[1].0 - pair[0].0) * direction > 0.0)) {
-            return Err(RigError::BadCurve("its output angles do not proceed in one direction"));
-        }
-        Ok(ErrorCurve { direction, torque, points, pins: None })
-    }
-
     pub fn mean(&self) -> f64 {
         let n = self.points.len().saturating_sub(1).max(1);
         self.points.iter().take(n).map(|p| p.1).sum::<f64>() / n as f64

@@ -11,8 +11,8 @@ use crate::results::{
     quantities as q, quantity,
 };
 use crate::rig::{
-    BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, PinLoads, RigState,
-    RunningTorques,
+    BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, MeasuredCurve,
+    MeasuredOnBench, NamedOrder, PinLoads, RigState, RunningTorques,
 };
 use crate::units::{ARCMIN, DEG, MPA, RPM, UM};
 
@@ -198,11 +198,12 @@ pub(super) fn fill(rig: &Rig) -> Vec<Table> {
     tables
 }
 
-/// A figure of the loop: quantity, its value in a state, and in a measured loop.
+/// A figure of the loop: quantity, its value in a state, and in a measured loop with its uncertainty.
 pub(super) struct Figure {
     pub quantity: Quantity,
     pub new: Quantity,
     pub measured: Quantity,
+    pub uncertainty: Quantity,
     pub of: fn(&RigState) -> f64,
     pub of_loop: fn(&LoopFigures) -> f64,
 }
@@ -213,6 +214,7 @@ pub(super) const FIGURES: &[Figure] = &[
         quantity: q::LOST_MOTION,
         new: q::LOST_MOTION.named("new.lost_motion_arcmin"),
         measured: q::LOST_MOTION.named("measured.lost_motion_arcmin"),
+        uncertainty: uncertain("measured.lost_motion_uncertainty_arcmin"),
         of: |s| s.lost_motion() / ARCMIN,
         of_loop: |f| f.lost_motion / ARCMIN,
     },
@@ -220,6 +222,7 @@ pub(super) const FIGURES: &[Figure] = &[
         quantity: q::BACKLASH,
         new: q::BACKLASH.named("new.backlash_arcmin"),
         measured: q::BACKLASH.named("measured.backlash_arcmin"),
+        uncertainty: uncertain("measured.backlash_uncertainty_arcmin"),
         of: |s| s.backlash() / ARCMIN,
         of_loop: |f| f.backlash / ARCMIN,
     },
@@ -227,6 +230,7 @@ pub(super) const FIGURES: &[Figure] = &[
         quantity: q::STIFFNESS,
         new: q::STIFFNESS.named("new.stiffness_n_m_per_arcmin"),
         measured: q::STIFFNESS.named("measured.stiffness_n_m_per_arcmin"),
+        uncertainty: uncertain("measured.stiffness_uncertainty_n_m_per_arcmin"),
         of: |s| s.stiffness() * ARCMIN,
         of_loop: |f| f.stiffness * ARCMIN,
     },
@@ -234,6 +238,7 @@ pub(super) const FIGURES: &[Figure] = &[
         quantity: q::SOFT_STIFFNESS,
         new: q::SOFT_STIFFNESS.named("new.soft_stiffness_n_m_per_arcmin"),
         measured: q::SOFT_STIFFNESS.named("measured.soft_stiffness_n_m_per_arcmin"),
+        uncertainty: uncertain("measured.soft_stiffness_uncertainty_n_m_per_arcmin"),
         of: |s| s.soft_stiffness() * ARCMIN,
         of_loop: |f| f.soft_stiffness * ARCMIN,
     },
@@ -241,16 +246,45 @@ pub(super) const FIGURES: &[Figure] = &[
         quantity: q::MIDDLE_STIFFNESS,
         new: q::MIDDLE_STIFFNESS.named("new.middle_stiffness_n_m_per_arcmin"),
         measured: q::MIDDLE_STIFFNESS.named("measured.middle_stiffness_n_m_per_arcmin"),
+        uncertainty: uncertain("measured.middle_stiffness_uncertainty_n_m_per_arcmin"),
         of: |s| s.middle_stiffness() * ARCMIN,
         of_loop: |f| f.middle_stiffness * ARCMIN,
     },
 ];
 
-/// Mean of a figure over measured loops.
-pub(super) fn measured(rig: &Rig, index: usize) -> Option<f64> {
-    let figures = &rig.measured.as_ref()?.figures;
-    let sum: f64 = figures.iter().map(FIGURES[index].of_loop).sum();
-    (!figures.is_empty()).then(|| sum / figures.len() as f64)
+const fn uncertain(key: &'static str) -> Quantity {
+    quantity(key, digits(2), "Half width of the 95 % interval of the measured value.")
+}
+
+/// A figure over the measured loops, and the half width of its 95 % interval.
+pub(super) fn measured(rig: &Rig, index: usize) -> Option<(f64, f64)> {
+    rig.measured.as_ref()?.figure(FIGURES[index].of_loop)
+}
+
+fn measured_curves(curves: &[MeasuredCurve]) -> Value {
+    let one = |c: &MeasuredCurve| {
+        Value::Record(vec![
+            ("direction", c.curve.direction.into()),
+            ("torque_n_m", c.curve.torque.into()),
+            ("mean_arcmin", (c.curve.mean() / ARCMIN).into()),
+            ("mean_uncertainty_arcmin", (c.mean_uncertainty / ARCMIN).into()),
+            ("peak_to_peak_arcmin", (c.peak_to_peak / ARCMIN).into()),
+            ("peak_to_peak_uncertainty_arcmin", (c.peak_to_peak_uncertainty / ARCMIN).into()),
+        ])
+    };
+    Value::List(curves.iter().map(one).collect())
+}
+
+fn measured_orders(bench: &MeasuredOnBench) -> Value {
+    let one = |(named, uncertainty): &(NamedOrder, f64)| {
+        Value::Record(vec![
+            ("order", named.order.into()),
+            ("amplitude_arcmin", (named.amplitude / ARCMIN).into()),
+            ("uncertainty_arcmin", (uncertainty / ARCMIN).into()),
+            ("cause", Value::from(named.cause.clone())),
+        ])
+    };
+    Value::List(bench.orders.iter().map(one).collect())
 }
 
 fn curves_value(curves: &[ErrorCurve]) -> Value {
@@ -286,7 +320,12 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 (FIGURES[i].of)(o.state()).into()
             }));
             entries.push(Column::numbered(figure.new, index, |o: &Rig, i| (FIGURES[i].of)(&o.new).into()));
-            entries.push(Column::numbered(figure.measured, index, |o: &Rig, i| measured(o, i).into()));
+            entries.push(Column::numbered(figure.measured, index, |o: &Rig, i| {
+                measured(o, i).map(|(value, _)| value).into()
+            }));
+            entries.push(Column::numbered(figure.uncertainty, index, |o: &Rig, i| {
+                measured(o, i).map(|(_, uncertainty)| uncertainty).into()
+            }));
         }
         entries.extend([
             q::HOURS.of(|o: &Rig| o.state().hours.into()),
@@ -328,11 +367,30 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             q::MAX_PRESSURE.of(|o| pins(o, |pins| pins.pressure / MPA)),
             quantity("transmission_error", PLAIN, "Mean and peak to peak of every transmission error.")
                 .of(|o| curves_value(&o.state().curves)),
-            quantity("measured.transmission_error", PLAIN, "The same of measured curves.")
-                .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| curves_value(&bench.curves))),
+            quantity(
+                "measured.transmission_error",
+                PLAIN,
+                "The same of measured curves, with the half widths of the 95 % intervals.",
+            )
+            .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| measured_curves(&bench.curves))),
             q::ORDERS.of(|o| orders_value(&o.state().orders)),
-            quantity("measured.orders", PLAIN, "Largest lines of the measured transmission error.")
-                .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| orders_value(&bench.orders))),
+            quantity(
+                "measured.orders",
+                PLAIN,
+                "Largest lines of the measured transmission error, with the half widths of the 95 % intervals.",
+            )
+            .of(|o| o.measured.as_ref().map_or(Value::Absent, measured_orders)),
+            quantity(
+                "measured.remarks",
+                PLAIN,
+                "What was done to the rows of the files before they were read: file, lines, and a sentence.",
+            )
+            .of(|o| {
+                let said = |bench: &MeasuredOnBench| {
+                    Value::List(bench.remarks.iter().map(|remark| Value::from(remark.clone())).collect())
+                };
+                o.measured.as_ref().map_or(Value::Absent, said)
+            }),
             quantity("shortest_bearing_life_h", decimals(0), "Least basic rating life L10 of all bearings.")
                 .of(|o| {
                     Value::from(o.state().bearings.iter().map(BearingLoad::life_h).reduce(f64::min))

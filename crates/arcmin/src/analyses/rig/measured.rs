@@ -2,10 +2,11 @@
 
 use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::InputFile;
-use crate::dynamics::order_spectrum;
 use crate::machine::Machine;
-use crate::rig::{Branch, ErrorCurve, LoopPoint, MeasuredOnBench, evaluate_loop, name_orders};
-use crate::tables::{Column, Form, Table};
+use crate::rig::{
+    Branch, LoopRow, MeasuredOnBench, Remark, TurnRow, Unusable, name_orders, read_loops, read_turns,
+};
+use crate::tables::{Column, Form, Table, TableError, TableErrorKind};
 use crate::units::{ARCMIN, DEG};
 
 /// Reads loops and transmission errors and evaluates them as the computed ones are; `None` without files.
@@ -17,97 +18,155 @@ pub(super) fn read(
     if files.is_empty() {
         return Ok(None);
     }
+    let rated = machine.rated.torque.abs();
     let mut bench = MeasuredOnBench::default();
     for file in files {
         let bytes = host.read(file, Origin::Options)?;
-        // The columns tell which of the two it is; the error of the better guess is the one to show.
-        if String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]).to_lowercase().contains("branch") {
-            bench.loops.extend(loops(&loop_form().read(&bytes, &file.0)?)?);
-        } else {
-            bench.curves.extend(curves(&curve_form().read(&bytes, &file.0)?)?);
+        // The columns tell which of the two it is: a transmission error has one of that name.
+        match curve_form().read(&bytes, &file.0) {
+            Ok(table) => curves(&table, &file.0, rated, &mut bench)?,
+            Err(error) if is_no_curve(&error) => {
+                let table = loop_form().read(&bytes, &file.0).map_err(neither)?;
+                loops(&table, &file.0, rated, &mut bench)?;
+            }
+            Err(error) => return Err(error.into()),
         }
     }
-    let rated = machine.rated.torque.abs();
-    bench.figures = bench
-        .loops
-        .iter()
-        .map(|points| evaluate_loop(points, rated))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(AnalysisError::compute("evaluate the measured loop"))?;
-    for curve in &bench.curves {
-        if let Some(spectrum) = order_spectrum(&curve.points) {
-            bench.orders = name_orders(&spectrum, machine, curve.points.len() - 1, 8);
-            bench.spectrum = spectrum;
-            break;
-        }
+    if let Some(spectrum) = bench.curves.iter().find_map(|curve| curve.spectrum.as_ref()) {
+        bench.orders = name_orders(&spectrum.lines, machine, spectrum.places, 8)
+            .into_iter()
+            .map(|named| (spectrum.uncertainty[named.order], named))
+            // What noise alone may give has no cause.
+            .filter(|(uncertainty, named)| named.amplitude > *uncertainty)
+            .map(|(uncertainty, named)| (named, uncertainty))
+            .collect();
+        bench.spectrum.clone_from(&spectrum.lines);
     }
     Ok(Some(bench))
+}
+
+/// Whether a file has no column of a transmission error.
+fn is_no_curve(error: &TableError) -> bool {
+    let TableErrorKind::Missing { name, found } = &error.kind else { return false };
+    let is_error =
+        |name: &str| name == "te" || ["te_", "te ", "te[", "te("].iter().any(|te| name.starts_with(te));
+    name == ERROR || !found.to_lowercase().split(", ").any(is_error)
+}
+
+/// What is missing of a loop may as well be missing of a transmission error.
+fn neither(error: TableError) -> TableError {
+    let TableErrorKind::Missing { name, found } = &error.kind else { return error };
+    let kind = TableErrorKind::Content {
+        message: format!("there is no column {name} of a loop, and no {ERROR} of a transmission error"),
+        remedy: format!(
+            "a loop has torque_n_m and angle_arcmin, a transmission error output_angle_deg and {ERROR}; the file \
+             has {found}"
+        ),
+    };
+    TableError { kind, ..error }
 }
 
 fn loop_form() -> Form {
     Form::new(&[
         Column::number("torque_n_m").within(-1e7, 1e7),
-        Column::number("angle_arcmin").within(-1e4, 1e4),
-        Column::words("branch"),
+        Column::number("angle_arcmin").also(&["output_angle"]).within(-1e4, 1e4),
+        Column::words("branch").optional(),
         Column::words("position").optional(),
+        Column::number("time_s").optional(),
     ])
+    .with_others()
 }
 
-fn loops(table: &Table) -> Result<Vec<Vec<LoopPoint>>, AnalysisError> {
+fn loops(table: &Table, file: &str, rated: f64, bench: &mut MeasuredOnBench) -> Result<(), AnalysisError> {
     let (torques, angles) = (table.numbers("torque_n_m")?, table.numbers("angle_arcmin")?);
-    let branches = table.words("branch")?;
-    let positions = if table.has("position") { Some(table.words("position")?) } else { None };
-    let mut loops: Vec<(&str, Vec<LoopPoint>)> = Vec::new();
+    let words = |name: &str| if table.has(name) { table.words(name).map(Some) } else { Ok(None) };
+    let (branches, positions) = (words("branch")?, words("position")?);
+    let mut rows = Vec::with_capacity(table.len());
     for row in 0..table.len() {
-        let branch = match branches[row].as_str() {
-            "falling" => Branch::Falling,
-            "rising" => Branch::Rising,
-            other => {
+        let branch = match branches.map(|branches| branches[row].to_lowercase()).as_deref() {
+            None | Some("") => None,
+            Some("falling" | "unloading") => Some(Branch::Falling),
+            Some("rising" | "loading") => Some(Branch::Rising),
+            Some(other) => {
                 let what = format!("the branch is \"{}\"", crate::tables::shown(other));
-                return Err(table.wrong(row, what, "write falling or rising").into());
+                let remedy =
+                    "write falling or rising, or leave the column out: the order of the torque tells";
+                return Err(table.wrong(row, what, remedy).into());
             }
         };
-        let position = positions.map_or("", |positions| positions[row].as_str());
-        let point = LoopPoint { torque: torques[row], angle: angles[row] * ARCMIN, branch };
-        match loops.last_mut() {
-            Some((last, points)) if *last == position => points.push(point),
-            _ => loops.push((position, vec![point])),
-        }
+        rows.push(LoopRow { torque: torques[row], angle: angles[row] * ARCMIN, branch });
     }
-    Ok(loops.into_iter().map(|(_, points)| points).collect())
+    let order = order_in_time(table)?;
+    let same = |a: usize, b: usize| positions.is_none_or(|positions| positions[a] == positions[b]);
+    let base = bench.loops.last().map_or(0, |last| last.position + 1);
+    for (position, group) in order.chunk_by(|a, b| same(*a, *b)).enumerate() {
+        let here: Vec<LoopRow> = group.iter().map(|row| rows[*row]).collect();
+        let (loops, remarks) = read_loops(&here, rated).map_err(|error| unusable(table, group, error))?;
+        bench.loops.extend(loops.into_iter().map(|mut one| {
+            one.position = base + position;
+            one
+        }));
+        say(table, file, group, remarks, bench);
+    }
+    Ok(())
 }
+
+/// Rows in the order of time where it is given, else as they stand.
+fn order_in_time(table: &Table) -> Result<Vec<usize>, AnalysisError> {
+    let mut order: Vec<usize> = (0..table.len()).collect();
+    if table.has("time_s") {
+        let times = table.numbers("time_s")?;
+        order.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
+    }
+    Ok(order)
+}
+
+const ERROR: &str = "te_arcmin";
 
 fn curve_form() -> Form {
     // A thousand turns either way; beyond them the angles of a long log have lost their digits.
     Form::new(&[
         Column::number("output_angle_deg").within(-3.6e5, 3.6e5),
-        Column::number("te_arcmin").within(-1e4, 1e4),
+        Column::number(ERROR).also(&["transmission_error"]).within(-1e4, 1e4),
         Column::number("direction").optional().within(-1.0, 1.0),
         Column::number("torque_n_m").optional().within(-1e7, 1e7),
+        Column::number("time_s").optional(),
     ])
+    .with_others()
 }
 
-fn curves(table: &Table) -> Result<Vec<ErrorCurve>, AnalysisError> {
-    let (angles, errors) = (table.numbers("output_angle_deg")?, table.numbers("te_arcmin")?);
-    let optional = |name: &str| match table.has(name) {
-        true => table.numbers(name).map(<[f64]>::to_vec),
-        false => Ok(vec![0.0; table.len()]),
-    };
+fn curves(table: &Table, file: &str, rated: f64, bench: &mut MeasuredOnBench) -> Result<(), AnalysisError> {
+    let (angles, errors) = (table.numbers("output_angle_deg")?, table.numbers(ERROR)?);
+    let optional = |name: &str| if table.has(name) { table.numbers(name).map(Some) } else { Ok(None) };
     let (directions, torques) = (optional("direction")?, optional("torque_n_m")?);
-    let mut curves = Vec::new();
-    let mut start = 0;
-    for row in 1..=table.len() {
-        let ends =
-            row == table.len() || directions[row] != directions[start] || torques[row] != torques[start];
-        if ends {
-            let points = (start..row).map(|i| (angles[i] * DEG, errors[i] * ARCMIN)).collect();
-            let curve = ErrorCurve::measured(points, torques[start]).map_err(|error| {
-                let what = format!("the curve that begins here: {error}");
-                table.wrong(start, what, "give angles that rise or fall, with an error that changes")
-            })?;
-            curves.push(curve);
-            start = row;
+    let order = order_in_time(table)?;
+    let row = |row: &usize| TurnRow {
+        angle: angles[*row] * DEG,
+        error: errors[*row] * ARCMIN,
+        direction: directions.map(|directions| directions[*row]),
+        torque: torques.map(|torques| torques[*row]),
+    };
+    let rows: Vec<TurnRow> = order.iter().map(row).collect();
+    let (curves, remarks) = read_turns(&rows, rated).map_err(|error| unusable(table, &order, error))?;
+    bench.curves.extend(curves);
+    say(table, file, &order, remarks, bench);
+    Ok(())
+}
+
+fn unusable(table: &Table, rows: &[usize], error: Unusable) -> AnalysisError {
+    table.wrong(rows[error.row], error.what, error.remedy).into()
+}
+
+/// Adds remarks with the lines of the file that they are about.
+fn say(table: &Table, file: &str, rows: &[usize], remarks: Vec<Remark>, bench: &mut MeasuredOnBench) {
+    let name = crate::tables::shown(file.rsplit(['/', '\\']).next().unwrap_or(file));
+    for Remark { rows: about, text } in remarks {
+        let (first, last) = about.map_or((0, rows.len() - 1), |about| (about.start, about.end - 1));
+        let (first, last) = (table.line(rows[first]), table.line(rows[last]));
+        let place = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
+        let remark = format!("{name}, {place}: {text}");
+        if !bench.remarks.contains(&remark) {
+            bench.remarks.push(remark);
         }
     }
-    Ok(curves)
 }

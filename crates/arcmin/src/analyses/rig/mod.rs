@@ -39,7 +39,7 @@ options! {
         [fidelity: FidelityOptions, joints = "bearings"]
         /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// A measured curve, evaluated by the same code and drawn over ours; may be given several times. A loop has the columns torque_n_m, angle_arcmin, branch (falling or rising) and, for several loops, position; a transmission error has output_angle_deg, te_arcmin and, for several curves, direction and torque_n_m.
+        /// A measured curve, evaluated by the same code and drawn over ours; may be given several times. A loop has the columns torque_n_m, angle_arcmin and, where known, branch (falling or rising), time_s and, for several crank positions, position; a transmission error has output_angle_deg, te_arcmin and, where known, direction, torque_n_m and time_s. Other columns are passed over.
         measured: Vec<InputFile> => optional(0.0, 0.0),
         // With two crankshafts every place comes twice in a turn: four positions would be two.
         /// Crank positions at which the loop is run, evenly over a turn of the crankshafts.

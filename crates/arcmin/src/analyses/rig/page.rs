@@ -6,8 +6,10 @@ use crate::analyses::Outcome;
 use crate::analyses::{Said, TextTable, causes};
 use crate::machine::OutputForces;
 use crate::report::rig::RigPage;
-use crate::report::{Page, Provenance, Section, capitalised};
+use crate::report::{Page, Provenance, Section, capitalised, significant};
 use crate::results::Value;
+use crate::rig::{MeasuredOnBench, NamedOrder};
+use crate::units::ARCMIN;
 
 const FURTHER: &[&str] = &[
     "te_rated_peak_to_peak_arcmin",
@@ -52,11 +54,13 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
         ];
         row.extend(rig.worn.as_ref().map(|(state, _)| show((figure.of)(state))));
         if rig.measured.is_some() {
-            row.push(measured(rig, index).map_or(String::new(), show));
+            let shown = |(value, uncertainty)| format!("{} ± {}", show(value), significant(uncertainty, 2));
+            row.push(measured(rig, index).map_or(String::new(), shown));
         }
         row
     });
     said.push(Said::Table(TextTable { header, rows: rows.collect() }));
+    said.extend(rig.measured.iter().flat_map(measured_said));
     said.push(Said::figures(&rig.summary(), FURTHER));
     if let Some(heat) = &rig.state().heat {
         said.push(Said::figures(&rig.summary(), WARM));
@@ -73,6 +77,31 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
     if let Some(at) = rig.causes_at().last() {
         said.extend(causes::said(at, Some(rig.state().lost_motion())));
     }
+    said
+}
+
+/// Measured transmission errors, and what was done to the rows of measured curves.
+fn measured_said(bench: &MeasuredOnBench) -> Vec<Said> {
+    let arcmin = |angle: f64| significant(angle / ARCMIN, 3);
+    let mut said = Vec::new();
+    for measured in &bench.curves {
+        let way = if measured.curve.direction > 0.0 { "forward" } else { "backward" };
+        said.push(Said::line(format!(
+            "measured transmission error, {way}, {} N·m: {} ± {} arcmin peak to peak",
+            significant(measured.curve.torque, 3),
+            arcmin(measured.peak_to_peak),
+            significant(measured.peak_to_peak_uncertainty / ARCMIN, 2)
+        )));
+    }
+    if !bench.orders.is_empty() {
+        let order = |(named, uncertainty): &(NamedOrder, f64)| {
+            let doubt = significant(uncertainty / ARCMIN, 2);
+            format!("{} ({} ± {doubt} arcmin)", named.order, arcmin(named.amplitude))
+        };
+        let orders: Vec<String> = bench.orders.iter().take(4).map(order).collect();
+        said.push(Said::line(format!("strongest measured orders: {}", orders.join(", "))));
+    }
+    said.extend(bench.remarks.iter().map(|remark| Said::line(remark.clone())));
     said
 }
 

@@ -37,9 +37,11 @@ pub(super) fn hysteresis(
         }
         if let (Some(measured), Some((_, state))) = (measured.and_then(|m| m.loops.first()), states.last()) {
             // A measured angle has no zero: it is laid over the middle of the computed loop.
-            let shift = state.loops.first().map_or(0.0, |one| middle(one, rated)) - middle(measured, rated);
-            plot.series
-                .push(Series::markers("measured", points(measured, shift)).coloured(Colour::Reference));
+            let middle = |one: &[LoopPoint]| middle(one, rated);
+            let shift = state.loops.first().map_or(0.0, |one| middle(one)) - middle(&measured.points);
+            let every = measured.rows.len().div_ceil(MOST_MARKERS);
+            let rows: Vec<LoopPoint> = measured.rows.iter().step_by(every).copied().collect();
+            plot.series.push(Series::markers("measured", points(&rows, shift)).coloured(Colour::Reference));
         }
         plot
     };
@@ -71,6 +73,9 @@ pub(super) fn hysteresis(
     vec![Block::Plot(whole), Block::Plot(close)]
 }
 
+/// Rows of a measured loop that are drawn.
+const MOST_MARKERS: usize = 1500;
+
 /// Mean angle of both branches at ± 3 % of rated torque, rad.
 fn middle(points: &[LoopPoint], rated: f64) -> f64 {
     let mut sum = 0.0;
@@ -89,11 +94,14 @@ fn middle(points: &[LoopPoint], rated: f64) -> f64 {
     sum / f64::from(count.max(1))
 }
 
+/// Places of a measured transmission error that are drawn.
+const MOST_PLACES: usize = 20_000;
+
 /// Figures of the loops, with their spread over the crank positions.
 pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&MeasuredOnBench>) -> Block {
     let mut columns = vec![Column::text("Figure")];
     columns.extend(states.iter().map(|(name, _)| Column::number(name.clone(), "")));
-    let measured = measured.filter(|m| !m.figures.is_empty());
+    let measured = measured.filter(|m| !m.loops.is_empty());
     columns.extend(measured.map(|_| Column::number("measured", "")));
     let rows: [(&str, f64, fn(&LoopFigures) -> f64); 6] = [
         ("Lost motion, arcmin", 1.0 / ARCMIN, |f| f.lost_motion),
@@ -119,11 +127,18 @@ pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&Mea
             .map(|(name, unit, of)| {
                 let mut row = vec![name.to_owned()];
                 row.extend(states.iter().map(|(_, state)| cell(&state.figures, unit, of)));
-                row.extend(measured.map(|m| cell(&m.figures, unit, of)));
+                row.extend(measured.and_then(|m| m.figure(of)).map(|(value, uncertainty)| {
+                    let value = unit * value;
+                    // Work has the sign of the sense in which the loop is run.
+                    let value = if name.starts_with("Work") { value.abs() } else { value };
+                    format!("{} ± {}", significant(value, 3), significant(unit * uncertainty, 2))
+                }));
                 row
             })
             .collect(),
-        note: "Mean over the crank positions, and in brackets the lowest and the highest of them. Measured loops are read by the same code.".into(),
+        note: "Mean over the crank positions, and in brackets the lowest and the highest of them. Measured loops are read by the same code; ± is the half width of \
+               the 95 % interval from their noise, their repetitions and how densely they are measured."
+            .into(),
     })
 }
 
@@ -219,9 +234,8 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
             .map(|(angle, error)| ((angle - first).to_degrees().abs(), (error - mean) / ARCMIN))
             .collect()
     };
-    let row = |name: String, c: &ErrorCurve, mean: bool| {
-        let mean = if mean { significant(c.mean() / ARCMIN, 3) } else { "–".into() };
-        vec![name, mean, significant(c.peak_to_peak() / ARCMIN, 3)]
+    let row = |c: &ErrorCurve| {
+        vec![name(c), significant(c.mean() / ARCMIN, 3), significant(c.peak_to_peak() / ARCMIN, 3)]
     };
     let mut rows = Vec::new();
     for (index, curve) in state.curves.iter().enumerate() {
@@ -229,16 +243,17 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         let mut series = Series::line(name(curve), about_mean(curve)).coloured(Colour::Palette(index as u8));
         series.hidden = index >= 2;
         plot.series.push(series);
-        rows.push(row(name(curve), curve, true));
+        rows.push(row(curve));
     }
     let measured = measured.filter(|m| !m.curves.is_empty());
-    for curve in measured.iter().flat_map(|m| &m.curves) {
-        plot.series.push(
-            Series::line(format!("measured, {}", name(curve)), about_mean(curve))
-                .coloured(Colour::Reference)
-                .strong(),
-        );
-        rows.push(row(format!("measured, {}", name(curve)), curve, false));
+    for one in measured.iter().flat_map(|m| &m.curves) {
+        let name = format!("measured, {}", name(&one.curve));
+        let every = one.curve.points.len().div_ceil(MOST_PLACES);
+        let line = about_mean(&one.curve).into_iter().step_by(every);
+        plot.series.push(Series::line(name.clone(), line).coloured(Colour::Reference).strong());
+        let (value, uncertainty) = (one.peak_to_peak / ARCMIN, one.peak_to_peak_uncertainty / ARCMIN);
+        let shown = format!("{} ± {}", significant(value, 3), significant(uncertainty, 2));
+        rows.push(vec![name, "–".into(), shown]);
     }
     plot.note =
         "Every curve begins at its first angle; those at rated torque appear on a click in the legend."
@@ -247,7 +262,9 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         title: "Transmission error".into(),
         columns: vec![Column::text("Test"), Column::number("Mean", "arcmin"), Column::number("Peak to peak", "arcmin")],
         rows,
-        note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero.".into(),
+        note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero. ± is the half width of the 95 % \
+               interval; noise is not counted into the peak to peak of a measured turn."
+            .into(),
     };
     let mut spectrum = Plot::new(
         "Spectrum, forward",
@@ -277,7 +294,12 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
             label: named.order.to_string(),
         });
     }
-    let table = |title: &str, orders: &[crate::rig::NamedOrder], note: &str| {
+    let arcsec = |angle: f64, digits: usize| significant(60.0 * angle / ARCMIN, digits);
+    let table = |title: &str, orders: &[(crate::rig::NamedOrder, Option<f64>)], note: &str| {
+        let amplitude = |(o, uncertainty): &(crate::rig::NamedOrder, Option<f64>)| match uncertainty {
+            Some(uncertainty) => format!("{} ± {}", arcsec(o.amplitude, 3), arcsec(*uncertainty, 2)),
+            None => arcsec(o.amplitude, 3),
+        };
         Block::Table(Table {
             title: title.into(),
             columns: vec![
@@ -287,9 +309,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
             ],
             rows: orders
                 .iter()
-                .map(|o| {
-                    vec![o.order.to_string(), significant(60.0 * o.amplitude / ARCMIN, 3), o.cause.clone()]
-                })
+                .map(|o| vec![o.0.order.to_string(), amplitude(o), o.0.cause.clone()])
                 .collect(),
             note: note.into(),
         })
@@ -300,7 +320,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         Block::Plot(spectrum),
         table(
             "Strongest orders",
-            &state.orders,
+            &state.orders.iter().map(|order| (order.clone(), None)).collect::<Vec<_>>(),
             "One turn resolves whole orders: causes that fall on the same one are all named and cannot be told apart. With the housing at rest, errors of \
              the ring lie at multiples of z_c, errors that go round with carrier, discs and shafts at multiples of z_p.",
         ),
@@ -308,8 +328,8 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
     if let Some(m) = measured.filter(|m| !m.orders.is_empty()) {
         blocks.push(table(
             "Strongest orders, measured",
-            &m.orders,
-            "Of the first measured curve that covers a whole turn.",
+            &m.orders.iter().map(|(order, doubt)| (order.clone(), Some(*doubt))).collect::<Vec<_>>(),
+            "Of the first measured curve that covers a whole turn. ± is the half width of the 95 % interval, from the noise between the orders.",
         ));
     }
     blocks

@@ -131,6 +131,12 @@ impl RigPage<'_> {
         };
         let mut bench = figures::hysteresis(self.machine, &states, self.measured);
         bench.push(figures::loop_figures(&states, self.measured));
+        if let Some(measured) = self.measured.filter(|measured| !measured.remarks.is_empty()) {
+            bench.push(Block::Note(
+                Tone::Neutral,
+                format!("Measured curves. {}.", measured.remarks.join(". ")),
+            ));
+        }
         if let Some(errors) = &self.errors {
             bench.push(Block::Note(Tone::Neutral, errors.clone()));
         }

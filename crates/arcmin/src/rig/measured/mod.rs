@@ -1,0 +1,97 @@
+//! Curves from real benches, read as ours are, with what noise and the course of the test leave uncertain.
+//!
+//! A real loop begins with a first loading, runs several times, is held at steps, scatters in torque or
+//! angle, drifts, and counts torque and angle in senses of its own; a real transmission error repeats and
+//! jitters in angle, lacks its last place, runs several turns. What is done about each is said in a
+//! [`Remark`].
+
+mod branch;
+mod loops;
+mod series;
+#[cfg(test)]
+mod tests;
+mod turns;
+
+pub use loops::{LoopRow, MeasuredLoop, read_loops};
+pub use turns::{MeasuredCurve, TurnRow, TurnSpectrum, read_turns};
+
+use std::ops::Range;
+
+use super::NamedOrder;
+use crate::dynamics::SpectrumLine;
+
+/// What was measured on a real bench, evaluated like ours.
+#[derive(Debug, Clone, Default)]
+pub struct MeasuredOnBench {
+    pub loops: Vec<MeasuredLoop>,
+    pub curves: Vec<MeasuredCurve>,
+    /// Of the first curve that covers a turn; empty if none does.
+    pub spectrum: Vec<SpectrumLine>,
+    /// Its strongest orders, each with the half width of its 95 % interval in rad.
+    pub orders: Vec<(NamedOrder, f64)>,
+    /// What was done to the rows before they were read, in sentences.
+    pub remarks: Vec<String>,
+}
+
+impl MeasuredOnBench {
+    /// Mean of a figure over the loops, and the half width of its 95 % interval; `None` without loops.
+    ///
+    /// Cycles at one position are repetitions: what they scatter is uncertainty. Positions differ in truth.
+    pub fn figure(&self, of: fn(&super::LoopFigures) -> f64) -> Option<(f64, f64)> {
+        let mut positions: Vec<(usize, Vec<&MeasuredLoop>)> = Vec::new();
+        for one in &self.loops {
+            match positions.iter_mut().find(|(position, _)| *position == one.position) {
+                Some((_, cycles)) => cycles.push(one),
+                None => positions.push((one.position, vec![one])),
+            }
+        }
+        let count = positions.len() as f64;
+        let (mut sum, mut width) = (0.0, 0.0);
+        for (_, cycles) in &positions {
+            let n = cycles.len() as f64;
+            let mean = cycles.iter().map(|one| of(&one.figures)).sum::<f64>() / n;
+            // What bends and coarse steps leave uncertain is alike in all of them and does not average out.
+            let own = cycles.iter().map(|one| of(&one.uncertainty)).sum::<f64>() / n;
+            let spread = cycles.iter().map(|one| (of(&one.figures) - mean).powi(2)).sum::<f64>();
+            let between = if n > 1.0 { 2.0 * (spread / (n - 1.0) / n).sqrt() } else { 0.0 };
+            sum += mean;
+            width += own.max(between);
+        }
+        (count > 0.0).then(|| (sum / count, width / count))
+    }
+}
+
+/// Something done to the rows of a file before they were read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remark {
+    /// Rows that it is about, counted from 0; `None` if all.
+    pub rows: Option<Range<usize>>,
+    /// A sentence.
+    pub text: String,
+}
+
+impl Remark {
+    fn of_all(text: impl Into<String>) -> Remark {
+        Remark { rows: None, text: text.into() }
+    }
+
+    fn of_rows(rows: Range<usize>, text: impl Into<String>) -> Remark {
+        Remark { rows: Some(rows), text: text.into() }
+    }
+}
+
+/// Why rows are no loop or no transmission error.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{what}")]
+pub struct Unusable {
+    /// Row that it is about, counted from 0.
+    pub row: usize,
+    pub what: String,
+    pub remedy: String,
+}
+
+impl Unusable {
+    fn at(row: usize, what: impl Into<String>, remedy: impl Into<String>) -> Unusable {
+        Unusable { row, what: what.into(), remedy: remedy.into() }
+    }
+}
