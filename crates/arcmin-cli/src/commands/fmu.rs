@@ -194,6 +194,7 @@ fn unit(
             positions: given.within("positions", 1.0, 360.0)? as usize,
             error_positions: given.within("te-positions", 64.0, 65536.0)? as usize,
             timestep: 1e-3,
+            load_inertia: None,
         };
         let found = joint(design, &options, host).map_err(failed)?;
         let of_states: Vec<f64> = found.states.iter().map(|state| state.hours).collect();

@@ -36,7 +36,7 @@ pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty};
 pub use fit::{FlankFit, Outlier};
 pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};
 pub use joint::{
-    Hysteresis, JointExport, JointInertia, JointState, SlipElement, TorsionCurve, TransmissionWaves, Wave,
+    Hysteresis, JointExport, JointInertia, JointState, RunningFriction, SlipElement, TorsionCurve, TransmissionWaves, Wave,
 };
 pub use outline::{Outline, OutlinePoint, OutlineTable};
 pub use points::{PointFormat, PointSet, read_points};

@@ -7,14 +7,13 @@ use super::{LoadFlange, PinLoadAt};
 use crate::exchange::joint::{
     Hysteresis, JointExport, JointState, SlipElement, TorsionCurve, TransmissionWaves,
 };
-use crate::exchange::{ExchangeError, joint::Wave};
+use crate::exchange::joint::{FLANGE_DAMPING_RATIO, Wave};
+use crate::exchange::ExchangeError;
 use crate::rig::LossLine;
 
 /// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some 10
 /// krad/s; a fifth of a radian is resolved to 0.3 %.
 const LONGEST_STEP: f64 = 2e-5;
-/// Damping ratio of the flange on the gear.
-const DAMPING_RATIO: f64 = 0.02;
 /// Speed of the input in rad/s below which friction has not yet its full size.
 const CREEP: f64 = 0.5;
 /// Iterations of one balance: a bracket of a turn shrinks to rounding.
@@ -122,7 +121,7 @@ impl MapModel {
             flange_inertia: joint.inertia.output_kg_m2,
             // The motor is outside of the unit.
             input_inertia: joint.inertia.sun_kg_m2 + joint.inertia.gear_kg_m2,
-            damping: 2.0 * DAMPING_RATIO * (stiffness * joint.inertia.output_kg_m2).sqrt(),
+            damping: 2.0 * FLANGE_DAMPING_RATIO * (stiffness * joint.inertia.output_kg_m2).sqrt(),
             hysteresis,
             waves: a
                 .transmission_error

@@ -21,7 +21,7 @@ pub struct TorsionCurve {
 
 impl TorsionCurve {
     /// Least squares on the mid-line of a loop between `low` (share of the largest torque below which the flank
-    /// may still hang) and the largest torque. T₁ and T₂ are those of a grid that leave least; only stiffening
+    /// may still hang, and at which lost motion is defined) and the largest torque. T₁ and T₂ are those of a grid that leave least; only stiffening
     /// curves are taken. `None` for a loop without enough points.
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<TorsionCurve> {
         let line: Vec<(f64, f64)> =
@@ -138,7 +138,10 @@ impl Straight {
         });
         let given = offset.unwrap_or(0.0);
         let angles = DVector::from_iterator(line.len(), line.iter().map(|point| point.1 - given));
-        let solution = (matrix.transpose() * &matrix).lu().solve(&(matrix.transpose() * &angles))?;
+        // The first torque is the one at which lost motion is defined: it counts as all others together.
+        let mut weighted = matrix.clone();
+        weighted.row_mut(0).scale_mut(line.len() as f64);
+        let solution = (weighted.transpose() * &matrix).lu().solve(&(weighted.transpose() * &angles))?;
         Some(Straight {
             offset: offset.unwrap_or(solution[0]),
             compliance: [0, 1, 2].map(|piece| solution[free + group(piece)]),
@@ -395,7 +398,7 @@ fn sides(line: &[(f64, [f64; 2])], mean: &TorsionCurve) -> Option<(f64, [Torsion
 }
 
 /// min |A w − b| with w ≥ 0, one weight at a time (the matrix is small, and each step only ever helps).
-fn non_negative(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
+pub(super) fn non_negative(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let squares: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
     let mut weights = vec![0.0; columns.len()];

@@ -173,8 +173,21 @@ pub(in crate::exchange) fn sample() -> JointExport {
             peak_to_peak_rad: 2e-5,
             left_rad: 0.0,
         };
+        let friction = RunningFriction {
+            coulomb_n_m: 4.9,
+            viscous_n_m_s_per_rad: 0.6,
+            load_mean: 0.13,
+            load_difference: -0.01,
+            relaxation_rad: 1e-5,
+            residual_rms_n_m: 0.2,
+            residual_max_n_m: 0.5,
+            relaxation_residual_rms_n_m: 1.0,
+        };
         JointState {
             hours,
+            damping_ratio: 0.05,
+            friction,
+            friction_without_constant: friction,
             lost_motion_rad: 2.0 * gap * ARCMIN,
             backlash_rad: 2.0 * gap * ARCMIN,
             stiffness_n_m_per_rad: 250.0 / ARCMIN,
@@ -211,8 +224,10 @@ pub(in crate::exchange) fn sample() -> JointExport {
             gear_kg_m2: 4e-5,
             output_kg_m2: 6e-3,
             output_kg: 2.5,
+            gear_kg: 1.8,
         },
         timestep_s: 1e-3,
+        load_inertia_kg_m2: 12.0,
         states: vec![state(0.0, 0.3), state(2000.0, 0.5)],
     }
 }
