@@ -238,7 +238,7 @@ fn unit(
 }
 
 /// A zip whose bytes depend on nothing but its entries.
-fn pack(entries: &[(String, Vec<u8>)]) -> std::io::Result<Vec<u8>> {
+pub(super) fn pack(entries: &[(String, Vec<u8>)]) -> std::io::Result<Vec<u8>> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default()
         .compression_method(zip::CompressionMethod::Deflated)

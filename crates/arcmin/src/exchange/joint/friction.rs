@@ -58,7 +58,10 @@ fn balances(losses: &[LossLine], ratio: f64, rated: f64) -> Vec<Balance> {
             let driving = load / line.efficiency[0] + ratio * line.friction_n_m[0];
             let driven = ratio * line.friction_n_m[1] - load * line.efficiency[1];
             all.push(Balance { speed, motor: driving, friction: driving - load });
-            all.push(Balance { speed, motor: driven, friction: driven + load });
+            // A small load drives only with the motor's help; that side of the line was not measured.
+            if driven < 0.0 {
+                all.push(Balance { speed, motor: driven, friction: driven + load });
+            }
         }
     }
     all
