@@ -100,7 +100,7 @@ def damping_ratio(path, hours, rated, load):
 
 
 def friction_module(place):
-    spec = importlib.util.spec_from_file_location("joint_mujoco", place / "joint.mujoco.py")
+    spec = importlib.util.spec_from_file_location("joint_mujoco", place / "joint_mujoco.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -136,7 +136,7 @@ def check_friction(place, joint):
                     expected = load * line["efficiency"][1] + ratio * line["friction_n_m"][1]
                 worst = max(worst, abs(np.mean(taken) - expected))
         # The fit's own largest residual, and 1 N m for the servo and the solver's friction.
-        check(f"joint.mujoco.py, {state['hours']:g} h: motor torque off the bench's, N m", worst,
+        check(f"joint_mujoco.py, {state['hours']:g} h: motor torque off the bench's, N m", worst,
               state["friction"]["residual_max_n_m"] + 1)  # fmt: skip
 
 

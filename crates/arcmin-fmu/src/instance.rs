@@ -56,8 +56,8 @@ struct Given {
     motor: [f64; 3],
     load_torque: [f64; 2],
     load_motion: [f64; 3],
-    /// Whether the acceleration of motor and load was ever set to anything but 0: importers write 0 to inputs that
-    /// nothing is connected to.
+    /// Whether the acceleration of motor and load was ever set to anything but 0: importers write 0 to inputs
+    /// that nothing is connected to.
     acceleration_is_given: [bool; 2],
     /// Speeds of motor and load at the last communication point and the length of that step.
     last: Option<([f64; 2], f64)>,

@@ -58,12 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn figures(
-    export: &ProfileExport,
-    worn: bool,
-    [offset, tolerance]: [f64; 2],
-    crankshafts: usize,
-) -> String {
+fn figures(export: &ProfileExport, worn: bool, [offset, tolerance]: [f64; 2], crankshafts: usize) -> String {
     let profile = export.profile();
     let parts: Vec<String> = export
         .solid_figures()

@@ -201,7 +201,9 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let out = directory(matches, &path, "export")?;
     let disc = match matches.get_one::<u32>("disc") {
         Some(disc) if (1..=machine.disc_count()).contains(&(*disc as usize)) => Some(*disc as usize - 1),
-        Some(disc) => return Err(failed(ExchangeError::NoDisc { disc: *disc as usize, count: machine.disc_count() })),
+        Some(disc) => {
+            return Err(failed(ExchangeError::NoDisc { disc: *disc as usize, count: machine.disc_count() }));
+        }
         None => None,
     };
     let contour = match (matches.get_one::<String>("contour").map(String::as_str), disc) {

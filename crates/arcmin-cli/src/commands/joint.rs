@@ -18,7 +18,7 @@ pub fn command() -> Command {
         .about("The reducer as a joint for MuJoCo, URDF, SDF, Modelica, Simscape and controllers, from new to worn")
         .long_about(
             "Runs the test bench at each age and writes the joint's numbers with source and units: joint.mjcf.xml \
-             (MuJoCo 4) with joint.mujoco.py (lets its friction grow with load), joint.urdf, joint.sdf, joint.mo (Modelica), joint.simscape.m, joint.json with everything, and \
+             (MuJoCo 4) with joint_mujoco.py (lets its friction grow with load), joint.urdf, joint.sdf, joint.mo (Modelica), joint.simscape.m, joint.json with everything, and \
              tables for controllers: joint.wind_up.csv, joint.te.csv (transmission error as waves), joint.loss.csv.",
         )
         .after_help("Examples:\n  arcmin export joint my-reducer.toml --hours 0,2000,6000")
@@ -110,7 +110,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let json = found.json().map_err(|cause| Failure::Json { cause: cause.to_string() })?;
     let files = [
         ("joint.mjcf.xml", found.mjcf()),
-        ("joint.mujoco.py", found.mujoco_python()),
+        ("joint_mujoco.py", found.mujoco_python()),
         ("joint.urdf", found.urdf()),
         ("joint.sdf", found.sdf()),
         ("joint.mo", found.modelica()),
@@ -162,9 +162,7 @@ fn told(found: &JointExport) -> String {
     lines.push(row("   largest N·m", &|s| format!("{:.2}", s.hysteresis.residual_max_n_m)));
     lines.push(row("   as angle ′ rms", &|s| arcmin(s.hysteresis.residual_rms_rad)));
     lines.push(row("damping ratio of a swing", &|s| format!("{:.3}", s.damping_ratio)));
-    let friction = |of: fn(&RunningFriction) -> f64| {
-        move |s: &JointState| significant(of(&s.friction), 3)
-    };
+    let friction = |of: fn(&RunningFriction) -> f64| move |s: &JointState| significant(of(&s.friction), 3);
     lines.push(row("friction: constant N·m", &friction(|f| f.coulomb_n_m)));
     lines.push(row("   viscous N·m·s/rad", &friction(|f| f.viscous_n_m_s_per_rad)));
     lines.push(row("   per motor torque, mean", &friction(|f| f.load_mean)));

@@ -27,7 +27,8 @@ impl ProfileExport {
         let mut sides = Sides { below: vec![reversed(&lower)], above: vec![upper] };
         let openings = self.openings(disc);
         let named = [("bore", &openings.bores), ("hole", &openings.holes)];
-        for (kind, hole) in named.into_iter().flat_map(|(kind, all)| all.iter().map(move |hole| (kind, hole))) {
+        for (kind, hole) in named.into_iter().flat_map(|(kind, all)| all.iter().map(move |hole| (kind, hole)))
+        {
             let angles = [(0.0, None), (PI, None)];
             let low = step.rim(hole.centre, hole.radius, 0.0, &angles);
             let high = step.rim(hole.centre, hole.radius, width, &angles);
@@ -115,8 +116,8 @@ impl Step {
                 let curve = self.segment_curve(segment, [0.0, width][side]);
                 self.edge(corners[index][side], corners[next][side], curve)
             });
-            // The metal is outside of the window: its face looks inwards, to the left of the outline. A cylinder's
-            // own normal leads away from its axis, which is to the left of an arc that turns left.
+            // The metal is outside of the window: its face looks inwards, to the left of the outline. A
+            // cylinder's own normal leads away from its axis, which is to the left of an arc that turns left.
             let (surface, same) = match segment {
                 Segment::Line { from, to } => (self.plane(*from, (to - from).normalize()), true),
                 Segment::Arc { centre, radius, sweep, .. } => {
@@ -137,12 +138,14 @@ impl Step {
         match segment {
             Segment::Line { from, to } => {
                 let along = (to - from).normalize();
-                let (point, along) = (self.point([from.x, from.y, z]), self.direction([along.x, along.y, 0.0]));
+                let (point, along) =
+                    (self.point([from.x, from.y, z]), self.direction([along.x, along.y, 0.0]));
                 let vector = self.add(&format!("VECTOR('',#{along},1.)"));
                 self.add(&format!("LINE('',#{point},#{vector})"))
             }
             Segment::Arc { centre, radius, sweep, .. } => {
-                let axis = self.placement([centre.x, centre.y, z], [0.0, 0.0, sweep.signum()], [1.0, 0.0, 0.0]);
+                let axis =
+                    self.placement([centre.x, centre.y, z], [0.0, 0.0, sweep.signum()], [1.0, 0.0, 0.0]);
                 self.add(&format!("CIRCLE('',#{axis},{})", real(*radius)))
             }
         }

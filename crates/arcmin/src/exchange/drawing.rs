@@ -8,7 +8,8 @@ use crate::geometry::{Outline, Segment, Vec2};
 
 impl ProfileExport {
     /// Drawing in SVG, one user unit a millimetre, y upwards: the polyline of the flank as a path, bores and
-    /// holes and windows of every disc and the pins in groups named like the layers of [`ProfileExport::dxf`].
+    /// holes and windows of every disc and the pins in groups named like the layers of
+    /// [`ProfileExport::dxf`].
     pub fn svg(&self) -> String {
         let ring = &self.machine.ring;
         let reach = 1.1 * (ring.pin_circle_radius + ring.pin_radius);

@@ -93,8 +93,8 @@ impl Writer {
         self.entity("SPLINE", layer, "AcDbSpline");
         let knots = spline.flat_knots();
         self.put_all(&[(210, "0"), (220, "0"), (230, "1")]);
-        // Planar, and not flagged as closed: it ends where it begins. Readers take a closed one as periodic, without
-        // clamped knots (LibreCAD), or then show nothing at all (CadQuery).
+        // Planar, and not flagged as closed: it ends where it begins. Readers take a closed one as periodic,
+        // without clamped knots (LibreCAD), or then show nothing at all (CadQuery).
         self.put_all(&[(70, "8"), (71, "3"), (72, &knots.len().to_string())]);
         self.put_all(&[(73, &spline.control.len().to_string()), (74, "0"), (42, "1e-9"), (43, "1e-9")]);
         knots.iter().for_each(|knot| self.put(40, &millimetres(*knot)));
@@ -145,11 +145,11 @@ fn escaped(words: &str) -> String {
 impl ProfileExport {
     /// Drawing in DXF R2000, millimetres.
     ///
-    /// Layers: FLANK_POLYLINE (closed LWPOLYLINE), FLANK_SPLINE (one cubic SPLINE that ends where it begins, whose
-    /// tangent is continuous everywhere and whose curvature is but for roots and crests), DISC_n_BORES,
+    /// Layers: FLANK_POLYLINE (closed LWPOLYLINE), FLANK_SPLINE (one cubic SPLINE that ends where it begins,
+    /// whose tangent is continuous everywhere and whose curvature is but for roots and crests), DISC_n_BORES,
     /// DISC_n_HOLES, DISC_n_WINDOWS and DISC_n_MARK for every disc (the mark points to its first crank bore),
-    /// PIN_RING about its own centre, STAMP. The drawing of one disc is for a cutter and holds nothing but contours:
-    /// no mark, ring or words; the stamp is in its comments.
+    /// PIN_RING about its own centre, STAMP. The drawing of one disc is for a cutter and holds nothing but
+    /// contours: no mark, ring or words; the stamp is in its comments.
     pub fn dxf(&self, contour: Contour) -> String {
         let mut layers: Vec<(String, u8)> = vec![("0".into(), 7)];
         layers.extend(contour.polyline().then(|| ("FLANK_POLYLINE".into(), 7)));

@@ -10,8 +10,8 @@ use super::crankshaft::Slice;
 use crate::geometry::{Outline, Segment, Vec2, unit};
 use crate::units::MM;
 
-/// Triangles that bound a solid: every edge belongs to two of them, which run along it in opposite directions. Seen
-/// from outside, their corners follow counter-clockwise.
+/// Triangles that bound a solid: every edge belongs to two of them, which run along it in opposite
+/// directions. Seen from outside, their corners follow counter-clockwise.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     /// m.
@@ -58,8 +58,8 @@ impl Builder {
 }
 
 impl Mesh {
-    /// The prism over a region between two heights: its outer polygon and holes, all counter-clockwise. `None` where
-    /// polygons cross each other.
+    /// The prism over a region between two heights: its outer polygon and holes, all counter-clockwise.
+    /// `None` where polygons cross each other.
     pub fn prism(outer: &[Vec2], holes: &[Vec<Vec2>], low: f64, high: f64) -> Option<Mesh> {
         let polygons: Vec<&[Vec2]> = std::iter::once(outer).chain(holes.iter().map(Vec::as_slice)).collect();
         let inside = |point: Vec2| polygons.iter().filter(|polygon| contains(polygon, point)).count() == 1;
@@ -76,8 +76,8 @@ impl Mesh {
         Some(builder.mesh)
     }
 
-    /// A stack of cylinders whose chords stay within a tolerance (m). Where two circles that meet nearly touch, chords
-    /// are made shorter until they no longer cross; `None` if they always do.
+    /// A stack of cylinders whose chords stay within a tolerance (m). Where two circles that meet nearly
+    /// touch, chords are made shorter until they no longer cross; `None` if they always do.
     pub(super) fn stack(slices: &[Slice], tolerance: f64) -> Option<Mesh> {
         const ROUNDS: i32 = 12;
         (0..ROUNDS).find_map(|round| Mesh::stacked(slices, tolerance * 0.5_f64.powi(round)))
@@ -184,9 +184,8 @@ pub(super) fn corners(outline: &Outline, tolerance: f64) -> Vec<Vec2> {
     let of = |segment: &Segment| {
         let count = match segment {
             Segment::Line { .. } => 1,
-            Segment::Arc { radius, sweep, .. } => {
-                chords(*radius, *sweep, tolerance).max((sweep.abs() / (TAU / LEAST_CHORDS as f64)).ceil() as usize)
-            }
+            Segment::Arc { radius, sweep, .. } => chords(*radius, *sweep, tolerance)
+                .max((sweep.abs() / (TAU / LEAST_CHORDS as f64)).ceil() as usize),
         };
         (0..count).map(|i| segment.point(i as f64 / count as f64)).collect::<Vec<Vec2>>()
     };
@@ -233,8 +232,8 @@ impl HasPosition for Corner {
     }
 }
 
-/// Triangles, counter-clockwise, of the convex hull of closed polygons, whose edges are all kept; `None` where edges
-/// cross.
+/// Triangles, counter-clockwise, of the convex hull of closed polygons, whose edges are all kept; `None`
+/// where edges cross.
 fn triangulated(polygons: &[&[Vec2]]) -> Option<Vec<[Vec2; 3]>> {
     let mut mesh: ConstrainedDelaunayTriangulation<Corner> = ConstrainedDelaunayTriangulation::new();
     for polygon in polygons {

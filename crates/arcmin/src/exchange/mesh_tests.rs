@@ -22,7 +22,8 @@ fn export(options: ProfileOptions) -> ProfileExport {
     ProfileExport::new(&machine, stamp, options).unwrap()
 }
 
-/// Every edge belongs to two triangles that run along it in opposite directions, and no triangle has lost a corner.
+/// Every edge belongs to two triangles that run along it in opposite directions, and no triangle has lost a
+/// corner.
 fn assert_closed(mesh: &Mesh) {
     let mut edges: HashMap<(usize, usize), i32> = HashMap::new();
     for t in &mesh.triangles {
@@ -53,7 +54,8 @@ fn meshes_are_closed_and_keep_their_tolerance() {
     }
 }
 
-/// Cylinders that lie in each other, cross, or all but touch, in any order: closed, and the volume of the polygons.
+/// Cylinders that lie in each other, cross, or all but touch, in any order: closed, and the volume of the
+/// polygons.
 #[test]
 fn stacks_of_any_circles_are_closed() {
     for seed in 0..40_u32 {
@@ -65,7 +67,11 @@ fn stacks_of_any_circles_are_closed() {
                 let from = z;
                 z += 5e-3 + 5e-3 * random(k + 20);
                 // Every fourth one all but touches its neighbour from within.
-                let radius = if seed % 4 == 0 && k % 2 == 1 { 8e-3 - off - 2e-6 } else { 7e-3 + 2e-3 * random(k + 10) };
+                let radius = if seed % 4 == 0 && k % 2 == 1 {
+                    8e-3 - off - 2e-6
+                } else {
+                    7e-3 + 2e-3 * random(k + 10)
+                };
                 let radius = if seed % 4 == 0 && k % 2 == 0 { 8e-3 } else { radius };
                 crankshaft::Slice { centre: off * unit(TAU * random(k + 30)), radius, from, to: z }
             })
@@ -96,7 +102,8 @@ fn stl_and_3mf_hold_the_same_triangles() {
     assert!(model.contains("unit=\"millimeter\"") && model.contains("chords stay within 10 um"));
 }
 
-/// A drawing for a cutter has one contour and the openings of its disc, and nothing that a cutter would cut else.
+/// A drawing for a cutter has one contour and the openings of its disc, and nothing that a cutter would cut
+/// else.
 #[test]
 fn one_contour_for_a_cutter() {
     let lines = |text: &str, kind: &str| text.lines().filter(|line| *line == kind).count();
@@ -113,7 +120,8 @@ fn one_contour_for_a_cutter() {
     let both = export(ProfileOptions::default()).dxf(Contour::Both);
     assert_eq!(lines(&both, "LWPOLYLINE"), 1 + machine.disc_count * windows);
     let (machine, stamp) = with_windows();
-    let error = ProfileExport::new(&machine, stamp, ProfileOptions { disc: Some(2), ..ProfileOptions::default() });
+    let error =
+        ProfileExport::new(&machine, stamp, ProfileOptions { disc: Some(2), ..ProfileOptions::default() });
     assert_eq!(error.unwrap_err(), ExchangeError::NoDisc { disc: 3, count: 2 });
 }
 
@@ -130,7 +138,8 @@ fn parts_of_a_flank_are_the_same_curve() {
             assert_eq!(pair[0].control[pair[0].control.len() - 1], pair[1].control[0]);
         }
         // Control points of the whole are those of the parts but near the cuts.
-        let kept = |p: &Vec2| flank.parts.iter().flat_map(|part| &part.control).any(|q| (p - q).norm() < 1e-15);
+        let kept =
+            |p: &Vec2| flank.parts.iter().flat_map(|part| &part.control).any(|q| (p - q).norm() < 1e-15);
         let count = flank.spline.control.iter().filter(|p| kept(p)).count();
         assert!(count + 2 * flank.parts.len() >= flank.spline.control.len());
     }

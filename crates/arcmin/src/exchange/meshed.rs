@@ -26,8 +26,8 @@ pub struct Body {
 }
 
 impl ProfileExport {
-    /// The parts as triangles whose corners lie on the exact surfaces and whose chords stay within the tolerance.
-    /// Discs stand one above the other as in the machine.
+    /// The parts as triangles whose corners lie on the exact surfaces and whose chords stay within the
+    /// tolerance. Discs stand one above the other as in the machine.
     ///
     /// # Errors
     /// [`ExchangeError::Fit`] where outlines of a part cross each other.
@@ -38,7 +38,9 @@ impl ProfileExport {
         let mut bodies = Vec::new();
         let kinematics = machine.kinematics();
         let assembly = match parts {
-            Parts::Assembly { crank_angle } => Some((crank_angle, kinematics.nominal_output_angle(crank_angle))),
+            Parts::Assembly { crank_angle } => {
+                Some((crank_angle, kinematics.nominal_output_angle(crank_angle)))
+            }
             _ => None,
         };
         if matches!(parts, Parts::Discs | Parts::Assembly { .. }) {
@@ -47,7 +49,8 @@ impl ProfileExport {
                 let pose = assembly.map(|(crank, output)| kinematics.disc_pose(disc, crank, output));
                 let (angle, centre) = pose.map_or((0.0, Vec2::zeros()), |pose| (pose.angle, pose.centre));
                 // One disc alone stands at zero, as in a file of STEP.
-                let floor = if self.options.disc.is_some() && assembly.is_none() { 0.0 } else { floors[disc] };
+                let floor =
+                    if self.options.disc.is_some() && assembly.is_none() { 0.0 } else { floors[disc] };
                 let copy = Placement { name: name.clone(), angle, place: [centre.x, centre.y, floor] };
                 bodies.push(Body { mesh: self.disc_mesh(disc)?, name, copies: vec![copy] });
             }
@@ -146,13 +149,15 @@ impl ProfileExport {
         Ok(bytes)
     }
 
-    /// The files inside of a 3MF (core specification 1.3), by their names: every part an object, every copy an item.
+    /// The files inside of a 3MF (core specification 1.3), by their names: every part an object, every copy
+    /// an item.
     ///
     /// # Errors
     /// As [`ProfileExport::bodies`].
     pub fn three_mf(&self, parts: Parts) -> Result<Vec<(String, Vec<u8>)>, ExchangeError> {
         let bodies = self.bodies(parts)?;
-        let said = self.stamps().into_iter().take(2).chain([self.mesh_stamp()]).collect::<Vec<_>>().join(". ");
+        let said =
+            self.stamps().into_iter().take(2).chain([self.mesh_stamp()]).collect::<Vec<_>>().join(". ");
         let mut text = format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" \
              xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n  <metadata \
@@ -194,7 +199,8 @@ impl ProfileExport {
             }
         }
         text.push_str("  </build>\n</model>\n");
-        let files = [("[Content_Types].xml", CONTENT_TYPES), ("_rels/.rels", RELATIONS), ("3D/3dmodel.model", &text)];
+        let files =
+            [("[Content_Types].xml", CONTENT_TYPES), ("_rels/.rels", RELATIONS), ("3D/3dmodel.model", &text)];
         Ok(files.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec())).to_vec())
     }
 }

@@ -37,12 +37,13 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use dxf::Contour;
 pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty};
+pub use dxf::Contour;
 pub use fit::{FlankFit, Outlier};
 pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};
 pub use joint::{
-    Hysteresis, JointExport, JointInertia, JointState, RunningFriction, SlipElement, TorsionCurve, TransmissionWaves, Wave,
+    Hysteresis, JointExport, JointInertia, JointState, RunningFriction, SlipElement, TorsionCurve,
+    TransmissionWaves, Wave,
 };
 pub use mesh::Mesh;
 pub use meshed::{Body, Placement};

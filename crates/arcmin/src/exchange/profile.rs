@@ -60,8 +60,8 @@ impl Default for ProfileOptions {
 
 /// The discs' flank within a tolerance, and everything around it, ready to be written.
 ///
-/// Frame of drawings: that of the flank, the root of τ = 0 on the x axis. All discs have the same flank; their
-/// bores stand at the carrier's angles minus the mounting angle δ_j = −α_j/z_c of each.
+/// Frame of drawings: that of the flank, the root of τ = 0 on the x axis. All discs have the same flank;
+/// their bores stand at the carrier's angles minus the mounting angle δ_j = −α_j/z_c of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileExport {
     pub(super) machine: Machine,
@@ -76,8 +76,8 @@ pub struct ProfileExport {
 }
 
 /// Splines keep this part of the tolerance: their error falls with the fourth power of the number of pieces,
-/// so it costs 2.7 times as many points, and area and volume are then right to better than a millionth. At the
-/// whole tolerance a mean of 0.15 µm on one side was 7e-6 of the disc's area.
+/// so it costs 2.7 times as many points, and area and volume are then right to better than a millionth. At
+/// the whole tolerance a mean of 0.15 µm on one side was 7e-6 of the disc's area.
 const SPLINE_SHARE: f64 = 50.0;
 
 impl ProfileExport {

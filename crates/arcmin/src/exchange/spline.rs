@@ -20,9 +20,9 @@ pub struct FittedSpline {
     pub deviation: f64,
 }
 
-/// Most pieces in a part, and fewest parts. Readers integrate over a face or an edge with a Gauss rule whose order they
-/// cap: with a whole flank as one face, OpenCascade's volume of a disc is off by up to 0.4 %, with these parts by some
-/// 1e-6.
+/// Most pieces in a part, and fewest parts. Readers integrate over a face or an edge with a Gauss rule whose
+/// order they cap: with a whole flank as one face, OpenCascade's volume of a disc is off by up to 0.4 %, with
+/// these parts by some 1e-6.
 const SPANS: usize = 6;
 const PARTS: usize = 4;
 /// Samples per piece on which the deviation is measured.
@@ -33,8 +33,8 @@ impl FittedSpline {
     /// own tangents at both ends. Pieces are halved until every one stays within `tolerance`.
     ///
     /// The deviation e of a piece is measured at sixteen places, normal to the outline; between them it can
-    /// exceed the larger neighbour by δ²/8 max|e″|, where e″ is the difference of curvatures; twice the larger
-    /// of both ends is taken. The bound stands in [`FittedSpline::deviation`].
+    /// exceed the larger neighbour by δ²/8 max|e″|, where e″ is the difference of curvatures; twice the
+    /// larger of both ends is taken. The bound stands in [`FittedSpline::deviation`].
     pub fn along(outline: &Outline, from: f64, to: f64, tolerance: f64) -> FittedSpline {
         let mut nodes: Vec<f64> = (0..=6).map(|i| from + (to - from) * f64::from(i) / 6.0).collect();
         // 6 · 2^12 pieces a flank are finer than a nanometre for any flank that is not folded.

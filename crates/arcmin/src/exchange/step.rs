@@ -132,9 +132,10 @@ impl Frame {
 impl ProfileExport {
     /// STEP file (AP214) of parts or of the assembly, in millimetres.
     ///
-    /// A disc has spline faces of a few pieces each along its flank with vertices at roots and crests, two half
-    /// cylinders per bore and hole, a face for every side and arc of a window. Pins are as long as the stack of discs. Crankshafts are drawn without their planets' teeth:
-    /// eccentrics with the diameter of the inner raceway, the shaft between and beside them.
+    /// A disc has spline faces of a few pieces each along its flank with vertices at roots and crests, two
+    /// half cylinders per bore and hole, a face for every side and arc of a window. Pins are as long as the
+    /// stack of discs. Crankshafts are drawn without their planets' teeth: eccentrics with the diameter of
+    /// the inner raceway, the shaft between and beside them.
     pub fn step(&self, parts: Parts) -> String {
         let mut step = Step { text: String::new(), count: 0 };
         let frame = Frame::begin(&mut step);

@@ -4,15 +4,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::{LoadFlange, PinLoadAt};
+use crate::exchange::ExchangeError;
+use crate::exchange::joint::{FLANGE_DAMPING_RATIO, Wave};
 use crate::exchange::joint::{
     Hysteresis, JointExport, JointState, SlipElement, TorsionCurve, TransmissionWaves,
 };
-use crate::exchange::joint::{FLANGE_DAMPING_RATIO, Wave};
-use crate::exchange::ExchangeError;
 use crate::rig::LossLine;
 
-/// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some 10
-/// krad/s; a fifth of a radian is resolved to 0.3 %.
+/// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some
+/// 10 krad/s; a fifth of a radian is resolved to 0.3 %.
 const LONGEST_STEP: f64 = 2e-5;
 /// Speed of the input in rad/s below which friction has not yet its full size.
 const CREEP: f64 = 0.5;
@@ -144,8 +144,8 @@ impl MapModel {
         })
     }
 
-    /// Waves of the transmission error in rad at an output angle (rad), in a sense of rotation and at a torque
-    /// (N·m) against the motion.
+    /// Waves of the transmission error in rad at an output angle (rad), in a sense of rotation and at a
+    /// torque (N·m) against the motion.
     fn waves(&self, angle: f64, direction: f64, torque: f64) -> f64 {
         let same = || self.waves.iter().filter(|waves| waves.direction == direction);
         let torque = torque.abs();

@@ -2,10 +2,11 @@
 
 use super::{Hysteresis, JointExport, JointState, SlipElement};
 
-/// Damping ratio of the flange alone on the gear, as in the map of the FMU: what rings on while all sliders stick.
+/// Damping ratio of the flange alone on the gear, as in the map of the FMU: what rings on while all sliders
+/// stick.
 pub(in crate::exchange) const FLANGE_DAMPING_RATIO: f64 = 0.02;
-/// A load may weigh so many times what the motor's side weighs, all seen from the same side; servo makers call more
-/// than this hard to control.
+/// A load may weigh so many times what the motor's side weighs, all seen from the same side; servo makers
+/// call more than this hard to control.
 const INERTIA_RATIO: f64 = 10.0;
 /// Elements that hold less than this part of half the rated torque are left out; the fit leaves such specks.
 const LEAST_SLIP: f64 = 1e-9;
@@ -13,12 +14,14 @@ const LEAST_SLIP: f64 = 1e-9;
 const STEPS: f64 = 2000.0;
 /// Damping ratio of what does not swing back.
 const MOST: f64 = 1.0;
-/// Square of frequency × time step up to which a spring is stepped explicitly; 4 is where it becomes unstable.
+/// Square of frequency × time step up to which a spring is stepped explicitly; 4 is where it becomes
+/// unstable.
 const EXPLICIT: f64 = 2.0;
 
-/// Damping ratio that the hysteresis gives to what swings freely about half of the rated torque after a quarter of it
-/// was let go: the logarithm of its first against its third half swing over 2 π. It does not depend on the inertia:
-/// a half swing ends where the work of the torque beyond the load, ∫ (T − T₀) dφ, is used up.
+/// Damping ratio that the hysteresis gives to what swings freely about half of the rated torque after a
+/// quarter of it was let go: the logarithm of its first against its third half swing over 2 π. It does not
+/// depend on the inertia: a half swing ends where the work of the torque beyond the load, ∫ (T − T₀) dφ, is
+/// used up.
 pub(super) fn damping_ratio(hysteresis: &Hysteresis, rated: f64) -> f64 {
     let load = 0.5 * rated;
     let mut states = vec![0.0; hysteresis.elements.len()];
@@ -54,8 +57,8 @@ impl JointState {
         0.5 * self.torsion_loop.iter().map(|point| point.0).fold(0.0, f64::max)
     }
 
-    /// Torque in N·m at which an element slips at half the rated load, where a loop is about widest: for tools
-    /// whose sliders know no load.
+    /// Torque in N·m at which an element slips at half the rated load, where a loop is about widest: for
+    /// tools whose sliders know no load.
     pub(super) fn slip_torque(&self, element: &SlipElement) -> f64 {
         element.torque_n_m + element.torque_per_load * self.half_rated()
     }
@@ -91,8 +94,8 @@ impl JointExport {
         INERTIA_RATIO * self.reflected_inertia()
     }
 
-    /// Damping in N·m·s/rad for tools without hysteresis: d = 2 ζ √(K₃ J) gives the load that the export is meant
-    /// for the damping ratio of the hysteresis. Another load J′ asks for √(J′/J) of it.
+    /// Damping in N·m·s/rad for tools without hysteresis: d = 2 ζ √(K₃ J) gives the load that the export is
+    /// meant for the damping ratio of the hysteresis. Another load J′ asks for √(J′/J) of it.
     pub fn damping(&self, state: &JointState) -> f64 {
         let stiffness = state.hysteresis.curve.stiffness_n_m_per_rad[2];
         2.0 * state.damping_ratio * (stiffness * self.load_inertia_kg_m2).sqrt()

@@ -10,12 +10,13 @@ use crate::rig::{LoopPoint, LossLine};
 ///
 /// τ_f = c + v |ω| + μ |τ| z + δ τ z², dz/dt = (ω − |ω| z)/h
 ///
-/// with the motor's torque times the ratio τ (N·m) and the speed of the output ω (rad/s). The state z is a sign
-/// of the speed that turns round within a turn of about h. Where the motor drives, friction takes μ + δ of its
-/// torque, where the load drives μ − δ. The four parameters μ, δ, h and v are those that users of MuJoCo fit to
-/// strain-wave gears and cycloidal drives which they measured driving and driven (google-deepmind/mujoco, issue
-/// 3528, September 2026); c is the friction without load, `frictionloss` of MuJoCo. Without h it is the directional
-/// load-dependent model of BAM (Duclusaud et al., arXiv 2410.08650) at running speed.
+/// with the motor's torque times the ratio τ (N·m) and the speed of the output ω (rad/s). The state z is a
+/// sign of the speed that turns round within a turn of about h. Where the motor drives, friction takes μ + δ
+/// of its torque, where the load drives μ − δ. The four parameters μ, δ, h and v are those that users of
+/// MuJoCo fit to strain-wave gears and cycloidal drives which they measured driving and driven
+/// (google-deepmind/mujoco, issue 3528, September 2026); c is the friction without load, `frictionloss` of
+/// MuJoCo. Without h it is the directional load-dependent model of BAM (Duclusaud et al., arXiv 2410.08650)
+/// at running speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RunningFriction {
     /// c in N·m.
@@ -28,8 +29,8 @@ pub struct RunningFriction {
     pub load_difference: f64,
     /// h in rad: after a reversal z has turned by 1 − 1/e of its way within it.
     pub relaxation_rad: f64,
-    /// What the model leaves of the bench's friction torques over speed, torque and direction of power: root mean
-    /// square and largest, N·m at the output.
+    /// What the model leaves of the bench's friction torques over speed, torque and direction of power: root
+    /// mean square and largest, N·m at the output.
     pub residual_rms_n_m: f64,
     pub residual_max_n_m: f64,
     /// What the turning round within h leaves of the hysteresis loop, root mean square, N·m.
@@ -68,8 +69,8 @@ fn balances(losses: &[LossLine], ratio: f64, rated: f64) -> Vec<Balance> {
 }
 
 impl RunningFriction {
-    /// Least squares with parameters that are not negative, over the lines of losses and one loop of the bench;
-    /// `constant`: with the friction c, else with the four parameters alone.
+    /// Least squares with parameters that are not negative, over the lines of losses and one loop of the
+    /// bench; `constant`: with the friction c, else with the four parameters alone.
     pub fn fit(
         losses: &[LossLine],
         (hysteresis, points): (&Hysteresis, &[LoopPoint]),
@@ -106,15 +107,16 @@ impl RunningFriction {
         }
     }
 
-    /// Constant in N·m and viscous friction in N·m·s/rad of the joint that a motor turns without load, for tools whose
-    /// friction does not grow: the motor's torque is then the friction itself, τ = (c + v ω)/(1 − μ − δ).
+    /// Constant in N·m and viscous friction in N·m·s/rad of the joint that a motor turns without load, for
+    /// tools whose friction does not grow: the motor's torque is then the friction itself, τ = (c + v ω)/(1 −
+    /// μ − δ).
     pub fn without_load(&self) -> [f64; 2] {
         let own = 1.0 - self.load_mean - self.load_difference;
         [self.coulomb_n_m / own, self.viscous_n_m_s_per_rad / own]
     }
 
-    /// Friction in N·m against a positive speed of the output (rad/s), with the motor's torque along it (N·m at
-    /// the output).
+    /// Friction in N·m against a positive speed of the output (rad/s), with the motor's torque along it (N·m
+    /// at the output).
     pub fn torque(&self, speed: f64, motor: f64) -> f64 {
         self.coulomb_n_m
             + self.viscous_n_m_s_per_rad * speed
@@ -127,9 +129,10 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// h and what it leaves of the loop. After a reversal the elements of the hysteresis turn round linearly, each within
-/// 2 d_j; an exponential with h = Σ T_j d_j/Σ T_j loses the same work on the way (T_j: slip torque at half the rated
-/// load). The loop is then T − G(φ) = (a + b |G|) z with a and b that are not negative.
+/// h and what it leaves of the loop. After a reversal the elements of the hysteresis turn round linearly,
+/// each within 2 d_j; an exponential with h = Σ T_j d_j/Σ T_j loses the same work on the way (T_j: slip
+/// torque at half the rated load). The loop is then T − G(φ) = (a + b |G|) z with a and b that are not
+/// negative.
 fn relaxation(hysteresis: &Hysteresis, points: &[LoopPoint], rated: f64) -> (f64, f64) {
     let held = |e: &SlipElement| e.torque_n_m + e.torque_per_load * 0.5 * rated;
     let all: f64 = hysteresis.elements.iter().map(held).sum();

@@ -12,17 +12,19 @@ const HEAD: &str = "Copy the bodies of one age and its tendons. Hinge 'drive' is
                     kg m2, s.\n       The damping of 'gear' is what rings on while all slip elements stick: the swings of an \
                     arm are damped by these\n       elements. Numeric 'friction': constant, viscous, mean and difference of \
                     the friction per motor torque, relaxation;\n       'slip': slip torque and its growth per elastic torque \
-                    of each element. joint.mujoco.py lets both grow with load.";
+                    of each element. joint_mujoco.py lets both grow with load.";
 
 impl JointExport {
-    /// A model for MuJoCo 4 that holds two bodies for each age, one in the other: a rotor on the hinge `drive`, with
-    /// what turns before the elastic part as armature, and the flange on the hinge `gear` for wind-up and backlash.
-    /// Fixed tendons over the gear hinge are its springs: one that pulls beyond a length (`springlength`) for each
-    /// piece of the torsion curve of either side, and one that yields (`springyield`) for each slip element.
+    /// A model for MuJoCo 4 that holds two bodies for each age, one in the other: a rotor on the hinge
+    /// `drive`, with what turns before the elastic part as armature, and the flange on the hinge `gear` for
+    /// wind-up and backlash. Fixed tendons over the gear hinge are its springs: one that pulls beyond a
+    /// length (`springlength`) for each piece of the torsion curve of either side, and one that yields
+    /// (`springyield`) for each slip element.
     ///
-    /// MuJoCo steps springs explicitly. The flange alone is too light for that at a robot's time step, so an armature
-    /// of the wind-up stands in for the arm; where a step would need one above the load that the export is meant for,
-    /// the integrator `discrete` takes its place, which steps springs implicitly and damps their swings.
+    /// MuJoCo steps springs explicitly. The flange alone is too light for that at a robot's time step, so an
+    /// armature of the wind-up stands in for the arm; where a step would need one above the load that the
+    /// export is meant for, the integrator `discrete` takes its place, which steps springs implicitly and
+    /// damps their swings.
     pub fn mjcf(&self) -> String {
         let mut text = String::new();
         let name = self.identifier();
@@ -181,8 +183,8 @@ impl JointExport {
             + 2.0 * self.rated_torque_n_m / curve.stiffness_n_m_per_rad[2]
     }
 
-    /// Springs of one age. The springs of a torsion curve that stiffens add up; each is slack up to its corner, and
-    /// on the whole other side.
+    /// Springs of one age. The springs of a torsion curve that stiffens add up; each is slack up to its
+    /// corner, and on the whole other side.
     fn tendons(&self, text: &mut String, state: &JointState) {
         let label = state.label();
         let slack = 2.0 * self.reach(state);

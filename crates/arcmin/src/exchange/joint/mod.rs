@@ -120,8 +120,8 @@ pub struct JointState {
     pub torsion_loop: Vec<(f64, f64)>,
     pub transmission_error: Vec<TransmissionWaves>,
     pub losses: Vec<LossLine>,
-    /// Friction of the running joint that grows with load, fitted to `losses` and the loop; then the same with
-    /// its four parameters alone, without the constant c.
+    /// Friction of the running joint that grows with load, fitted to `losses` and the loop; then the same
+    /// with its four parameters alone, without the constant c.
     pub friction: RunningFriction,
     pub friction_without_constant: RunningFriction,
     /// At rated torque and speed.

@@ -104,7 +104,10 @@ impl JointExport {
                 ("ratio", number(self.ratio)),
                 ("rated_torque", number(self.rated_torque_n_m)),
                 ("efficiency", number(state.efficiency)),
-                ("viscous_friction_base", number(state.friction.without_load()[1] / (self.ratio * self.ratio))),
+                (
+                    "viscous_friction_base",
+                    number(state.friction.without_load()[1] / (self.ratio * self.ratio)),
+                ),
                 ("no_load_torque_base", number(state.no_load_torque_n_m)),
                 ("dead_band_upper", number(high)),
                 ("dead_band_lower", number(low)),

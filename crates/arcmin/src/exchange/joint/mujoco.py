@@ -1,5 +1,7 @@
 """Friction of a joint of joint.mjcf.xml that grows with load, set anew before every step.
 
+    from joint_mujoco import LoadFriction
+
     friction = LoadFriction(model, "h0")
     while ...:
         friction.update(data)
@@ -32,7 +34,7 @@ class LoadFriction:
         self.model, self.z = model, 0.0
         self.constant, self.viscous, self.mean, self.difference, self.relaxation = numeric(f"friction_{age}")
         self.drive = model.jnt_dofadr[at(kinds.mjOBJ_JOINT, f"drive_{age}")]
-        # The file has the viscous friction without load; here the part that grows with the motor's torque has its share.
+        # The file has the viscous friction without load, whose own growth the torque of the motor has here.
         model.dof_damping[self.drive] = self.viscous
         self.gear = model.jnt_qposadr[at(kinds.mjOBJ_JOINT, f"gear_{age}")]
         self.slips = []

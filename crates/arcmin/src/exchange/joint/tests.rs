@@ -243,8 +243,19 @@ fn what_is_written_as_json_is_read_back() {
 #[test]
 fn names_are_nobodys_own() {
     let identifier = names::identifier;
-    for word in ["end", "End", "model", "package", "when", "initial", "annotation", "der", "Modelica", "function", "world"]
-    {
+    for word in [
+        "end",
+        "End",
+        "model",
+        "package",
+        "when",
+        "initial",
+        "annotation",
+        "der",
+        "Modelica",
+        "function",
+        "world",
+    ] {
         assert_eq!(identifier(word), format!("joint_{}", word.to_lowercase()));
     }
     for name in ["", "_", "__model__", "40E", "減速機", "a--b", "x\ny", "<&\">", "RV 40E-81"] {
@@ -258,7 +269,9 @@ fn names_are_nobodys_own() {
     assert_eq!(labels.len(), ages.len());
     assert!(labels.iter().all(|label| label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')));
     let joint = JointExport { design_name: "end".into(), ..sample() };
-    assert!(joint.modelica().contains("package joint_end ") && joint.modelica().ends_with("end joint_end;\n"));
+    assert!(
+        joint.modelica().contains("package joint_end ") && joint.modelica().ends_with("end joint_end;\n")
+    );
 }
 
 /// Losses made by a known friction give it back, with and without a constant.
@@ -269,8 +282,8 @@ fn a_known_friction_is_found_again() {
     for (constant, viscous, driving, driven) in
         [(5.0, 0.7, 0.12, 0.13), (0.0, 0.5, 0.2, 0.1), (3.0, 0.0, 0.05, 0.0), (0.0, 0.0, 0.0, 0.0)]
     {
-        // tau = c + v w + mu_1 tau + T while the motor drives; tau = c + v w - mu_2 tau - T while the load does, as long
-        // as the motor then brakes.
+        // tau = c + v w + mu_1 tau + T while the motor drives; tau = c + v w - mu_2 tau - T while the load
+        // does, as long as the motor then brakes.
         let losses: Vec<LossLine> = [15.0, 80.0, 160.0]
             .map(|speed: f64| {
                 let free = constant + viscous * speed / ratio;
@@ -283,8 +296,7 @@ fn a_known_friction_is_found_again() {
             })
             .into();
         let points = state.loop_points();
-        let found =
-            RunningFriction::fit(&losses, (&state.hysteresis, &points), ratio, rated, constant > 0.0);
+        let found = RunningFriction::fit(&losses, (&state.hysteresis, &points), ratio, rated, constant > 0.0);
         let near = |found: f64, truth: f64, size: f64| (found - truth).abs() < 0.03 * size;
         assert!(near(found.coulomb_n_m, constant, 6.0), "{found:?}");
         assert!(near(found.viscous_n_m_s_per_rad, viscous, 1.0), "{found:?}");
@@ -297,7 +309,8 @@ fn a_known_friction_is_found_again() {
     }
 }
 
-/// An arm let go on the hysteresis, stepped in time, loses per period what the damping ratio says; whatever it weighs.
+/// An arm let go on the hysteresis, stepped in time, loses per period what the damping ratio says; whatever
+/// it weighs.
 #[test]
 fn damping_ratio_is_that_of_a_swing_in_time() {
     let state = &sample().states[0];
