@@ -84,8 +84,20 @@ impl Mesh {
     }
 
     fn stacked(slices: &[Slice], tolerance: f64) -> Option<Mesh> {
-        // Where the circles of neighbours cross, both polygons have the same corner.
-        let crossings: Vec<Vec<Vec2>> = slices.windows(2).map(|pair| crossings(&pair[0], &pair[1])).collect();
+        // Where the circles of neighbours cross, both polygons have the same corner; so have all others whose circles
+        // cross at the same place but for rounding.
+        let mut known: Vec<Vec2> = Vec::new();
+        let mut same = |place: Vec2| {
+            let near = known.iter().copied().find(|other| (other - place).norm() < SAME);
+            near.unwrap_or_else(|| {
+                known.push(place);
+                place
+            })
+        };
+        let crossings: Vec<Vec<Vec2>> = slices
+            .windows(2)
+            .map(|pair| crossings(&pair[0], &pair[1]).into_iter().map(&mut same).collect())
+            .collect();
         let none = Vec::new();
         let polygons: Vec<Vec<Vec2>> = slices
             .iter()
@@ -157,7 +169,10 @@ fn circle_with(centre: Vec2, radius: f64, tolerance: f64, further: &[Vec2]) -> V
         .collect();
     // A regular corner that all but falls on a further one makes room for it.
     let near = 0.25 * TAU / count as f64;
-    for place in further {
+    for (index, place) in further.iter().enumerate() {
+        if further[..index].contains(place) {
+            continue;
+        }
         let arm = place - centre;
         let angle = arm.y.atan2(arm.x).rem_euclid(TAU);
         corners.retain(|(other, corner)| {
@@ -169,6 +184,8 @@ fn circle_with(centre: Vec2, radius: f64, tolerance: f64, further: &[Vec2]) -> V
     corners.into_iter().map(|(_, place)| place).collect()
 }
 
+/// Crossings nearer to each other than this (m) are one.
+const SAME: f64 = 1e-9;
 /// Fewest chords of a circle.
 const LEAST_CHORDS: usize = 12;
 

@@ -73,6 +73,9 @@ fn stacks_of_any_circles_are_closed() {
                     7e-3 + 2e-3 * random(k + 10)
                 };
                 let radius = if seed % 4 == 0 && k % 2 == 0 { 8e-3 } else { radius };
+                // Every third one is a crankshaft: the shaft crosses the same eccentric below and above.
+                let shaft = seed % 3 == 0 && k % 2 == 0;
+                let radius = if shaft && seed % 4 != 0 { 8.5e-3 } else { radius };
                 crankshaft::Slice { centre: off * unit(TAU * random(k + 30)), radius, from, to: z }
             })
             .collect();
