@@ -1,21 +1,25 @@
 """Reads the exports with ezdxf and OpenCascade and compares them with the exact flank and closed forms.
 
-Usage: check.py DIR drawings|solids, where DIR was written by the example `exchange_files`: drawings and tables with
-ezdxf, or solids with OpenCascade. Every check prints its figure; the exit status is 1 if one is not kept.
+Usage: check.py DIR drawings|solids|meshes, where DIR was written by the example `exchange_files`: drawings and tables
+with ezdxf, solids with OpenCascade, or STL and 3MF with trimesh. Every check prints its figure; the exit status is 1 if
+one is not kept.
 """
 
 import json
 import math
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
 
-DRAWINGS, SOLIDS = sys.argv[2] == "drawings", sys.argv[2] == "solids"
-if not (DRAWINGS or SOLIDS):
-    raise SystemExit("usage: check.py DIR drawings|solids")
+DRAWINGS, SOLIDS, MESHES = (sys.argv[2] == what for what in ("drawings", "solids", "meshes"))
 if DRAWINGS:
     import ezdxf
+elif MESHES:
+    import trimesh
+elif not SOLIDS:
+    raise SystemExit("usage: check.py DIR drawings|solids|meshes")
 else:
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
     from OCP.BRepCheck import BRepCheck_Analyzer
@@ -94,8 +98,27 @@ def check_dxf(place, edge, figures):
     middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
     check("chords off the exact flank, mm", edge.distance(middles).max(), tolerance + 1e-8)
     check("stated deviation, mm", tolerance, 1.0e-3)
+    check_spline(model, edge, figures)
+    # One disc for a cutter: one contour, the openings of this disc, nothing else.
+    for kind, entity in (("polyline", "LWPOLYLINE"), ("spline", "SPLINE")):
+        cutter = ezdxf.readfile(place / f"cutter-{kind}.dxf")
+        check(f"{kind} for a cutter, ezdxf audit: findings", len(cutter.audit().errors) + len(cutter.audit().fixes), 0)
+        model = cutter.modelspace()
+        flanks = [e.dxftype() for e in model if e.dxf.layer.startswith("FLANK")]
+        check(f"{kind} for a cutter: flanks that are not its own", int(flanks != [entity]), 0)
+        others = {e.dxf.layer for e in model} - {"FLANK_POLYLINE", "FLANK_SPLINE"}
+        wrong = [layer for layer in others if not layer.startswith("DISC_2_") or layer.endswith("MARK")]
+        check(f"{kind} for a cutter: layers that are no contours", len(wrong), 0)
+        opened = [e for e in model if e.dxftype() == "LWPOLYLINE" and not e.closed]
+        check(f"{kind} for a cutter: open polylines", len(opened), 0)
+        if kind == "spline":
+            check_spline(model, edge, figures)
+
+
+def check_spline(model, edge, figures):
     (spline,) = model.query('SPLINE[layer=="FLANK_SPLINE"]')
-    check("open splines", int(not spline.closed), 0)
+    # Closed by its ends: readers take one that is flagged so as periodic, and then some show nothing.
+    check("splines that are flagged as closed", int(spline.closed), 0)
     check("degree of the spline off three", abs(spline.dxf.degree - 3), 0)
     curve = spline.construction_tool()
     points = np.array([(p.x, p.y) for p in curve.approximate(len(spline.control_points) * 4)])
@@ -119,8 +142,14 @@ def pieces(shape, kind):
         explorer.Next()
 
 
+def default_volume(shape):
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return properties.Mass()
+
+
 def volume(shape):
-    # With a precision OpenCascade integrates adaptively; without one it is off by 1e-3 and more on spline faces.
+    # With a precision OpenCascade integrates adaptively; without one by a rule of limited order for each face.
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, properties, 1e-9)
     return properties.Mass()
@@ -145,6 +174,7 @@ def check_solids(path, expected):
         name = f"{path.name}: {part['name']}"
         check(f"{name}: invalid", int(not BRepCheck_Analyzer(solid).IsValid()), 0)
         check(f"{name}: volume", abs(volume(solid) / part["volume_mm3"] - 1), 1e-6)
+        check(f"{name}: volume by default", abs(default_volume(solid) / part["volume_mm3"] - 1), 1e-5)
         check(f"{name}: surface", abs(surface(solid) / part["surface_mm2"] - 1), 1e-6)
         faces = sum(1 for _ in pieces(solid, TopAbs_FACE))
         print(f"     {name}: {faces} faces")
@@ -190,12 +220,63 @@ def check_parts(place, figures):
         check_assembly(place / "assembly.step", figures, 0.2 * figures["spline_deviation_mm"] * width)
 
 
+def check_mesh(name, mesh, count, part, tolerance):
+    """One part, or so many copies of it: closed, oriented, and short of its volume by no more than its chords."""
+    check(f"{name}: open edges", int(not mesh.is_watertight), 0)
+    check(f"{name}: triangles turned round", int(not mesh.is_winding_consistent), 0)
+    check(f"{name}: bodies", abs(len(mesh.split(only_watertight=True)) - count), 0)
+    # Chords leave at most the tolerance over the surface; STL rounds to 24 bits.
+    bound = (tolerance + 1e-5) * part["surface_mm2"] / part["volume_mm3"]
+    check(f"{name}: volume", abs(mesh.volume / count / part["volume_mm3"] - 1), bound)
+
+
+def packed(place, stem):
+    """The example writes the files of a 3MF into a folder; the command packs them as is done here."""
+    folder, target = place / f"{stem}.3mf.d", place / f"{stem}.3mf"
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in sorted(f for f in folder.rglob("*") if f.is_file()):
+            archive.write(file, file.relative_to(folder).as_posix())
+    return target
+
+
+def check_meshes(place, figures):
+    edge, tolerance = Edge(figures), figures["tolerance_mm"]
+    by_name = {part["name"]: part for part in figures["parts"]}
+    discs = sum(name.startswith("cycloid") for name in by_name)
+    for stem, first, count in (
+        ("discs", "cycloid disc 1", discs),
+        ("disc-2", "cycloid disc 2", 1),
+        ("pin", "pin", 1),
+        ("crankshaft", "crankshaft", 1),
+    ):
+        stl = trimesh.load_mesh(place / f"{stem}.stl")
+        check_mesh(f"{stem}.stl", stl, count, by_name[first], tolerance)
+        scene = trimesh.load_scene(packed(place, stem))
+        check(f"{stem}.3mf: unit is not mm", int(str(scene.units) not in ("millimeter", "mm")), 0)
+        whole = scene.to_mesh()
+        check_mesh(f"{stem}.3mf", whole, count, by_name[first], tolerance)
+        check(f"{stem}.3mf: off the STL, mm", float(np.abs(whole.bounds - stl.bounds).max()), 1e-5)
+        if stem == "disc-2":
+            rim = np.hypot(*whole.vertices[:, :2].T) > edge.radius - edge.pin_radius - 3 * edge.eccentricity
+            check(f"{stem}.3mf: corners off the exact flank, mm", edge.distance(whole.vertices[rim][:, :2]).max(), 2e-9)
+    scene = trimesh.load_scene(packed(place, "assembly"))
+    count = discs + figures["pin_count"] + figures["crankshaft_count"]
+    stl = trimesh.load_mesh(place / "assembly.stl")
+    parts = [mesh.copy() for mesh in scene.dump()]
+    check("assembly.3mf: items", abs(len(parts) - count), 0)
+    check("assembly.3mf: items that are not closed", sum(not part.is_watertight for part in parts), 0)
+    volume = sum(part.volume for part in parts)
+    check("assembly: STL against 3MF, volume", abs(stl.volume / volume - 1), 1e-6)
+
+
 def main():
     for place in sorted(Path(sys.argv[1]).iterdir()):
         print(place.name)
         figures = json.loads((place / "figures.json").read_text())
         if DRAWINGS:
             check_drawings(place, figures)
+        elif MESHES:
+            check_meshes(place, figures)
         else:
             check_parts(place, figures)
     print("all kept" if failures == 0 else f"{failures} not kept")

@@ -4,6 +4,7 @@ Usage: check_joint.py DIR, where DIR was written by `arcmin export joint DESIGN 
 its figure; the exit status is 1 if one is not kept.
 """
 
+import importlib.util
 import json
 import math
 import re
@@ -26,7 +27,7 @@ def check(what, value, limit):
 
 
 def label(hours):
-    return "h" + f"{hours:.3f}".rstrip("0").rstrip(".").replace(".", "_")
+    return "h" + np.format_float_positional(hours, trim="-").replace(".", "_")
 
 
 def measured(path, hours, rated):
@@ -68,6 +69,77 @@ def measured(path, hours, rated):
     return lost, 1 / np.mean(compliance)
 
 
+def damping_ratio(path, hours, rated, load):
+    """Of an arm about half of the rated torque, its input held, after a quarter of it was let go."""
+    spec = mujoco.MjSpec.from_file(str(path))
+    name = label(hours)
+    for motor in list(spec.actuators):
+        spec.delete(motor)
+    for joint in list(spec.joints):
+        if joint.name.startswith("drive_"):
+            spec.delete(joint)
+        else:
+            joint.armature = load
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"gear_{name}")
+    place, dof, h = model.jnt_qposadr[joint], model.jnt_dofadr[joint], model.opt.timestep
+    # Wound up slowly and without swinging, then let go.
+    for k in range(round(0.6 / h)):
+        data.qfrc_applied[dof] = 0.75 * rated * min(1, k * h / 0.3)
+        data.qvel[dof] *= 0.5 ** (h / 1e-3)
+        mujoco.mj_step(model, data)
+    data.qfrc_applied[dof] = 0.5 * rated
+    swing = []
+    for _ in range(round(0.3 * math.sqrt(load / 12) / h)):
+        mujoco.mj_step(model, data)
+        swing.append(data.qpos[place])
+    turns = [swing[0]]
+    turns += [b for a, b, c in zip(swing, swing[1:], swing[2:]) if (b - a) * (c - b) < 0]
+    return math.log((turns[0] - turns[1]) / (turns[2] - turns[3])) / (2 * math.pi)
+
+
+def friction_module(place):
+    spec = importlib.util.spec_from_file_location("joint_mujoco", place / "joint_mujoco.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def check_friction(place, joint):
+    """The motor turns the joint against a load, and a load turns it against the motor, at constant speed."""
+    module, ratio = friction_module(place), abs(joint["ratio"])
+    for state in joint["states"]:
+        name = label(state["hours"])
+        model = mujoco.MjModel.from_xml_path(str(place / "joint.mjcf.xml"))
+        model.opt.timestep = 1e-4
+        drive, gear = model.joint(f"drive_{name}"), model.joint(f"gear_{name}")
+        motor = model.actuator(f"motor_{name}").id
+        friction, worst = module.LoadFriction(model, name), 0.0
+        for line in state["losses"][1:3]:
+            for share in (-1.0, -0.5, 0.5, 1.0):
+                data, speed = mujoco.MjData(model), line["input_speed_rad_per_s"] / ratio
+                data.qvel[drive.dofadr[0]] = speed
+                load, taken = share * joint["rated_torque_n_m"], []
+                for step in range(4000):
+                    data.qfrc_applied[gear.dofadr[0]] = data.qfrc_applied[drive.dofadr[0]] = 0
+                    data.xfrc_applied[model.body(f"flange_{name}").id, 5] = -load * min(1, step / 1000)
+                    # A motor that keeps its speed.
+                    data.ctrl[motor] = 2000 * (speed - data.qvel[drive.dofadr[0]])
+                    friction.update(data)
+                    mujoco.mj_step(model, data)
+                    if step >= 3000:
+                        taken.append(data.ctrl[motor])
+                if load > 0:
+                    expected = load / line["efficiency"][0] + ratio * line["friction_n_m"][0]
+                else:
+                    expected = load * line["efficiency"][1] + ratio * line["friction_n_m"][1]
+                worst = max(worst, abs(np.mean(taken) - expected))
+        # The fit's own largest residual, and 1 N m for the servo and the solver's friction.
+        check(f"joint_mujoco.py, {state['hours']:g} h: motor torque off the bench's, N m", worst,
+              state["friction"]["residual_max_n_m"] + 1)  # fmt: skip
+
+
 def check_mujoco(place, joint):
     rated = joint["rated_torque_n_m"]
     for state in joint["states"]:
@@ -79,6 +151,12 @@ def check_mujoco(place, joint):
         )
         check(f"{what}: lost motion", abs(lost / state["lost_motion_rad"] - 1), 0.05)
         check(f"{what}: stiffness", abs(stiffness / state["stiffness_n_m_per_rad"] - 1), 0.05)
+        # Of an arm of the weight of the example in the book, and of the load that the export is meant for.
+        for load in (12.0, joint["load_inertia_kg_m2"]):
+            ratio = damping_ratio(place / "joint.mjcf.xml", state["hours"], rated, load)
+            wanted = state["damping_ratio"]
+            print(f"     {what}: damping ratio of {load:g} kg m2 {ratio:.4f} (hysteresis {wanted:.4f})")
+            check(f"{what}: damping ratio of {load:g} kg m2 off that of the hysteresis", abs(ratio - wanted), 0.015)
     # The whole model runs at its own time step: a second under a torque that swings stays finite and small.
     model = mujoco.MjModel.from_xml_path(str(place / "joint.mjcf.xml"))
     data = mujoco.MjData(model)
@@ -178,6 +256,7 @@ def main():
     joint = json.loads((place / "joint.json").read_text())
     check_model(joint)
     check_mujoco(place, joint)
+    check_friction(place, joint)
     check_texts(place, joint)
     print("all kept" if failures == 0 else f"{failures} not kept")
     return 1 if failures else 0

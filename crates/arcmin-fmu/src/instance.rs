@@ -51,13 +51,25 @@ impl Refusal {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Given {
     parameters: Parameters,
+    /// Whether accelerations that are set are used.
+    use_acceleration: bool,
     motor: [f64; 3],
-    /// Whether the acceleration of the motor was ever set.
-    acceleration_is_given: bool,
     load_torque: [f64; 2],
     load_motion: [f64; 3],
-    /// Speed of the motor at the last communication point and the length of that step.
-    last: Option<(f64, f64)>,
+    /// Whether the acceleration of motor and load was ever set to anything but 0: importers write 0 to inputs
+    /// that nothing is connected to.
+    acceleration_is_given: [bool; 2],
+    /// Speeds of motor and load at the last communication point and the length of that step.
+    last: Option<([f64; 2], f64)>,
+}
+
+impl Given {
+    /// Sets the acceleration of the motor (0) or of the load (1).
+    fn accelerate(&mut self, flange: usize, value: f64) {
+        let motion = if flange == 0 { &mut self.motor } else { &mut self.load_motion };
+        motion[2] = value;
+        self.acceleration_is_given[flange] |= value != 0.0;
+    }
 }
 
 /// An instance put aside.
@@ -139,10 +151,11 @@ impl Instance {
                 friction: true,
                 local_error: START_LOCAL_ERROR,
             },
+            use_acceleration: true,
             motor: [0.0; 3],
-            acceleration_is_given: false,
             load_torque: [0.0; 2],
             load_motion: [0.0; 3],
+            acceleration_is_given: [false; 2],
             last: None,
         }
     }
@@ -244,14 +257,14 @@ impl Instance {
 
     fn inputs(&self) -> MapInputs {
         let given = &self.given;
-        let mut motor = given.motor;
-        if !given.acceleration_is_given {
-            motor[2] = match given.last {
-                Some((speed, length)) => (motor[1] - speed) / length,
-                None => 0.0,
-            };
+        let mut motions = [given.motor, given.load_motion];
+        for (flange, motion) in motions.iter_mut().enumerate() {
+            if !(given.use_acceleration && given.acceleration_is_given[flange]) {
+                motion[2] = given.last.map_or(0.0, |(speeds, length)| (motion[1] - speeds[flange]) / length);
+            }
         }
-        MapInputs { motor, load_torque: given.load_torque, load_motion: given.load_motion }
+        let [motor, load_motion] = motions;
+        MapInputs { motor, load_torque: given.load_torque, load_motion }
     }
 
     /// Takes a communication step. One that fails leaves everything as it was.
@@ -274,7 +287,7 @@ impl Instance {
         match moved {
             Ok(outputs) => {
                 self.outputs = outputs;
-                self.given.last = Some((self.given.motor[1], length));
+                self.given.last = Some(([self.given.motor[1], self.given.load_motion[1]], length));
                 self.time = end;
                 Ok(())
             }
@@ -305,6 +318,7 @@ impl Instance {
         Ok(Number::Real(match reference {
             r::SEED => return Ok(Number::Integer(given.parameters.seed)),
             r::FRICTION => return Ok(Number::Boolean(given.parameters.friction)),
+            r::USE_ACCELERATION => return Ok(Number::Boolean(given.use_acceleration)),
             r::HOURS => given.parameters.hours,
             r::LOCAL_ERROR => given.parameters.local_error,
             r::A_PHI => given.motor[0],
@@ -367,12 +381,11 @@ impl Instance {
             (r::SEED, Number::Integer(seed)) if seed >= 0 => given.parameters.seed = seed,
             (r::SEED, _) => return Err(Refusal::error("a seed is not negative")),
             (r::FRICTION, Number::Boolean(friction)) => given.parameters.friction = friction,
+            (r::USE_ACCELERATION, Number::Boolean(used)) => given.use_acceleration = used,
             (r::A_PHI, Number::Real(value)) => given.motor[0] = value,
             (r::A_W, Number::Real(value)) => given.motor[1] = value,
-            (r::A_A, Number::Real(value)) => {
-                given.motor[2] = value;
-                given.acceleration_is_given = true;
-            }
+            (r::A_A, Number::Real(value)) => given.accelerate(0, value),
+            (r::B_A, Number::Real(value)) => given.accelerate(1, value),
             (r::B_TAU, Number::Real(value)) => given.load_torque = [value, 0.0],
             (_, Number::Real(value)) => given.load_motion[(reference - r::B_PHI) as usize] = value,
             _ => {}
@@ -391,12 +404,9 @@ impl Instance {
         }
         let given = &mut self.given;
         match reference {
-            r::A_W => {
-                given.motor[2] = value;
-                given.acceleration_is_given = true;
-            }
+            r::A_W => given.accelerate(0, value),
             r::B_TAU => given.load_torque[1] = value,
-            r::B_W => given.load_motion[2] = value,
+            r::B_W => given.accelerate(1, value),
             // The derivative of an angle is its speed, that of an acceleration is not used.
             _ => {}
         }

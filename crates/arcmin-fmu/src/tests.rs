@@ -192,3 +192,38 @@ fn the_local_error_is_that_of_the_command() {
     }
     std::fs::remove_dir_all(directory).unwrap();
 }
+
+/// What an importer writes to `flange_a.a` and what it says of it, against nothing written: zeros, and
+/// accelerations that are not to be used, change nothing; those that are used do.
+#[test]
+fn accelerations_that_nobody_gives_are_taken_from_the_speed() {
+    let directory = resources("acceleration");
+    let course = |used: bool, written: Option<f64>| {
+        let instance = instantiate(&directory, TOKEN);
+        let (on, reference) = (used, r::USE_ACCELERATION);
+        unsafe {
+            assert_eq!(fmi3SetBoolean(instance, &reference, 1, &on, 1), 0);
+            assert_eq!(fmi3EnterInitializationMode(instance, false, 0.0, 0.0, false, 0.0), 0);
+            assert_eq!(fmi3ExitInitializationMode(instance), 0);
+        }
+        let h = 1e-3;
+        for k in 0..6 {
+            let t = h * f64::from(k);
+            set(instance, r::A_PHI, 500.0 * t * t);
+            set(instance, r::A_W, 1000.0 * t);
+            if let Some(value) = written {
+                set(instance, r::A_A, value);
+            }
+            assert_eq!(step(instance, t, h), 0);
+        }
+        let found = get(instance, r::TRANSMISSION_ERROR).to_bits();
+        unsafe { fmi3FreeInstance(instance) };
+        found
+    };
+    let nothing = course(true, None);
+    assert_eq!(course(true, Some(0.0)), nothing);
+    assert_eq!(course(false, Some(0.0)), nothing);
+    assert_eq!(course(false, Some(1000.0)), nothing);
+    assert_ne!(course(true, Some(1000.0)), nothing);
+    std::fs::remove_dir_all(directory).unwrap();
+}

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use arcmin::design::Design;
 use arcmin::exchange::{
-    DutyImport, DutyImportOptions, ExchangeError, Flank, FlankImportOptions, FlankTarget, Parts,
+    Contour, DutyImport, DutyImportOptions, ExchangeError, Flank, FlankImportOptions, FlankTarget, Parts,
     ProfileExport, ProfileOptions, Stamp, import_duty, import_flank,
 };
 use arcmin::fidelity::Fidelity;
@@ -16,31 +16,45 @@ use arcmin::units::{DEG, MM, RPM, UM};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::Ending;
+use super::fmu::pack;
 use crate::failure::Failure;
 use crate::run::{LARGEST_TABLE, Terminal, read_bounded, read_design, say, write_file};
 
 pub fn export() -> Command {
-    let formats =
-        [("dxf", "closed polyline and closed spline"), ("step", "solids (AP214)"), ("csv", ""), ("svg", "")];
+    let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
     let profile = Command::new("profile")
         .about("Profile of the disc with its bores, ring of pins, and solids, for CAD and CAM")
         .long_about(
             "Writes the disc's profile in millimetres: dxf (a closed polyline within the tolerance and a closed \
-             spline), step (solids of discs, pin, crankshaft or the assembly), csv or svg. Every file is stamped \
-             with version, design and deviation.",
+             spline), step (solids of discs, pin, crankshaft or the assembly), stl or 3mf (the same as triangles), csv \
+             or svg. With --disc the file holds this disc alone; a drawing then is one contour with its bores, holes \
+             and windows and nothing else, for a cutter. Every file is stamped with version, design and deviation.",
         )
         .after_help(
             "Examples:\n  arcmin export profile my-reducer.toml --format dxf\n  arcmin export profile \
-             my-reducer.toml --format step --parts assembly --crank-deg 30",
+             my-reducer.toml --disc 1 --contour spline --offset-um 130\n  arcmin export profile my-reducer.toml \
+             --format step --parts assembly --crank-deg 30\n  arcmin export profile my-reducer.toml --format 3mf",
         )
         .arg(path("DESIGN", "Design file"))
-        .arg(choice("format", "dxf", formats.map(|(word, _)| word).to_vec()).help("Format of the file [default: dxf]"))
-        .arg(choice("parts", "discs", vec!["discs", "pin", "crankshaft", "assembly"]).help("What a STEP file holds"))
+        .arg(choice("format", "dxf", formats).help("Format of the file"))
+        .arg(
+            Arg::new("disc")
+                .long("disc")
+                .value_name("N")
+                .value_parser(value_parser!(u32))
+                .help("This disc alone, counted from 1 [default: all]"),
+        )
+        .arg(
+            Arg::new("contour").long("contour").value_parser(["polyline", "spline", "both"]).help(
+                "How a drawing has the flank [default: polyline with --disc, else both, one over the other]",
+            ),
+        )
+        .arg(choice("parts", "discs", vec!["discs", "pin", "crankshaft", "assembly"]).help("What a file of solids holds"))
         .arg(number("crank-deg", "0", "Crank angle of the assembly in °"))
         .arg(choice("flank", "modified", vec!["as-cut", "modified"]).help("Which flank"))
         .arg(number("worn-h", "0", "The flank as the duty leaves it after these hours, in bearings"))
         .arg(number("offset-um", "0", "Offset of the flank out of the metal in µm: wire, wheel, stock"))
-        .arg(number("tolerance-um", "1", "Allowed deviation of chords and splines in µm"))
+        .arg(number("tolerance-um", "1", "Allowed deviation of chords in µm; splines keep a fiftieth of it"))
         .arg(out());
     Command::new("export")
         .about("Hand the design to other tools")
@@ -246,8 +260,20 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let machine = design.machine();
     let hours = given.within("worn-h", 0.0, 1e7)?;
     let out = directory(matches, &path, "export")?;
+    let disc = match matches.get_one::<u32>("disc") {
+        Some(disc) if (1..=machine.disc_count()).contains(&(*disc as usize)) => Some(*disc as usize - 1),
+        Some(disc) => {
+            return Err(failed(ExchangeError::NoDisc { disc: *disc as usize, count: machine.disc_count() }));
+        }
+        None => None,
+    };
+    let contour = match (matches.get_one::<String>("contour").map(String::as_str), disc) {
+        (Some("polyline"), _) | (None, Some(_)) => Contour::Polyline,
+        (Some("spline"), _) => Contour::Spline,
+        _ => Contour::Both,
+    };
     let flank = match (hours > 0.0, given.word("flank")) {
-        (true, _) => Flank::Worn(worn(&design, &path, &out, hours)?),
+        (true, _) => Flank::Worn(worn(&design, &path, &out, hours, disc.unwrap_or(0))?),
         (false, "as-cut") => Flank::AsCut,
         (false, _) => Flank::Modified,
     };
@@ -255,6 +281,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         flank,
         tolerance: given.number("tolerance-um") * UM,
         offset: given.number("offset-um") * UM,
+        disc,
     };
     let export = ProfileExport::new(&machine, Stamp::of(&design), options).map_err(failed)?;
     let crank_angle = given.within("crank-deg", -3600.0, 3600.0)? * DEG;
@@ -265,14 +292,19 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         _ => Parts::Discs,
     };
     let format = given.word("format");
-    let text = match format {
-        "step" => export.step(parts),
-        "csv" => export.csv(),
-        "svg" => export.svg(),
-        _ => export.dxf(),
-    };
     let file = out.join(format!("profile.{format}"));
-    write_file(&file, text.as_bytes())?;
+    let bytes = match format {
+        "step" => export.step(parts).into_bytes(),
+        "stl" => export.stl(parts).map_err(failed)?,
+        "3mf" => {
+            let entries = export.three_mf(parts).map_err(failed)?;
+            pack(&entries).map_err(|cause| Failure::Write { path: file.clone(), cause })?
+        }
+        "csv" => export.csv().into_bytes(),
+        "svg" => export.svg().into_bytes(),
+        _ => export.dxf(contour).into_bytes(),
+    };
+    write_file(&file, &bytes)?;
     say(&format!(
         "{}: chords within {:.3} µm, splines within {:.3} µm of the exact flank",
         file.display(),
@@ -282,8 +314,8 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// What the flank of the first disc has lost.
-fn worn(design: &Design, path: &Path, out: &Path, hours: f64) -> Result<Relief, Failure> {
+/// What the flank of a disc has lost.
+fn worn(design: &Design, path: &Path, out: &Path, hours: f64, disc: usize) -> Result<Relief, Failure> {
     let host = Terminal::new(path, out, out, false);
     let options = arcmin::fidelity::FidelityOptions::parse("joints = \"bearings\"", "export");
     let state = options
@@ -291,7 +323,7 @@ fn worn(design: &Design, path: &Path, out: &Path, hours: f64) -> Result<Relief, 
         .and_then(|options| Fidelity::resolve(design, &options, &host))
         .and_then(|fidelity| worn_after(&design.machine(), &fidelity, hours, &host))
         .map_err(|error| Failure::Analysis { error, options: None, finding: None })?;
-    Ok(state.surfaces.flanks[0].clone())
+    Ok(state.surfaces.flanks[disc].clone())
 }
 
 pub fn run_import(matches: &ArgMatches) -> Result<Ending, Failure> {

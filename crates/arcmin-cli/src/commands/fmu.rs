@@ -194,6 +194,7 @@ fn unit(
             positions: given.within("positions", 1.0, 360.0)? as usize,
             error_positions: given.within("te-positions", 64.0, 65536.0)? as usize,
             timestep: 1e-3,
+            load_inertia: None,
         };
         let found = joint(design, &options, host).map_err(failed)?;
         let of_states: Vec<f64> = found.states.iter().map(|state| state.hours).collect();
@@ -237,7 +238,7 @@ fn unit(
 }
 
 /// A zip whose bytes depend on nothing but its entries.
-fn pack(entries: &[(String, Vec<u8>)]) -> std::io::Result<Vec<u8>> {
+pub(super) fn pack(entries: &[(String, Vec<u8>)]) -> std::io::Result<Vec<u8>> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default()
         .compression_method(zip::CompressionMethod::Deflated)

@@ -2,8 +2,9 @@
 
 use arcmin::analyses::AnalysisError;
 use arcmin::analyses::joint::{JointOptions, joint};
-use arcmin::exchange::{JointExport, JointState};
+use arcmin::exchange::{JointExport, JointState, RunningFriction};
 use arcmin::fidelity::FidelityOptions;
+use arcmin::report::significant;
 use arcmin::units::ARCMIN;
 use clap::{Arg, ArgMatches, Command};
 
@@ -17,7 +18,7 @@ pub fn command() -> Command {
         .about("The reducer as a joint for MuJoCo, URDF, SDF, Modelica, Simscape and controllers, from new to worn")
         .long_about(
             "Runs the test bench at each age and writes the joint's numbers with source and units: joint.mjcf.xml \
-             (MuJoCo 4), joint.urdf, joint.sdf, joint.mo (Modelica), joint.simscape.m, joint.json with everything, and \
+             (MuJoCo 4) with joint_mujoco.py (lets its friction grow with load), joint.urdf, joint.sdf, joint.mo (Modelica), joint.simscape.m, joint.json with everything, and \
              tables for controllers: joint.wind_up.csv, joint.te.csv (transmission error as waves), joint.loss.csv.",
         )
         .after_help("Examples:\n  arcmin export joint my-reducer.toml --hours 0,2000,6000")
@@ -32,7 +33,15 @@ pub fn command() -> Command {
         .args(fidelity_args())
         .arg(number("positions", "5", "Crank positions at which the loop is run"))
         .arg(number("te-positions", "1024", "Positions over the output turn"))
-        .arg(number("timestep-ms", "1", "Time step of the robot simulation in ms, for the damping it needs"))
+        .arg(number("timestep-ms", "1", "Time step of MuJoCo in ms"))
+        .arg(
+            Arg::new("load-inertia-kg-m2")
+                .long("load-inertia-kg-m2")
+                .value_name("X")
+                .value_parser(clap::value_parser!(f64))
+                .help("Inertia of what the joint moves in kg·m², for tools without hysteresis, whose damping \
+                       depends on it [default: 10 times that of the motor's side]"),
+        )
         .arg(out())
 }
 
@@ -89,6 +98,10 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         positions: given.within("positions", 1.0, 360.0)? as usize,
         error_positions: given.within("te-positions", 64.0, 65536.0)? as usize,
         timestep: 1e-3 * given.within("timestep-ms", 1e-3, 100.0)?,
+        load_inertia: match matches.get_one::<f64>("load-inertia-kg-m2") {
+            Some(_) => Some(given.within("load-inertia-kg-m2", 1e-6, 1e9)?),
+            None => None,
+        },
     };
     let out = directory(matches, &path, "export")?;
     let host = Terminal::new(&path, &out, &out, false);
@@ -97,6 +110,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let json = found.json().map_err(|cause| Failure::Json { cause: cause.to_string() })?;
     let files = [
         ("joint.mjcf.xml", found.mjcf()),
+        ("joint_mujoco.py", found.mujoco_python()),
         ("joint.urdf", found.urdf()),
         ("joint.sdf", found.sdf()),
         ("joint.mo", found.modelica()),
@@ -147,6 +161,14 @@ fn told(found: &JointExport) -> String {
     }));
     lines.push(row("   largest N·m", &|s| format!("{:.2}", s.hysteresis.residual_max_n_m)));
     lines.push(row("   as angle ′ rms", &|s| arcmin(s.hysteresis.residual_rms_rad)));
+    lines.push(row("damping ratio of a swing", &|s| format!("{:.3}", s.damping_ratio)));
+    let friction = |of: fn(&RunningFriction) -> f64| move |s: &JointState| significant(of(&s.friction), 3);
+    lines.push(row("friction: constant N·m", &friction(|f| f.coulomb_n_m)));
+    lines.push(row("   viscous N·m·s/rad", &friction(|f| f.viscous_n_m_s_per_rad)));
+    lines.push(row("   per motor torque, mean", &friction(|f| f.load_mean)));
+    lines.push(row("   driving against driven, half", &friction(|f| f.load_difference)));
+    lines.push(row("   relaxation ′", &friction(|f| f.relaxation_rad / ARCMIN)));
+    lines.push(row("   off by N·m rms", &friction(|f| f.residual_rms_n_m)));
     lines.push(row("efficiency", &|s| format!("{:.3}", s.efficiency)));
     lines.push(row("running torque without load N·m", &|s| {
         format!("{:.2}", s.no_load_torque_n_m * found.ratio)

@@ -14,6 +14,7 @@ fn a_joint_is_written_for_every_tool_and_repeats_to_the_byte() {
     good(d, &[&["export", "joint", "d.toml", "--out", "b"][..], &SHORT].concat());
     let names = [
         "joint.mjcf.xml",
+        "joint_mujoco.py",
         "joint.urdf",
         "joint.sdf",
         "joint.mo",
@@ -31,6 +32,34 @@ fn a_joint_is_written_for_every_tool_and_repeats_to_the_byte() {
     let json: serde_json::Value = serde_json::from_str(&read(d, "a/joint.json")).unwrap();
     assert_eq!(json["ratio"], 81.0);
     assert!(json["catalogue"][0]["lost_motion_arcmin"].as_f64().unwrap() > 0.3);
+}
+
+/// Every format repeats to the byte; one disc is a contour of its own; a disc that is not there is refused.
+#[test]
+fn profiles_repeat_to_the_byte_and_hold_the_disc_asked_for() {
+    let directory = with_design();
+    let d = directory.path();
+    for format in ["dxf", "step", "stl", "3mf", "csv", "svg"] {
+        let file = |out: &str| {
+            good(
+                d,
+                &["export", "profile", "d.toml", "--format", format, "--tolerance-um", "20", "--out", out],
+            );
+            std::fs::read(d.join(out).join(format!("profile.{format}"))).unwrap()
+        };
+        assert!(file("a") == file("b"), "{format} differs");
+    }
+    for (options, polylines, splines) in
+        [(&["--disc", "2"][..], 1, 0), (&["--disc", "2", "--contour", "spline"], 0, 1), (&[], 1, 1)]
+    {
+        good(d, &[&["export", "profile", "d.toml", "--out", "c"][..], options].concat());
+        let text = read(d, "c/profile.dxf");
+        let count = |kind: &str| text.lines().filter(|line| *line == kind).count();
+        assert_eq!((count("LWPOLYLINE"), count("SPLINE")), (polylines, splines), "{options:?}");
+        assert_eq!(text.contains("DISC_1"), options.is_empty());
+    }
+    let said = refused(d, &["export", "profile", "d.toml", "--disc", "3"]);
+    assert!(said.contains("there is no disc 3: the design has 2"), "{said}");
 }
 
 #[test]

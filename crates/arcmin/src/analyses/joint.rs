@@ -18,8 +18,10 @@ pub struct JointOptions {
     /// Crank positions of the loops and places over the turn of the output, as in `rig`.
     pub positions: usize,
     pub error_positions: usize,
-    /// Time step in s of the robot simulation, for its damping.
+    /// Time step in s of the robot simulation.
     pub timestep: f64,
+    /// Inertia in kg·m² of what the output moves; the usual one for the motor if none is given.
+    pub load_inertia: Option<f64>,
 }
 
 /// Torque of a further pair of error curves as a share of the rated one.
@@ -69,12 +71,13 @@ pub fn joint(design: &Design, options: &JointOptions, host: &dyn Host) -> Result
         };
         let further = [curve(1.0)?, curve(-1.0)?];
         let losses = loss_lines(&machine, &settings).map_err(bench)?;
-        let state = JointState::of(&measured, &further, losses, rated);
+        let state = JointState::of(&measured, &further, losses, (machine.kinematics().ratio(), rated));
         states.push(state.map_err(AnalysisError::compute("describe the joint"))?);
     }
     let sentence = fidelity.sentence();
     let stamp = Stamp::of(design);
-    Ok(JointExport::new(&machine, &stamp, sentence, friction_assumed, inertia, options.timestep, states))
+    let robot = (options.timestep, options.load_inertia);
+    Ok(JointExport::new(&machine, &stamp, sentence, friction_assumed, inertia, robot, states))
 }
 
 /// Torques at which pin loads are mapped, as shares of the rated one, and crank positions of each.

@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 
 use super::millimetres;
 use super::profile::ProfileExport;
-use crate::geometry::Vec2;
+use crate::geometry::{Outline, Segment, Vec2};
 
 impl ProfileExport {
     /// Drawing in SVG, one user unit a millimetre, y upwards: the polyline of the flank as a path, bores and
-    /// holes of every disc and the pins in groups named like the layers of [`ProfileExport::dxf`].
+    /// holes and windows of every disc and the pins in groups named like the layers of
+    /// [`ProfileExport::dxf`].
     pub fn svg(&self) -> String {
         let ring = &self.machine.ring;
         let reach = 1.1 * (ring.pin_circle_radius + ring.pin_radius);
@@ -24,6 +25,22 @@ impl ProfileExport {
             let (x, y, r) = (millimetres(centre.x), millimetres(centre.y), millimetres(radius));
             let _ = writeln!(text, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>");
         };
+        let outline = |text: &mut String, outline: &Outline| {
+            let place = |p: Vec2| format!("{} {}", millimetres(p.x), millimetres(p.y));
+            let _ = write!(text, "<path d=\"M{}", place(outline.point(0.0)));
+            for segment in &outline.segments {
+                let end = place(segment.point(1.0));
+                match segment {
+                    Segment::Line { .. } => text.push_str(&format!("L{end}")),
+                    Segment::Arc { radius, sweep, .. } => {
+                        let r = millimetres(*radius);
+                        let (large, along) = (sweep.abs() > std::f64::consts::PI, *sweep > 0.0);
+                        text.push_str(&format!("A{r} {r} 0 {} {} {end}", u8::from(large), u8::from(along)));
+                    }
+                }
+            }
+            text.push_str("Z\"/>\n");
+        };
         let corners = self.polyline();
         text.push_str("<path id=\"FLANK_POLYLINE\" stroke=\"#000\" d=\"M");
         for (index, corner) in corners.iter().enumerate() {
@@ -32,14 +49,17 @@ impl ProfileExport {
         }
         text.push_str("Z\"/>\n");
         let colours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"];
-        for disc in 0..self.machine.disc_count {
-            let (bores, holes) = self.holes(disc);
+        for disc in self.discs() {
+            let openings = self.openings(disc);
             let colour = colours[disc % colours.len()];
-            for (kind, holes) in [("BORES", &bores), ("HOLES", &holes)] {
+            for (kind, holes) in [("BORES", &openings.bores), ("HOLES", &openings.holes)] {
                 let _ = writeln!(text, "<g id=\"DISC_{}_{kind}\" stroke=\"{colour}\">", disc + 1);
                 holes.iter().for_each(|hole| circle(&mut text, hole.centre, hole.radius));
                 text.push_str("</g>\n");
             }
+            let _ = writeln!(text, "<g id=\"DISC_{}_WINDOWS\" stroke=\"{colour}\">", disc + 1);
+            openings.windows.iter().for_each(|window| outline(&mut text, window));
+            text.push_str("</g>\n");
         }
         text.push_str("<g id=\"PIN_RING\" stroke=\"#777\">\n");
         self.pins().into_iter().for_each(|(centre, radius)| circle(&mut text, centre, radius));
@@ -48,7 +68,8 @@ impl ProfileExport {
     }
 }
 
-fn escaped(words: &str) -> String {
+/// Words inside of XML elements and attributes.
+pub(super) fn escaped(words: &str) -> String {
     let mut text = String::new();
     for c in words.chars().filter(|c| !c.is_control()) {
         match c {

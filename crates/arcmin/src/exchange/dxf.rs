@@ -1,9 +1,28 @@
 //! DXF R2000 (AC1015): the smallest file with everything that the release demands.
 
-use super::millimetres;
 use super::profile::ProfileExport;
 use super::spline::CubicSpline;
-use crate::geometry::{Vec2, unit};
+use super::{millimetres, trimmed};
+use crate::geometry::{Outline, Segment, Vec2, unit};
+
+/// How the flank is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contour {
+    Polyline,
+    Spline,
+    /// One over the other, for a look and a choice.
+    Both,
+}
+
+impl Contour {
+    fn polyline(self) -> bool {
+        self != Contour::Spline
+    }
+
+    fn spline(self) -> bool {
+        self != Contour::Polyline
+    }
+}
 
 struct Writer {
     text: String,
@@ -57,12 +76,26 @@ impl Writer {
         corners.iter().for_each(|corner| self.point(*corner));
     }
 
+    /// A closed curve of lines and arcs; the bulge of an arc is the tangent of a quarter of its angle.
+    fn outline(&mut self, layer: &str, outline: &Outline) {
+        self.entity("LWPOLYLINE", layer, "AcDbPolyline");
+        self.put(90, &outline.segments.len().to_string());
+        self.put_all(&[(70, "1"), (43, "0")]);
+        for segment in &outline.segments {
+            self.point(segment.point(0.0));
+            if let Segment::Arc { sweep, .. } = segment {
+                self.put(42, &trimmed((0.25 * sweep).tan(), 12));
+            }
+        }
+    }
+
     fn spline(&mut self, layer: &str, spline: &CubicSpline) {
         self.entity("SPLINE", layer, "AcDbSpline");
         let knots = spline.flat_knots();
         self.put_all(&[(210, "0"), (220, "0"), (230, "1")]);
-        // Closed and planar; the knots are clamped, so it is not flagged as periodic.
-        self.put_all(&[(70, "9"), (71, "3"), (72, &knots.len().to_string())]);
+        // Planar, and not flagged as closed: it ends where it begins. Readers take a closed one as periodic,
+        // without clamped knots (LibreCAD), or then show nothing at all (CadQuery).
+        self.put_all(&[(70, "8"), (71, "3"), (72, &knots.len().to_string())]);
         self.put_all(&[(73, &spline.control.len().to_string()), (74, "0"), (42, "1e-9"), (43, "1e-9")]);
         knots.iter().for_each(|knot| self.put(40, &millimetres(*knot)));
         for control in &spline.control {
@@ -112,23 +145,26 @@ fn escaped(words: &str) -> String {
 impl ProfileExport {
     /// Drawing in DXF R2000, millimetres.
     ///
-    /// Layers: FLANK_POLYLINE (closed LWPOLYLINE), FLANK_SPLINE (one closed cubic SPLINE, whose tangent is
-    /// continuous everywhere and whose curvature is but for roots and crests), DISC_n_BORES, DISC_n_HOLES and
-    /// DISC_n_MARK for every disc (the mark points to its first crank bore), PIN_RING about its own centre,
-    /// STAMP.
-    pub fn dxf(&self) -> String {
-        let discs = self.machine.disc_count;
-        let mut layers: Vec<(String, u8)> =
-            vec![("0".into(), 7), ("FLANK_POLYLINE".into(), 7), ("FLANK_SPLINE".into(), 5)];
-        for disc in 1..=discs {
-            layers.push((format!("DISC_{disc}_BORES"), 3));
-            layers.push((format!("DISC_{disc}_HOLES"), 4));
-            layers.push((format!("DISC_{disc}_MARK"), 1));
+    /// Layers: FLANK_POLYLINE (closed LWPOLYLINE), FLANK_SPLINE (one cubic SPLINE that ends where it begins,
+    /// whose tangent is continuous everywhere and whose curvature is but for roots and crests), DISC_n_BORES,
+    /// DISC_n_HOLES, DISC_n_WINDOWS and DISC_n_MARK for every disc (the mark points to its first crank bore),
+    /// PIN_RING about its own centre, STAMP. The drawing of one disc is for a cutter and holds nothing but
+    /// contours: no mark, ring or words; the stamp is in its comments.
+    pub fn dxf(&self, contour: Contour) -> String {
+        let mut layers: Vec<(String, u8)> = vec![("0".into(), 7)];
+        layers.extend(contour.polyline().then(|| ("FLANK_POLYLINE".into(), 7)));
+        layers.extend(contour.spline().then(|| ("FLANK_SPLINE".into(), 5)));
+        let kinds = [("BORES", 3), ("HOLES", 4), ("WINDOWS", 2)];
+        for disc in self.discs() {
+            layers.extend(kinds.map(|(kind, colour)| (format!("DISC_{}_{kind}", disc + 1), colour)));
+            layers.extend(self.is_explained().then(|| (format!("DISC_{}_MARK", disc + 1), 1)));
         }
-        layers.extend([("PIN_RING".into(), 6), ("STAMP".into(), 8)]);
+        if self.is_explained() {
+            layers.extend([("PIN_RING".into(), 6), ("STAMP".into(), 8)]);
+        }
 
         let mut w = Writer { text: String::new(), handle: 0x100 };
-        self.entities(&mut w);
+        self.entities(&mut w, contour);
         let (entities, last) = (std::mem::take(&mut w.text), w.handle);
 
         for stamp in self.stamps() {
@@ -181,7 +217,7 @@ impl ProfileExport {
         });
         w.table("LAYER", "2", layers.len(), |w| {
             for (index, (name, colour)) in layers.iter().enumerate() {
-                // Handles from 40 on; six discs need 22 of them.
+                // Handles from 40 on; six discs need 29 of them.
                 let handle = format!("{:X}", 0x40 + index);
                 let pairs = [(2, name.as_str()), (70, "0"), (62, &colour.to_string()), (6, "Continuous")];
                 w.record("LAYER", &handle, "2", "AcDbLayerTableRecord", &pairs);
@@ -223,20 +259,40 @@ impl ProfileExport {
         w.put(0, "ENDSEC");
     }
 
-    fn entities(&self, w: &mut Writer) {
-        w.polyline("FLANK_POLYLINE", &self.polyline());
-        w.spline("FLANK_SPLINE", &self.closed_spline());
-        let ring = self.machine.ring.pin_circle_radius;
-        for disc in 0..self.machine.disc_count {
-            let (bores, holes) = self.holes(disc);
+    /// Whether the drawing has marks, ring and words beside its contours.
+    fn is_explained(&self) -> bool {
+        self.options.disc.is_none()
+    }
+
+    fn entities(&self, w: &mut Writer, contour: Contour) {
+        if contour.polyline() {
+            w.polyline("FLANK_POLYLINE", &self.polyline());
+        }
+        if contour.spline() {
+            w.spline("FLANK_SPLINE", &self.closed_spline());
+        }
+        for disc in self.discs() {
+            let openings = self.openings(disc);
             let name = |kind: &str| format!("DISC_{}_{kind}", disc + 1);
-            bores.iter().for_each(|bore| w.circle(&name("BORES"), bore.centre, bore.radius));
-            holes.iter().for_each(|hole| w.circle(&name("HOLES"), hole.centre, hole.radius));
-            let Some(first) = bores.first() else { continue };
+            openings.bores.iter().for_each(|bore| w.circle(&name("BORES"), bore.centre, bore.radius));
+            openings.holes.iter().for_each(|hole| w.circle(&name("HOLES"), hole.centre, hole.radius));
+            openings.windows.iter().for_each(|window| w.outline(&name("WINDOWS"), window));
+        }
+        if self.is_explained() {
+            self.explain(w);
+        }
+    }
+
+    /// Marks, ring of pins and words.
+    fn explain(&self, w: &mut Writer) {
+        let ring = self.machine.ring.pin_circle_radius;
+        for disc in self.discs() {
+            let Some(first) = self.openings(disc).bores.first().copied() else { continue };
+            let layer = format!("DISC_{}_MARK", disc + 1);
             let towards = first.centre.normalize();
             let from = first.centre + first.radius * towards;
-            w.line(&name("MARK"), from, from + 0.02 * ring * towards);
-            w.text(&name("MARK"), from + 0.025 * ring * towards, 0.03 * ring, &(disc + 1).to_string());
+            w.line(&layer, from, from + 0.02 * ring * towards);
+            w.text(&layer, from + 0.025 * ring * towards, 0.03 * ring, &(disc + 1).to_string());
         }
         for (centre, radius) in self.pins() {
             w.circle("PIN_RING", centre, radius);

@@ -1,7 +1,7 @@
 //! Exchange with the user's own tools: profiles and solids for CAD and CAM, measured flanks and logs of
 //! joints back in. Text in, text out; no files.
 //!
-//! * [`ProfileExport`]: DXF, STEP, CSV and SVG of disc, pins, crankshafts and their assembly;
+//! * [`ProfileExport`]: DXF, STEP, STL, 3MF, CSV and SVG of disc, pins, crankshafts and their assembly;
 //! * [`JointExport`]: MuJoCo, URDF, SDF, Modelica, Simscape, JSON of the reducer as a joint;
 //! * [`import_flank`]: points of a measured flank to its pose, its deviations and keys of the design;
 //! * [`import_duty`]: a joint's log to a load spectrum.
@@ -10,6 +10,7 @@
 //! bytes on every run.
 
 mod crankshaft;
+mod disc_solid;
 mod drawing;
 mod duty;
 #[cfg(test)]
@@ -23,6 +24,10 @@ mod flank;
 mod flank_tests;
 pub mod fmu;
 mod joint;
+mod mesh;
+#[cfg(test)]
+mod mesh_tests;
+mod meshed;
 mod outline;
 mod pages;
 mod points;
@@ -35,11 +40,15 @@ mod step;
 mod tests;
 
 pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty};
+pub use dxf::Contour;
 pub use fit::{FlankFit, Outlier};
 pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};
 pub use joint::{
-    Hysteresis, JointExport, JointInertia, JointState, SlipElement, TorsionCurve, TransmissionWaves, Wave,
+    Hysteresis, JointExport, JointInertia, JointState, RunningFriction, SlipElement, TorsionCurve,
+    TransmissionWaves, Wave,
 };
+pub use mesh::Mesh;
+pub use meshed::{Body, Placement};
 pub use outline::{Outline, OutlinePoint, OutlineTable};
 pub use points::{PointFormat, PointSet, read_points};
 pub use profile::{Flank, Parts, ProfileExport, ProfileOptions};

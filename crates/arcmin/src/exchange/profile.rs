@@ -3,8 +3,8 @@ use std::fmt::Write as _;
 use super::outline::Outline;
 use super::spline::FittedSpline;
 use super::{ExchangeError, Stamp, millimetres, trimmed};
-use crate::fem::DiscShape;
-use crate::geometry::{Profile, Relief, Vec2, turned, unit};
+use crate::fem::{DiscShape, RoundHole};
+use crate::geometry::{Profile, Relief, Segment, Vec2, turned, unit};
 use crate::machine::Machine;
 use crate::units::{DEG, UM};
 
@@ -32,6 +32,13 @@ pub enum Parts {
     Assembly { crank_angle: f64 },
 }
 
+/// What is cut out of a disc: bores for the crankshafts, round holes, windows for pillars.
+pub(super) struct Openings {
+    pub bores: Vec<RoundHole>,
+    pub holes: Vec<RoundHole>,
+    pub windows: Vec<crate::geometry::Outline>,
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileOptions {
     pub flank: Flank,
@@ -40,19 +47,21 @@ pub struct ProfileOptions {
     /// Distance in m by which the flank is moved out of the metal, along its normal: the radius of a wire or
     /// wheel and its gap, or stock that stays for grinding. Bores and holes are not moved.
     pub offset: f64,
+    /// The only disc (from 0) that is handed over, as for a cutter; all of them if none is given.
+    pub disc: Option<usize>,
 }
 
 impl Default for ProfileOptions {
     /// The modified flank within 1 µm, not moved.
     fn default() -> ProfileOptions {
-        ProfileOptions { flank: Flank::Modified, tolerance: 1.0 * UM, offset: 0.0 }
+        ProfileOptions { flank: Flank::Modified, tolerance: 1.0 * UM, offset: 0.0, disc: None }
     }
 }
 
 /// The discs' flank within a tolerance, and everything around it, ready to be written.
 ///
-/// Frame of drawings: that of the flank, the root of τ = 0 on the x axis. All discs have the same flank; their
-/// bores stand at the carrier's angles minus the mounting angle δ_j = −α_j/z_c of each.
+/// Frame of drawings: that of the flank, the root of τ = 0 on the x axis. All discs have the same flank;
+/// their bores stand at the carrier's angles minus the mounting angle δ_j = −α_j/z_c of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileExport {
     pub(super) machine: Machine,
@@ -67,15 +76,16 @@ pub struct ProfileExport {
 }
 
 /// Splines keep this part of the tolerance: their error falls with the fourth power of the number of pieces,
-/// so it costs 2.7 times as many points, and area and volume are then right to better than a millionth. At the
-/// whole tolerance a mean of 0.15 µm on one side was 7e-6 of the disc's area.
+/// so it costs 2.7 times as many points, and area and volume are then right to better than a millionth. At
+/// the whole tolerance a mean of 0.15 µm on one side was 7e-6 of the disc's area.
 const SPLINE_SHARE: f64 = 50.0;
 
 impl ProfileExport {
     /// Prepares the export of a machine.
     ///
     /// # Errors
-    /// An undercutting offset, a tolerance outside of 0.01 to 1000 µm or one that cannot be kept.
+    /// An undercutting offset, a tolerance outside of 0.01 to 1000 µm or one that cannot be kept, a disc that the
+    /// machine does not have.
     pub fn new(
         machine: &Machine,
         stamp: Stamp,
@@ -91,6 +101,9 @@ impl ProfileExport {
         };
         within("a tolerance in µm", options.tolerance, UM, 0.01, 1000.0)?;
         within("an offset in µm", options.offset, UM, -1e5, 1e5)?;
+        if let Some(disc) = options.disc.filter(|disc| *disc >= machine.disc_count) {
+            return Err(ExchangeError::NoDisc { disc: disc + 1, count: machine.disc_count });
+        }
         let relief = match &options.flank {
             Flank::AsCut => Relief::uniform(0.0),
             Flank::Modified => machine.designed_relief(),
@@ -144,10 +157,16 @@ impl ProfileExport {
         turns.flat_map(|turn| lobe.iter().map(move |place| turned(*place, turn))).collect()
     }
 
-    /// Bores and holes of disc j (from 0) in the frame of its flank: crank bores first.
-    pub(super) fn holes(&self, disc: usize) -> (Vec<crate::fem::RoundHole>, Vec<crate::fem::RoundHole>) {
+    /// What is cut out of disc j (from 0), in the frame of its flank.
+    pub(super) fn openings(&self, disc: usize) -> Openings {
         let shape = DiscShape::of(&self.machine, disc);
-        (shape.bores, shape.holes)
+        let windows = shape.windows.iter().map(|window| window.outline()).collect();
+        Openings { bores: shape.bores, holes: shape.holes, windows }
+    }
+
+    /// The discs that are handed over.
+    pub(super) fn discs(&self) -> std::ops::Range<usize> {
+        self.options.disc.map_or(0..self.machine.disc_count, |disc| disc..disc + 1)
     }
 
     /// What is said in every file, one sentence a line.
@@ -224,13 +243,17 @@ impl ProfileExport {
         self.outline.profile()
     }
 
-    /// Area in m² inside of the exact edge less bores and holes, and the length of all edges in m.
+    /// Area in m² inside of the exact edge less bores, holes and windows, and the length of all edges in m.
     pub fn disc_area_and_length(&self) -> (f64, f64) {
         let (mut area, mut length) = self.outline.area_and_length();
-        let (bores, holes) = self.holes(0);
-        for hole in bores.iter().chain(&holes) {
+        let openings = self.openings(0);
+        for hole in openings.bores.iter().chain(&openings.holes) {
             area -= std::f64::consts::PI * hole.radius * hole.radius;
             length += std::f64::consts::TAU * hole.radius;
+        }
+        for window in &openings.windows {
+            area -= window.area();
+            length += window.segments.iter().map(Segment::length).sum::<f64>();
         }
         (area, length)
     }

@@ -14,10 +14,17 @@ pub struct CubicSpline {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedSpline {
     pub spline: CubicSpline,
+    /// The same curve in parts of a few pieces, end to end.
+    pub parts: Vec<CubicSpline>,
     /// Bound of its distance from the outline in m.
     pub deviation: f64,
 }
 
+/// Most pieces in a part, and fewest parts. Readers integrate over a face or an edge with a Gauss rule whose
+/// order they cap: with a whole flank as one face, OpenCascade's volume of a disc is off by up to 0.4 %, with
+/// these parts by some 1e-6.
+const SPANS: usize = 6;
+const PARTS: usize = 4;
 /// Samples per piece on which the deviation is measured.
 const SAMPLES: usize = 16;
 
@@ -26,8 +33,8 @@ impl FittedSpline {
     /// own tangents at both ends. Pieces are halved until every one stays within `tolerance`.
     ///
     /// The deviation e of a piece is measured at sixteen places, normal to the outline; between them it can
-    /// exceed the larger neighbour by δ²/8 max|e″|, where e″ is the difference of curvatures; twice the larger
-    /// of both ends is taken. The bound stands in [`FittedSpline::deviation`].
+    /// exceed the larger neighbour by δ²/8 max|e″|, where e″ is the difference of curvatures; twice the
+    /// larger of both ends is taken. The bound stands in [`FittedSpline::deviation`].
     pub fn along(outline: &Outline, from: f64, to: f64, tolerance: f64) -> FittedSpline {
         let mut nodes: Vec<f64> = (0..=6).map(|i| from + (to - from) * f64::from(i) / 6.0).collect();
         // 6 · 2^12 pieces a flank are finer than a nanometre for any flank that is not folded.
@@ -38,7 +45,7 @@ impl FittedSpline {
                 (0..nodes.len() - 1).map(|i| pieces.deviation(outline, &nodes, i)).collect();
             let deviation = errors.iter().copied().fold(0.0, f64::max);
             if deviation <= tolerance || rounds == 0 {
-                return FittedSpline { spline: pieces.spline(), deviation };
+                return FittedSpline { spline: pieces.spline(), parts: pieces.parts(), deviation };
             }
             rounds -= 1;
             let mut finer = vec![from];
@@ -122,6 +129,24 @@ impl Pieces {
             .windows(2)
             .map(|pair| pair[0].0.max(pair[1].0) + spacing * spacing / 4.0 * pair[0].1.max(pair[1].1))
             .fold(0.0, f64::max)
+    }
+
+    /// The same curve as several splines, of about equally many pieces.
+    fn parts(&self) -> Vec<CubicSpline> {
+        let pieces = self.arc.len() - 1;
+        let count = pieces.div_ceil(SPANS).max(PARTS).min(pieces);
+        (0..count)
+            .map(|part| {
+                let nodes = part * pieces / count..(part + 1) * pieces / count + 1;
+                let from = self.arc[nodes.start];
+                Pieces {
+                    arc: self.arc[nodes.clone()].iter().map(|arc| arc - from).collect(),
+                    points: self.points[nodes.clone()].to_vec(),
+                    slopes: self.slopes[nodes].to_vec(),
+                }
+                .spline()
+            })
+            .collect()
     }
 
     /// De Boor points by blossoming: the point of the knots (t_i, t_{i+1}, t_{i+2}) is (1 − u) b_1 + u b_2

@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 
 use super::crankshaft;
 use super::profile::{Parts, ProfileExport};
-use super::solid::{Loop, SolidFigures, Vertex, number, real, references};
-use super::spline::CubicSpline;
+use super::solid::SolidFigures;
 use crate::geometry::unit;
 use crate::machine::Kinematics;
 
@@ -133,9 +132,10 @@ impl Frame {
 impl ProfileExport {
     /// STEP file (AP214) of parts or of the assembly, in millimetres.
     ///
-    /// A disc has one spline face per flank with vertices at root and crest, two half cylinders per bore and
-    /// hole. Pins are as long as the stack of discs. Crankshafts are drawn without their planets' teeth:
-    /// eccentrics with the diameter of the inner raceway, the shaft between and beside them.
+    /// A disc has spline faces of a few pieces each along its flank with vertices at roots and crests, two
+    /// half cylinders per bore and hole, a face for every side and arc of a window. Pins are as long as the
+    /// stack of discs. Crankshafts are drawn without their planets' teeth: eccentrics with the diameter of
+    /// the inner raceway, the shaft between and beside them.
     pub fn step(&self, parts: Parts) -> String {
         let mut step = Step { text: String::new(), count: 0 };
         let frame = Frame::begin(&mut step);
@@ -145,7 +145,7 @@ impl ProfileExport {
         let disc_name = |disc: usize| format!("cycloid disc {}", disc + 1);
         match parts {
             Parts::Discs => {
-                for disc in 0..machine.disc_count {
+                for disc in self.discs() {
                     let solid = self.disc(&mut step, disc, &disc_name(disc));
                     frame.product(&mut step, &disc_name(disc), Some(solid));
                 }
@@ -204,7 +204,8 @@ impl ProfileExport {
     pub fn solid_figures(&self) -> Vec<SolidFigures> {
         let width = self.machine.disc.width;
         let (area, length) = self.disc_area_and_length();
-        let mut all: Vec<SolidFigures> = (0..self.machine.disc_count)
+        let mut all: Vec<SolidFigures> = self
+            .discs()
             .map(|disc| SolidFigures {
                 name: format!("cycloid disc {}", disc + 1),
                 volume: area * width,
@@ -221,7 +222,7 @@ impl ProfileExport {
         all
     }
 
-    fn pin_length(&self) -> f64 {
+    pub(super) fn pin_length(&self) -> f64 {
         let (floors, _) = crankshaft::heights(&self.machine);
         floors[floors.len() - 1] + self.machine.disc.width - floors[0]
     }
@@ -235,76 +236,4 @@ impl ProfileExport {
         };
         crankshaft::solid(step, "pin", &[slice])
     }
-
-    /// Disc between z = 0 and its width, in the frame of its flank.
-    fn disc(&self, step: &mut Step, disc: usize, name: &str) -> usize {
-        let width = self.machine.disc.width;
-        let lobes = self.outline.lobe_count();
-        // Root, crest, root, … counter-clockwise, below and above.
-        let splines: Vec<CubicSpline> = (0..2 * lobes)
-            .map(|i| self.flanks[i % 2].spline.turned(unit(self.outline.lobe_pitch() * (i / 2) as f64)))
-            .collect();
-        let mut corner = |spline: &CubicSpline| {
-            let place = spline.control[0];
-            (step.vertex([place.x, place.y, 0.0]), step.vertex([place.x, place.y, width]))
-        };
-        let corners: Vec<(Vertex, Vertex)> = splines.iter().map(&mut corner).collect();
-        let ups: Vec<usize> = corners.iter().map(|(low, high)| step.upright(*low, *high)).collect();
-        let mut faces = Vec::new();
-        let (mut lower, mut upper) = (Loop::new(), Loop::new());
-        for (index, spline) in splines.iter().enumerate() {
-            let next = (index + 1) % splines.len();
-            let rows = [0.0, width].map(|z| {
-                let points: Vec<usize> = spline.control.iter().map(|p| step.point([p.x, p.y, z])).collect();
-                points
-            });
-            let (multiplicities, knots) = knot_lists(spline);
-            let [low, high] = [0, 1].map(|side| {
-                let curve = step.add(&format!(
-                    "B_SPLINE_CURVE_WITH_KNOTS('',3,({}),.UNSPECIFIED.,.F.,.F.,({multiplicities}),({knots}),.UNSPECIFIED.)",
-                    references(&rows[side])
-                ));
-                let pick = |pair: (Vertex, Vertex)| if side == 0 { pair.0 } else { pair.1 };
-                step.edge(pick(corners[index]), pick(corners[next]), curve)
-            });
-            let net: Vec<String> =
-                rows[0].iter().zip(&rows[1]).map(|(low, high)| format!("(#{low},#{high})")).collect();
-            let surface = step.add(&format!(
-                "B_SPLINE_SURFACE_WITH_KNOTS('',3,1,({}),.UNSPECIFIED.,.F.,.F.,.F.,({multiplicities}),(2,2),\
-                 ({knots}),(0.,{}),.UNSPECIFIED.)",
-                net.join(","),
-                real(width)
-            ));
-            let edges = vec![(low, true), (ups[next], true), (high, false), (ups[index], false)];
-            faces.push(step.face(&format!("flank {}", index + 1), surface, &[edges], true));
-            lower.push((low, true));
-            upper.push((high, true));
-        }
-        let reversed =
-            |edges: &Loop| edges.iter().rev().map(|(edge, along)| (*edge, !along)).collect::<Loop>();
-        let (mut below, mut above) = (vec![reversed(&lower)], vec![upper]);
-        let (bores, holes) = self.holes(disc);
-        let named = bores.iter().map(|hole| ("bore", hole)).chain(holes.iter().map(|hole| ("hole", hole)));
-        for (kind, hole) in named {
-            let seams = [0.0, PI];
-            let angles = [(0.0, None), (PI, None)];
-            let low = step.rim(hole.centre, hole.radius, 0.0, &angles);
-            let high = step.rim(hole.centre, hole.radius, width, &angles);
-            faces.extend(step.wall(kind, &low, &high, 0.0, seams, false));
-            below.push(low.all(true));
-            above.push(high.all(false));
-        }
-        for (z, loops) in [(0.0, below), (width, above)] {
-            let plane = step.level(z, z > 0.0);
-            faces.push(step.face("side", plane, &loops, true));
-        }
-        step.solid(name, &faces)
-    }
-}
-
-/// Multiplicities and knots (in mm, as the arc length is) as lists.
-fn knot_lists(spline: &CubicSpline) -> (String, String) {
-    let multiplicities: Vec<String> = spline.knots.iter().map(|(_, m)| m.to_string()).collect();
-    let knots: Vec<String> = spline.knots.iter().map(|(t, _)| number(t * 1e3, 12)).collect();
-    (multiplicities.join(","), knots.join(","))
 }

@@ -8,13 +8,13 @@ fn shipped(name: &str) -> Design {
     Design::parse(template.text, name).unwrap()
 }
 
-fn machine() -> (Machine, Stamp) {
+pub(super) fn machine() -> (Machine, Stamp) {
     let design = shipped("tao2024");
     (design.machine(), Stamp::of(&design))
 }
 
 /// Wear that differs between the two sides of a tooth space.
-fn wear() -> Relief {
+pub(super) fn wear() -> Relief {
     Relief::from_samples(
         Relief::grid(180).map(|phi| 1e-5 * (1.0 + phi.sin() + 0.3 * (3.0 * phi).cos())).collect(),
     )
@@ -97,7 +97,7 @@ fn deviations_are_bounded() {
         (Flank::Worn(wear()), 0.0, 5e-8),
         (Flank::AsCut, -1e-4, 2e-5),
     ] {
-        let export = export(ProfileOptions { flank, offset, tolerance });
+        let export = export(ProfileOptions { flank, offset, tolerance, disc: None });
         let outline = export.outline();
         let table = outline.table();
         let mut worst = 0.0_f64;
@@ -189,7 +189,7 @@ fn files_are_stamped_and_repeat_to_the_byte() {
     let make = || export(ProfileOptions { flank: Flank::Worn(wear()), ..ProfileOptions::default() });
     let (a, b) = (make(), make());
     let assembly = Parts::Assembly { crank_angle: 0.3 };
-    let files = |e: &ProfileExport| [e.dxf(), e.step(assembly), e.csv(), e.svg()];
+    let files = |e: &ProfileExport| [e.dxf(Contour::Both), e.step(assembly), e.csv(), e.svg()];
     assert_eq!(files(&a), files(&b));
     for file in files(&a) {
         for word in
@@ -220,8 +220,8 @@ fn options_out_of_range() {
 #[test]
 fn holes_of_each_disc() {
     let export = export(ProfileOptions::default());
-    let (first, _) = export.holes(0);
-    let (second, _) = export.holes(1);
+    let first = export.openings(0).bores;
+    let second = export.openings(1).bores;
     let pitch = std::f64::consts::PI / 39.0;
     assert!((first[0].centre - 40.5e-3 * unit(std::f64::consts::FRAC_PI_2)).norm() < 1e-12);
     let turn = unit(pitch);

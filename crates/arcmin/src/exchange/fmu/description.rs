@@ -80,7 +80,7 @@ impl ModelDescription {
         match variable.reference {
             references::HOURS => format!("{:?}", self.start_hours),
             references::SEED => self.start_seed.to_string(),
-            references::FRICTION => "true".into(),
+            references::FRICTION | references::USE_ACCELERATION => "true".into(),
             references::LOCAL_ERROR => format!("{START_LOCAL_ERROR:?}"),
             _ => "0.0".into(),
         }

@@ -4,17 +4,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::{LoadFlange, PinLoadAt};
+use crate::exchange::ExchangeError;
+use crate::exchange::joint::{FLANGE_DAMPING_RATIO, Wave};
 use crate::exchange::joint::{
     Hysteresis, JointExport, JointState, SlipElement, TorsionCurve, TransmissionWaves,
 };
-use crate::exchange::{ExchangeError, joint::Wave};
 use crate::rig::LossLine;
 
-/// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some 10
-/// krad/s; a fifth of a radian is resolved to 0.3 %.
+/// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some
+/// 10 krad/s; a fifth of a radian is resolved to 0.3 %.
 const LONGEST_STEP: f64 = 2e-5;
-/// Damping ratio of the flange on the gear.
-const DAMPING_RATIO: f64 = 0.02;
 /// Speed of the input in rad/s below which friction has not yet its full size.
 const CREEP: f64 = 0.5;
 /// Iterations of one balance: a bracket of a turn shrinks to rounding.
@@ -122,7 +121,7 @@ impl MapModel {
             flange_inertia: joint.inertia.output_kg_m2,
             // The motor is outside of the unit.
             input_inertia: joint.inertia.sun_kg_m2 + joint.inertia.gear_kg_m2,
-            damping: 2.0 * DAMPING_RATIO * (stiffness * joint.inertia.output_kg_m2).sqrt(),
+            damping: 2.0 * FLANGE_DAMPING_RATIO * (stiffness * joint.inertia.output_kg_m2).sqrt(),
             hysteresis,
             waves: a
                 .transmission_error
@@ -145,8 +144,8 @@ impl MapModel {
         })
     }
 
-    /// Waves of the transmission error in rad at an output angle (rad), in a sense of rotation and at a torque
-    /// (N·m) against the motion.
+    /// Waves of the transmission error in rad at an output angle (rad), in a sense of rotation and at a
+    /// torque (N·m) against the motion.
     fn waves(&self, angle: f64, direction: f64, torque: f64) -> f64 {
         let same = || self.waves.iter().filter(|waves| waves.direction == direction);
         let torque = torque.abs();

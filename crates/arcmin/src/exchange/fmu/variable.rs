@@ -53,6 +53,7 @@ pub mod references {
     pub const SEED: u32 = 21;
     pub const FRICTION: u32 = 22;
     pub const LOCAL_ERROR: u32 = 23;
+    pub const USE_ACCELERATION: u32 = 24;
 }
 
 /// Local error of a step in rad that a multibody unit starts with, that of `arcmin simulate`, and its limits.
@@ -108,6 +109,15 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
         display_unit: "",
         description: "Whether there is friction",
     };
+    let use_acceleration = Variable {
+        reference: r::USE_ACCELERATION,
+        name: "use_acceleration",
+        kind: Kind::Boolean,
+        role: Role::Parameter,
+        unit: "",
+        display_unit: "",
+        description: "Whether accelerations that are set are used; false where the importer has none to give",
+    };
     let mut all = vec![
         real(r::A_PHI, "flange_a.phi", Role::Input, "rad", "deg", "Angle of the motor flange"),
         real(r::A_W, "flange_a.w", Role::Input, "rad/s", "rpm", "Speed of the motor flange"),
@@ -117,7 +127,8 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
             Role::Input,
             "rad/s2",
             "",
-            "Acceleration of the motor flange; if it is never set, the change of flange_a.w over the step before",
+            "Acceleration of the motor flange; as long as it is never set to anything but 0, the change of flange_a.w \
+             over the step before, which is also taken where use_acceleration is false",
         ),
         real(
             r::A_TAU,
@@ -140,7 +151,17 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
         ),
         real(r::B_PHI, "flange_b.phi", motion, "rad", "deg", "Angle of the load flange"),
         real(r::B_W, "flange_b.w", motion, "rad/s", "rpm", "Speed of the load flange"),
-        real(r::B_A, "flange_b.a", motion, "rad/s2", "", "Acceleration of the load flange"),
+        real(
+            r::B_A,
+            "flange_b.a",
+            motion,
+            "rad/s2",
+            "",
+            match load {
+                LoadFlange::Torque => "Acceleration of the load flange",
+                LoadFlange::Motion => "Acceleration of the load flange; if it is not set, as with flange_a.a",
+            },
+        ),
         real(
             r::TRANSMISSION_ERROR,
             "transmission_error",
@@ -171,6 +192,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
         real(r::HOURS, "operating_hours", Role::Parameter, "h", "", "Hours at the design's duty"),
         seed,
         friction,
+        use_acceleration,
     ];
     if depth == Depth::Multibody {
         all.push(real(

@@ -52,6 +52,8 @@ impl JointExport {
             "k1_k2_k3_negative_torque_n_m_per_arcmin": stiffness(1),
             "fit_residual_arcmin": curve.residual_rad / ARCMIN,
             "hysteresis_residual_rms_n_m": state.hysteresis.residual_rms_n_m,
+            "damping_ratio": state.damping_ratio,
+            "damping_at_load_inertia_n_m_s_per_rad": self.damping(state),
             "hysteresis_residual_max_n_m": state.hysteresis.residual_max_n_m,
             "hysteresis_residual_rms_arcmin": state.hysteresis.residual_rms_rad / ARCMIN,
             "transmission_error_rated_peak_to_peak_arcmin": state
@@ -62,7 +64,7 @@ impl JointExport {
                 .map(|curve| curve.peak_to_peak_rad / ARCMIN),
             "efficiency": state.efficiency,
             "no_load_torque_at_output_n_m": state.running_friction(self.ratio),
-            "viscous_friction_at_output_n_m_s_per_rad": self.viscous(state),
+            "viscous_friction_at_output_n_m_s_per_rad": state.friction.without_load()[1],
             "back_driving_torque_n_m": state.back_driving_torque_n_m,
         })
     }
@@ -135,6 +137,14 @@ fn meaning() -> Value {
         "transmission_error": "theta_out - theta_in/ratio = mean + sum amplitude cos(order theta_out + phase)",
         "losses": "input torque = torque / (ratio efficiency) + friction where the motor drives, torque efficiency / \
                    ratio - friction where the load drives; straight lines through the bench's efficiencies",
+        "friction": "of the joint as one hinge, at the output: tau_f = coulomb_n_m + viscous_n_m_s_per_rad |w| + load_mean \
+                     |tau| z + load_difference tau z^2 with the torque tau of the motor times ratio, the speed w of the output \
+                     and dz/dt = (w - |w| z)/relaxation_rad; residual_*: what is left of the torques of `losses` over speed, \
+                     torque and direction of power; relaxation_residual_rms_n_m: of the hysteresis loop. \
+                     friction_without_constant: the same with coulomb_n_m = 0, four parameters as in issue 3528 of \
+                     google-deepmind/mujoco",
+        "damping_ratio": "of a free swing about half of the rated torque after a quarter of it was let go, from the \
+                          hysteresis; a damper stands for it with 2 damping_ratio sqrt(K3 load_inertia_kg_m2)",
         "source": "hysteresis loop, transmission error, efficiency and running torques of `arcmin rig` at this age; \
                    wear of the duty before as in `arcmin life`",
     })

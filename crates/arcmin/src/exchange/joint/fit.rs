@@ -20,9 +20,9 @@ pub struct TorsionCurve {
 }
 
 impl TorsionCurve {
-    /// Least squares on the mid-line of a loop between `low` (share of the largest torque below which the flank
-    /// may still hang) and the largest torque. T₁ and T₂ are those of a grid that leave least; only stiffening
-    /// curves are taken. `None` for a loop without enough points.
+    /// Least squares on the mid-line of a loop between `low` (share of the largest torque below which the
+    /// flank may still hang, and at which lost motion is defined) and the largest torque. T₁ and T₂ are those
+    /// of a grid that leave least; only stiffening curves are taken. `None` for a loop without enough points.
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<TorsionCurve> {
         let line: Vec<(f64, f64)> =
             mid_line(points, rated, low).into_iter().map(|(t, [up, down])| (t, 0.5 * (up + down))).collect();
@@ -44,8 +44,8 @@ impl TorsionCurve {
         best
     }
 
-    /// With the corners given and so many different stiffnesses, and half of a dead band (rad) or the best one;
-    /// `None` if it does not stiffen.
+    /// With the corners given and so many different stiffnesses, and half of a dead band (rad) or the best
+    /// one; `None` if it does not stiffen.
     fn through(
         line: &[(f64, f64)],
         at: [f64; 2],
@@ -138,7 +138,10 @@ impl Straight {
         });
         let given = offset.unwrap_or(0.0);
         let angles = DVector::from_iterator(line.len(), line.iter().map(|point| point.1 - given));
-        let solution = (matrix.transpose() * &matrix).lu().solve(&(matrix.transpose() * &angles))?;
+        // The first torque is the one at which lost motion is defined: it counts as all others together.
+        let mut weighted = matrix.clone();
+        weighted.row_mut(0).scale_mut(line.len() as f64);
+        let solution = (weighted.transpose() * &matrix).lu().solve(&(weighted.transpose() * &angles))?;
         Some(Straight {
             offset: offset.unwrap_or(solution[0]),
             compliance: [0, 1, 2].map(|piece| solution[free + group(piece)]),
@@ -152,8 +155,8 @@ impl Straight {
     }
 }
 
-/// (torque, angle on the side of positive and of negative torque) of the mean of both branches, for torques from
-/// `low` × rated; all of them positive where a side winds up as its torque pushes.
+/// (torque, angle on the side of positive and of negative torque) of the mean of both branches, for torques
+/// from `low` × rated; all of them positive where a side winds up as its torque pushes.
 fn mid_line(points: &[LoopPoint], rated: f64, low: f64) -> Vec<(f64, [f64; 2])> {
     let of = |branch: Branch, torque: f64| {
         points.iter().find(|p| p.branch == branch && p.torque == torque).map(|p| p.angle)
@@ -182,17 +185,17 @@ pub struct SlipElement {
     pub torque_per_load: f64,
 }
 
-/// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve of the side that φ is on,
-/// and each z_j follows φ/d_j but stays within ±1. It does not depend on rate, closes after every reversal and
-/// remembers them.
+/// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve of the side that φ
+/// is on, and each z_j follows φ/d_j but stays within ±1. It does not depend on rate, closes after every
+/// reversal and remembers them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hysteresis {
     /// The mean of both sides, as catalogues give it.
     pub curve: TorsionCurve,
     /// Middle of the dead band in rad: away from 0 where one side is more worn than the other.
     pub zero_rad: f64,
-    /// Torsion curves of positive and of negative torque, counted from that middle; corners and dead band are those
-    /// of the mean.
+    /// Torsion curves of positive and of negative torque, counted from that middle; corners and dead band are
+    /// those of the mean.
     pub sides: [TorsionCurve; 2],
     pub elements: Vec<SlipElement>,
     /// What the model leaves of the loop's torque at its angles: root mean square and largest, N·m.
@@ -362,8 +365,8 @@ impl Hysteresis {
         points.iter().map(|p| LoopPoint { angle: run(p.torque), ..*p }).collect()
     }
 
-    /// A wind-up at which the model passes more than this torque (N·m), and whose opposite passes less than its
-    /// negative.
+    /// A wind-up at which the model passes more than this torque (N·m), and whose opposite passes less than
+    /// its negative.
     pub fn reach(&self, torque: f64) -> f64 {
         let all = torque + 2.0 * self.friction_torque();
         let slips: f64 = self.elements.iter().map(|element| element.slip_rad).sum();
@@ -373,8 +376,8 @@ impl Hysteresis {
     }
 }
 
-/// The middle between both sides, and the curve of each from there on with dead band and corners of the mean; where
-/// a side does not stiffen at these corners, with fewer pieces.
+/// The middle between both sides, and the curve of each from there on with dead band and corners of the mean;
+/// where a side does not stiffen at these corners, with fewer pieces.
 fn sides(line: &[(f64, [f64; 2])], mean: &TorsionCurve) -> Option<(f64, [TorsionCurve; 2])> {
     let of = |side: usize, from: f64| -> Vec<(f64, f64)> {
         line.iter().map(|(torque, angles)| (*torque, angles[side] - from)).collect()
@@ -395,7 +398,7 @@ fn sides(line: &[(f64, [f64; 2])], mean: &TorsionCurve) -> Option<(f64, [Torsion
 }
 
 /// min |A w − b| with w ≥ 0, one weight at a time (the matrix is small, and each step only ever helps).
-fn non_negative(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
+pub(super) fn non_negative(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let squares: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
     let mut weights = vec![0.0; columns.len()];

@@ -5,11 +5,26 @@ use std::fmt::Write as _;
 use super::{JointExport, JointState, escaped, number};
 use crate::units::ARCMIN;
 
+/// What the file says once.
+const HEAD: &str = "Copy the bodies of one age and its tendons. Hinge 'drive' is where your motor acts, as torque at the \
+                    output\n       (motor torque x ratio); 'gear' is wind-up and backlash. Elements 'slip' need MuJoCo 4 \
+                    (springyield): without\n       them the joint has no hysteresis but is right otherwise. Units: rad, N m, \
+                    kg m2, s.\n       The damping of 'gear' is what rings on while all slip elements stick: the swings of an \
+                    arm are damped by these\n       elements. Numeric 'friction': constant, viscous, mean and difference of \
+                    the friction per motor torque, relaxation;\n       'slip': slip torque and its growth per elastic torque \
+                    of each element. joint_mujoco.py lets both grow with load.";
+
 impl JointExport {
-    /// A model for MuJoCo 4 that holds one body for each age. Each body has two hinges at one place: `drive`
-    /// with what turns before the elastic part as armature, and `gear` for wind-up and backlash. Fixed tendons
-    /// over the gear hinge are its springs: one that pulls beyond a length (`springlength`) for each piece of the
-    /// torsion curve of either side, and one that yields (`springyield`) for each slip element.
+    /// A model for MuJoCo 4 that holds two bodies for each age, one in the other: a rotor on the hinge
+    /// `drive`, with what turns before the elastic part as armature, and the flange on the hinge `gear` for
+    /// wind-up and backlash. Fixed tendons over the gear hinge are its springs: one that pulls beyond a
+    /// length (`springlength`) for each piece of the torsion curve of either side, and one that yields
+    /// (`springyield`) for each slip element.
+    ///
+    /// MuJoCo steps springs explicitly. The flange alone is too light for that at a robot's time step, so an
+    /// armature of the wind-up stands in for the arm; where a step would need one above the load that the
+    /// export is meant for, the integrator `discrete` takes its place, which steps springs implicitly and
+    /// damps their swings.
     pub fn mjcf(&self) -> String {
         let mut text = String::new();
         let name = self.identifier();
@@ -17,22 +32,18 @@ impl JointExport {
         for line in self.stamps() {
             let _ = writeln!(text, "  <!-- {} -->", escaped(&line));
         }
+        let _ = writeln!(text, "  <!-- {HEAD} -->\n  <compiler angle=\"radian\"/>");
         let _ = writeln!(
             text,
-            "  <!-- Copy the body of one age and its tendons. Hinge 'drive' is where your motor acts, as torque at \
-             the output\n       (motor torque x {}); 'gear' is wind-up and backlash. Elements 'slip' need MuJoCo 4 \
-             (springyield): without\n       them the joint has no hysteresis but is right otherwise. The gear's \
-             damping is chosen for the time step;\n       with a smaller one divide it alike. Units: rad, N m, kg \
-             m2, s. -->",
-            number(self.ratio)
+            "  <option timestep=\"{}\" integrator=\"{}\" gravity=\"0 0 0\"/>",
+            number(self.timestep_s),
+            if self.steps_explicitly() { "implicitfast" } else { "discrete" }
         );
-        let _ = writeln!(text, "  <compiler angle=\"radian\"/>");
-        let _ = writeln!(
-            text,
-            "  <option timestep=\"{}\" integrator=\"implicitfast\" gravity=\"0 0 0\"/>",
-            number(self.timestep_s)
-        );
-        text.push_str("  <worldbody>\n");
+        text.push_str("  <custom>\n");
+        for state in &self.states {
+            self.numerics(&mut text, state);
+        }
+        text.push_str("  </custom>\n  <worldbody>\n");
         for (index, state) in self.states.iter().enumerate() {
             self.body(&mut text, index, state);
         }
@@ -54,17 +65,56 @@ impl JointExport {
         text
     }
 
+    /// Python module that lets the friction of the loaded model grow with load, at every step.
+    pub fn mujoco_python(&self) -> String {
+        let stamps = self.stamps().into_iter().take(2);
+        let head: String = stamps.map(|line| format!("# {}\n", line.replace('\n', " "))).collect();
+        head + include_str!("mujoco.py")
+    }
+
+    /// Whether all ages can be stepped explicitly with at most the load that the export is meant for.
+    fn steps_explicitly(&self) -> bool {
+        self.states.iter().all(|state| state.inertia_for(self.timestep_s) <= self.load_inertia_kg_m2)
+    }
+
+    fn numerics(&self, text: &mut String, state: &JointState) {
+        let (label, friction) = (state.label(), &state.friction);
+        let values = [
+            friction.coulomb_n_m,
+            friction.viscous_n_m_s_per_rad,
+            friction.load_mean,
+            friction.load_difference,
+            friction.relaxation_rad,
+        ];
+        let mut numeric = |name: &str, values: Vec<f64>| {
+            let data: Vec<String> = values.into_iter().map(number).collect();
+            let _ = writeln!(text, "    <numeric name=\"{name}_{label}\" data=\"{}\"/>", data.join(" "));
+        };
+        numeric("friction", values.to_vec());
+        let slips = state.slipping().flat_map(|(element, _)| [element.torque_n_m, element.torque_per_load]);
+        let slips: Vec<f64> = slips.collect();
+        // MuJoCo takes no empty numeric; a loop without hysteresis has no slip elements.
+        if !slips.is_empty() {
+            numeric("slip", slips);
+        }
+    }
+
     fn body(&self, text: &mut String, index: usize, state: &JointState) {
         let label = state.label();
         let curve = &state.hysteresis.curve;
+        let friction = &state.friction;
         let arcmin = |rad: f64| format!("{:.4}", rad / ARCMIN);
         let per_arcmin = |k: f64| format!("{:.2}", k * ARCMIN);
+        let own = self.inertia.output_kg_m2;
+        let needed = state.inertia_for(self.timestep_s);
+        let stand_in = if self.steps_explicitly() { f64::max(0.0, needed - own) } else { 0.0 };
         let _ = writeln!(
             text,
             "    <!-- After {} h: lost motion {}', backlash {}', stiffness {} N m/arcmin (as `arcmin rig` \
              measures them);\n         fit: dead band {}', K1 K2 K3 = {}, {}, {} N m/arcmin up to T1 = {} and T2 = \
              {} N m;\n         hysteresis fitted within {} N m (rms), {} N m at most. Running: efficiency {} at \
-             rated load,\n         friction without load {} N m. -->",
+             rated load,\n         friction without load {} N m at rated speed; friction that grows with load fitted \
+             within {} N m (rms), {} N m\n         at most.",
             number(state.hours),
             arcmin(state.lost_motion_rad),
             arcmin(state.backlash_rad),
@@ -79,38 +129,49 @@ impl JointExport {
             number(state.hysteresis.residual_max_n_m),
             number(state.efficiency),
             number(state.running_friction(self.ratio)),
+            number(friction.residual_rms_n_m),
+            number(friction.residual_max_n_m),
         );
+        if stand_in > 0.0 {
+            let _ = writeln!(
+                text,
+                "         The armature of 'gear' stands in for your arm: a step of {} s needs {} kg m2 there. Set it \
+                 to 0 where arm J\n         and motor side M give J M / (J + M) above that (M = {} kg m2, or any \
+                 where the motor is held).",
+                number(self.timestep_s),
+                number(needed),
+                number(self.reflected_inertia())
+            );
+        }
+        text.push_str("    -->\n");
         let reach = self.reach(state);
         let radius = 0.5;
-        // A flange of the given mass and inertia; the other two moments are those of a flat disc.
-        let across = 0.5 * self.inertia.output_kg_m2;
         let _ = writeln!(
             text,
-            "    <body name=\"flange_{label}\" pos=\"{} 0 0\">\n      <inertial pos=\"0 0 0\" mass=\"{}\" \
-             diaginertia=\"{} {} {}\"/>",
+            "    <body name=\"rotor_{label}\" pos=\"{} 0 0\">\n      <!-- Crankshafts and discs; what turns is the \
+             armature of the hinge. -->\n      <inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"1e-6 1e-6 \
+             1e-6\"/>\n      <joint name=\"drive_{label}\" type=\"hinge\" axis=\"0 0 1\" armature=\"{}\" \
+             frictionloss=\"{}\" damping=\"{}\"/>",
             number(radius * index as f64),
-            number(self.inertia.output_kg),
-            number(across),
-            number(across),
-            number(self.inertia.output_kg_m2)
-        );
-        let _ = writeln!(
-            text,
-            "      <joint name=\"drive_{label}\" type=\"hinge\" axis=\"0 0 1\" armature=\"{}\" frictionloss=\"{}\"/>",
+            number(self.inertia.gear_kg),
             number(self.reflected_inertia()),
-            number(state.running_friction(self.ratio))
+            number(friction.without_load()[0]),
+            number(friction.without_load()[1])
         );
+        // A flange of the given mass and inertia; the other two moments are those of a flat disc.
+        let across = number(0.5 * own);
         let _ = writeln!(
             text,
-            "      <joint name=\"gear_{label}\" type=\"hinge\" axis=\"0 0 1\" limited=\"true\" range=\"{} {}\" \
-             armature=\"0\" damping=\"{}\"/>",
+            "      <body name=\"flange_{label}\">\n        <inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"{across} \
+             {across} {}\"/>\n        <joint name=\"gear_{label}\" type=\"hinge\" axis=\"0 0 1\" limited=\"true\" \
+             range=\"{} {}\" armature=\"{}\" damping=\"{}\"/>\n        <geom type=\"cylinder\" size=\"0.1 0.02\" \
+             mass=\"0\" contype=\"0\" conaffinity=\"0\"/>\n      </body>\n    </body>",
+            number(self.inertia.output_kg),
+            number(own),
             number(-reach),
             number(reach),
-            number(state.damping(self.timestep_s))
-        );
-        let _ = writeln!(
-            text,
-            "      <geom type=\"cylinder\" size=\"0.1 0.02\" mass=\"0\" contype=\"0\" conaffinity=\"0\"/>\n    </body>"
+            number(stand_in),
+            number(state.rest_damping(own + stand_in))
         );
     }
 
@@ -122,8 +183,8 @@ impl JointExport {
             + 2.0 * self.rated_torque_n_m / curve.stiffness_n_m_per_rad[2]
     }
 
-    /// Springs of one age. The springs of a torsion curve that stiffens add up; each is slack up to its corner, and
-    /// on the whole other side.
+    /// Springs of one age. The springs of a torsion curve that stiffens add up; each is slack up to its
+    /// corner, and on the whole other side.
     fn tendons(&self, text: &mut String, state: &JointState) {
         let label = state.label();
         let slack = 2.0 * self.reach(state);
@@ -145,8 +206,7 @@ impl JointExport {
                 );
             }
         }
-        let elements = state.hysteresis.elements.iter().map(|element| (element, state.slip_torque(element)));
-        for (index, (element, torque)) in elements.filter(|(_, torque)| *torque > 0.0).enumerate() {
+        for (index, (element, torque)) in state.slipping().enumerate() {
             let _ = writeln!(
                 text,
                 "    <fixed name=\"slip{}_{label}\" springlength=\"0 0\" stiffness=\"{}\" springyield=\"{}\"><joint \

@@ -1,10 +1,14 @@
 //! The reducer as a joint of a robot model: the numbers that are typed by hand elsewhere, with source and
 //! units, for each age.
 
+mod damping;
 mod document;
 mod fit;
+mod friction;
+mod inertia;
 mod mjcf;
 mod modelica;
+mod names;
 mod robot;
 #[cfg(test)]
 pub(super) mod tests;
@@ -13,10 +17,12 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+pub(super) use damping::FLANGE_DAMPING_RATIO;
 pub use fit::{Hysteresis, SlipElement, TorsionCurve};
+pub use friction::RunningFriction;
+pub use inertia::JointInertia;
 
 use super::{ExchangeError, Stamp};
-use crate::dynamics::{BearingJoints, DynamicsError, JointSettings, System};
 use crate::machine::Machine;
 use crate::rig::{Branch, ErrorCurve, LoopPoint, LossLine, RigState, evaluate_loop};
 
@@ -108,10 +114,16 @@ pub struct JointState {
     /// Largest width of the loop outside of the dead band, as angle at equal torque.
     pub hysteresis_width_rad: f64,
     pub hysteresis: Hysteresis,
+    /// Of a free swing about half of the rated torque after a quarter of it was let go, from the hysteresis.
+    pub damping_ratio: f64,
     /// The mean loop over the crank positions: torque in N·m, angle in rad; falling, then rising.
     pub torsion_loop: Vec<(f64, f64)>,
     pub transmission_error: Vec<TransmissionWaves>,
     pub losses: Vec<LossLine>,
+    /// Friction of the running joint that grows with load, fitted to `losses` and the loop; then the same
+    /// with its four parameters alone, without the constant c.
+    pub friction: RunningFriction,
+    pub friction_without_constant: RunningFriction,
     /// At rated torque and speed.
     pub efficiency: f64,
     /// At the input, N·m.
@@ -133,7 +145,7 @@ impl JointState {
         measured: &RigState,
         further: &[ErrorCurve],
         losses: Vec<LossLine>,
-        rated: f64,
+        (ratio, rated): (f64, f64),
     ) -> Result<JointState, ExchangeError> {
         let no_fit = |message: &str| ExchangeError::Fit {
             message: format!("the hysteresis loop at {} h cannot be fitted: {message}", measured.hours),
@@ -146,6 +158,9 @@ impl JointState {
         let figures = evaluate_loop(&points, rated).map_err(|error| no_fit(&error.to_string()))?;
         let hysteresis =
             Hysteresis::fit(&points, rated, ACROSS).ok_or_else(|| no_fit("it does not stiffen"))?;
+        let friction =
+            |constant| RunningFriction::fit(&losses, (&hysteresis, &points), ratio, rated, constant);
+        let (friction, friction_without_constant) = (friction(true), friction(false));
         let half = points.len() / 2;
         let width = points[..half]
             .iter()
@@ -164,10 +179,13 @@ impl JointState {
             soft_stiffness_n_m_per_rad: measured.soft_stiffness(),
             hysteresis_loss_j: figures.work.abs(),
             hysteresis_width_rad: width,
+            damping_ratio: damping::damping_ratio(&hysteresis, rated),
             hysteresis,
             torsion_loop: points.iter().map(|p| (p.torque, p.angle)).collect(),
             transmission_error: curves,
             losses,
+            friction,
+            friction_without_constant,
             efficiency: efficiency.rated,
             no_load_torque_n_m: torques.no_load,
             starting_torque_n_m: torques.starting,
@@ -206,41 +224,6 @@ fn mean_loop(loops: &[Vec<LoopPoint>]) -> Option<Vec<LoopPoint>> {
     Some(mean)
 }
 
-/// Moments of inertia in kg·m².
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct JointInertia {
-    /// Motor and input shaft with sun, as the design has them, at the input.
-    pub motor_kg_m2: f64,
-    pub sun_kg_m2: f64,
-    /// Crankshafts and discs, seen from the input.
-    pub gear_kg_m2: f64,
-    /// The output flange with all that turns with it, at the output.
-    pub output_kg_m2: f64,
-    /// kg.
-    pub output_kg: f64,
-}
-
-impl JointInertia {
-    /// From the kinetic energy ½ Σ m v² of the nominal motion at unit speed of the input.
-    ///
-    /// # Errors
-    /// [`DynamicsError`] where the machine cannot be modelled.
-    pub fn of(machine: &Machine) -> Result<JointInertia, DynamicsError> {
-        let model = BearingJoints::held(machine, &JointSettings::default())?;
-        let velocity = model.nominal_velocity_at(0.0, 1.0);
-        let output = model.output_index();
-        let whole: f64 = velocity.iter().zip(model.mass()).map(|(v, m)| m * v * v).sum();
-        let own = model.mass()[output];
-        Ok(JointInertia {
-            motor_kg_m2: machine.gear_stage.motor_inertia,
-            sun_kg_m2: machine.gear_stage.sun_inertia,
-            gear_kg_m2: whole - own * velocity[output] * velocity[output],
-            output_kg_m2: own,
-            output_kg: machine.carrier.mass,
-        })
-    }
-}
-
 /// Everything about the reducer as a joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointExport {
@@ -256,24 +239,27 @@ pub struct JointExport {
     /// rad/s.
     pub rated_input_speed_rad_per_s: f64,
     pub inertia: JointInertia,
-    /// Time step in s for which the damping of the robot models is chosen.
+    /// Time step in s of the robot simulation.
     pub timestep_s: f64,
+    /// Inertia at the output in kg·m² of what the joint moves, for the damping of tools without hysteresis.
+    pub load_inertia_kg_m2: f64,
     /// The youngest first.
     pub states: Vec<JointState>,
 }
 
 impl JointExport {
-    /// Puts together what was found; states in the order of their hours.
+    /// Puts together what was found; states in the order of their hours. Without a load, that of
+    /// [`JointExport::usual_load`].
     pub fn new(
         machine: &Machine,
         stamp: &Stamp,
         model: String,
         friction_assumed: bool,
         inertia: JointInertia,
-        timestep_s: f64,
+        (timestep_s, load_inertia_kg_m2): (f64, Option<f64>),
         states: Vec<JointState>,
     ) -> JointExport {
-        JointExport {
+        let joint = JointExport {
             arcmin_version: stamp.version.clone(),
             design_name: stamp.design_name.clone(),
             design_hash: stamp.design_hash.clone(),
@@ -284,8 +270,11 @@ impl JointExport {
             rated_input_speed_rad_per_s: machine.rated.input_speed.abs(),
             inertia,
             timestep_s,
+            load_inertia_kg_m2: 0.0,
             states,
-        }
+        };
+        let load_inertia_kg_m2 = load_inertia_kg_m2.unwrap_or_else(|| joint.usual_load());
+        JointExport { load_inertia_kg_m2, ..joint }
     }
 
     /// What is said at the head of every file.
@@ -298,14 +287,9 @@ impl JointExport {
         ]
     }
 
-    /// A name that every format takes: letters, digits and underscores, a letter first.
+    /// The design's name as every format takes it.
     fn identifier(&self) -> String {
-        let name: String = self
-            .design_name
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
-            .collect();
-        if name.starts_with(|c: char| c.is_ascii_alphabetic()) { name } else { format!("joint_{name}") }
+        names::identifier(&self.design_name)
     }
 
     /// Inertia of all that turns before the elastic part, seen from the output, kg·m².
@@ -318,31 +302,7 @@ impl JointExport {
 impl JointState {
     /// `h2000`: the age as part of a name.
     fn label(&self) -> String {
-        format!("h{}", super::trimmed(self.hours, 3).replace('.', "_"))
-    }
-
-    /// Half of the largest torque of the loop, N·m.
-    fn half_rated(&self) -> f64 {
-        0.5 * self.torsion_loop.iter().map(|point| point.0).fold(0.0, f64::max)
-    }
-
-    /// Torque in N·m at which an element slips at half the rated load, where a loop is about widest: for tools
-    /// whose sliders know no load.
-    fn slip_torque(&self, element: &SlipElement) -> f64 {
-        element.torque_n_m + element.torque_per_load * self.half_rated()
-    }
-
-    /// Stiffness in N·m/rad right after a reversal: K₃ and all elements that stick.
-    fn stuck_stiffness(&self) -> f64 {
-        let elements = &self.hysteresis.elements;
-        let stuck: f64 = elements.iter().map(|element| self.slip_torque(element) / element.slip_rad).sum();
-        self.hysteresis.curve.stiffness_n_m_per_rad[2] + stuck
-    }
-
-    /// Damping in N·m·s/rad that keeps the springs stable at a time step: they give way by one part in e
-    /// within it.
-    fn damping(&self, timestep: f64) -> f64 {
-        self.stuck_stiffness() * timestep
+        names::label(self.hours)
     }
 
     /// Friction of the running input without load, seen from the output, N·m.

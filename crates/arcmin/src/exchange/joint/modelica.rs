@@ -21,7 +21,9 @@ impl JointExport {
              parameter Real ratio \"Transmission ratio flange_a.phi/flange_b.phi\";\n    parameter Real lossTable[:, 5] \
              \"|w_a|, eta_mf1, eta_mf2, |tau_bf1|, |tau_bf2| (at flange_a)\";\n    parameter \
              Modelica.Units.SI.RotationalSpringConstant c \"Stiffness at flange_b\";\n    parameter \
-             Modelica.Units.SI.RotationalDampingConstant d \"Damping at flange_b\";\n    parameter \
+             Real zeta \"Damping ratio of a swing, from the hysteresis\";\n    parameter Modelica.Units.SI.Inertia J_load \
+             \"Inertia that the damping d is meant for\";\n    parameter \
+             Modelica.Units.SI.RotationalDampingConstant d \"Damping at flange_b: 2*zeta*sqrt(c*J_load)\";\n    parameter \
              Modelica.Units.SI.Angle b \"Total backlash at flange_b\";\n    parameter Modelica.Units.SI.Inertia J_a \
              \"Sun, crankshafts and discs, at flange_a\";\n    parameter Modelica.Units.SI.Inertia J_b \"Output \
              flange\";\n  end Parameters;\n"
@@ -33,7 +35,7 @@ impl JointExport {
             let _ = writeln!(
                 text,
                 "  record {label} \"After {} h: lost motion {:.4}', stiffness {} N.m/arcmin\"\n    extends Parameters(\n      \
-                 ratio = {},\n      lossTable = [{}],\n      c = {},\n      d = {},\n      b = {},\n      J_a = {},\n      J_b = \
+                 ratio = {},\n      lossTable = [{}],\n      c = {},\n      zeta = {},\n      J_load = {},\n      d = {},\n      b = {},\n      J_a = {},\n      J_b = \
                  {});\n  end {label};\n",
                 number(state.hours),
                 state.lost_motion_rad / ARCMIN,
@@ -41,7 +43,9 @@ impl JointExport {
                 number(self.ratio),
                 rows.join(";\n                   "),
                 number(state.hysteresis.curve.stiffness_n_m_per_rad[2]),
-                number(state.damping(self.timestep_s)),
+                number(state.damping_ratio),
+                number(self.load_inertia_kg_m2),
+                number(self.damping(state)),
                 number(2.0 * state.hysteresis.curve.half_gap_rad),
                 number(self.inertia.sun_kg_m2 + self.inertia.gear_kg_m2),
                 number(self.inertia.output_kg_m2)
@@ -52,9 +56,11 @@ impl JointExport {
             text,
             "  model Reducer \"Gearbox with the inertias of the reducer\"\n    extends \
              Modelica.Mechanics.Rotational.Interfaces.PartialTwoFlanges;\n    parameter Parameters data = {first}() \"Age\" \
-             annotation(choicesAllMatching = true);\n    Modelica.Mechanics.Rotational.Components.Inertia input_side(J = \
+             annotation(choicesAllMatching = true);\n    parameter \
+             Modelica.Units.SI.Inertia J_load = data.J_load \"Inertia of what your flange_b moves, for the \
+             damping\";\n    Modelica.Mechanics.Rotational.Components.Inertia input_side(J = \
              data.J_a);\n    Modelica.Mechanics.Rotational.Components.Gearbox gearbox(\n      ratio = data.ratio, lossTable = \
-             data.lossTable, c = data.c, d = data.d, b = data.b);\n    Modelica.Mechanics.Rotational.Components.Inertia \
+             data.lossTable, c = data.c, d = 2*data.zeta*sqrt(data.c*J_load), b = data.b);\n    Modelica.Mechanics.Rotational.Components.Inertia \
              output_side(J = data.J_b);\n  equation\n    connect(flange_a, input_side.flange_a);\n    \
              connect(input_side.flange_b, gearbox.flange_a);\n    connect(gearbox.flange_b, output_side.flange_a);\n    \
              connect(output_side.flange_b, flange_b);\n  end Reducer;\n\n  annotation(uses(Modelica(version = \"4.0.0\")));\n\
@@ -84,7 +90,8 @@ impl JointExport {
         }
         text.push_str(
             "% Simple Gear: ratio, efficiency, viscous friction. Rotational Free Play (or Hard Stop) on the follower\n% \
-             side: dead band. Torsional Spring-Damper on the follower side: stiffness and damping. Units: SI.\n",
+             side: dead band. Torsional Spring-Damper on the follower side: stiffness and damping, which is meant for \
+             load_inertia:\n% damping = 2*damping_ratio*sqrt(stiffness*load_inertia). Units: SI.\n",
         );
         for state in &self.states {
             let label = state.label();
@@ -97,12 +104,18 @@ impl JointExport {
                 ("ratio", number(self.ratio)),
                 ("rated_torque", number(self.rated_torque_n_m)),
                 ("efficiency", number(state.efficiency)),
-                ("viscous_friction_base", number(self.viscous(state) / (self.ratio * self.ratio))),
+                (
+                    "viscous_friction_base",
+                    number(state.friction.without_load()[1] / (self.ratio * self.ratio)),
+                ),
                 ("no_load_torque_base", number(state.no_load_torque_n_m)),
                 ("dead_band_upper", number(high)),
                 ("dead_band_lower", number(low)),
                 ("stiffness", number(curve.stiffness_n_m_per_rad[2])),
-                ("damping", number(state.damping(self.timestep_s))),
+                ("damping_ratio", number(state.damping_ratio)),
+                ("load_inertia", number(self.load_inertia_kg_m2)),
+                // 2 damping_ratio sqrt(stiffness load_inertia); another load asks for another one.
+                ("damping", number(self.damping(state))),
                 ("stiffness_pieces", format!("[{}]", list(&curve.stiffness_n_m_per_rad))),
                 ("torques_between_pieces", format!("[{}]", list(&curve.torques_n_m))),
                 ("friction_of_gear", number(state.hysteresis.friction_torque())),

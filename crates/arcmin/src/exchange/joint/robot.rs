@@ -31,7 +31,7 @@ impl JointExport {
         for state in &self.states {
             let (label, [low, high]) = (state.label(), state.hysteresis.dead_band());
             let _ = writeln!(text, "  <!-- {} -->", self.told(state));
-            link(&mut text, &format!("rotor_{label}"), inertia.output_kg, self.reflected_inertia());
+            link(&mut text, &format!("rotor_{label}"), inertia.gear_kg, self.reflected_inertia());
             link(&mut text, &format!("flange_{label}"), inertia.output_kg, inertia.output_kg_m2);
             let _ = writeln!(
                 text,
@@ -39,8 +39,8 @@ impl JointExport {
                  link=\"rotor_{label}\"/>\n    <axis xyz=\"0 0 1\"/>\n    <limit effort=\"{}\" velocity=\"{speed}\"/>\n    \
                  <dynamics damping=\"{}\" friction=\"{}\"/>\n  </joint>",
                 number(self.rated_torque_n_m),
-                number(self.viscous(state)),
-                number(state.running_friction(self.ratio))
+                number(state.friction.without_load()[1]),
+                number(state.friction.without_load()[0])
             );
             let _ = writeln!(
                 text,
@@ -66,7 +66,7 @@ impl JointExport {
     }
 
     /// SDFormat 1.10: for each age a model with the drive, a joint whose limits are the dead band with the
-    /// stiffness K₃ as that of its stops.
+    /// stiffness K₃ as that of its stops and the damping of [`JointExport::damping`].
     pub fn sdf(&self) -> String {
         let mut text = String::from("<?xml version=\"1.0\"?>\n<sdf version=\"1.10\">\n");
         for line in self.stamps() {
@@ -85,34 +85,29 @@ impl JointExport {
         let (name, label) = (self.identifier(), state.label());
         let inertia = &self.inertia;
         let [low, high] = state.hysteresis.dead_band();
-        let link = |name: &str, about_axis: f64| {
+        let link = |name: &str, mass: f64, about_axis: f64| {
             let across = number(0.5 * about_axis);
             format!(
                 "      <link name=\"{name}\">\n        <inertial>\n          <mass>{}</mass>\n          <inertia>\
                  <ixx>{across}</ixx><iyy>{across}</iyy><izz>{}</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia>\n        \
                  </inertial>\n      </link>\n",
-                number(inertia.output_kg),
+                number(mass),
                 number(about_axis)
             )
         };
         let _ = writeln!(text, "    <!-- {} -->\n    <model name=\"{name}_{label}\">", self.told(state));
-        text.push_str(&link("base", inertia.output_kg_m2));
-        text.push_str(&link("rotor", self.reflected_inertia()));
-        text.push_str(&link("flange", inertia.output_kg_m2));
-        text.push_str(
-            "      <joint name=\"mount\" type=\"fixed\">\n        <parent>world</parent>\n        <child>base</child>\n      \
-             </joint>\n",
-        );
+        text.push_str(&link("rotor", inertia.gear_kg, self.reflected_inertia()));
+        text.push_str(&link("flange", inertia.output_kg, inertia.output_kg_m2));
         let speed = number(self.rated_input_speed_rad_per_s / self.ratio.abs());
         let _ = write!(
             text,
-            "      <joint name=\"drive\" type=\"revolute\">\n        <parent>base</parent>\n        <child>rotor</child>\n        \
+            "      <joint name=\"drive\" type=\"revolute\">\n        <parent>world</parent>\n        <child>rotor</child>\n        \
              <axis>\n          <xyz>0 0 1</xyz>\n          <limit><lower>-1e16</lower><upper>1e16</upper>\
              <effort>{}</effort><velocity>{speed}</velocity></limit>\n          <dynamics><damping>{}</damping>\
              <friction>{}</friction></dynamics>\n        </axis>\n      </joint>\n",
             number(self.rated_torque_n_m),
-            number(self.viscous(state)),
-            number(state.running_friction(self.ratio))
+            number(state.friction.without_load()[1]),
+            number(state.friction.without_load()[0])
         );
         let _ = write!(
             text,
@@ -125,17 +120,9 @@ impl JointExport {
             number(high),
             number(self.rated_torque_n_m),
             number(state.hysteresis.curve.stiffness_n_m_per_rad[2]),
-            number(state.damping(self.timestep_s)),
+            number(self.damping(state)),
             number(state.hysteresis.friction_torque())
         );
-    }
-
-    /// Growth of the running friction with the speed of the output, N·m·s/rad; 0 where it falls.
-    pub(super) fn viscous(&self, state: &JointState) -> f64 {
-        let (Some(slow), Some(fast)) = (state.losses.first(), state.losses.last()) else { return 0.0 };
-        let rise = fast.friction_n_m[0] - slow.friction_n_m[0];
-        let run = fast.input_speed_rad_per_s - slow.input_speed_rad_per_s;
-        if run > 0.0 { f64::max(0.0, rise / run * self.ratio * self.ratio) } else { 0.0 }
     }
 
     /// One age in one sentence for comments.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::dynamics::JointSettings;
 use crate::rig::{ASSUMED_FRICTION, hysteresis_loop};
 use crate::units::ARCMIN;
 
@@ -173,8 +174,21 @@ pub(in crate::exchange) fn sample() -> JointExport {
             peak_to_peak_rad: 2e-5,
             left_rad: 0.0,
         };
+        let friction = RunningFriction {
+            coulomb_n_m: 4.9,
+            viscous_n_m_s_per_rad: 0.6,
+            load_mean: 0.13,
+            load_difference: -0.01,
+            relaxation_rad: 1e-5,
+            residual_rms_n_m: 0.2,
+            residual_max_n_m: 0.5,
+            relaxation_residual_rms_n_m: 1.0,
+        };
         JointState {
             hours,
+            damping_ratio: 0.05,
+            friction,
+            friction_without_constant: friction,
             lost_motion_rad: 2.0 * gap * ARCMIN,
             backlash_rad: 2.0 * gap * ARCMIN,
             stiffness_n_m_per_rad: 250.0 / ARCMIN,
@@ -211,8 +225,10 @@ pub(in crate::exchange) fn sample() -> JointExport {
             gear_kg_m2: 4e-5,
             output_kg_m2: 6e-3,
             output_kg: 2.5,
+            gear_kg: 1.8,
         },
         timestep_s: 1e-3,
+        load_inertia_kg_m2: 12.0,
         states: vec![state(0.0, 0.3), state(2000.0, 0.5)],
     }
 }
@@ -221,4 +237,148 @@ pub(in crate::exchange) fn sample() -> JointExport {
 fn what_is_written_as_json_is_read_back() {
     let joint = sample();
     assert_eq!(JointExport::from_json(&joint.json().unwrap()).unwrap(), joint);
+}
+
+/// No name is a word of a language that the joint is written in, and none loses what tells it apart.
+#[test]
+fn names_are_nobodys_own() {
+    let identifier = names::identifier;
+    for word in [
+        "end",
+        "End",
+        "model",
+        "package",
+        "when",
+        "initial",
+        "annotation",
+        "der",
+        "Modelica",
+        "function",
+        "world",
+    ] {
+        assert_eq!(identifier(word), format!("joint_{}", word.to_lowercase()));
+    }
+    for name in ["", "_", "__model__", "40E", "減速機", "a--b", "x\ny", "<&\">", "RV 40E-81"] {
+        let own = identifier(name);
+        assert!(own.starts_with(|c: char| c.is_ascii_lowercase()), "{own}");
+        assert!(own.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'), "{own}");
+    }
+    assert_eq!(identifier("RV 40E-81"), "rv_40e_81");
+    let ages = [0.0, 1e-4, 0.5, 2000.0, 2000.25, 1e7];
+    let labels: std::collections::HashSet<String> = ages.map(names::label).into();
+    assert_eq!(labels.len(), ages.len());
+    assert!(labels.iter().all(|label| label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')));
+    let joint = JointExport { design_name: "end".into(), ..sample() };
+    assert!(
+        joint.modelica().contains("package joint_end ") && joint.modelica().ends_with("end joint_end;\n")
+    );
+}
+
+/// Losses made by a known friction give it back, with and without a constant.
+#[test]
+fn a_known_friction_is_found_again() {
+    let (ratio, rated) = (81.0, 400.0);
+    let state = &sample().states[0];
+    for (constant, viscous, driving, driven) in
+        [(5.0, 0.7, 0.12, 0.13), (0.0, 0.5, 0.2, 0.1), (3.0, 0.0, 0.05, 0.0), (0.0, 0.0, 0.0, 0.0)]
+    {
+        // tau = c + v w + mu_1 tau + T while the motor drives; tau = c + v w - mu_2 tau - T while the load
+        // does, as long as the motor then brakes.
+        let losses: Vec<LossLine> = [15.0, 80.0, 160.0]
+            .map(|speed: f64| {
+                let free = constant + viscous * speed / ratio;
+                LossLine {
+                    input_speed_rad_per_s: speed,
+                    efficiency: [1.0 - driving, 1.0 / (1.0 + driven)],
+                    friction_n_m: [free / (1.0 - driving) / ratio, free / (1.0 + driven) / ratio],
+                    left_n_m: 0.0,
+                }
+            })
+            .into();
+        let points = state.loop_points();
+        let found = RunningFriction::fit(&losses, (&state.hysteresis, &points), ratio, rated, constant > 0.0);
+        let near = |found: f64, truth: f64, size: f64| (found - truth).abs() < 0.03 * size;
+        assert!(near(found.coulomb_n_m, constant, 6.0), "{found:?}");
+        assert!(near(found.viscous_n_m_s_per_rad, viscous, 1.0), "{found:?}");
+        assert!(near(found.load_mean + found.load_difference, driving, 0.1), "{found:?}");
+        assert!(near(found.load_mean - found.load_difference, driven, 0.1), "{found:?}");
+        assert!(found.residual_max_n_m < 0.05, "{found:?}");
+        let [c, v] = found.without_load();
+        let turned = c + v * 1.5;
+        assert!((turned - found.torque(1.5, turned)).abs() < 1e-9 * (1.0 + turned));
+    }
+}
+
+/// An arm let go on the hysteresis, stepped in time, loses per period what the damping ratio says; whatever
+/// it weighs.
+#[test]
+fn damping_ratio_is_that_of_a_swing_in_time() {
+    let state = &sample().states[0];
+    let (rated, model) = (400.0, &state.hysteresis);
+    let expected = damping::damping_ratio(model, rated);
+    for inertia in [2.0, 30.0] {
+        let mut slips = vec![0.0; model.elements.len()];
+        let (mut angle, mut speed) = (0.0, 0.0);
+        while model.torque(angle, &slips) < 0.75 * rated {
+            angle += 1e-9;
+            model.follow(&mut slips, 1e-9);
+        }
+        let mut turns = vec![angle];
+        let h = 0.002 * (inertia / model.stiffest()).sqrt();
+        while turns.len() < 4 {
+            let next = speed + h * (0.5 * rated - model.torque(angle, &slips)) / inertia;
+            if next * speed < 0.0 {
+                turns.push(angle);
+            }
+            speed = next;
+            angle += h * speed;
+            model.follow(&mut slips, h * speed);
+        }
+        let found = ((turns[0] - turns[1]) / (turns[2] - turns[3])).ln() / TAU;
+        assert!((found - expected).abs() < 0.03 * expected, "{inertia}: {found} {expected}");
+    }
+    // The damper that stands for it, at the load it is meant for.
+    let joint = sample();
+    let stiffness = model.curve.stiffness_n_m_per_rad[2];
+    let ratio = joint.damping(state) / (2.0 * (stiffness * joint.load_inertia_kg_m2).sqrt());
+    assert!((ratio - state.damping_ratio).abs() < 1e-12);
+}
+
+/// What a time step adds is small against the hysteresis of an arm, and steady at its own step.
+#[test]
+fn a_time_step_does_not_damp_the_arm() {
+    for timestep in [1e-5, 1e-4, 1e-3, 2e-3] {
+        let joint = JointExport { timestep_s: timestep, ..sample() };
+        for state in &joint.states {
+            let needed = state.inertia_for(timestep).max(joint.inertia.output_kg_m2);
+            let arm = 12.0;
+            let stiffness = state.hysteresis.stiffest();
+            let added = state.rest_damping(needed) / (2.0 * (stiffness * arm).sqrt());
+            assert!(added <= 0.02 * (needed / arm).sqrt() * 1.001, "{timestep}: {added}");
+            assert!(state.inertia_for(timestep) >= 0.5 * stiffness * timestep * timestep);
+        }
+        assert!(joint.mjcf().contains("implicitfast"), "{timestep}");
+    }
+    let coarse = JointExport { timestep_s: 0.02, ..sample() }.mjcf();
+    assert!(coarse.contains("integrator=\"discrete\"") && coarse.contains("armature=\"0\""));
+}
+
+/// Each mass once, and that of the part that moves.
+#[test]
+fn masses_are_those_of_the_parts() {
+    let machine = machine();
+    let found = JointInertia::of(&machine).unwrap();
+    assert_eq!(found.output_kg, machine.carrier.mass);
+    let turned = Machine { fixed_member: crate::machine::FixedMember::Carrier, ..machine.clone() };
+    let other = JointInertia::of(&turned).unwrap();
+    assert_eq!(other.output_kg, turned.housing.mass);
+    assert!(other.output_kg != found.output_kg && other.gear_kg == found.gear_kg);
+    let joint = sample();
+    let count = |text: &str, mass: f64| text.matches(&format!("mass value=\"{}\"", number(mass))).count();
+    assert_eq!(count(&joint.urdf(), joint.inertia.output_kg), joint.states.len());
+    assert_eq!(count(&joint.urdf(), joint.inertia.gear_kg), joint.states.len());
+    let sdf = joint.sdf();
+    assert_eq!(sdf.matches("<mass>2.5</mass>").count(), 2);
+    assert_eq!(sdf.matches("<mass>").count(), 4);
+    assert_eq!(joint.mjcf().matches("mass=\"2.5\"").count(), 2);
 }
