@@ -185,6 +185,10 @@ pub struct Friction {
     pub oil_drag: f64,
     /// Sliding speed over which Coulomb friction is regularised in m/s.
     pub regularisation_speed: f64,
+    /// Multiple of Palmgren's published drag of lubricant and preload in the bearings.
+    pub bearing_drag: f64,
+    /// Axial force in N that presses each crank support together.
+    pub crank_support_preload: f64,
 }
 
 /// What acts on the output from outside beside the torque, about the middle of the main bearings.

@@ -297,7 +297,7 @@ mod tests {
         machine.friction = crate::machine::Friction {
             regularisation_speed: machine.friction.regularisation_speed,
             oil_drag: 1e-3,
-            ..crate::rig::ASSUMED_FRICTION
+            ..crate::rig::assumed_friction(&machine)
         };
         let settings = JointSettings::default();
         let (rated, speed) = (machine.rated.torque, machine.rated.input_speed);

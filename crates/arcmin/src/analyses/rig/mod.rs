@@ -13,7 +13,7 @@ use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
 use crate::machine::{Friction, Machine, OutputForces};
 use crate::rig::{
-    ASSUMED_FRICTION, Curves, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, main_bearing_load,
+    Curves, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, assumed_friction, main_bearing_load,
 };
 
 pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
@@ -174,7 +174,7 @@ pub(crate) fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, 
         .all(|coefficient| *coefficient == 0.0);
     let friction = match (frictionless, none) {
         (true, _) => Friction::default(),
-        (false, true) => ASSUMED_FRICTION,
+        (false, true) => assumed_friction(machine),
         (false, false) => return (tested, false),
     };
     tested.friction = Friction { regularisation_speed: f.regularisation_speed, ..friction };
