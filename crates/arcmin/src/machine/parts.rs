@@ -191,6 +191,13 @@ pub struct Friction {
     pub crank_support_preload: f64,
 }
 
+impl Friction {
+    /// Whether bearings drag without load.
+    pub fn bearings_drag(&self) -> bool {
+        self.bearing_drag > 0.0 || self.crank_support_preload > 0.0
+    }
+}
+
 /// What acts on the output from outside beside the torque, about the middle of the main bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OutputForces {

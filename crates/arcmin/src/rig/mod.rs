@@ -8,8 +8,10 @@
 mod bearing_life;
 mod bodies;
 mod efficiency;
+mod heat;
 mod hysteresis;
 mod main_bearings;
+mod no_load;
 #[cfg(test)]
 mod order_tests;
 mod orders;
@@ -24,15 +26,14 @@ mod transmission;
 pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use bodies::{BodyCompliance, body_compliance};
-pub use efficiency::{
-    EfficiencyMap, HeatBalance, LossLine, RunningTorques, efficiency_map, heat_balance, loss_lines,
-    running_torques,
-};
+pub use efficiency::{EfficiencyMap, LossLine, efficiency_map, loss_lines};
+pub use heat::{HeatBalance, Steady, heat_balance};
 pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
     stiffness_split,
 };
 pub use main_bearings::{MainBearingLoad, main_bearing_load};
+pub use no_load::{RunningTorques, running_torques};
 pub use orders::{NamedOrder, name_orders};
 pub use state::{MeasuredOnBench, RigPlan, RigState};
 pub use transmission::{

@@ -33,8 +33,8 @@ pub fn seal_share(celsius: f64, at_40c: f64) -> f64 {
 /// bearings up to some hundred mm whose grease has settled; freshly filled ones drag some times more.
 pub fn lubricant_moment(factor: f64, viscosity: f64, speed: f64, pitch_diameter: f64) -> f64 {
     let product = (viscosity * 1e6 * speed.abs() / RPM).max(2000.0);
-    // 10⁻⁷ N·mm/mm³ are 100 N·m/m³.
-    factor * product.powf(2.0 / 3.0) * 1e2 * pitch_diameter.powi(3)
+    // 10⁻⁷ N·mm/mm³ are 0.1 N·m/m³.
+    factor * product.powf(2.0 / 3.0) * 0.1 * pitch_diameter.powi(3)
 }
 
 #[cfg(test)]

@@ -68,6 +68,8 @@ const RUNNING: &[&str] = &[
     "efficiency",
     "new",
     "no_load_running_torque_n_m",
+    "no_load_at_output_n_m",
+    "running_torques",
     "starting_torque_n_m",
     "back_driving_torque_n_m",
     "shortest_bearing_life_h",
@@ -171,7 +173,8 @@ pub(crate) fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, 
     let f = &machine.friction;
     let none = [f.flank, f.pin_seat, f.bearing, f.gear_mesh, f.seal_drag, f.oil_drag]
         .iter()
-        .all(|coefficient| *coefficient == 0.0);
+        .all(|coefficient| *coefficient == 0.0)
+        && !f.bearings_drag();
     let friction = match (frictionless, none) {
         (true, _) => Friction::default(),
         (false, true) => assumed_friction(machine),
