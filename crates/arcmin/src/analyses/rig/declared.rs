@@ -139,6 +139,14 @@ const EFFICIENCY: TableOf<EfficiencyAt> = TableOf {
     },
 };
 
+const NO_LOAD: Quantity =
+    quantity("no_load_running_torque_n_m", digits(3), "Torque at the input that turns the machine unloaded.");
+const NO_LOAD_AT_OUTPUT: Quantity = quantity(
+    "no_load_at_output_n_m",
+    digits(3),
+    "Torque that turns the machine unloaded, at the input times the ratio, as catalogues give it.",
+);
+
 /// Input speed in rad/s, torque at the input, and the ratio.
 type NoLoadAt = (f64, f64, f64);
 
@@ -151,14 +159,8 @@ const RUNNING_TORQUES: TableOf<NoLoadAt> = TableOf {
                 .of(|(speed, _, _): &NoLoadAt| (speed / RPM).into()),
             quantity("output_speed_rpm", decimals(2), "Speed of the output.")
                 .of(|(speed, _, ratio)| (speed / RPM / ratio).into()),
-            quantity(
-                "no_load_running_torque_n_m",
-                digits(3),
-                "Torque at the input that turns the machine unloaded.",
-            )
-            .of(|(_, torque, _)| (*torque).into()),
-            quantity("no_load_at_output_n_m", digits(3), "The same times the ratio, as catalogues give it.")
-                .of(|(_, torque, ratio)| (torque * ratio).into()),
+            NO_LOAD.of(|(_, torque, _)| (*torque).into()),
+            NO_LOAD_AT_OUTPUT.of(|(_, torque, ratio)| (torque * ratio).into()),
         ]
     },
 };
@@ -330,17 +332,9 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             q::EFFICIENCY.named("new.efficiency").of(|o| Value::from(o.new.efficiency.as_ref().map(|map| map.rated))),
             quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
                 .of(|o| o.friction_assumed.into()),
-            quantity(
-                "no_load_running_torque_n_m",
-                digits(3),
-                "Torque at the input that turns the machine unloaded.",
-            )
+            NO_LOAD
             .of(|o| torque(o, |torques| torques.no_load)),
-            quantity(
-                "no_load_at_output_n_m",
-                digits(3),
-                "Torque that turns the machine unloaded, at the input times the ratio, as catalogues give it.",
-            )
+            NO_LOAD_AT_OUTPUT
             .of(|o| {
                 let ratio = o.machine.kinematics().ratio().abs();
                 Value::from(o.state().torques.as_ref().map(|torques| torques.no_load * ratio))
