@@ -182,6 +182,31 @@ mod tests {
         assert_eq!(BearingDrag::of(&tao2024(), -20.0, speed).unwrap(), BearingDrag::default());
     }
 
+    /// On machines of all kinds the drag is there, finite, the same in both directions, no less when it runs faster or
+    /// colder, and takes the same power as torque at input and output as its bearings do.
+    #[test]
+    fn drag_of_random_machines() {
+        for seed in 0..40 {
+            let mut machine = crate::random_designs::sound_design(seed).0.machine();
+            machine.friction.bearing_drag = 1.0;
+            let speed = machine.rated.input_speed;
+            let at = |celsius: f64, share: f64| BearingDrag::of(&machine, celsius, share * speed).unwrap();
+            let (slow, rated, fast, cold) = (at(40.0, 0.1), at(40.0, 1.0), at(40.0, 2.0), at(0.0, 1.0));
+            for drag in [slow, rated, fast, cold, at(40.0, 0.0)] {
+                assert!(drag.input > 0.0 && drag.output > 0.0, "{seed}: {drag:?}");
+                assert!((drag.input + drag.output).is_finite(), "{seed}: {drag:?}");
+            }
+            assert!(slow.input <= rated.input && rated.input <= fast.input && rated.input <= cold.input);
+            assert!(
+                slow.output <= rated.output && rated.output <= fast.output && rated.output <= cold.output
+            );
+            assert_eq!(at(40.0, -1.0), rated);
+            let friction = rated.added_to(machine.friction, speed);
+            let more = (friction.oil_drag - machine.friction.oil_drag) * speed * speed;
+            assert!((more / (rated.input * speed.abs()) - 1.0).abs() < 1e-9 && !friction.bearings_drag());
+        }
+    }
+
     /// 40° angular contact balls with P₀/C₀ = 0.1: f₁ = 0.0013 · 0.1^0.33.
     #[test]
     fn balls_by_hand() {

@@ -105,6 +105,28 @@ mod tests {
         assert_eq!(at(0.0, 500.0), None);
     }
 
+    /// The same of machines of all kinds; where a temperature is found it lies above the surroundings.
+    #[test]
+    fn losses_of_random_machines_leave_as_heat() {
+        let mut found = 0;
+        for seed in 0..4 {
+            let mut machine = crate::random_designs::sound_design(seed).0.machine();
+            let floor = machine.friction.regularisation_speed;
+            let assumed = crate::rig::assumed_friction(&machine);
+            machine.friction =
+                crate::machine::Friction { regularisation_speed: floor, bearing_drag: 1.0, ..assumed };
+            machine.thermal.temperature = Some(30.0);
+            let heat = heat_balance(&machine, &JointSettings::default()).unwrap().unwrap();
+            assert!(heat.loss > 0.0 && heat.film_ratio > 0.0, "{seed}: {heat:?}");
+            let Some(steady) = heat.steady else { continue };
+            let away = steady.convection + steady.conduction;
+            assert!((steady.loss - away).abs() < 0.02 * machine.thermal.cooling(), "{seed}: {steady:?}");
+            assert!(steady.temperature > machine.thermal.ambient, "{seed}: {steady:?}");
+            found += 1;
+        }
+        assert!(found > 0);
+    }
+
     /// Losses of the machine equal the heat that leaves it; a mounting that conducts more leaves it cooler by what the
     /// closed form says of its loss; seals alone have a closed form: P = T_s ω/i with Linke's share.
     #[test]
