@@ -97,7 +97,7 @@ fn lost_motion_on_the_bench_passes_through_zero_without_a_jump() {
             let lost_motion = |gap_um: f64| {
                 let key = format!("disc.modification.{key}");
                 let machine = design.with(&key, sign * gap_um).unwrap().machine();
-                let machine = machine.with_friction(rig::ASSUMED_FRICTION).unwrap();
+                let machine = machine.with_friction(rig::assumed_friction(&machine)).unwrap();
                 let points = rig::hysteresis_loop(&machine, &JointSettings::default(), 0.0).unwrap();
                 let figures = rig::evaluate_loop(&points, machine.rated().torque.abs()).unwrap();
                 figures.lost_motion * 180.0 * 60.0 / std::f64::consts::PI
@@ -191,7 +191,8 @@ fn causes_add_up_on_an_edge() {
 /// give the efficiency of the other.
 #[test]
 fn val_friction_in_load_sharing_is_that_of_the_bench() {
-    let machine = arcmin::templates::tao2024().with_friction(rig::ASSUMED_FRICTION).unwrap();
+    let machine = arcmin::templates::tao2024();
+    let machine = machine.with_friction(rig::assumed_friction(&machine)).unwrap();
     let settings = JointSettings::default();
     let mut running = BearingMeshing::running(&machine, &settings).unwrap();
     let (ratio, speed) = (machine.kinematics().ratio(), machine.rated().input_speed);

@@ -6,7 +6,9 @@ use super::error::Source;
 use super::service::Arrangement;
 use super::{DesignError, DesignSections};
 use crate::geometry::Sector;
-use crate::machine::{BearingSet, CycloidDisc, GearStage, MainRows, PinRing, Solids, SolidsBasis, Thermal};
+use crate::machine::{
+    BearingSet, CycloidDisc, GearStage, MainRows, PinRing, Solids, SolidsBasis, Thermal, arm_conductance,
+};
 use crate::tribology::Oil;
 use crate::units::{DEG, MM, UM};
 
@@ -141,5 +143,8 @@ pub(super) fn thermal(design: &DesignSections, solids: &Solids) -> Thermal {
         ambient: *given.ambient_c,
         transfer: *given.heat_transfer_w_m2_k,
         surface: given.surface_m2.unwrap_or(rounds + ends),
+        mounting: given
+            .mounting_conductance_w_k
+            .unwrap_or_else(|| arm_conductance(2.0 * housing.flange_radius, *given.heat_transfer_w_m2_k)),
     }
 }

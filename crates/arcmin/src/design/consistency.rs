@@ -34,6 +34,7 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
     super::bodies::check(design, source)?;
     free_form(design, source)?;
     bearings(design, source)?;
+    preload(design, source)?;
     duty(design, source)
 }
 
@@ -225,6 +226,22 @@ fn free_form(design: &DesignSections, source: &Source) -> Result<()> {
     {
         let message = "the free form gives two depths to the tip, at −180° and at 180°".to_owned();
         return Err(contradiction(source, &points.span, message, "give the tip once"));
+    }
+    Ok(())
+}
+
+/// An axial force presses only what has a contact angle.
+fn preload(design: &DesignSections, source: &Source) -> Result<()> {
+    let given = &design.friction.crank_support_preload_n;
+    if **given > 0.0 && *design.bearings.crank_support.contact_angle_deg == 0.0 {
+        let message =
+            format!("{} N cannot press crank supports together that have no contact angle", **given);
+        return Err(contradiction(
+            source,
+            &given.span,
+            message,
+            "give bearings.crank_support.contact_angle_deg, or leave crank_support_preload_n out",
+        ));
     }
     Ok(())
 }

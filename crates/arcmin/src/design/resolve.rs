@@ -355,5 +355,7 @@ fn friction(design: &DesignSections) -> Friction {
         seal_drag: *friction.seal_drag_n_m,
         oil_drag: *friction.oil_drag_n_m_s_per_rad,
         regularisation_speed: *friction.regularisation_speed_mm_s * MM,
+        bearing_drag: *friction.bearing_drag_factor,
+        crank_support_preload: *friction.crank_support_preload_n,
     }
 }

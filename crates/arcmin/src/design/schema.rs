@@ -175,8 +175,16 @@ pub(crate) fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
 
 /// Units that options and results have besides. In a design file, whose misspelt keys are guessed at, such short
 /// endings would tell too little.
-const SHORT_SUFFIXES: [(&str, &str); 6] =
-    [("_n", "N"), ("_j", "J"), ("_w", "W"), ("_hz", "Hz"), ("_nm", "N·m"), ("_percent", "%")];
+const SHORT_SUFFIXES: [(&str, &str); 8] = [
+    ("_n", "N"),
+    ("_j", "J"),
+    ("_w", "W"),
+    ("_w_k", "W/K"),
+    ("_c", "°C"),
+    ("_hz", "Hz"),
+    ("_nm", "N·m"),
+    ("_percent", "%"),
+];
 
 /// Splits the key of an option or a result into its stem and unit.
 pub(crate) fn unit_of(key: &str) -> Option<(&str, &'static str)> {

@@ -1,5 +1,6 @@
 //! Multibody dynamics: equations of motion, their integration in time, static equilibrium, and the models.
 
+mod bearing_drag;
 mod bearing_joints;
 mod descent;
 mod drive;
@@ -26,6 +27,7 @@ mod study;
 mod system;
 mod table;
 
+pub use bearing_drag::BearingDrag;
 pub(crate) use bearing_joints::JUMP;
 pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, Lean, LostMotionSplit, Part, RadialBearing,

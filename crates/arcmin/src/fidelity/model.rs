@@ -3,7 +3,7 @@
 use super::{Fidelity, Joints};
 use crate::analyses::AnalysisError;
 use crate::contact::MeshContact;
-use crate::dynamics::{BearingJoints, Drive, FlexibleJoints, IdealJoints, Model, OutputLoad};
+use crate::dynamics::{BearingDrag, BearingJoints, Drive, FlexibleJoints, IdealJoints, Model, OutputLoad};
 use crate::fem::boundary::FlankArc;
 use crate::life::WornState;
 use crate::machine::Machine;
@@ -32,6 +32,8 @@ impl Fidelity {
         facets: Option<Facets>,
     ) -> Result<Model, AnalysisError> {
         let invalid = || AnalysisError::compute("set up the simulation");
+        // Drag of the bearings at rated speed; it varies little with the speed of a run.
+        let machine = &BearingDrag::at_rated(machine).map_err(invalid())?;
         let (flank, pin) = worn.first();
         let nodes = facets.map(|facets| {
             let arc = FlankArc::new(&machine.profile());

@@ -124,6 +124,8 @@ impl Machine {
             ("friction of the gear meshes", friction.gear_mesh),
             ("drag of the seals", friction.seal_drag),
             ("drag of the oil", friction.oil_drag),
+            ("drag of the bearings", friction.bearing_drag),
+            ("preload of the crank supports", friction.crank_support_preload),
         ] {
             require(value >= 0.0 && value.is_finite(), name, value, "must not be negative")?;
         }

@@ -25,7 +25,7 @@ pub use parts::{
     Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis};
-pub use thermal::{REFERENCE_C, Thermal, WarmFriction};
+pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};
 
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};

@@ -185,6 +185,17 @@ pub struct Friction {
     pub oil_drag: f64,
     /// Sliding speed over which Coulomb friction is regularised in m/s.
     pub regularisation_speed: f64,
+    /// Multiple of Palmgren's published drag of lubricant and preload in the bearings.
+    pub bearing_drag: f64,
+    /// Axial force in N that presses each crank support together.
+    pub crank_support_preload: f64,
+}
+
+impl Friction {
+    /// Whether bearings drag without load.
+    pub fn bearings_drag(&self) -> bool {
+        self.bearing_drag > 0.0 || self.crank_support_preload > 0.0
+    }
 }
 
 /// What acts on the output from outside beside the torque, about the middle of the main bearings.

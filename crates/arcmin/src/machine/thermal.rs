@@ -1,5 +1,5 @@
 use super::{Friction, Machine, ManufacturingErrors};
-use crate::tribology::{Lubrication, Oil, RubbingContact, film};
+use crate::tribology::{Lubrication, Oil, RubbingContact, film, seal_share};
 
 /// Temperature of the machine, its oil, and how it gives off heat.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,13 +22,26 @@ pub struct Thermal {
     pub transfer: f64,
     /// Surface of the machine in m².
     pub surface: f64,
+    /// Heat into what the machine is mounted on, W/K above the surroundings.
+    pub mounting: f64,
+}
+
+/// Wall in m and conductivity in W/(m·K) of the arm that a machine is assumed to sit on: cast iron.
+const ARM: (f64, f64) = (10e-3, 50.0);
+
+/// Heat in W/K that a long tube of the diameter (m) draws off at one end, its outside cooled by `transfer` W/(m²·K):
+/// a fin, √(h P k A) = π D √(h k t). It is the arm, not the joint of the flanges, that resists: ground faces that
+/// are bolted together pass some thousand W/(m²·K), ten times as much for these diameters.
+pub fn arm_conductance(diameter: f64, transfer: f64) -> f64 {
+    let (wall, conductivity) = ARM;
+    std::f64::consts::PI * diameter * (transfer * conductivity * wall).sqrt()
 }
 
 /// Temperature in °C for which a design gives its dimensions and its oil drag.
 pub const REFERENCE_C: f64 = 20.0;
 
-/// Meshing angles in degrees over which contacts between flank and pin are averaged.
-const LOADED_HALF: std::ops::Range<usize> = 15..165;
+/// Meshing angles in degrees over which contacts between flank and pin are averaged: all of the loaded half.
+const LOADED_HALF: std::ops::Range<usize> = 1..180;
 
 impl Thermal {
     /// By how much the pin circle grows against the discs, R_p (α_h ΔT_h − α_d ΔT_d) in m.
@@ -69,6 +82,11 @@ impl Thermal {
         along + if rows.back_to_back { -axial } else { axial }
     }
 
+    /// Heat in W/K that surface and mounting give off.
+    pub fn cooling(&self) -> f64 {
+        self.transfer * self.surface + self.mounting
+    }
+
     /// The oil at a temperature in °C.
     pub fn lubrication(&self, celsius: f64) -> Lubrication {
         Lubrication {
@@ -83,31 +101,33 @@ impl Thermal {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WarmFriction {
     pub friction: Friction,
-    /// Mean film ratio of the loaded flanks.
+    /// Mean film ratio of all contacts of the loaded half, each with the weight of its load.
     pub film_ratio: f64,
 }
 
 impl Machine {
     /// Losses at a temperature (°C), input speed (rad/s) and output torque (N·m): the coefficients of flanks,
-    /// pin seats and gears are those of boundary friction and fall with the film between flank and pin (mean
-    /// over the loaded half of the ring), the oil's drag goes with its viscosity. Rolling friction and seals
-    /// stay. That gears go as the flanks do is an assumption.
+    /// pin seats and gears are those of boundary friction and fall with the film between flank and pin (mean over
+    /// the loaded half of the ring, each contact with the weight of the power that it rubs away), the oil's drag
+    /// goes with its viscosity, that of the seals by [`seal_share`]. Rolling friction stays. That gears go as the
+    /// flanks do is an assumption.
     pub fn friction_at(&self, celsius: f64, input_speed: f64, torque: f64) -> WarmFriction {
         let lubrication = self.thermal.lubrication(celsius);
         let given = &self.friction;
-        let (mut sum, mut film_sum, mut weight) = (0.0, 0.0, 0.0);
+        let (mut rubbed, mut power, mut film_sum, mut weight) = (0.0, 0.0, 0.0, 0.0);
         let boundary = given.flank;
         for degrees in LOADED_HALF {
             let Some((contact, load)) = self.mean_contact(degrees as f64, input_speed, torque) else {
                 continue;
             };
             let (friction, ratio) = contact.friction(&lubrication, boundary);
-            sum += load * friction;
+            rubbed += load * contact.sliding * friction;
+            power += load * contact.sliding;
             film_sum += load * ratio;
             weight += load;
         }
         let (flank, film_ratio) =
-            if weight > 0.0 { (sum / weight, film_sum / weight) } else { (boundary, 0.0) };
+            if power > 0.0 { (rubbed / power, film_sum / weight) } else { (boundary, 0.0) };
         let share = if boundary > 0.0 { flank / boundary } else { 1.0 };
         let thin = self.thermal.oil.viscosity(celsius) / self.thermal.oil.viscosity(REFERENCE_C);
         WarmFriction {
@@ -116,6 +136,7 @@ impl Machine {
                 flank: if boundary > 0.0 { flank } else { 0.0 },
                 pin_seat: given.pin_seat * share,
                 gear_mesh: given.gear_mesh * share,
+                seal_drag: given.seal_drag * seal_share(celsius, self.thermal.oil.at_40c),
                 oil_drag: given.oil_drag * thin,
                 ..*given
             },
@@ -185,6 +206,7 @@ mod tests {
         let mut machine = tao2024();
         machine.friction.flank = 0.1;
         machine.friction.oil_drag = 1e-4;
+        machine.friction.seal_drag = 4.0;
         let at = |celsius: f64, share: f64| {
             machine.friction_at(celsius, share * machine.rated.input_speed, machine.rated.torque)
         };
@@ -197,7 +219,8 @@ mod tests {
         }
         let creeping = at(20.0, 1e-7).friction.flank;
         assert!(creeping > 0.09, "{creeping}");
-        assert!(warm.friction.seal_drag == machine.friction.seal_drag);
+        let seals = warm.friction.seal_drag / machine.friction.seal_drag;
+        assert_eq!(seals, seal_share(70.0, machine.thermal.oil.at_40c));
         let (contact, load) = machine.mean_contact(60.0, machine.rated.input_speed, 412.0).unwrap();
         // v_s = |PK| ω with |PK| = R_p S − r_p and the disc turning with the output.
         let s: f64 = (1.0 + 0.8125 * 0.8125 - 0.8125_f64).sqrt();

@@ -8,9 +8,11 @@
 mod bearing_life;
 mod bodies;
 mod efficiency;
+mod heat;
 mod hysteresis;
 mod main_bearings;
 mod measured;
+mod no_load;
 #[cfg(test)]
 mod order_tests;
 mod orders;
@@ -25,10 +27,8 @@ mod transmission;
 pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use bodies::{BodyCompliance, body_compliance};
-pub use efficiency::{
-    EfficiencyMap, HeatBalance, LossLine, RunningTorques, efficiency_map, heat_balance, loss_lines,
-    running_torques,
-};
+pub use efficiency::{EfficiencyMap, LossLine, efficiency_map, loss_lines};
+pub use heat::{HeatBalance, Steady, heat_balance};
 pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
     stiffness_split,
@@ -38,6 +38,7 @@ pub use measured::{
     LoopRow, MeasuredCurve, MeasuredLoop, MeasuredOnBench, Remark, TurnRow, TurnSpectrum, Unusable,
     read_loops, read_turns,
 };
+pub use no_load::{RunningTorques, running_torques};
 pub use orders::{NamedOrder, name_orders};
 pub use state::{RigPlan, RigState};
 pub use transmission::{
@@ -45,7 +46,8 @@ pub use transmission::{
 };
 
 use crate::dynamics::DynamicsError;
-use crate::machine::Friction;
+use crate::machine::{Friction, Machine};
+use crate::tribology::seal_drag;
 
 /// Why a test could not be carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -63,14 +65,19 @@ pub enum RigError {
 }
 
 /// Friction to assume where a design gives none: grease-lubricated mixed friction on pins that stay in their
-/// seats, ISO/TR 14179's order for gear meshes and rolling bearings, lip seals of a middle size. Assumptions,
-/// to be replaced by measured values.
-pub const ASSUMED_FRICTION: Friction = Friction {
-    flank: 0.06,
-    pin_seat: 0.06,
-    bearing: 0.002,
-    gear_mesh: 0.06,
-    seal_drag: 4.0,
-    oil_drag: 1e-4,
-    regularisation_speed: 1e-3,
-};
+/// seats, ISO/TR 14179's order for gear meshes and rolling bearings, one lip seal around the carrier by
+/// [`seal_drag`], viscous drag of 10⁻⁴ N·m·s on a pin circle of 64 mm radius. The latter goes with the third power
+/// of the size, as faces that turn at a gap which scales with them (η ω r⁴/gap). Assumptions, to be replaced by
+/// measured values.
+pub fn assumed_friction(machine: &Machine) -> Friction {
+    Friction {
+        flank: 0.06,
+        pin_seat: 0.06,
+        bearing: 0.002,
+        gear_mesh: 0.06,
+        seal_drag: seal_drag(2.0 * machine.solids.carrier.plate_radius),
+        oil_drag: 1e-4 * (machine.ring.pin_circle_radius / 64e-3).powi(3),
+        regularisation_speed: 1e-3,
+        ..Friction::default()
+    }
+}

@@ -111,7 +111,7 @@ fn elastic_discs_soften_the_machine() {
 #[test]
 fn friction_widens_the_loop_and_costs_efficiency() {
     let plain = machine();
-    let rough = Machine { friction: ASSUMED_FRICTION, ..plain.clone() };
+    let rough = Machine { friction: assumed_friction(&plain), ..plain.clone() };
     let settings = JointSettings::default();
     let figures = |machine: &Machine| {
         evaluate_loop(&hysteresis_loop(machine, &settings, 1.0).unwrap(), machine.rated.torque).unwrap()
@@ -340,7 +340,7 @@ fn single_losses_have_closed_forms() {
 #[test]
 fn power_balances_with_all_frictions() {
     use crate::dynamics::BearingJoints;
-    let rough = Machine { friction: ASSUMED_FRICTION, ..machine() };
+    let rough = Machine { friction: assumed_friction(&machine()), ..machine() };
     let mut model =
         BearingJoints::held(&rough, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
     let speed = rough.rated.input_speed;
@@ -407,10 +407,10 @@ fn the_housing_may_be_the_output() {
     let housing_turns = Machine { fixed_member: FixedMember::Carrier, ..machine() };
     let map = efficiency_map(&housing_turns, &settings).unwrap();
     assert!(map.efficiency.iter().flatten().all(|e| (e - 1.0).abs() < 1e-3), "{map:?}");
-    let rough = Machine { friction: ASSUMED_FRICTION, ..housing_turns.clone() };
+    let rough = Machine { friction: assumed_friction(&housing_turns), ..housing_turns.clone() };
     let (lossy, usual) = (
         efficiency_map(&rough, &settings).unwrap(),
-        efficiency_map(&Machine { friction: ASSUMED_FRICTION, ..machine() }, &settings).unwrap(),
+        efficiency_map(&Machine { friction: assumed_friction(&machine()), ..machine() }, &settings).unwrap(),
     );
     // Forces at pins and bearings are T on 80 instead of 81 parts of the input's way: the same within 2 %.
     assert!((lossy.rated / usual.rated - 1.0).abs() < 0.02, "{} {}", lossy.rated, usual.rated);

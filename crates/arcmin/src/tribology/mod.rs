@@ -5,12 +5,14 @@
 //! k, exposure) is the same for every law and lies in [`wear`](crate::wear).
 
 mod archard;
+mod drag;
 pub mod film;
 mod oil;
 mod pressure;
 mod smoothing;
 
 pub use archard::Archard;
+pub use drag::{lubricant_moment, seal_drag, seal_share};
 pub use film::{Lubrication, film_ratio};
 pub use oil::{Oil, RubbingContact};
 pub use pressure::PressurePower;

@@ -12,7 +12,7 @@ use crate::results::{
 };
 use crate::rig::{
     BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, MeasuredCurve,
-    MeasuredOnBench, NamedOrder, PinLoads, RigState, RunningTorques,
+    MeasuredOnBench, NamedOrder, PinLoads, RigState, RunningTorques, Steady,
 };
 use crate::units::{ARCMIN, DEG, MPA, RPM, UM};
 
@@ -139,6 +139,32 @@ const EFFICIENCY: TableOf<EfficiencyAt> = TableOf {
     },
 };
 
+const NO_LOAD: Quantity =
+    quantity("no_load_running_torque_n_m", digits(3), "Torque at the input that turns the machine unloaded.");
+const NO_LOAD_AT_OUTPUT: Quantity = quantity(
+    "no_load_at_output_n_m",
+    digits(3),
+    "Torque that turns the machine unloaded, at the input times the ratio, as catalogues give it.",
+);
+
+/// Input speed in rad/s, torque at the input, and the ratio.
+type NoLoadAt = (f64, f64, f64);
+
+const RUNNING_TORQUES: TableOf<NoLoadAt> = TableOf {
+    name: "running_torques",
+    what: "Torque of the unloaded machine at one speed a row",
+    columns: || {
+        vec![
+            quantity("input_speed_rpm", decimals(0), "Speed of the input.")
+                .of(|(speed, _, _): &NoLoadAt| (speed / RPM).into()),
+            quantity("output_speed_rpm", decimals(2), "Speed of the output.")
+                .of(|(speed, _, ratio)| (speed / RPM / ratio).into()),
+            NO_LOAD.of(|(_, torque, _)| (*torque).into()),
+            NO_LOAD_AT_OUTPUT.of(|(_, torque, ratio)| (torque * ratio).into()),
+        ]
+    },
+};
+
 pub fn tables() -> Vec<DeclaredTable> {
     vec![
         LOOP.into(),
@@ -148,6 +174,7 @@ pub fn tables() -> Vec<DeclaredTable> {
         BEARINGS.into(),
         BEARING_FORCES.into(),
         EFFICIENCY.into(),
+        RUNNING_TORQUES.into(),
         causes::TABLE.into(),
         errors_table::TABLE.into(),
     ]
@@ -184,6 +211,11 @@ pub(super) fn fill(rig: &Rig) -> Vec<Table> {
         .collect()
     };
     let efficiency = state.efficiency.as_ref().map_or_else(Vec::new, row);
+    let ratio = rig.machine.kinematics().ratio().abs();
+    let over_speed = |torques: &RunningTorques| -> Vec<NoLoadAt> {
+        torques.over_speed.iter().map(|(speed, torque)| (*speed, *torque, ratio)).collect()
+    };
+    let no_load = state.torques.as_ref().map_or_else(Vec::new, over_speed);
     let mut tables = vec![
         LOOP.fill(&loops),
         SPECTRUM.fill(&state.spectrum),
@@ -192,6 +224,7 @@ pub(super) fn fill(rig: &Rig) -> Vec<Table> {
         BEARINGS.fill(&state.bearings),
         BEARING_FORCES.fill(&forces),
         EFFICIENCY.fill(&efficiency),
+        RUNNING_TORQUES.fill(&no_load),
         causes::TABLE.fill(&rig.causes_at()),
     ];
     tables.extend(errors_table::table(&rig.fidelity));
@@ -312,6 +345,11 @@ fn heat(rig: &Rig, of: fn(&HeatBalance) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().map(of))
 }
 
+/// Absent where no temperature balances.
+fn steady(rig: &Rig, of: fn(&Steady) -> f64) -> Value {
+    Value::from(rig.state().heat.as_ref().and_then(|heat| heat.steady.as_ref()).map(of))
+}
+
 pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
     entries: || {
         let mut entries: Vec<Column<Rig>> = Vec::new();
@@ -333,12 +371,13 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             q::EFFICIENCY.named("new.efficiency").of(|o| Value::from(o.new.efficiency.as_ref().map(|map| map.rated))),
             quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
                 .of(|o| o.friction_assumed.into()),
-            quantity(
-                "no_load_running_torque_n_m",
-                digits(3),
-                "Torque at the input that turns the machine unloaded.",
-            )
+            NO_LOAD
             .of(|o| torque(o, |torques| torques.no_load)),
+            NO_LOAD_AT_OUTPUT
+            .of(|o| {
+                let ratio = o.machine.kinematics().ratio().abs();
+                Value::from(o.state().torques.as_ref().map(|torques| torques.no_load * ratio))
+            }),
             quantity(
                 "starting_torque_n_m",
                 digits(3),
@@ -423,7 +462,11 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             .of(|o| o.main_bearings.life_h().into()),
             quantity("thermal.viscosity_mpa_s", digits(4), "Viscosity of the oil at the temperature given.")
                 .of(|o| heat(o, |heat| heat.viscosity * 1e3)),
-            quantity("thermal.film_ratio", digits(3), "Film ratio of the loaded flanks, mean, at rated speed.")
+            quantity(
+                "thermal.film_ratio",
+                digits(3),
+                "Film ratio at rated torque and speed, mean of all contacts of the loaded half with the weight of their loads.",
+            )
                 .of(|o| heat(o, |heat| heat.film_ratio)),
             quantity("thermal.flank_friction", digits(3), "Friction coefficient of the flanks with that film.")
                 .of(|o| heat(o, |heat| heat.flank_friction)),
@@ -434,7 +477,13 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 decimals(1),
                 "Temperature at which loss and cooling balance, running steadily at rated torque and speed.",
             )
-            .of(|o| heat(o, |heat| heat.steady)),
+            .of(|o| steady(o, |steady| steady.temperature)),
+            quantity("thermal.steady_loss_w", digits(4), "Loss at the steady temperature.")
+                .of(|o| steady(o, |steady| steady.loss)),
+            quantity("thermal.convection_w", digits(4), "Heat that the surface gives off at the steady temperature.")
+                .of(|o| steady(o, |steady| steady.convection)),
+            quantity("thermal.conduction_w", digits(4), "Heat into the mounting at the steady temperature.")
+                .of(|o| steady(o, |steady| steady.conduction)),
             quantity("wall_s", decimals(2), "Seconds of computation.").of(|o| o.wall.into()),
         ]);
         entries.extend(causes::entries());

@@ -13,7 +13,7 @@ use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{PartsPoint, WornState, lost_motion_causes, worn_after};
 use crate::machine::{Friction, Machine, OutputForces};
 use crate::rig::{
-    ASSUMED_FRICTION, Curves, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, main_bearing_load,
+    Curves, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, assumed_friction, main_bearing_load,
 };
 
 pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
@@ -68,6 +68,8 @@ const RUNNING: &[&str] = &[
     "efficiency",
     "new",
     "no_load_running_torque_n_m",
+    "no_load_at_output_n_m",
+    "running_torques",
     "starting_torque_n_m",
     "back_driving_torque_n_m",
     "shortest_bearing_life_h",
@@ -171,10 +173,11 @@ pub(crate) fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, 
     let f = &machine.friction;
     let none = [f.flank, f.pin_seat, f.bearing, f.gear_mesh, f.seal_drag, f.oil_drag]
         .iter()
-        .all(|coefficient| *coefficient == 0.0);
+        .all(|coefficient| *coefficient == 0.0)
+        && !f.bearings_drag();
     let friction = match (frictionless, none) {
         (true, _) => Friction::default(),
-        (false, true) => ASSUMED_FRICTION,
+        (false, true) => assumed_friction(machine),
         (false, false) => return (tested, false),
     };
     tested.friction = Friction { regularisation_speed: f.regularisation_speed, ..friction };

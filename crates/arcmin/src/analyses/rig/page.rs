@@ -5,11 +5,11 @@ use super::declared::{FIGURES, measured};
 use crate::analyses::Outcome;
 use crate::analyses::{Said, TextTable, causes};
 use crate::machine::OutputForces;
-use crate::report::rig::RigPage;
+use crate::report::rig::{RigPage, assumed_coefficients};
 use crate::report::{Page, Provenance, Section, capitalised, significant};
 use crate::results::Value;
 use crate::rig::{MeasuredOnBench, NamedOrder};
-use crate::units::ARCMIN;
+use crate::units::{ARCMIN, RPM};
 
 const FURTHER: &[&str] = &[
     "te_rated_peak_to_peak_arcmin",
@@ -18,13 +18,22 @@ const FURTHER: &[&str] = &[
     "max_pressure_mpa",
     "efficiency",
     "no_load_running_torque_n_m",
+    "no_load_at_output_n_m",
+    "starting_torque_n_m",
     "back_driving_torque_n_m",
     "shortest_bearing_life_h",
     "main_bearings.moment_stiffness_n_m_per_arcmin",
 ];
 
 /// Said where the design gives a temperature.
-const WARM: &[&str] = &["thermal.film_ratio", "thermal.flank_friction", "thermal.loss_w", "thermal.steady_c"];
+const WARM: &[&str] = &[
+    "thermal.film_ratio",
+    "thermal.flank_friction",
+    "thermal.loss_w",
+    "thermal.steady_c",
+    "thermal.convection_w",
+    "thermal.conduction_w",
+];
 /// Surface temperature that makers of these reducers allow, °C.
 const SURFACE_LIMIT_C: f64 = 60.0;
 
@@ -35,11 +44,8 @@ const UNDER_FORCES: &[&str] =
 pub(super) fn said(rig: &Rig) -> Vec<Said> {
     let mut said = vec![Said::line(format!("{}: {}", rig.machine.name, rig.fidelity.sentence()))];
     if rig.friction_assumed {
-        let f = &rig.machine.friction;
-        said.push(Said::line(format!(
-            "friction is assumed (flank {}, bearings {}, gear mesh {}, seals {} N·m): the design gives none",
-            f.flank, f.bearing, f.gear_mesh, f.seal_drag
-        )));
+        let assumed = assumed_coefficients(&rig.machine);
+        said.push(Said::line(format!("friction is assumed ({assumed}): the design gives none")));
     }
     let mut header = vec![String::new(), "new".to_owned()];
     header.extend(rig.worn.as_ref().map(|(state, _)| format!("{:.0} h", state.hours)));
@@ -64,13 +70,14 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
     said.push(Said::figures(&rig.summary(), FURTHER));
     if let Some(heat) = &rig.state().heat {
         said.push(Said::figures(&rig.summary(), WARM));
-        if heat.steady > SURFACE_LIMIT_C {
+        if heat.steady.is_none_or(|steady| steady.temperature > SURFACE_LIMIT_C) {
             said.push(Said::line(format!(
                 "running steadily at rated torque and speed the surface passes {SURFACE_LIMIT_C} °C, the limit that makers state: rests, cooling or less \
                  speed are needed"
             )));
         }
     }
+    said.extend(efficiencies(rig));
     if rig.main_bearings.forces != OutputForces::default() {
         said.push(Said::figures(&rig.summary(), UNDER_FORCES));
     }
@@ -103,6 +110,31 @@ fn measured_said(bench: &MeasuredOnBench) -> Vec<Said> {
     }
     said.extend(bench.remarks.iter().map(|remark| Said::line(remark.clone())));
     said
+}
+
+/// Torques of which the terminal shows the efficiency, by their place in the map: from 10 % of the rated one on.
+const SHOWN: std::ops::Range<usize> = 1..7;
+
+/// Running torque without load and efficiency, speed by speed, as catalogues print them.
+fn efficiencies(rig: &Rig) -> Option<Said> {
+    let (map, torques) = (rig.state().efficiency.as_ref()?, rig.state().torques.as_ref()?);
+    let ratio = rig.machine.kinematics().ratio().abs();
+    let mut header: Vec<String> =
+        ["input rpm", "output rpm", "no load N·m", "at output N·m"].map(str::to_owned).to_vec();
+    let torque = |torque: &f64| format!("{} N·m %", significant(*torque, 3));
+    header.extend(map.torques.get(SHOWN)?.iter().map(torque));
+    let row = |((speed, efficiency), (_, no_load)): ((&f64, &Vec<f64>), &(f64, f64))| {
+        let mut row = vec![
+            format!("{:.0}", speed / RPM),
+            significant(speed / RPM / ratio, 3),
+            significant(*no_load, 3),
+            significant(no_load * ratio, 3),
+        ];
+        row.extend(efficiency[SHOWN].iter().map(|e| format!("{:.1}", 100.0 * e)));
+        row
+    };
+    let rows = map.speeds.iter().zip(&map.efficiency).zip(&torques.over_speed).map(row).collect();
+    Some(Said::Table(TextTable { header, rows }))
 }
 
 pub(super) fn page(rig: &Rig) -> Page {

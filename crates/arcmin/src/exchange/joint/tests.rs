@@ -1,11 +1,11 @@
 use super::*;
 use crate::dynamics::JointSettings;
-use crate::rig::{ASSUMED_FRICTION, hysteresis_loop};
+use crate::rig::{assumed_friction, hysteresis_loop};
 use crate::units::ARCMIN;
 
 fn machine() -> Machine {
     let mut machine = crate::templates::tao2024();
-    machine.friction = ASSUMED_FRICTION;
+    machine.friction = assumed_friction(&machine);
     machine
 }
 

@@ -3,11 +3,10 @@
 use super::{MeasuredOnBench, RigState};
 use crate::machine::Machine;
 use crate::report::{
-    Annotation, Axis, Block, Colour, Column, HeatMap, Plot, Series, Shares, Style, Table, Tone, Width,
-    compact, significant,
+    Annotation, Axis, Block, Colour, Column, Plot, Series, Shares, Style, Table, Tone, compact, significant,
 };
 use crate::rig::{Branch, ErrorCurve, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
-use crate::units::{ARCMIN, RPM};
+use crate::units::ARCMIN;
 
 /// Loops of every state and the measured one: whole, and near zero torque.
 pub(super) fn hysteresis(
@@ -171,50 +170,6 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
             significant(ARCMIN / split.whole, 4)
         ),
     })
-}
-
-pub(super) fn efficiency(state: &RigState) -> Vec<Block> {
-    let (Some(map), Some(t)) = (&state.efficiency, &state.torques) else { return Vec::new() };
-    let heat = HeatMap {
-        title: "Efficiency".into(),
-        x: Axis::new("Output torque", "N·m"),
-        y: Axis::new("Input speed", "rpm"),
-        value: Axis::new("Efficiency", "%"),
-        x_values: map.torques.clone(),
-        y_values: map.speeds.iter().map(|speed| speed / RPM).collect(),
-        cells: map.efficiency.iter().flatten().map(|e| e.is_finite().then_some(100.0 * e)).collect(),
-        note: "Output power over input power of the running machine: friction at pins, bearings and meshes, seals and oil.".into(),
-        width: Width::Half,
-    };
-    let mut lines = Plot::new(
-        "Efficiency over torque",
-        Axis::new("Output torque", "N·m").from_zero(),
-        Axis::new("Efficiency", "%"),
-    )
-    .half()
-    .noted("The same values as lines: constant drags weigh less the higher the torque.");
-    let count = map.speeds.len().saturating_sub(1).max(1) as f64;
-    for (index, (speed, row)) in map.speeds.iter().zip(&map.efficiency).enumerate() {
-        let points = map.torques.iter().zip(row).map(|(torque, e)| (*torque, 100.0 * e));
-        lines.series.push(
-            Series::line(format!("{} rpm", compact(speed / RPM, 4)), points)
-                .coloured(Colour::Ordered(index as f64 / count)),
-        );
-    }
-    let row = |name: &str, value: f64| {
-        vec![name.to_owned(), if value.is_finite() { significant(value, 3) } else { "self-locking".into() }]
-    };
-    let table = Table {
-        title: "Torques without load".into(),
-        columns: vec![Column::text("Torque"), Column::number("Value", "N·m")],
-        rows: vec![
-            row("Running at rated speed, at the input", t.no_load),
-            row("Starting, at the input", t.starting),
-            row("Back-driving, at the output", t.back_driving),
-        ],
-        note: "Starting and back-driving without the drag of the oil; static friction is no larger here than sliding friction.".into(),
-    };
-    vec![Block::HeatMap(heat), Block::Plot(lines), Block::Table(table)]
 }
 
 pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>) -> Vec<Block> {

@@ -2,6 +2,7 @@
 //! bearing loads.
 
 mod figures;
+mod losses;
 
 use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
 use crate::dynamics::Part;
@@ -143,9 +144,10 @@ impl RigPage<'_> {
         if self.friction_assumed {
             bench.push(Block::Note(
                 Tone::Caution,
-                "The design gives no friction. The width of the loop, the efficiency and the running torques rest on assumed coefficients: flank 0.06, bearings \
-                 0.002, gear mesh 0.06, seals 4 N·m, oil 0.0001 N·m·s."
-                    .into(),
+                format!(
+                    "The design gives no friction. The width of the loop, the efficiency and the running torques rest on assumed coefficients: {}.",
+                    assumed_coefficients(self.machine)
+                ),
             ));
         }
         let has = |part: Part| state.split.parts.iter().any(|(p, _)| *p == part);
@@ -175,7 +177,11 @@ impl RigPage<'_> {
         vec![
             Section::new("loop", "Hysteresis loop, input locked", bench),
             Section::new("stiffness", format!("Stiffness by part{of}"), split),
-            Section::new("losses", format!("Efficiency and running torques{of}"), figures::efficiency(state)),
+            Section::new(
+                "losses",
+                format!("Efficiency and running torques{of}"),
+                losses::blocks(self.machine, state),
+            ),
             Section::new(
                 "error",
                 format!("Transmission error{of}"),
@@ -185,6 +191,19 @@ impl RigPage<'_> {
             Section::new("literature", "Literature", vec![Block::References(references())]),
         ]
     }
+}
+
+/// What [`assumed_friction`](crate::rig::assumed_friction) takes.
+pub fn assumed_coefficients(machine: &Machine) -> String {
+    let f = &machine.friction;
+    format!(
+        "flank {}, bearings {}, gear mesh {}, seals {} N·m, oil {} N·m·s",
+        f.flank,
+        f.bearing,
+        f.gear_mesh,
+        significant(f.seal_drag, 3),
+        significant(f.oil_drag, 2)
+    )
 }
 
 fn references() -> Vec<Reference> {
@@ -204,6 +223,16 @@ fn references() -> Vec<Reference> {
             "ISO281",
             "ISO 281:2007 Rolling bearings: Dynamic load ratings and rating life",
             "bearing life",
+        ),
+        entry(
+            "Palmgren",
+            "A. Palmgren: Grundlagen der Wälzlagertechnik, 3rd ed., Franckh 1964; factors of [Harris], table 10.3",
+            "drag of the bearings without load, where the design asks for it",
+        ),
+        entry(
+            "Linke",
+            "H. Linke: Stirnradverzahnung, 2nd ed., Hanser 2010; ISO/TR 14179-2:2001 Gears: Thermal capacity",
+            "drag of seals over diameter and temperature",
         ),
         entry(
             "GBT35089",
