@@ -66,6 +66,44 @@ pub trait Host: Progress {
     }
 }
 
+/// A host of somebody who reads some results only, by the first part of their keys.
+pub struct Reading<'a> {
+    pub host: &'a dyn Host,
+    pub results: &'a [&'a str],
+}
+
+impl Progress for Reading<'_> {
+    fn report(&self, stage: &str, share: f64) {
+        self.host.report(stage, share);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.host.is_cancelled()
+    }
+}
+
+impl Host for Reading<'_> {
+    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        self.host.read(file, origin)
+    }
+
+    fn wants(&self, result: &str) -> bool {
+        self.results.contains(&result)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.host.seconds()
+    }
+
+    fn cached(&self, name: &str) -> Option<Vec<u8>> {
+        self.host.cached(name)
+    }
+
+    fn cache(&self, name: &str, bytes: &[u8]) {
+        self.host.cache(name, bytes);
+    }
+}
+
 /// A host without files, clock, progress and cancellation.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoHost;

@@ -13,6 +13,7 @@ mod verdict;
 
 pub use advice::Advice;
 pub use ages::Age;
+pub(in crate::analyses) use bearings::WEIBULL_SLOPE;
 pub use bearings::{BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
 pub use declared::{SUMMARY, tables};
 pub use verdict::{LifeVerdict, Limit, LimitKind};
