@@ -26,7 +26,8 @@ pub trait Host: Progress {
         })
     }
 
-    /// Whether anybody reads this result, or the report's pictures (`report`); what nobody does need not be worked out.
+    /// Whether anybody reads this result (a key of the summary, or `table.column`), something of this table or group,
+    /// or the report's pictures (`report`); what nobody does need not be worked out.
     fn wants(&self, _result: &str) -> bool {
         true
     }
@@ -66,13 +67,13 @@ pub trait Host: Progress {
     }
 }
 
-/// A host of somebody who reads some results only, by the first part of their keys.
-pub struct Reading<'a> {
+/// A host of somebody who wants some results only, by their keys; of a table those of its columns.
+pub struct Wanting<'a> {
     pub host: &'a dyn Host,
     pub results: &'a [&'a str],
 }
 
-impl Progress for Reading<'_> {
+impl Progress for Wanting<'_> {
     fn report(&self, stage: &str, share: f64) {
         self.host.report(stage, share);
     }
@@ -82,13 +83,15 @@ impl Progress for Reading<'_> {
     }
 }
 
-impl Host for Reading<'_> {
+impl Host for Wanting<'_> {
     fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
         self.host.read(file, origin)
     }
 
     fn wants(&self, result: &str) -> bool {
-        self.results.contains(&result)
+        // A group holds its figures, and a table its columns.
+        let holds = |group: &str, key: &str| key.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
+        self.results.iter().any(|known| *known == result || holds(known, result) || holds(result, known))
     }
 
     fn seconds(&self) -> f64 {

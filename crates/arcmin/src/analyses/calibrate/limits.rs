@@ -1,7 +1,7 @@
 //! How long a machine that was read still keeps each of its limits.
 
 use crate::analyses::life::{self, LifeVerdict, Limit, LimitKind, WEIBULL_SLOPE};
-use crate::analyses::{AnalysisError, Host, Reading};
+use crate::analyses::{AnalysisError, Host, Wanting};
 use crate::design::{Design, Value};
 use crate::fidelity::FidelityOptions;
 use crate::report::{compact, significant};
@@ -19,6 +19,8 @@ pub struct Remaining {
     pub allowed: f64,
     /// Hours of the last reading: from here on it is counted.
     pub now_h: f64,
+    /// Hours since new up to which it was looked for.
+    pub searched_h: f64,
     pub end: End,
 }
 
@@ -92,7 +94,7 @@ impl Remaining {
     }
 
     /// Since when it is over, or how long it is still kept, in words.
-    pub fn sentence(&self, searched_h: f64) -> String {
+    pub fn sentence(&self) -> String {
         let name = match &self.place {
             Some(place) => format!("{} ({place})", self.kind.name()),
             None => self.kind.name().to_owned(),
@@ -108,7 +110,7 @@ impl Remaining {
         match self.end {
             End::Rated(life_h) => self.survived(&name, life_h),
             End::At { hours: None, .. } => {
-                let at_least = (searched_h - self.now_h).max(0.0);
+                let at_least = (self.searched_h - self.now_h).max(0.0);
                 format!("{name} stays within {allowed} for {} h more at least", rounded(at_least))
             }
             End::At { hours: Some(hours), .. } if hours <= 0.0 => {
@@ -136,9 +138,9 @@ impl Remaining {
         let left = rounded(conditional_life(life_h, self.now_h, RATED) - self.now_h);
         let kept = survival(life_h, self.now_h);
         let rated = if life_h <= self.now_h {
-            format!("rated {} h (L10), passed since {} h", rounded(life_h), rounded(self.now_h - life_h))
+            format!("rated {life_h:.0} h (L10), passed since {} h", rounded(self.now_h - life_h))
         } else {
-            format!("rated {} h (L10)", rounded(life_h))
+            format!("rated {life_h:.0} h (L10)")
         };
         format!(
             "{name}: {rated}; {} % of such parts run for {:.0} h, and nine of ten of these run {left} h more",
@@ -148,9 +150,9 @@ impl Remaining {
     }
 }
 
-/// Hours as far as they are known: three digits.
+/// Hours as far as they are known at best.
 fn rounded(hours: f64) -> String {
-    if hours.abs() < 1000.0 { format!("{hours:.0}") } else { compact(hours, 3) }
+    if hours.abs() < 1000.0 { format!("{hours:.0}") } else { format!("{:.0}", (hours / 10.0).round() * 10.0) }
 }
 
 /// What the prediction of the design says of its limits with the coefficient that was fitted.
@@ -170,15 +172,15 @@ pub(super) fn judged(
         fidelity: fidelity.clone(),
         ..life::Options::parse("quasi_static = true\npoints = 12", "calibrate")?
     };
-    Ok(life::run(&design, &options, &Reading { host, results: &["verdict"] })?.verdict)
+    Ok(life::run(&design, &options, &Wanting { host, results: &["verdict"] })?.verdict)
 }
 
-/// A limit of the verdict at the last reading of a machine. `again` turns hours of the fitted coefficient into
+/// A limit of the verdict at the last reading of a machine, with the hours planned and those looked at. `again` turns hours of the fitted coefficient into
 /// the hours of the ends of its band.
 pub(super) fn remaining(
     limit: &Limit,
     machine: Option<String>,
-    now_h: f64,
+    (now_h, service_h, searched_h): (f64, f64, f64),
     again: impl Fn(f64) -> Option<(Option<f64>, Option<f64>)>,
 ) -> Remaining {
     let end = match limit.kind {
@@ -192,8 +194,8 @@ pub(super) fn remaining(
             }
         }
     };
-    // Of fatigue the endurance is set, and the damage judged; the value is what a reader knows.
-    Remaining { kind: limit.kind, place: limit.place.clone(), machine, allowed: limit.allowed, now_h, end }
+    let allowed = if matches!(end, End::Rated(_)) { service_h } else { limit.allowed };
+    Remaining { kind: limit.kind, place: limit.place.clone(), machine, allowed, now_h, searched_h, end }
 }
 
 #[cfg(test)]
@@ -216,12 +218,13 @@ mod tests {
             machine: None,
             allowed: 7500.0,
             now_h: 5200.0,
+            searched_h: 7500.0,
             end,
         };
         let rated = end(End::Rated(4885.0));
         let (low, high) = rated.band();
         assert!(low.unwrap() < rated.left().unwrap() && rated.left().unwrap() < high.unwrap());
-        assert!(!rated.is_over() && rated.sentence(0.0).contains("passed since 315 h"), "{}", rated.sentence(0.0));
+        assert!(!rated.is_over() && rated.sentence().contains("passed since 315 h"), "{}", rated.sentence());
     }
 
     /// Drawn lives that outlast a time: nine of ten outlast the conditional life (20 000 draws, five deviations).

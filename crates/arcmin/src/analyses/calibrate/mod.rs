@@ -24,7 +24,7 @@ use crate::machine::Machine;
 use crate::report::{compact, significant};
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{
-    Beyond, Fit, FitPlan, Growth, Measured, Model, New, Readings, RunningInFit, Truth, follow_and_fit,
+    Beyond, Fit, FitPlan, Growth, Measured, Model, New, RunningInFit, Truth, follow_and_fit,
 };
 
 pub const ABOUT: &str = "Fit the wear coefficient to readings of a machine; how long it still lasts";
@@ -238,7 +238,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
     let fits_running_in = !matches!(running_in, RunningInFit::Kept(_));
     let mut calibrated = Calibrated {
         design: pasted::into_design(design, &fit.law, fits_running_in),
-        limits: lives.iter().map(MachineLife::remaining).collect(),
+        limits: lives.iter().map(|life| life.remaining(followed_h)).collect(),
         asked,
         machine,
         fidelity,
@@ -426,13 +426,14 @@ impl Row {
 
 impl MachineLife {
     /// Its limit of lost motion.
-    fn remaining(&self) -> Remaining {
+    fn remaining(&self, searched_h: f64) -> Remaining {
         Remaining {
             kind: LimitKind::LostMotion,
             place: None,
             machine: self.name.clone(),
             allowed: self.limit / ARCMIN,
             now_h: self.last_h,
+            searched_h,
             end: End::At { hours: self.hours, low: self.low, high: self.high },
         }
     }
@@ -474,6 +475,7 @@ impl Calibrated {
                 return Ok(());
             }
         };
+        let service_h = self.machine.limits.service_life / HOUR;
         let law = self.fit.law;
         let again = |hours: f64| {
             let exposure = law.at(hours * HOUR);
@@ -485,11 +487,14 @@ impl Calibrated {
                 .limits
                 .iter()
                 .filter(|limit| !matches!(limit.kind, LimitKind::LostMotion | LimitKind::Findings))
-                .map(|limit| limits::remaining(limit, life.name.clone(), life.last_h, again))
+                .map(|limit| {
+                    let hours = (life.last_h, service_h, verdict.service_h);
+                    limits::remaining(limit, life.name.clone(), hours, again)
+                })
                 .collect()
         };
         let all: Vec<Remaining> = (self.lives.iter())
-            .flat_map(|life| std::iter::once(life.remaining()).chain(others(life)))
+            .flat_map(|life| std::iter::once(life.remaining(self.followed_h)).chain(others(life)))
             .collect();
         let asked = self.asked.map(|asked| asked.kind);
         if let Some(kind) = asked.filter(|kind| all.iter().all(|limit| limit.kind != *kind)) {

@@ -46,7 +46,7 @@ fn answers(calibrated: &Calibrated) -> Vec<String> {
             None if several => "the design: ".to_owned(),
             _ => String::new(),
         };
-        format!("{who}{}", limit.sentence(calibrated.followed_h))
+        format!("{who}{}", limit.sentence())
     };
     let name = &asked.machine;
     let own = calibrated.limits.iter().filter(|limit| limit.machine == *name && *limit != asked);
@@ -169,10 +169,10 @@ fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {
         let (value, kept) = match (limit.left(), limit.is_over()) {
             (_, true) => ("over".to_owned(), false),
             (Some(left), false) => (format!("{left:.0}"), true),
-            (None, false) => (format!("> {:.0}", (calibrated.followed_h - limit.now_h).max(0.0)), true),
+            (None, false) => (format!("> {:.0}", (limit.searched_h - limit.now_h).max(0.0)), true),
         };
         let unit = if limit.is_over() { "" } else { "h" };
-        let note = sentence_of(&limit.sentence(calibrated.followed_h));
+        let note = sentence_of(&limit.sentence());
         let label = format!("Remaining: {}", limit.kind.name());
         figures.insert(figures.len() - 1, KeyFigure::new(label, value, unit, note).kept(kept));
     }

@@ -193,6 +193,9 @@ fn coupled(
         }
         Ok(stations)
     };
+    // Figures are those of the last state; tables and pictures show all.
+    let shows_all = ["wear", "wear_history", "report"].iter().any(|result| host.wants(result));
+    let states = if shows_all { &states[..] } else { &states[states.len().saturating_sub(1)..] };
     let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();
     let mut stations = stations.map_err(failed())?.concat();
     // Of a machine that wears away, as far as it still shares its load.
