@@ -121,9 +121,10 @@ impl StudyLimits {
             for flag in kept.iter().filter(|kept| is_flag(&kept.key)) {
                 let word = flag.key.rsplit('.').next().unwrap_or_default();
                 let kinds = RULES.iter().map(|rule| rule.kind).chain(WITHOUT_KEY);
-                let name = kinds.into_iter().find(|kind| kind.key() == word).map_or(word, LimitKind::name);
+                let known = kinds.into_iter().find(|kind| kind.key() == word);
+                let name = known.map_or(word.to_owned(), |kind| kind.name().to_owned());
                 all.each.push(StudyLimit {
-                    name: name.to_owned(),
+                    name,
                     result: flag.key.clone(),
                     limits: Limits { low: Some(0.5), high: None },
                     of_design: true,

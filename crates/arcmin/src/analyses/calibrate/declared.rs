@@ -22,6 +22,15 @@ const LIMIT_HIGH: Quantity = quantity(
     "Upper end of the 95 % band of these hours; empty where there is none.",
 );
 
+const REMAINING: Quantity = quantity(
+    "remaining_h",
+    decimals(0),
+    "Hours from the last reading to the limit; 0 where it is over.",
+);
+const REMAINING_LOW: Quantity = quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.");
+const REMAINING_HIGH: Quantity =
+    quantity("remaining_high_h", decimals(0), "Upper end of the 95 % band; empty where there is none.");
+
 pub(super) const CALIBRATION: TableOf<Row> = TableOf {
     name: "calibration",
     what: "One reading a row, those of the fit first",
@@ -90,20 +99,9 @@ pub(super) const LIVES: TableOf<MachineLife> = TableOf {
             q::HOURS_TO_LOST_MOTION_LIMIT.of(|m| m.hours.into()),
             LIMIT_LOW.of(|m| m.low.into()),
             LIMIT_HIGH.of(|m| m.high.into()),
-            quantity(
-                "remaining_h",
-                decimals(0),
-                "Hours from the last reading to the limit; 0 where it is over.",
-            )
-            .of(|m| m.hours.map(|hours| m.left(hours)).into()),
-            quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.")
-                .of(|m| m.low.map(|hours| m.left(hours)).into()),
-            quantity(
-                "remaining_high_h",
-                decimals(0),
-                "Upper end of the 95 % band; empty where there is none.",
-            )
-            .of(|m| m.high.map(|hours| m.left(hours)).into()),
+            REMAINING.of(|m| m.hours.map(|hours| m.left(hours)).into()),
+            REMAINING_LOW.of(|m| m.low.map(|hours| m.left(hours)).into()),
+            REMAINING_HIGH.of(|m| m.high.map(|hours| m.left(hours)).into()),
         ]
     },
 };
@@ -114,7 +112,7 @@ pub(super) const LIMITS: TableOf<Remaining> = TableOf {
     columns: || {
         vec![
             MACHINE.of(|r: &Remaining| r.machine.clone().unwrap_or_default().into()),
-            quantity("limit", PLAIN, "Which limit.").of(|r| r.kind.key().into()),
+            q::LIMIT.of(|r| r.kind.key().into()),
             quantity("where", PLAIN, "Which part, where there are several.").of(|r| r.place.clone().into()),
             quantity("allowed", digits(4), "What is allowed, in the unit given; of a rating life the hours planned.")
                 .of(|r| r.allowed.into()),
@@ -127,15 +125,9 @@ pub(super) const LIMITS: TableOf<Remaining> = TableOf {
                  the last reading. Empty where that is not within what was followed.",
             )
             .of(|r| r.hours().into()),
-            quantity("remaining_h", decimals(0), "Hours from the last reading on; 0 where it is over.")
-                .of(|r| r.left().into()),
-            quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.").of(|r| r.band().0.into()),
-            quantity(
-                "remaining_high_h",
-                decimals(0),
-                "Upper end of the 95 % band; empty where there is none.",
-            )
-            .of(|r| r.band().1.into()),
+            REMAINING.of(|r| r.left().into()),
+            REMAINING_LOW.of(|r| r.band().0.into()),
+            REMAINING_HIGH.of(|r| r.band().1.into()),
             quantity("rated_h", decimals(0), "Rating life L10 of a new part, where the limit is one.")
                 .of(|r| r.rated().into()),
             quantity("survival_percent", decimals(1), "Share of such parts that run up to the last reading.")
@@ -158,13 +150,12 @@ fn estimate(o: &Calibrated, parameter: Parameter) -> Option<&Estimate> {
 pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
     entries: || {
         let mut entries = vec![
-            quantity("limit", PLAIN, "The limit asked about, or the first to be reached.")
-                .of(|o: &Calibrated| o.asked_limit().kind.key().into()),
+            q::LIMIT.of(|o: &Calibrated| o.asked_limit().kind.key().into()),
             quantity(
                 "remaining_hours",
                 decimals(0),
-                "Hours from the last reading to this limit, 0 where it is over; of a rating life those that nine \
-                 of ten reach that run now. Absent where the limit is not reached within what was followed.",
+                "Hours from the last reading to the limit asked about, or to the first to be reached; 0 where it is over; \
+                 of a rating life those that nine of ten reach that run now. Absent where the limit is not reached within what was followed.",
             )
             .of(|o| o.asked_limit().left().into()),
             quantity(
