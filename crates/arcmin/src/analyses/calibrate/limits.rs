@@ -151,7 +151,7 @@ impl Remaining {
 }
 
 /// Hours as far as they are known at best.
-fn rounded(hours: f64) -> String {
+pub(super) fn rounded(hours: f64) -> String {
     if hours.abs() < 1000.0 { format!("{hours:.0}") } else { format!("{:.0}", (hours / 10.0).round() * 10.0) }
 }
 

@@ -440,9 +440,12 @@ impl MachineLife {
 }
 
 impl Calibrated {
-    /// The machine that a reader asks about: the one measured where there is one, else the design's prediction.
+    /// The machine that a reader asks about: of those measured the one whose lost motion reaches its limit first, and
+    /// the design's prediction where there is none.
     pub fn asked_machine(&self) -> &MachineLife {
-        if self.lives.len() == 2 { &self.lives[1] } else { &self.lives[0] }
+        let left = |life: &&MachineLife| life.hours.map_or(f64::INFINITY, |hours| hours - life.last_h);
+        let measured = self.lives.iter().skip(1).min_by(|a, b| left(a).total_cmp(&left(b)));
+        measured.unwrap_or(&self.lives[0])
     }
 
     /// Limits of the machine that is asked about.

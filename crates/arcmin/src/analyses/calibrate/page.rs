@@ -1,5 +1,6 @@
 //! Terminal and report of a calibration.
 
+use super::limits::rounded;
 use super::declared::{CALIBRATION, LIMITS, LIVES};
 use super::{Calibrated, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
 use crate::analyses::life::LimitKind;
@@ -110,7 +111,7 @@ pub(super) fn page(calibrated: &Calibrated) -> Page {
     verdict.answers.push((
         "How well it fits".to_owned(),
         format!(
-            "k = {:.3e} 1/Pa leaves {:.1} % of the readings (root mean square).",
+            "The wear coefficient {:.3e} 1/Pa leaves {:.1} % of the readings (root mean square).",
             calibrated.fit.law.coefficient,
             100.0 * calibrated.fit.relative_rms
         ),
@@ -168,8 +169,8 @@ fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {
     for limit in calibrated.its_limits().take(3) {
         let (value, kept) = match (limit.left(), limit.is_over()) {
             (_, true) => ("over".to_owned(), false),
-            (Some(left), false) => (format!("{left:.0}"), true),
-            (None, false) => (format!("> {:.0}", (limit.searched_h - limit.now_h).max(0.0)), true),
+            (Some(left), false) => (rounded(left), true),
+            (None, false) => (format!("> {}", rounded((limit.searched_h - limit.now_h).max(0.0))), true),
         };
         let unit = if limit.is_over() { "" } else { "h" };
         let note = sentence_of(&limit.sentence());
@@ -306,7 +307,14 @@ fn headed(table: &crate::results::Table, title: &str, note: &str) -> Table {
 }
 
 fn readings_table(calibrated: &Calibrated) -> Table {
-    headed(&CALIBRATION.fill(&calibrated.rows), "Readings", "All of them are in `calibration.csv`.")
+    let mut table =
+        headed(&CALIBRATION.fill(&calibrated.rows), "Readings", "All of them are in `calibration.csv`.");
+    // Nothing tells machines apart.
+    if calibrated.rows.iter().all(|row| row.observed.machine.is_empty()) {
+        table.columns.remove(0);
+        table.rows.iter_mut().for_each(|row| drop(row.remove(0)));
+    }
+    table
 }
 
 fn limits_table(calibrated: &Calibrated) -> Table {
@@ -319,7 +327,10 @@ fn limits_table(calibrated: &Calibrated) -> Table {
          All machines are in `remaining_limits.csv`.",
     );
     table.columns.remove(0);
-    table.rows.iter_mut().for_each(|row| drop(row.remove(0)));
+    for (row, limit) in table.rows.iter_mut().zip(&own) {
+        row.remove(0);
+        row[0] = limit.kind.name().to_owned();
+    }
     table
 }
 

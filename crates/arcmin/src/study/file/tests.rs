@@ -169,6 +169,6 @@ fn a_study_runs_from_file_to_page() {
         goals: Vec::new(),
     };
     let html = page.page().render();
-    assert!(html.contains("data-kind=\"samples\"") && html.contains("limits kept by"));
+    assert!(html.contains("data-kind=\"samples\"") && html.contains("limit kept by"));
     assert!(judged.to_json(&study.plan)["results"]["max_force_n"]["yield"]["of"] == 6);
 }

@@ -136,7 +136,7 @@ impl StudyReport<'_> {
         }
         for (end, words) in [(result.limits.low, "least allowed"), (result.limits.high, "largest allowed")] {
             if let Some(end) = end {
-                plot.limit_at(end, format!("{words}, {}", compact(end, 4)));
+                plot.limit_at(end, format!("{words}, {} {}", compact(end, 4), named(&result.key).1));
             }
         }
         if missing > 0 {
@@ -146,12 +146,12 @@ impl StudyReport<'_> {
     }
 
     fn map(&self, result: &JudgedResult, x: &Key<'_>, y: &Key<'_>) -> Option<HeatMap> {
-        let label = named(&result.key).0;
+        let (label, unit) = named(&result.key);
         let cells = self.cells(&result.key, x, y, |value| value);
         let limit = match (result.limits.low, result.limits.high) {
-            (Some(low), Some(high)) => format!("{} to {} are allowed. ", compact(low, 4), compact(high, 4)),
-            (Some(low), None) => format!("At least {} is allowed. ", compact(low, 4)),
-            (None, Some(high)) => format!("At most {} is allowed. ", compact(high, 4)),
+            (Some(low), Some(high)) => format!("{} to {} {unit} are allowed. ", compact(low, 4), compact(high, 4)),
+            (Some(low), None) => format!("At least {} {unit} is allowed. ", compact(low, 4)),
+            (None, Some(high)) => format!("At most {} {unit} is allowed. ", compact(high, 4)),
             (None, None) => String::new(),
         };
         let missing = cells.iter().filter(|cell| cell.is_none()).count();

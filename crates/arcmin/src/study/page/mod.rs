@@ -160,8 +160,14 @@ impl StudyReport<'_> {
             format!("{} samples", judged.rows)
         };
         let confidence = percent(judged.confidence);
-        let (tone, headline) = self.headline(&some);
+        let (mut tone, mut headline) = self.headline(&some);
+        let mut first = None;
+        if let Some(answer) = self.tighten_answer() {
+            first = Some(("Limits".to_owned(), std::mem::replace(&mut headline, answer)));
+            tone = Tone::Neutral;
+        }
         let mut verdict = Verdict::new(tone, headline);
+        verdict.answers.extend(first);
         verdict.answers.extend(self.limit_answers());
         for result in judged.results.iter().take(4) {
             let (label, unit) = named(&result.key);
@@ -230,6 +236,9 @@ impl StudyReport<'_> {
             }
         };
         row("values".into(), &|result| Some(result.count.to_string()));
+        for (name, end) in [("least", 0), ("largest", 1)] {
+            row(name.into(), &|result| result.spread.is_none().then(|| significant(result.range[end], 4)));
+        }
         row("mean".into(), &|result| Some(significant(result.spread.as_ref()?.mean, 4)));
         row("standard deviation".into(), &|result| Some(significant(result.spread.as_ref()?.deviation, 3)));
         for share in SHARES {
@@ -262,6 +271,9 @@ impl StudyReport<'_> {
             let interval = interval.map_or(String::new(), |interval| format!(" ({})", ends(&interval, 3)));
             Some(format!("{}{interval}", significant(fit.life(0.1), 3)))
         });
+        if results.iter().all(|result| result.spread.is_none()) {
+            return Table { title: "Results".into(), columns, rows, note: String::new() };
+        }
         Table {
             title: "Results with their intervals".into(),
             columns,
