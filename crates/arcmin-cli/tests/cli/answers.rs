@@ -7,7 +7,16 @@ use crate::common::*;
 fn one_reading_says_how_long() {
     let directory = with_design();
     let d = directory.path();
-    let ask = ["calibrate", "d.toml", "--joints", "ideal", "--reading", "5200h=1.4arcmin", "--limit", "lost_motion=2"];
+    let ask = [
+        "calibrate",
+        "d.toml",
+        "--joints",
+        "ideal",
+        "--reading",
+        "5200h=1.4arcmin",
+        "--limit",
+        "lost_motion=2",
+    ];
     let said = good(d, &[&ask[..], &["--out", "o"]].concat());
     let told = summary(d, "o");
     let left = figure(&told, "remaining_hours");
@@ -43,8 +52,12 @@ fn a_template_is_asked_of_a_design_at_once() {
     let page = read(d, "out/d/grid/report.html");
     assert!(page.contains("data-kind=\"heatmap\"") && page.contains("Limits, singly and together"));
     let told = summary(d, "out/d/grid");
-    let names: Vec<&str> =
-        told["limits"]["each"].as_array().unwrap().iter().filter_map(|limit| limit["limit"].as_str()).collect();
+    let names: Vec<&str> = told["limits"]["each"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|limit| limit["limit"].as_str())
+        .collect();
     assert_eq!(names, ["contact pressure"]);
     let unjudged = told["limits"]["not_judged"].to_string();
     assert!(unjudged.contains("lost motion") && unjudged.contains("bearing life"), "{unjudged}");

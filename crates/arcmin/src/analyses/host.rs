@@ -90,7 +90,8 @@ impl Host for Wanting<'_> {
 
     fn wants(&self, result: &str) -> bool {
         // A group holds its figures, and a table its columns.
-        let holds = |group: &str, key: &str| key.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
+        let holds =
+            |group: &str, key: &str| key.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
         self.results.iter().any(|known| *known == result || holds(known, result) || holds(result, known))
     }
 

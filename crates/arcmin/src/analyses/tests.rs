@@ -49,8 +49,16 @@ fn a_result_asked_for_alone_is_the_same() {
     for (name, options, keys) in [
         ("contact", "positions = 12", &["max_force_n", "play_arcmin", "te_loaded_arcmin"][..]),
         ("wear", "points = 2", &["max_depth_um", "play_arcmin"]),
-        ("rig", "positions = 1\nte_positions = 64", &["lost_motion_arcmin", "te_rated_peak_to_peak_arcmin", "max_pressure_mpa"]),
-        ("life", "points = 4\nquasi_static = true", &["lost_motion_arcmin", "verdict.ok", "max_pressure_mpa"]),
+        (
+            "rig",
+            "positions = 1\nte_positions = 64",
+            &["lost_motion_arcmin", "te_rated_peak_to_peak_arcmin", "max_pressure_mpa"],
+        ),
+        (
+            "life",
+            "points = 4\nquasi_static = true",
+            &["lost_motion_arcmin", "verdict.ok", "max_pressure_mpa"],
+        ),
         ("tao2024", "quasi_static = true", &["play_arcmin"]),
     ] {
         let analysis = by_name(name).unwrap();
@@ -62,7 +70,12 @@ fn a_result_asked_for_alone_is_the_same() {
                 let whole = serde_json::Value::Object(summary.clone());
                 key.split('.').fold(whole, |place, name| place[name].clone())
             };
-            assert!(!of(&whole).is_null() && of(&whole) == of(&alone), "{name} {key}: {} {}", of(&whole), of(&alone));
+            assert!(
+                !of(&whole).is_null() && of(&whole) == of(&alone),
+                "{name} {key}: {} {}",
+                of(&whole),
+                of(&alone)
+            );
         }
     }
 }

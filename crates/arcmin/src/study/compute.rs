@@ -1,11 +1,11 @@
 use serde_json::{Map, Value as Json};
 
 use super::file::Study;
+use super::limits::judged_limits;
 use super::list_place::ListPlace;
 use super::plan::{Kind, Row, Setting};
 use super::run::RowError;
 use super::stream::{Purpose, hash};
-use super::limits::judged_limits;
 use crate::analyses::{AnalysisError, Host, Wanting};
 use crate::checks::{Severity, check_design};
 use crate::design::{Design, DesignError, Value};

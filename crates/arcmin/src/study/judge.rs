@@ -101,7 +101,8 @@ pub fn judge(
     let failed = clopper_pearson(failures as u64, tried.len() as u64, confidence)?;
     let mut reasons: Vec<(String, usize)> = Vec::new();
     // Reasons that differ by their numbers alone are one; the first is told.
-    let kind = |reason: &str| reason.replace(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '−'), "");
+    let kind =
+        |reason: &str| reason.replace(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '−'), "");
     for reason in tried.iter().filter_map(|index| rows.records[*index].failed.as_ref()) {
         match reasons.iter_mut().find(|(known, _)| kind(known) == kind(reason)) {
             Some((_, count)) => *count += 1,

@@ -150,7 +150,9 @@ impl StudyLimits {
                     let result = (*result).to_owned();
                     all.each.push(StudyLimit { name, result, limits, of_design: true });
                 }
-                (None, Some(result)) => all.unjudged.push((name, format!("`{result}` among the results would tell"))),
+                (None, Some(result)) => {
+                    all.unjudged.push((name, format!("`{result}` among the results would tell")))
+                }
                 (None, None) => all.unjudged.push((name, "a study of `life` tells".to_owned())),
             }
         }

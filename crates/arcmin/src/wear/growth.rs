@@ -217,5 +217,7 @@ impl Growth {
 
 /// The highest exposure per time that a target alone asks for; `None` while there are some that are not met.
 fn fastest(met: &[Option<f64>], targets: &[Target]) -> Option<f64> {
-    met.iter().zip(targets).try_fold(0.0_f64, |fastest, (met, target)| Some(fastest.max((*met)? / target.time)))
+    met.iter()
+        .zip(targets)
+        .try_fold(0.0_f64, |fastest, (met, target)| Some(fastest.max((*met)? / target.time)))
 }

@@ -47,8 +47,8 @@ pub fn run(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
         Path::new("out").join(design.file_stem().unwrap_or(design.as_os_str())).join(name)
     });
     // The file names its design from where it lies.
-    let whole = std::fs::canonicalize(design)
-        .map_err(|cause| Failure::Read { path: design.clone(), cause })?;
+    let whole =
+        std::fs::canonicalize(design).map_err(|cause| Failure::Read { path: design.clone(), cause })?;
     std::fs::create_dir_all(&out).map_err(|cause| Failure::Write { path: out.clone(), cause })?;
     let path = out.join(FILE);
     write_file(&path, template.about(&whole.display().to_string()).as_bytes())?;

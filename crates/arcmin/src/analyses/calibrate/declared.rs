@@ -22,11 +22,8 @@ const LIMIT_HIGH: Quantity = quantity(
     "Upper end of the 95 % band of these hours; empty where there is none.",
 );
 
-const REMAINING: Quantity = quantity(
-    "remaining_h",
-    decimals(0),
-    "Hours from the last reading to the limit; 0 where it is over.",
-);
+const REMAINING: Quantity =
+    quantity("remaining_h", decimals(0), "Hours from the last reading to the limit; 0 where it is over.");
 const REMAINING_LOW: Quantity = quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.");
 const REMAINING_HIGH: Quantity =
     quantity("remaining_high_h", decimals(0), "Upper end of the 95 % band; empty where there is none.");

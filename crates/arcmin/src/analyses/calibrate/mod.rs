@@ -2,18 +2,24 @@
 
 mod declared;
 mod limits;
+mod lives;
 mod observations;
 mod page;
 mod pasted;
+mod plan;
 mod spoken;
 #[cfg(test)]
 mod tests;
 
 pub use declared::{SUMMARY, tables};
 pub use limits::{End, Remaining, conditional_life, survival};
+pub use lives::{CurvePoint, MachineLife};
 pub use observations::{NewIs, Observed};
+pub use plan::ReadingError;
 
-use self::observations::{ASSUMED_NEW, ASSUMED_READING_ARCMIN, ASSUMED_SHARE, Observations};
+use self::lives::{curve, lives};
+use self::observations::{ASSUMED_NEW, Observations};
+use self::plan::{beyond, foretold, reading_error, running_in};
 use self::spoken::AskedLimit;
 use super::life::{LifeVerdict, LimitKind};
 use super::{AnalysisError, Attachment, Host, outcome};
@@ -23,9 +29,7 @@ use crate::life::{WornState, lost_motion_causes};
 use crate::machine::Machine;
 use crate::report::{compact, significant};
 use crate::units::{ARCMIN, HOUR};
-use crate::wear::{
-    Beyond, Fit, FitPlan, Growth, Measured, Model, New, RunningInFit, Truth, follow_and_fit,
-};
+use crate::wear::{Fit, FitPlan, Measured, Model, RunningInFit, Truth, follow_and_fit};
 
 pub const ABOUT: &str = "Fit the wear coefficient to readings of a machine; how long it still lasts";
 pub const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction to readings, by least squares of \
@@ -87,43 +91,6 @@ pub struct Row {
     pub fitted: bool,
 }
 
-/// How long a machine keeps its limit of lost motion.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MachineLife {
-    /// As the file calls it; `None` for the design's own prediction.
-    pub name: Option<String>,
-    /// Hours of its last reading.
-    pub last_h: f64,
-    /// Lost motion allowed, in rad.
-    pub limit: f64,
-    /// Lost motion when new in rad, and where it is known from; of the design its own.
-    pub new: f64,
-    pub new_is: NewIs,
-    /// Hours since new to the limit, with their band; `None` where the limit is not reached within what was
-    /// followed.
-    pub hours: Option<f64>,
-    pub low: Option<f64>,
-    pub high: Option<f64>,
-}
-
-/// Depth in m and increase of lost motion in rad at one time, each with its band.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvePoint {
-    pub hours: f64,
-    pub depth: (f64, Option<(f64, f64)>),
-    pub increase: (f64, Option<(f64, f64)>),
-}
-
-/// Where the error of a reading is known from, as a share of the scale of the readings.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ReadingError {
-    Given(f64),
-    /// From what the fit leaves.
-    Scatter,
-    /// Nothing tells it.
-    Assumed(f64),
-}
-
 /// A fitted coefficient.
 #[derive(Debug, Clone)]
 pub struct Calibrated {
@@ -156,8 +123,6 @@ const POOR: f64 = 0.1;
 const APART: f64 = 0.5;
 /// How far beyond the service life the limit is looked for.
 const SEARCH_FACTOR: f64 = 4.0;
-/// Points of the curve.
-const CURVE_POINTS: usize = 120;
 
 /// Fits the coefficient.
 ///
@@ -260,155 +225,11 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
     Ok(calibrated)
 }
 
-fn running_in(options: &Options, machine: &Machine) -> Result<RunningInFit, AnalysisError> {
-    match (options.running_in_h, options.fit_running_in) {
-        (Some(_), true) => Err(AnalysisError::usage(
-            "the time constant of the running-in is given, and is to be fitted as well",
-            "leave out one of running_in_h and fit_running_in",
-        )),
-        (Some(hours), false) => Ok(RunningInFit::Factor(hours * HOUR)),
-        (None, true) => Ok(RunningInFit::Both),
-        (None, false) => Ok(RunningInFit::Kept(machine.wear.running_in)),
-    }
-}
-
-/// Of the later readings those of which something can be said: a machine that was not read before has no lost
-/// motion to grow from.
-fn foretold(
-    fitted: &[Observed],
-    others: Vec<Observed>,
-    known: &[Option<New>],
-    all: &mut Observations,
-) -> Vec<Observed> {
-    let said = |observed: &Observed| match observed.reading.measured {
-        Measured::LostMotion(machine) => {
-            let of = Measured::LostMotion(machine);
-            known[machine].is_some() || fitted.iter().any(|observed| observed.reading.measured == of)
-        }
-        _ => true,
-    };
-    let (said, unsaid): (Vec<Observed>, Vec<Observed>) = others.into_iter().partition(said);
-    let mut names: Vec<String> = unsaid.into_iter().map(|observed| observed.machine).collect();
-    names.dedup();
-    for name in names {
-        all.notes.push(format!("{name} was first read after the readings that are fitted: nothing is said of it"));
-    }
-    said
-}
-
-fn reading_error(
-    options: &Options,
-    fitted: &[Observed],
-    known: &[Option<New>],
-    all: &Observations,
-    running_in: RunningInFit,
-) -> ReadingError {
-    if let Some(percent) = options.reading_error_percent {
-        return ReadingError::Given(percent / 100.0);
-    }
-    let parameters = match running_in {
-        RunningInFit::Kept(_) => 1,
-        RunningInFit::Factor(_) => 2,
-        RunningInFit::Both => 3,
-    };
-    let read = |machine: usize| {
-        fitted.iter().any(|observed| observed.reading.measured == Measured::LostMotion(machine))
-    };
-    let machines: Vec<usize> = (0..all.machines.len()).filter(|machine| read(*machine)).collect();
-    let new = machines.iter().filter(|machine| known[**machine].is_some()).count();
-    let is_assumed = machines.iter().any(|machine| all.machines[*machine].new == NewIs::Assumed);
-    if fitted.len() + new > machines.len() + parameters && !is_assumed {
-        return ReadingError::Scatter;
-    }
-    let of_machine = |machine: &usize| ASSUMED_READING_ARCMIN * ARCMIN / all.machines[*machine].scale;
-    let others = fitted.iter().any(|observed| !matches!(observed.reading.measured, Measured::LostMotion(_)));
-    let shares = machines.iter().map(of_machine).chain(others.then_some(ASSUMED_SHARE));
-    ReadingError::Assumed(shares.fold(0.0, f64::max))
-}
-
-/// To the last reading of all, and to the limit of every machine from each of its readings.
-fn beyond(
-    machine: &Machine,
-    predicted: f64,
-    fitted: &[Observed],
-    others: &[Observed],
-    known: &[Option<New>],
-) -> Beyond {
-    let limit = machine.limits.lost_motion;
-    let latest = fitted.iter().chain(others).map(|observed| observed.reading.time).fold(0.0, f64::max);
-    let mut ends = vec![(0.0, limit - predicted)];
-    ends.extend(fitted.iter().filter_map(|observed| {
-        let reading = observed.reading;
-        matches!(reading.measured, Measured::LostMotion(_)).then_some((reading.time, limit - reading.value))
-    }));
-    // An assumed value may be a good deal less.
-    ends.extend(known.iter().flatten().map(|new| (0.0, limit - (1.0 - 2.0 * ASSUMED_NEW) * new.value)));
-    Beyond { latest, ends, time: SEARCH_FACTOR * machine.limits.service_life.max(latest) }
-}
-
-/// The design's own prediction, and that of every machine whose lost motion was read.
-fn lives(
-    machine: &Machine,
-    new: f64,
-    model: &Model<'_>,
-    fit: &Fit,
-    all: &Observations,
-    rows: &[Row],
-) -> Vec<MachineLife> {
-    let limit = machine.limits.lost_motion;
-    let life = |name: Option<String>, last: f64, new_is: NewIs, new_of: &dyn Fn(&Truth) -> f64| {
-        let hours = |truth: &Truth| {
-            let exposure = model.growth.exposure_at(limit - new_of(truth));
-            exposure.map_or(f64::INFINITY, |exposure| truth.law.time_at(exposure)) / HOUR
-        };
-        let known = |hours: f64| hours.is_finite().then_some(hours);
-        let (best, band) = (Truth::best(fit.law), fit.band(hours));
-        MachineLife {
-            name,
-            last_h: last / HOUR,
-            limit,
-            new: new_of(&best),
-            new_is,
-            hours: known(hours(&best)),
-            low: band.and_then(|(low, _)| known(low)),
-            high: band.and_then(|(_, high)| known(high)),
-        }
-    };
-    let last = rows.iter().map(|row| row.observed.reading.time).fold(0.0, f64::max);
-    let mut lives = vec![life(None, last, NewIs::Assumed, &|_| new)];
-    for number in model.machines() {
-        let one = &all.machines[number];
-        let of_machine = |truth: &Truth| model.new_of(number, truth);
-        lives.push(life(Some(one.shown_name()), one.last, one.new, &of_machine));
-    }
-    lives
-}
-
-/// The prediction over time, as far as readings and limit reach and wear was followed. Where the fastest wear
-/// of the band leaves what was followed, the band ends.
-fn curve(growth: &Growth, fit: &Fit, rows: &[Row], lives: &[MachineLife]) -> Vec<CurvePoint> {
-    let last = rows.iter().map(|row| row.observed.reading.time / HOUR).fold(0.0, f64::max);
-    let limits = lives.iter().filter_map(|life| life.hours).map(|hours| 1.05 * hours);
-    let end = limits.filter(|hours| *hours <= 8.0 * last).fold(1.2 * last, f64::max);
-    let end = end.min(fit.law.time_at(growth.last()) / HOUR);
-    let point = |index: usize| {
-        let hours = end * index as f64 / CURVE_POINTS as f64;
-        let of = |value: &dyn Fn(f64) -> f64| {
-            let at = |truth: &Truth| {
-                let exposure = truth.law.at(hours * HOUR);
-                if growth.covers(exposure) { value(exposure) } else { f64::INFINITY }
-            };
-            (value(fit.law.at(hours * HOUR)), fit.band(at).filter(|(_, high)| high.is_finite()))
-        };
-        CurvePoint { hours, depth: of(&|x| growth.depth(x)), increase: of(&|x| growth.increase(x)) }
-    };
-    (0..=CURVE_POINTS).map(point).collect()
-}
-
 impl Row {
     /// Prediction less reading, over the scale of the reading.
     pub fn residual(&self) -> Option<f64> {
-        self.predicted.map(|predicted| (predicted - self.observed.reading.value) / self.observed.reading.scale)
+        self.predicted
+            .map(|predicted| (predicted - self.observed.reading.value) / self.observed.reading.scale)
     }
 
     /// The growth since new that the reading tells of, with the lost motion when new of its machine.
@@ -421,21 +242,6 @@ impl Row {
             None => false,
         };
         reading.value - lives.iter().find(of_machine).map_or(0.0, |life| life.new)
-    }
-}
-
-impl MachineLife {
-    /// Its limit of lost motion.
-    fn remaining(&self, searched_h: f64) -> Remaining {
-        Remaining {
-            kind: LimitKind::LostMotion,
-            place: None,
-            machine: self.name.clone(),
-            allowed: self.limit / ARCMIN,
-            now_h: self.last_h,
-            searched_h,
-            end: End::At { hours: self.hours, low: self.low, high: self.high },
-        }
     }
 }
 
@@ -465,7 +271,8 @@ impl Calibrated {
     /// Judges the limits beside the lost motion, by the prediction with the coefficient that was fitted.
     fn judge(&mut self, fidelity: &FidelityOptions, host: &dyn Host) -> Result<(), AnalysisError> {
         let Some(design) = &self.design else {
-            self.notes.push("the design does not take the coefficient, so its other limits are not judged".into());
+            self.notes
+                .push("the design does not take the coefficient, so its other limits are not judged".into());
             return Ok(());
         };
         let last = self.lives.iter().map(|life| life.last_h).fold(0.0, f64::max);

@@ -131,7 +131,12 @@ impl Observations {
     fn machine(&mut self, name: &str, time: f64) -> usize {
         let known = self.machines.iter().position(|machine| machine.name == name);
         let number = known.unwrap_or_else(|| {
-            self.machines.push(MachineReadings { name: name.to_owned(), last: 0.0, new: NewIs::Fitted, scale: 1.0 });
+            self.machines.push(MachineReadings {
+                name: name.to_owned(),
+                last: 0.0,
+                new: NewIs::Fitted,
+                scale: 1.0,
+            });
             self.machines.len() - 1
         });
         self.machines[number].last = self.machines[number].last.max(time);
@@ -149,11 +154,7 @@ impl Observations {
     ///
     /// # Errors
     /// A machine that has not more lost motion than when new.
-    pub fn settle(
-        &mut self,
-        given: Option<f64>,
-        predicted: f64,
-    ) -> Result<Vec<Option<New>>, AnalysisError> {
+    pub fn settle(&mut self, given: Option<f64>, predicted: f64) -> Result<Vec<Option<New>>, AnalysisError> {
         let mut known = Vec::new();
         for machine in 0..self.machines.len() {
             let new = match self.machines[machine].new {

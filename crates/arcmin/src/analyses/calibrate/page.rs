@@ -1,10 +1,10 @@
 //! Terminal and report of a calibration.
 
-use super::limits::rounded;
 use super::declared::{CALIBRATION, LIMITS, LIVES};
+use super::limits::rounded;
 use super::{Calibrated, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
-use crate::analyses::life::LimitKind;
 use crate::analyses::Said;
+use crate::analyses::life::LimitKind;
 use crate::report::{
     Annotation, Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style,
     Table, Tone, Verdict, capitalised, compact, significant,
@@ -52,9 +52,10 @@ fn answers(calibrated: &Calibrated) -> Vec<String> {
     let name = &asked.machine;
     let own = calibrated.limits.iter().filter(|limit| limit.machine == *name && *limit != asked);
     // Of machines beside it the lost motion, by which they differ.
-    let others = calibrated.limits.iter().filter(|limit| {
-        limit.machine != *name && several && limit.kind == LimitKind::LostMotion
-    });
+    let others = calibrated
+        .limits
+        .iter()
+        .filter(|limit| limit.machine != *name && several && limit.kind == LimitKind::LostMotion);
     std::iter::once(asked).chain(own).chain(others.take(MACHINES)).map(words).collect()
 }
 

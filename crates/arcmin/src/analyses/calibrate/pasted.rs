@@ -16,7 +16,8 @@ const OTHER_WAYS: [&str; 6] = [
 
 /// The design with the coefficient, comments kept; `None` for one that it does not take.
 pub(super) fn into_design(design: &Design, law: &Exposure, with_running_in: bool) -> Option<Design> {
-    let mut changes = vec![("wear.coupled.coefficient_per_pa".to_owned(), Value::Number(to_digits(law.coefficient)))];
+    let mut changes =
+        vec![("wear.coupled.coefficient_per_pa".to_owned(), Value::Number(to_digits(law.coefficient)))];
     let written = |path: &str| design.get(path).is_ok_and(|value| value != Value::LeftOut);
     for way in OTHER_WAYS.map(|way| format!("wear.coupled.{way}")).into_iter().filter(|path| written(path)) {
         changes.insert(0, (way, Value::LeftOut));

@@ -98,7 +98,10 @@ pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
         plain(name) == kind.key() || (!stem.is_empty() && plain(name).trim_start_matches("limits.") == stem)
     });
     let (kind, key) = found.ok_or_else(|| {
-        AnalysisError::usage(format!("no limit is called \"{}\"", name.trim()), format!("there are {}", names()))
+        AnalysisError::usage(
+            format!("no limit is called \"{}\"", name.trim()),
+            format!("there are {}", names()),
+        )
     })?;
     let value = value
         .map(|value| {
@@ -109,7 +112,10 @@ pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
                     true => "its rating life follows from the design: leave out the value",
                     false => "write a number in the unit of the design's key, such as lost_motion=2",
                 };
-                AnalysisError::usage(format!("\"{}\" is no value of the limit {}", value.trim(), kind.key()), help)
+                AnalysisError::usage(
+                    format!("\"{}\" is no value of the limit {}", value.trim(), kind.key()),
+                    help,
+                )
             })
         })
         .transpose()?;
@@ -137,10 +143,20 @@ mod tests {
     /// Every way of writing the same reading, and what is refused.
     #[test]
     fn a_reading_is_what_is_written() {
-        let same = ["5200h=1.4arcmin", "5200=1.4'", "5200 h = 1,4 arcmin", "5200h=84arcsec", "5 200h: 84″", "5200h=1.4′"];
+        let same = [
+            "5200h=1.4arcmin",
+            "5200=1.4'",
+            "5200 h = 1,4 arcmin",
+            "5200h=84arcsec",
+            "5 200h: 84″",
+            "5200h=1.4′",
+        ];
         for text in same {
             let read = reading(text, 3).unwrap();
-            assert!((read.time / HOUR - 5200.0).abs() < 1e-9 && read.measured == Measured::LostMotion(3), "{text}");
+            assert!(
+                (read.time / HOUR - 5200.0).abs() < 1e-9 && read.measured == Measured::LostMotion(3),
+                "{text}"
+            );
             assert!((read.value / ARCMIN - 1.4).abs() < 1e-12, "{text}");
         }
         assert_eq!(reading("600h=+10.64arcsec", 0).unwrap().measured, Measured::Increase);
@@ -169,7 +185,12 @@ mod tests {
         let design = crate::templates::design("tao2024").unwrap();
         let set = asked.set(&design).unwrap().machine().limits.lost_motion;
         assert!((set / ARCMIN - 2.0).abs() < 1e-12);
-        for text in ["lost-motion=2arcmin", "lost_motion_arcmin = 2", "limits.lost_motion_arcmin=2′", "Lost motion=2,0"] {
+        for text in [
+            "lost-motion=2arcmin",
+            "lost_motion_arcmin = 2",
+            "limits.lost_motion_arcmin=2′",
+            "Lost motion=2,0",
+        ] {
             assert_eq!(limit(text).unwrap(), asked, "{text}");
         }
         assert_eq!(limit("bearing_life").unwrap().value, None);

@@ -42,7 +42,10 @@ fn a_machine_of_known_wear_is_read_back() {
     let (low, high) = (life.low.unwrap(), life.high.unwrap());
     assert!(low < hours && hours < high && high < 2.0 * hours, "{low} {hours} {high}");
     // The same with the later ones held out: predicted, not clamped.
-    let held = calibrated(&format!("reading = [{}]\nfit_until_h = 2000\nreading_error_percent = 4", written.join(", ")));
+    let held = calibrated(&format!(
+        "reading = [{}]\nfit_until_h = 2000\nreading_error_percent = 4",
+        written.join(", ")
+    ));
     assert_eq!(held.rows.iter().filter(|row| !row.fitted).count(), 2);
     for row in held.rows.iter().filter(|row| !row.fitted) {
         let (low, high) = row.band.unwrap();
@@ -85,7 +88,10 @@ fn one_reading_answers_how_long() {
     assert!(assumed.cautions().iter().any(|text| text.contains("assumed")));
     // Every limit of the design is there, the bearing by what its survival means.
     let kinds: Vec<LimitKind> = assumed.its_limits().map(|limit| limit.kind).collect();
-    assert!(kinds.contains(&LimitKind::ContactPressure) && kinds.contains(&LimitKind::BearingLife), "{kinds:?}");
+    assert!(
+        kinds.contains(&LimitKind::ContactPressure) && kinds.contains(&LimitKind::BearingLife),
+        "{kinds:?}"
+    );
     // Less than when new is no wear.
     let options = Options::parse("joints = \"ideal\"\nreading = [\"5200h=0.2arcmin\"]", "test").unwrap();
     let refused = run(&design(), &options, &NoHost).unwrap_err();
@@ -104,7 +110,9 @@ fn a_limit_that_is_over_says_since_when() {
 /// What is printed is a section of the design, and the design with it reads it back.
 #[test]
 fn what_is_printed_can_be_pasted() {
-    let found = calibrated("reading = [\"600h=+10.64arcsec\", \"1550h=+12.92arcsec\", \"3000h=+19arcsec\"]\nrunning_in_h = 300");
+    let found = calibrated(
+        "reading = [\"600h=+10.64arcsec\", \"1550h=+12.92arcsec\", \"3000h=+19arcsec\"]\nrunning_in_h = 300",
+    );
     let printed = found.keys();
     let text = design().text().to_owned();
     // As a reader does it: the section is replaced by what is printed.

@@ -37,7 +37,8 @@ const OF_TRAVEL: &[&str] =
 /// Those that need the multibody runs.
 const OF_RUNS: &[&str] = &["ste_mean_arcmin", "ste_max_arcmin", "dte_mean_arcmin", "dte_max_arcmin"];
 /// Those that need the search for the limit beyond the service life.
-const OF_SEARCH: &[&str] = &["hours_to_limit", "hours_to_lost_motion_limit", "searched_h", "verdict", "advice"];
+const OF_SEARCH: &[&str] =
+    &["hours_to_limit", "hours_to_lost_motion_limit", "searched_h", "verdict", "advice"];
 
 /// Whether somebody wants one of these, as a figure or as a column of `life`.
 fn wanted(host: &dyn Host, results: &[&str]) -> bool {

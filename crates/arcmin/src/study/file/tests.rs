@@ -155,7 +155,13 @@ fn a_study_runs_from_file_to_page() {
     let judged = judge::judge(&study.plan, &rows, &study.limits, 0.95, None).unwrap();
     assert_eq!(study.limits.each[0].limits, Limits { low: None, high: Some(2000.0) });
     // The pressure is not kept, and so its limit is not judged: that is said, with what would.
-    assert!(judged.limits.unjudged.iter().any(|(limit, how)| limit == "contact pressure" && how.contains("max_pressure_mpa")));
+    assert!(
+        judged
+            .limits
+            .unjudged
+            .iter()
+            .any(|(limit, how)| limit == "contact pressure" && how.contains("max_pressure_mpa"))
+    );
     assert!(judged.results[0].kept.is_some() && judged.results[0].spread.is_some());
     let template = study.template();
     assert_eq!(template.columns.len(), 2, "the count of crankshafts has one value: {:?}", template.text);

@@ -128,7 +128,11 @@ impl StudyReport<'_> {
         let bars = gains.gains.iter().filter_map(|gain| {
             let factor = self.plan.factors().get(gain.dimension)?;
             factor.distribution.half_width()?;
-            Some((factor.path.clone(), gain.quantile.value.max(0.0), effect(&gain.quantile.interval, 3, unit)))
+            Some((
+                factor.path.clone(),
+                gain.quantile.value.max(0.0),
+                effect(&gain.quantile.interval, 3, unit),
+            ))
         });
         let bars = Shares {
             title: format!("{label}: tighten first"),

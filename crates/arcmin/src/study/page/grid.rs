@@ -107,7 +107,8 @@ impl StudyReport<'_> {
         let values = self.rows.numbers(self.plan, result).unwrap_or_default();
         let point = |(record, value): (&Record, Option<f64>)| {
             let row = self.plan.row(record.number);
-            let places: Option<Vec<f64>> = keys.iter().map(|key| key.place(&row.settings[key.index])).collect();
+            let places: Option<Vec<f64>> =
+                keys.iter().map(|key| key.place(&row.settings[key.index])).collect();
             Some((places?, value.filter(|value| value.is_finite())))
         };
         self.rows.records.iter().zip(values).filter_map(point).collect()
@@ -140,7 +141,8 @@ impl StudyReport<'_> {
             }
         }
         if missing > 0 {
-            plot = plot.noted(format!("Gaps: {missing} samples have no value; their reasons are in `samples.csv`."));
+            plot = plot
+                .noted(format!("Gaps: {missing} samples have no value; their reasons are in `samples.csv`."));
         }
         (!plot.series.is_empty()).then_some(plot)
     }
@@ -149,7 +151,9 @@ impl StudyReport<'_> {
         let (label, unit) = named(&result.key);
         let cells = self.cells(&result.key, x, y, |value| value);
         let limit = match (result.limits.low, result.limits.high) {
-            (Some(low), Some(high)) => format!("{} to {} {unit} are allowed. ", compact(low, 4), compact(high, 4)),
+            (Some(low), Some(high)) => {
+                format!("{} to {} {unit} are allowed. ", compact(low, 4), compact(high, 4))
+            }
             (Some(low), None) => format!("At least {} {unit} is allowed. ", compact(low, 4)),
             (None, Some(high)) => format!("At most {} {unit} is allowed. ", compact(high, 4)),
             (None, None) => String::new(),
@@ -210,4 +214,3 @@ impl StudyReport<'_> {
         cells
     }
 }
-

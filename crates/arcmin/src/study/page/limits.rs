@@ -50,7 +50,10 @@ impl StudyReport<'_> {
     pub(super) fn headline(&self, some: &str) -> (Tone, String) {
         let limits = &self.judged.limits;
         let Some(together) = limits.together else {
-            return (Tone::Neutral, format!("{some}; there are no limits that the results kept could judge."));
+            return (
+                Tone::Neutral,
+                format!("{some}; there are no limits that the results kept could judge."),
+            );
         };
         let which = match &limits.each[..] {
             [(one, _)] => format!("the limit of {}", one.name),

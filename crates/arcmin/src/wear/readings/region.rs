@@ -22,13 +22,7 @@ impl Search<'_> {
         machines.into_iter().flat_map(|machine| self.edge_with(best, open, machine, allowed)).collect()
     }
 
-    fn edge_with(
-        &self,
-        best: &Place,
-        open: &[usize],
-        machine: Option<usize>,
-        allowed: f64,
-    ) -> Vec<Truth> {
+    fn edge_with(&self, best: &Place, open: &[usize], machine: Option<usize>, allowed: f64) -> Vec<Truth> {
         let count = open.len() + usize::from(machine.is_some());
         // The last coordinate is the shift over the scale of the machine's readings.
         let truth = |at: &DVector<f64>| {

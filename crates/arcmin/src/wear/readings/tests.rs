@@ -66,16 +66,19 @@ fn one_reading_says_how_much_and_not_how_sure() {
 #[test]
 fn a_running_in_is_found_where_the_readings_reach_beyond_it() {
     let truth = Exposure { coefficient: 1.0, running_in: Some(RunningIn { factor: 6.0, duration: 2.0 }) };
-    let made = |times: &[f64]| {
-        since_new(&times.iter().map(|t| reading(*t, truth.at(*t))).collect::<Vec<_>>())
-    };
+    let made =
+        |times: &[f64]| since_new(&times.iter().map(|t| reading(*t, truth.at(*t))).collect::<Vec<_>>());
     let found = fit(&made(&[0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 16.0]), RunningInFit::Both, Some(0.02));
     let values: Vec<f64> = found.estimates.iter().map(|e| e.value).collect();
     for (value, truth) in values.iter().zip([1.0, 6.0, 2.0]) {
         assert!((value / truth - 1.0).abs() < 2e-3, "{value} {truth}");
     }
-    assert!(found.estimates.iter().all(|e| e.low.unwrap() < e.value && e.value < e.high.unwrap()), "{found:?}");
-    let untold = fit(&made(&[0.02, 0.05, 0.1, 0.15, 0.2]), RunningInFit::Both, Some(0.02)).untold().join("; ");
+    assert!(
+        found.estimates.iter().all(|e| e.low.unwrap() < e.value && e.value < e.high.unwrap()),
+        "{found:?}"
+    );
+    let untold =
+        fit(&made(&[0.02, 0.05, 0.1, 0.15, 0.2]), RunningInFit::Both, Some(0.02)).untold().join("; ");
     assert!(
         untold.contains("bound to the duration of the running-in") || untold.contains("not told apart"),
         "{untold}"
@@ -102,7 +105,10 @@ fn readings_as_read_are_the_regression_with_an_intercept() {
     let left: f64 = points.iter().map(|p| (mean_r + k * (p.0 - mean_t) - p.1).powi(2)).sum();
     let half = 3.182_446 * (left / 3.0 / squares).sqrt();
     let estimate = found.estimates[0];
-    assert!((estimate.high.unwrap() - estimate.low.unwrap() - 2.0 * half).abs() < 1e-4 * half, "{estimate:?}");
+    assert!(
+        (estimate.high.unwrap() - estimate.low.unwrap() - 2.0 * half).abs() < 1e-4 * half,
+        "{estimate:?}"
+    );
 }
 
 /// When N + k t reaches L: the band is Fieller's, the t with (N + k t − L)² ≤ z² s² (1/n + (t − t̄)²/Σ(t − t̄)²).
@@ -121,8 +127,7 @@ fn the_band_of_the_hours_is_that_of_fieller() {
     let mean: f64 = points.iter().map(|p| p.0).sum::<f64>() / n;
     let squares: f64 = points.iter().map(|p| (p.0 - mean).powi(2)).sum();
     let edge = |t: f64| {
-        (new + k * t - limit).powi(2)
-            - (1.959_964 * error).powi(2) * (1.0 / n + (t - mean).powi(2) / squares)
+        (new + k * t - limit).powi(2) - (1.959_964 * error).powi(2) * (1.0 / n + (t - mean).powi(2) / squares)
     };
     let root = |mut inside: f64, mut outside: f64| {
         for _ in 0..100 {
@@ -135,7 +140,10 @@ fn the_band_of_the_hours_is_that_of_fieller() {
     let (exact_low, exact_high) = (root(best, 0.0), root(best, 10.0 * best));
     let width = exact_high - exact_low;
     // The directions miss half a percent of the width at most.
-    assert!((low - exact_low).abs() < 0.01 * width && (high - exact_high).abs() < 0.01 * width, "{low} {high} {exact_low} {exact_high}");
+    assert!(
+        (low - exact_low).abs() < 0.01 * width && (high - exact_high).abs() < 0.01 * width,
+        "{low} {high} {exact_low} {exact_high}"
+    );
 }
 
 /// One reading and what the machine had when new, each with its error: k = (r − N)/t, and its error
@@ -147,7 +155,11 @@ fn one_reading_with_the_value_when_new_is_enough() {
     assert!((found.law.coefficient / 0.5 - 1.0).abs() < 1e-6, "{}", found.law.coefficient);
     let half = 1.959_964 * 0.05 * (1.0_f64 + 9.0).sqrt() / 4.0;
     let estimate = found.estimates[0];
-    assert!((estimate.low.unwrap() - (0.5 - half)).abs() < 1e-5 && (estimate.high.unwrap() - (0.5 + half)).abs() < 1e-5, "{estimate:?}");
+    assert!(
+        (estimate.low.unwrap() - (0.5 - half)).abs() < 1e-5
+            && (estimate.high.unwrap() - (0.5 + half)).abs() < 1e-5,
+        "{estimate:?}"
+    );
 }
 
 /// Truths are drawn, readings of them with noise: 95 % of the bands hold the coefficient, and as many the hours to
@@ -179,7 +191,9 @@ fn bands_hold_the_truth_as_often_as_they_say() {
             let model = Model::new(&growth, &readings);
             let found = fit_readings(&model, KEPT, known.then_some(error));
             let estimate = found.estimates[0];
-            of_k += i32::from(estimate.low.is_none_or(|low| low <= k) && estimate.high.is_none_or(|high| k <= high));
+            of_k += i32::from(
+                estimate.low.is_none_or(|low| low <= k) && estimate.high.is_none_or(|high| k <= high),
+            );
             let new_of = |truth: &Truth| if absolute { model.new_of(0, truth) } else { 0.0 };
             let hours = |truth: &Truth| (limit - new_of(truth)) / truth.law.coefficient;
             let truth = (limit - if absolute { new } else { 0.0 }) / k;
