@@ -86,11 +86,11 @@ impl Growth {
                 if wear.state().exposure == f64::MAX { Ok(None) } else { lost(&mut wear).map(Some) }
             });
             let latest = targets.iter().map(|target| target.time).fold(0.0, f64::max);
-            let covered = fastest.is_some_and(|per_time| growth.last() >= ROOM * per_time * latest);
+            let covered = fastest.is_some_and(|per_time| growth.last() >= per_time * latest);
             let increase = match increase {
                 Ok(Some(increase)) => increase - new,
                 // Beyond the readings nothing has to be there.
-                Ok(None) | Err(WearError::Load(_)) if covered => break,
+                Ok(None) | Err(WearError::Load(_) | WearError::RunsAway { .. }) if covered => break,
                 // A law with a threshold has come to rest before.
                 Ok(None) => return Err(growth.out_of_reach()),
                 Err(error) => return Err(error),

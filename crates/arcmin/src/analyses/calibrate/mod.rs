@@ -18,7 +18,7 @@ pub use observations::{NewIs, Observed};
 pub use plan::ReadingError;
 
 use self::lives::{curve, lives};
-use self::observations::{ASSUMED_NEW, Observations};
+use self::observations::ASSUMED_NEW;
 use self::plan::{beyond, foretold, reading_error, running_in};
 use self::spoken::AskedLimit;
 use super::life::{LifeVerdict, LimitKind};
@@ -159,10 +159,16 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
     }
     let readings = Observed::together(&fitted, &known);
     if readings.targets().is_empty() {
-        return Err(AnalysisError::usage(
-            format!("there is no growth to fit up to {} h", until / HOUR),
-            "choose a later fit_until_h",
-        ));
+        return Err(match options.fit_until_h {
+            Some(hours) => AnalysisError::usage(
+                format!("there is no growth to fit up to {hours} h"),
+                "choose a later fit_until_h",
+            ),
+            None => AnalysisError::usage(
+                "all readings are of the new machine: there is no growth to fit",
+                "give a later reading",
+            ),
+        });
     }
     let plan = FitPlan {
         running_in,

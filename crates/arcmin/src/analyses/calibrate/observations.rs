@@ -102,9 +102,10 @@ pub(super) fn read(
     }
     if all.readings.is_empty() {
         let why = if all.notes.is_empty() { String::new() } else { format!(": {}", all.notes.join("; ")) };
-        let what = file.map_or("there is no reading to fit".to_owned(), |file| {
-            format!("{}: there is no reading to fit{why}", file.0)
-        });
+        let what = file
+            .map_or("there is no reading to fit, neither a file (data) nor one reading".to_owned(), |file| {
+                format!("{}: there is no reading to fit{why}", file.0)
+            });
         return Err(AnalysisError::usage(
             what,
             "give a file (data) with hours and a column depth_um, lost_motion_increase_arcmin (since new) or \
@@ -173,8 +174,11 @@ impl Observations {
                 at_first.iter().sum::<f64>() / at_first.len() as f64
             });
             let scale = all.iter().map(|reading| (reading.value - base).abs()).fold(0.0, f64::max);
-            if let Some(new) = new
-                && all.iter().all(|reading| reading.value - new <= LEAST * ARCMIN || reading.time == 0.0)
+            // Where nothing has grown there is nothing to compare a residual with but its error.
+            let scale = if scale > LEAST * ARCMIN { scale } else { ASSUMED_READING_ARCMIN * ARCMIN };
+            let mut later = all.iter().filter(|reading| reading.time > 0.0).peekable();
+            if let (Some(new), Some(_)) = (new, later.peek())
+                && later.all(|reading| reading.value - new <= LEAST * ARCMIN)
             {
                 return Err(self.not_grown(machine, new));
             }
