@@ -76,14 +76,15 @@ def _make(entry: Mapping[str, Any]) -> tuple[Callable[..., Result], type[Result]
     kind = _result_class(entry)
     files = {option["name"] for option in entry["options"] if option["kind"] in ("file", "files")}
     required = [option["name"] for option in entry["options"] if option["required"]]
+    places = [option["name"] for option in entry["options"] if option["positional"]]
 
     def analysis(
         design: Any, *positional: Any, progress: Any = None, threads: Any = None, **options: Any
     ) -> Result:
         asked = _design(design)
-        if len(positional) > len(required):
-            raise TypeError(f"{name}() takes {1 + len(required)} positional arguments; options go by name")
-        for key, value in zip(required, positional, strict=False):
+        if len(positional) > len(places):
+            raise TypeError(f"{name}() takes {1 + len(places)} positional arguments; options go by name")
+        for key, value in zip(places, positional, strict=False):
             if key in options:
                 raise TypeError(f"{name}() got {key} twice")
             options[key] = value
@@ -201,9 +202,11 @@ def _signature(entry: Mapping[str, Any], kind: type[Result]) -> inspect.Signatur
     positional = inspect.Parameter.POSITIONAL_OR_KEYWORD
     named = inspect.Parameter.KEYWORD_ONLY
     parameters = [inspect.Parameter("design", positional)]
-    required = [option for option in entry["options"] if option["required"]]
-    others = [option for option in entry["options"] if not option["required"]]
-    parameters += [inspect.Parameter(option["name"], positional) for option in required]
+    places = [option for option in entry["options"] if option["positional"]]
+    others = [option for option in entry["options"] if not option["positional"]]
+    for option in places:
+        default = inspect.Parameter.empty if option["required"] else option["default"]
+        parameters.append(inspect.Parameter(option["name"], positional, default=default))
     parameters += [inspect.Parameter(option["name"], named, default=option["default"]) for option in others]
     parameters += [inspect.Parameter(name, named, default=None) for name, _ in _COMMON]
     return inspect.Signature(parameters, return_annotation=kind.__name__)

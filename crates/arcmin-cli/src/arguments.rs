@@ -125,11 +125,12 @@ fn of_option(key: &'static Key) -> Arg {
     };
     let help = format!("{}{unit}{default}", doc.trim_end_matches('.'));
     let mut arg = Arg::new(key.name).help(help);
-    let positional = key.rule.presence == Presence::Required;
+    let positional = matches!(key.rule.presence, Presence::Required | Presence::Positional);
     if !positional {
         arg = arg.long(long_name(key.name));
     } else {
-        arg = arg.required(true).value_name(key.name.to_uppercase());
+        let required = key.rule.presence == Presence::Required;
+        arg = arg.required(required).value_name(key.name.to_uppercase());
     }
     match (key.kind)() {
         Kind::Flag => arg.action(ArgAction::SetTrue),
@@ -138,6 +139,7 @@ fn of_option(key: &'static Key) -> Arg {
             arg.value_parser(PossibleValuesParser::new(words.iter().map(one))).hide_possible_values(false)
         }
         Kind::Files => arg.action(ArgAction::Append).value_name("FILE"),
+        Kind::Texts => arg.action(ArgAction::Append).value_name("TEXT"),
         Kind::File if positional => arg,
         Kind::File => arg.value_name("FILE"),
         Kind::Number | Kind::Count => arg.value_name(value_name(key)).allow_negative_numbers(true),
@@ -164,7 +166,7 @@ pub fn options_text(analysis: &Analysis, matches: &ArgMatches) -> String {
         let line = match (key.kind)() {
             Kind::Flag if matches.get_flag(key.name) => Some("true".to_owned()),
             Kind::Flag => None,
-            Kind::Files => matches
+            Kind::Files | Kind::Texts => matches
                 .get_many::<String>(key.name)
                 .map(|files| format!("[{}]", files.map(quoted).collect::<Vec<_>>().join(", "))),
             Kind::Number | Kind::Count => matches.get_one::<String>(key.name).map(|word| {

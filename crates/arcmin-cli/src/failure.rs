@@ -80,7 +80,9 @@ fn analysis_message(
 fn as_typed(text: &str, options: Option<&SectionSchema>) -> String {
     let mut typed = text.to_owned();
     let keys = options.map_or(&[][..], |options| options.keys);
-    for key in keys.iter().filter(|key| key.rule.presence != Presence::Required) {
+    for key in
+        keys.iter().filter(|key| !matches!(key.rule.presence, Presence::Required | Presence::Positional))
+    {
         let option = format!("--{}", long_name(key.name));
         typed = typed.replace(&format!("`{}`", key.name), &option);
         typed = typed.replace(&format!("{} = ", key.name), &format!("{option} "));

@@ -51,6 +51,8 @@ fn option<'py>(py: Python<'py>, key: &Key) -> PyResult<Bound<'py, PyDict>> {
     entry.set_item("documentation", key.doc.split_whitespace().collect::<Vec<_>>().join(" "))?;
     entry.set_item("unit", key.unit())?;
     entry.set_item("required", key.rule.presence == Presence::Required)?;
+    let positional = matches!(key.rule.presence, Presence::Required | Presence::Positional);
+    entry.set_item("positional", positional)?;
     let (kind, choices) = match (key.kind)() {
         Kind::Number => ("number", None),
         Kind::Count => ("count", None),

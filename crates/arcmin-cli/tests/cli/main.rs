@@ -1,5 +1,6 @@
 //! The command as a user meets it: names, texts, exit status, files.
 
+mod answers;
 mod atomic;
 mod common;
 mod errors;

@@ -31,7 +31,7 @@ fn every_analysis_takes_the_same_words() {
         ("profile", &["--points <", "--wear-um <"]),
         ("contact", &["--method <", "--wear-um <", "--hours <", "--torque-nm <"]),
         ("wear", &["--mode <", "--hours <"]),
-        ("calibrate", &["<DATA>"]),
+        ("calibrate", &["[DATA]", "--reading <", "--limit <"]),
         (
             "simulate",
             &[

@@ -42,7 +42,7 @@ const FINDINGS: TableOf<Finding> = TableOf {
             quantity("code", PLAIN, "Stable name of the check.").of(|f: &Finding| f.code.into()),
             quantity("severity", PLAIN, "info (passed), warning or error.").of(|f| f.severity.word().into()),
             q::VALUE.with(digits(6)).of(|f| f.value.into()),
-            quantity("limit", digits(6), "What it is held against.").of(|f| f.limit.into()),
+            q::LIMIT.with(digits(6)).of(|f| f.limit.into()),
             q::UNIT.of(|f| f.unit.into()),
             quantity("message", PLAIN, "The finding in one sentence.").of(|f| f.message.clone().into()),
             quantity("why", PLAIN, "Why it matters.").of(|f| f.why.into()),

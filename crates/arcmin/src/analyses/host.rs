@@ -26,7 +26,8 @@ pub trait Host: Progress {
         })
     }
 
-    /// Whether anybody reads this result, or the report's pictures (`report`); what nobody does need not be worked out.
+    /// Whether anybody reads this result (a key of the summary, or `table.column`), something of this table or group,
+    /// or the report's pictures (`report`); what nobody does need not be worked out.
     fn wants(&self, _result: &str) -> bool {
         true
     }
@@ -63,6 +64,47 @@ pub trait Host: Progress {
     /// [`AnalysisError`] where there is none.
     fn checkpoint(&self) -> Result<Vec<u8>, AnalysisError> {
         Err(AnalysisError::usage("there is no checkpoint to go on from", "start afresh without resume"))
+    }
+}
+
+/// A host of somebody who wants some results only, by their keys; of a table those of its columns.
+pub struct Wanting<'a> {
+    pub host: &'a dyn Host,
+    pub results: &'a [&'a str],
+}
+
+impl Progress for Wanting<'_> {
+    fn report(&self, stage: &str, share: f64) {
+        self.host.report(stage, share);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.host.is_cancelled()
+    }
+}
+
+impl Host for Wanting<'_> {
+    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        self.host.read(file, origin)
+    }
+
+    fn wants(&self, result: &str) -> bool {
+        // A group holds its figures, and a table its columns.
+        let holds =
+            |group: &str, key: &str| key.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
+        self.results.iter().any(|known| *known == result || holds(known, result) || holds(result, known))
+    }
+
+    fn seconds(&self) -> f64 {
+        self.host.seconds()
+    }
+
+    fn cached(&self, name: &str) -> Option<Vec<u8>> {
+        self.host.cached(name)
+    }
+
+    fn cache(&self, name: &str, bytes: &[u8]) {
+        self.host.cache(name, bytes);
     }
 }
 

@@ -40,3 +40,80 @@ fn options_have_defaults_and_documentation() {
         }
     }
 }
+
+/// What nobody wants is not worked out, and what somebody wants does not depend on what else is: for every number
+/// of a summary, asked for alone.
+#[test]
+fn a_result_asked_for_alone_is_the_same() {
+    let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 120.0).unwrap();
+    for (name, options, keys) in [
+        ("contact", "positions = 12", &["max_force_n", "play_arcmin", "te_loaded_arcmin"][..]),
+        ("wear", "points = 2", &["max_depth_um", "play_arcmin"]),
+        (
+            "rig",
+            "positions = 1\nte_positions = 64",
+            &["lost_motion_arcmin", "te_rated_peak_to_peak_arcmin", "max_pressure_mpa"],
+        ),
+        (
+            "life",
+            "points = 4\nquasi_static = true",
+            &["lost_motion_arcmin", "verdict.ok", "max_pressure_mpa"],
+        ),
+        ("tao2024", "quasi_static = true", &["play_arcmin"]),
+    ] {
+        let analysis = by_name(name).unwrap();
+        let whole = analysis.run(&design, options, "test", &NoHost).unwrap().summary().to_json();
+        for key in keys {
+            let host = Wanting { host: &NoHost, results: &[key] };
+            let alone = analysis.run(&design, options, "test", &host).unwrap().summary().to_json();
+            let of = |summary: &serde_json::Map<String, serde_json::Value>| {
+                let whole = serde_json::Value::Object(summary.clone());
+                key.split('.').fold(whole, |place, name| place[name].clone())
+            };
+            assert!(
+                !of(&whole).is_null() && of(&whole) == of(&alone),
+                "{name} {key}: {} {}",
+                of(&whole),
+                of(&alone)
+            );
+        }
+    }
+}
+
+/// A life of which the lost motion is kept runs no simulation and looks no further than the service life; one whose
+/// transmission error in motion is wanted does.
+#[test]
+fn a_life_runs_what_is_wanted_of_it() {
+    let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 60.0).unwrap();
+    let run = |results: &[&str]| {
+        let options = life::Options::parse("points = 4", "test").unwrap();
+        life::run(&design, &options, &Wanting { host: &NoHost, results }).unwrap()
+    };
+    let quick = run(&["lost_motion_arcmin", "life.lost_motion_arcmin"]);
+    assert!(quick.ages.is_empty() && quick.advice.is_empty());
+    assert!(quick.first().travel.is_none() && quick.first().causes.is_none());
+    assert!((quick.prediction.searched_hours - 60.0).abs() < 1e-9);
+    assert!(!run(&["dte_max_arcmin"]).ages.is_empty());
+    assert!(run(&["life.play_arcmin"]).first().travel.is_some());
+    let further = run(&["hours_to_limit"]);
+    assert!(further.ages.is_empty() && further.prediction.searched_hours > 60.0);
+}
+
+/// Groups hold their figures, tables their columns.
+#[test]
+fn what_is_wanted_goes_by_groups() {
+    let host = Wanting { host: &NoHost, results: &["te.mean_arcmin", "life.play_arcmin", "verdict"] };
+    for (result, expected) in [
+        ("te", true),
+        ("te.mean_arcmin", true),
+        ("te.rms_arcmin", false),
+        ("te_loaded_arcmin", false),
+        ("life", true),
+        ("life.hours", false),
+        ("play_arcmin", false),
+        ("verdict.kept.wear", true),
+        ("report", false),
+    ] {
+        assert_eq!(host.wants(result), expected, "{result}");
+    }
+}

@@ -169,7 +169,7 @@ fn default(key: &Key) -> Value {
         (Presence::Numbers(numbers), _) => Value::Numbers(numbers.to_vec()),
         (Presence::Optional, Kind::Pairs) => Value::Pairs(Vec::new()),
         (Presence::Optional, Kind::Texts | Kind::Files) => Value::Texts(Vec::new()),
-        (Presence::Optional | Presence::Required, _) => Value::LeftOut,
+        (Presence::Optional | Presence::Positional | Presence::Required, _) => Value::LeftOut,
     }
 }
 

@@ -47,7 +47,9 @@ pub(crate) trait FieldValue: Sized {
 
     /// Appends `path` if the value is a default that stands for something (not merely absent).
     fn defaulted(&self, key: &Key, written: bool, path: &str, out: &mut Vec<String>) {
-        if !written && !matches!(key.rule.presence, Presence::Required | Presence::Optional) {
+        if !written
+            && !matches!(key.rule.presence, Presence::Required | Presence::Optional | Presence::Positional)
+        {
             out.push(path.to_owned());
         }
     }

@@ -99,7 +99,7 @@ fn property(key: &Key) -> Value {
         Presence::Word(word) => Some(json!(word)),
         Presence::Flag(flag) => Some(json!(flag)),
         Presence::Numbers(numbers) => Some(json!(numbers)),
-        Presence::Required | Presence::Optional => None,
+        Presence::Required | Presence::Optional | Presence::Positional => None,
     };
     if let Some(default) = default {
         out.insert("default".to_owned(), default);

@@ -50,7 +50,7 @@ pub use reference::markdown as reference_of_keys;
 pub use resolve::StaleMass;
 pub(crate) use schema::unit_of;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
-pub(crate) use schema::{default, default_word, optional, required, word};
+pub(crate) use schema::{default, default_word, optional, positional, word};
 pub use sections::*;
 pub use service::*;
 pub use unknowns::Unknown;

@@ -85,7 +85,7 @@ fn value(key: &Key) -> String {
 fn default(key: &Key) -> String {
     match key.rule.presence {
         Presence::Required => "required".to_owned(),
-        Presence::Optional => "may be left out".to_owned(),
+        Presence::Optional | Presence::Positional => "may be left out".to_owned(),
         Presence::Number(number) => plain(number),
         Presence::Flag(flag) => flag.to_string(),
         Presence::Numbers(numbers) => {

@@ -25,6 +25,8 @@ impl<T> Deref for At<T> {
 pub enum Presence {
     Required,
     Optional,
+    /// As `Optional`; a command takes it by its place, without a name.
+    Positional,
     Number(f64),
     Word(&'static str),
     Flag(bool),
@@ -47,6 +49,11 @@ pub const fn required(low: f64, high: f64) -> Rule {
 /// The key may be left out, which means something of its own.
 pub const fn optional(low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Optional, low, high }
+}
+
+/// An option that may be left out, which a command takes by its place.
+pub const fn positional() -> Rule {
+    Rule { presence: Presence::Positional, low: 0.0, high: 0.0 }
 }
 
 /// The key may be left out and then has the value `number`.

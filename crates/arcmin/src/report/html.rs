@@ -52,6 +52,11 @@ struct Writer<'a> {
     tables: usize,
 }
 
+/// Columns of a table that stand side by side on a phone.
+const MANY_COLUMNS: usize = 4;
+/// Rows of a wide table that may stand one below the other there.
+const FEW_ROWS: usize = 24;
+
 impl Writer<'_> {
     fn page(&mut self, page: &Page) {
         let title = escaped(&format!("{} – {}", page.title, page.subtitle));
@@ -253,8 +258,11 @@ impl Writer<'_> {
 
     fn table(&mut self, table: &Table) {
         self.tables += 1;
-        // Sentences do not fit side by side on a phone: there each row stands as a block, its fields named.
-        let words = if table.columns.iter().any(|column| column.numeric) { "" } else { " words" };
+        // Sentences do not fit side by side on a phone, nor do many columns: there each row stands as a block, its
+        // fields named. Long tables of numbers are moved sideways instead.
+        let of_text = table.columns.iter().all(|column| !column.numeric);
+        let is_wide = table.columns.len() > MANY_COLUMNS && table.rows.len() <= FEW_ROWS;
+        let words = if of_text || is_wide { " words" } else { "" };
         let _ = write!(
             self.out,
             "<div class=\"table{words}\" data-file=\"{}\"><div class=\"figure-head\"><h3 id=\"table-{1}\">{2}</h3>\
@@ -276,13 +284,13 @@ impl Writer<'_> {
             self.out.push_str("<tr>");
             for (index, cell) in row.iter().enumerate() {
                 let column = table.columns.get(index);
-                if column.is_some_and(|column| column.numeric) {
-                    self.out.push_str("<td class=\"number\">");
-                } else if let Some(column) = column.filter(|_| !words.is_empty()) {
-                    let _ = write!(self.out, "<td data-head=\"{}\">", escaped(&column.label));
-                } else {
-                    self.out.push_str("<td>");
+                let numeric = column.is_some_and(|column| column.numeric);
+                self.out.push_str(if numeric { "<td class=\"number\"" } else { "<td" });
+                if let Some(column) = column.filter(|_| !words.is_empty()) {
+                    let head = format!("{} {}", column.label, column.unit);
+                    let _ = write!(self.out, " data-head=\"{}\"", escaped(head.trim_end()));
                 }
+                self.out.push('>');
                 self.inline(cell);
                 self.out.push_str("</td>");
             }

@@ -175,6 +175,8 @@ pub const FLANK_UPDATES: Quantity =
 
 pub const VALUE: Quantity = quantity("value", digits(4), "The value found, in the unit given.");
 
+pub const LIMIT: Quantity = quantity("limit", PLAIN, "The limit: which one it is; in findings its value.");
+
 pub const UNIT: Quantity = quantity("unit", PLAIN, "Unit of the value, and of the limit where there is one.");
 
 pub const TE: Quantity =

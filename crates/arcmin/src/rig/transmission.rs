@@ -227,6 +227,8 @@ pub fn transmission_error_curves(
 /// Which transmission errors the bench measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Curves {
+    /// None at all.
+    Nothing,
     /// Forward at rated torque alone.
     Rated,
     /// Forward, held lightly and at rated torque.
@@ -250,6 +252,7 @@ pub(super) fn watched_error_curves(
     let [held, held_back] = [1.0, -1.0].map(|direction| under(test.holding_torque, direction));
     let (forward, backward) = (Case { sees_pins: pins, ..under(rated, 1.0) }, under(rated, -1.0));
     let cases = match curves {
+        Curves::Nothing => Vec::new(),
         Curves::Rated => vec![forward],
         Curves::Forward => vec![held, forward],
         Curves::Every => vec![held, held_back, forward, backward],

@@ -1,51 +1,15 @@
 use serde_json::{Map, Value as Json};
 
 use super::file::Study;
+use super::limits::judged_limits;
 use super::list_place::ListPlace;
-use super::plan::{Kept, Kind, Row, Setting};
+use super::plan::{Kind, Row, Setting};
 use super::run::RowError;
 use super::stream::{Purpose, hash};
-use crate::analyses::{AnalysisError, Host, Origin};
-use crate::design::{Design, DesignError, InputFile, Value};
+use crate::analyses::{AnalysisError, Host, Wanting};
+use crate::checks::{Severity, check_design};
+use crate::design::{Design, DesignError, Value};
 use crate::progress::Progress;
-
-/// The host of a row, which knows what is kept of it.
-struct Keeping<'a> {
-    host: &'a dyn Host,
-    kept: &'a [Kept],
-}
-
-impl Progress for Keeping<'_> {
-    fn report(&self, stage: &str, share: f64) {
-        self.host.report(stage, share);
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.host.is_cancelled()
-    }
-}
-
-impl Host for Keeping<'_> {
-    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
-        self.host.read(file, origin)
-    }
-
-    fn wants(&self, result: &str) -> bool {
-        self.kept.iter().any(|kept| kept.key.split('.').next() == Some(result))
-    }
-
-    fn seconds(&self) -> f64 {
-        self.host.seconds()
-    }
-
-    fn cached(&self, name: &str) -> Option<Vec<u8>> {
-        self.host.cached(name)
-    }
-
-    fn cache(&self, name: &str, bytes: &[u8]) {
-        self.host.cache(name, bytes);
-    }
-}
 
 impl Study {
     /// The design of a row, without the errors of a drawn machine.
@@ -118,13 +82,14 @@ impl Study {
     /// [`RowError::Failed`] for a machine that cannot be or cannot be computed, [`RowError::Cancelled`] if
     /// the host asked to stop.
     pub fn compute(&self, row: &Row, host: &dyn Host) -> Result<Json, RowError> {
-        let host = &Keeping { host, kept: self.plan.kept() };
-        let design = self.design_of(row).map_err(|error| RowError::Failed(error.kind.to_string()))?;
+        let results: Vec<&str> = self.plan.kept().iter().map(|kept| kept.key.as_str()).collect();
+        let host = &Wanting { host, results: &results };
+        let design = self.design_of(row).map_err(|error| RowError::Failed(why_refused(&error)))?;
         let outcome =
             self.analysis.run(&design, &self.options_of(row), self.origin(), host).map_err(|error| {
                 match error {
                     AnalysisError::Stopped | AnalysisError::Interrupted { .. } => RowError::Cancelled,
-                    error => RowError::Failed(error.to_string()),
+                    error => RowError::Failed(why_failed(&error, &design)),
                 }
             })?;
         if host.is_cancelled() {
@@ -134,6 +99,7 @@ impl Study {
             return Err(RowError::Failed(why));
         }
         let mut summary = outcome.summary().to_json();
+        judged_limits(&mut summary);
         let curves = self.plan.kept().iter().filter(|kept| kept.kind == Kind::Curve);
         let curves: Vec<(&str, &str)> = curves.filter_map(|kept| kept.key.split_once('.')).collect();
         if !curves.is_empty() {
@@ -152,4 +118,27 @@ impl Study {
         }
         Ok(Json::Object(summary))
     }
+}
+
+/// Why a design cannot be, with what to do.
+fn why_refused(error: &DesignError) -> String {
+    match error.hint() {
+        Some(hint) => format!("{}; {hint}", error.kind),
+        None => error.kind.to_string(),
+    }
+}
+
+/// Why a machine could not be computed: the finding of the checks that it has, with its remedy, since that is the
+/// cause to look at first; then what the computation says.
+fn why_failed(error: &AnalysisError, design: &Design) -> String {
+    let findings = check_design(design);
+    let finding = findings.iter().find(|finding| finding.severity == Severity::Error);
+    let mut why = finding.map_or(String::new(), |finding| {
+        format!("{}: {}; to change: {}. Then: ", finding.code, finding.message, finding.change)
+    });
+    why.push_str(&error.to_string());
+    if let Some(help) = error.help() {
+        why.push_str(&format!("; {help}"));
+    }
+    why
 }

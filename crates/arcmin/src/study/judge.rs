@@ -1,6 +1,7 @@
 use serde_json::{Value as Json, json};
 
 use super::collect::Rows;
+use super::limits::{JudgedLimits, StudyLimits, is_flag, judge_limits};
 use super::plan::{Kind, Plan};
 use super::sampling::Layout;
 use super::sensitivity::morris::{Effects, morris};
@@ -32,6 +33,7 @@ pub struct Judged {
     /// kept.
     pub tight: Option<Yield>,
     pub confidence: f64,
+    pub limits: JudgedLimits,
     pub results: Vec<JudgedResult>,
 }
 
@@ -78,15 +80,15 @@ pub enum Sensitivity {
     None(String),
 }
 
-/// Judges all results that are numbers. `limits` are by the key of their result; `batch` tells the batch of a
-/// row, where machines come from batches.
+/// Judges all results that are numbers, and the limits; `batch` tells the batch of a row, where machines come from
+/// batches.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] if there are no rows, or for a confidence outside (0, 1).
 pub fn judge(
     plan: &Plan,
     rows: &Rows,
-    limits: &[(String, Limits)],
+    limits: &StudyLimits,
     confidence: f64,
     batch: Option<&dyn Fn(u64) -> u64>,
 ) -> Result<Judged, StudyError> {
@@ -98,8 +100,11 @@ pub fn judge(
     let failures = tried.iter().filter(|index| rows.records[**index].failed.is_some()).count();
     let failed = clopper_pearson(failures as u64, tried.len() as u64, confidence)?;
     let mut reasons: Vec<(String, usize)> = Vec::new();
+    // Reasons that differ by their numbers alone are one; the first is told.
+    let kind =
+        |reason: &str| reason.replace(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '−'), "");
     for reason in tried.iter().filter_map(|index| rows.records[*index].failed.as_ref()) {
-        match reasons.iter_mut().find(|(known, _)| known == reason) {
+        match reasons.iter_mut().find(|(known, _)| kind(known) == kind(reason)) {
             Some((_, count)) => *count += 1,
             None => reasons.push((reason.clone(), 1)),
         }
@@ -115,7 +120,7 @@ pub fn judge(
     let batch_of = |index: usize| batch.map(|batch| batch(rows.records[index].number));
     let searched = rows.numbers(plan, super::file::SEARCHED);
     let mut results = Vec::new();
-    for kept in plan.kept().iter().filter(|kept| kept.kind != Kind::Curve) {
+    for kept in plan.kept().iter().filter(|kept| kept.kind != Kind::Curve && !is_flag(&kept.key)) {
         let Some(mut values) = rows.numbers(plan, &kept.key) else { continue };
         let seen = values.clone();
         if let Some(searched) = searched.as_ref().filter(|_| is_life(&kept.key)) {
@@ -131,8 +136,7 @@ pub fn judge(
         if all.is_empty() {
             continue;
         }
-        let limits = limits.iter().find(|(key, _)| *key == kept.key);
-        let limits = limits.map_or(Limits { low: None, high: None }, |(_, limits)| *limits);
+        let limits = limits.of_result(&kept.key);
         // A machine that failed has no value, and keeps no limit.
         let batched = batch.map(|_| {
             let value = |index: &usize| Some((batch_of(*index)?, values[*index].unwrap_or(f64::NAN)));
@@ -193,6 +197,7 @@ pub fn judge(
         reasons,
         tight: tight.and_then(Result::ok),
         confidence,
+        limits: judge_limits(plan, rows, limits, &tried, confidence, batch)?,
         results,
     })
 }
@@ -329,6 +334,7 @@ impl Judged {
         let reason = |(why, count): &(String, usize)| json!({ "reason": why, "count": count });
         let reasons: Vec<Json> = self.reasons.iter().map(reason).collect();
         json!({
+            "limits": self.limits.to_json(),
             "rows": self.rows, "of": self.of, "confidence": self.confidence,
             "failed": {
                 "count": self.failed.kept, "of": self.failed.of, "share": self.failed.share,
@@ -352,7 +358,7 @@ impl Sensitivity {
                 let one = |(name, e): (&&str, &Effects)| {
                     json!({
                         "key": name, "mu": e.mu, "mu_star": e.mu_star.value,
-                        "mu_star_interval": ends(&e.mu_star.interval), "sigma": e.sigma,
+                        "mu_star_interval": ends(&e.mu_star.interval), "contains_zero": e.mu_star.interval.contains(0.0), "sigma": e.sigma,
                     })
                 };
                 json!({ "kind": "morris", "keys": names.iter().zip(effects).map(one).collect::<Vec<_>>() })
@@ -364,7 +370,7 @@ impl Sensitivity {
                     .map(|(name, (first, total))| {
                         json!({
                             "key": name, "first": first.value, "first_interval": ends(&first.interval),
-                            "total": total.value, "total_interval": ends(&total.interval),
+                            "total": total.value, "total_interval": ends(&total.interval), "contains_zero": total.interval.contains(0.0),
                         })
                     })
                     .collect();
@@ -386,7 +392,7 @@ impl Sensitivity {
                     .map(|gain| {
                         json!({
                             "key": names[gain.dimension], "quantile_gain": gain.quantile.value,
-                            "quantile_gain_interval": ends(&gain.quantile.interval),
+                            "quantile_gain_interval": ends(&gain.quantile.interval), "contains_zero": gain.quantile.interval.contains(0.0),
                             "mean_gain": gain.mean.value, "deviation_gain": gain.deviation.value,
                         })
                     })
@@ -402,7 +408,7 @@ impl Sensitivity {
                     .zip(fit.shares.iter().zip(&fit.coefficients))
                     .map(|(name, (share, coefficient))| {
                         json!({
-                            "key": name, "share": share.value, "interval": ends(&share.interval),
+                            "key": name, "share": share.value, "interval": ends(&share.interval), "contains_zero": share.interval.contains(0.0),
                             "coefficient": coefficient,
                         })
                     })

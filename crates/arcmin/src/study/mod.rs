@@ -20,6 +20,7 @@ mod engine_tests;
 mod error;
 pub mod file;
 pub mod judge;
+pub mod limits;
 mod list_place;
 pub mod optimise;
 pub mod page;

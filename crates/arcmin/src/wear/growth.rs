@@ -1,14 +1,12 @@
 //! What a machine loses with its wear, followed once; every coefficient reads from it.
 
-use super::WearError;
 use super::calibrate::LOST_MOTION_POSITIONS;
 use super::coupled::{CoupledOptions, CoupledWear};
-use super::{Exposure, Reading};
+use super::{Exposure, WearError};
 use crate::load::{ShareLoad, lost_motion};
 use crate::machine::Machine;
 use crate::progress::Progress;
 use crate::units::UM;
-use crate::wear::readings::Measured;
 
 /// Depth and increase of the lost motion against exposure.
 #[derive(Debug, Clone)]
@@ -16,37 +14,57 @@ pub struct Growth {
     exposures: Vec<f64>,
     depths: Vec<f64>,
     increases: Vec<f64>,
-    /// Exposure at which each reading alone is met, in the order of the readings.
+    /// Exposure at which each target alone is met, in the order of the targets.
     alone: Vec<f64>,
 }
 
-/// How much further than the readings the growth is followed: room for the upper end of a band.
-const ROOM: f64 = 1.6;
-/// Updates after which a reading counts as out of reach.
+/// What of a machine grows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grown {
+    /// Largest depth lost by the flank.
+    Depth,
+    /// Lost motion.
+    LostMotion,
+}
+
+/// How much something has grown between two times (s), in m or rad: what a reading alone asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    pub grown: Grown,
+    pub since: f64,
+    pub time: f64,
+    pub value: f64,
+}
+
+/// How much further than the last reading the growth is followed: room for the upper end of a band.
+const ROOM: f64 = 2.0;
+/// Updates after which a target counts as out of reach.
 const UPDATES: usize = 100_000;
 
-/// How far a growth is to be followed beyond its readings.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How far a growth is to be followed beyond its targets.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Beyond {
-    /// Increase of the lost motion in rad that ends the life.
-    pub increase: f64,
-    /// But no further than this time in s at the highest coefficient that any reading alone asks for.
+    /// Time in s of the last reading of all, those included that take no part in the fit.
+    pub latest: f64,
+    /// Times in s with what the lost motion may still grow from there on (rad): the ends of lives.
+    pub ends: Vec<(f64, f64)>,
+    /// To these ends no further than this time in s at the highest coefficient that any target alone asks for.
     pub time: f64,
 }
 
 impl Growth {
-    /// Follows the coupled prediction until every reading alone is met, with room for a band, and then on to
+    /// Follows the coupled prediction until every target alone is met, with room for a band, and then on to
     /// what lies [`Beyond`] them; a state out of reach there ends it without an error.
     ///
     /// # Errors
-    /// [`WearError`]; `TargetNotReached` where a reading asks for more wear than there ever is, `Stopped` when
+    /// [`WearError`]; `TargetNotReached` where a target asks for more wear than there ever is, `Stopped` when
     /// `progress` was cancelled.
     pub fn follow<S: ShareLoad>(
         machine: &Machine,
         meshing: S,
         clock: &Exposure,
-        readings: &[Reading],
-        beyond: Beyond,
+        targets: &[Target],
+        beyond: &Beyond,
         progress: &dyn Progress,
     ) -> Result<Growth, WearError> {
         let mut wear =
@@ -58,21 +76,21 @@ impl Growth {
         let new = lost(&mut wear)?;
         let mut growth =
             Growth { exposures: vec![0.0], depths: vec![0.0], increases: vec![0.0], alone: Vec::new() };
-        let mut met: Vec<Option<f64>> = vec![None; readings.len()];
-        let latest = readings.iter().map(|reading| reading.time).fold(0.0, f64::max);
+        let mut met: Vec<Option<f64>> = vec![None; targets.len()];
         loop {
             if progress.is_cancelled() {
                 return Err(WearError::Stopped);
             }
-            let needed = growth.needed(&met, readings, latest);
+            let fastest = fastest(&met, targets);
             let increase = wear.advance_until(f64::MAX, |_| true).and_then(|()| {
                 if wear.state().exposure == f64::MAX { Ok(None) } else { lost(&mut wear).map(Some) }
             });
-            let covered = needed.is_some_and(|(exposure, _)| growth.last() >= exposure);
+            let latest = targets.iter().map(|target| target.time).fold(0.0, f64::max);
+            let covered = fastest.is_some_and(|per_time| growth.last() >= per_time * latest);
             let increase = match increase {
                 Ok(Some(increase)) => increase - new,
                 // Beyond the readings nothing has to be there.
-                Ok(None) | Err(WearError::Load(_)) if covered => break,
+                Ok(None) | Err(WearError::Load(_) | WearError::RunsAway { .. }) if covered => break,
                 // A law with a threshold has come to rest before.
                 Ok(None) => return Err(growth.out_of_reach()),
                 Err(error) => return Err(error),
@@ -81,17 +99,17 @@ impl Growth {
             growth.depths.push(wear.state().flank().deepest().0);
             growth.increases.push(increase);
             let mut share = 1.0_f64;
-            for (met, reading) in met.iter_mut().zip(readings) {
-                let value = growth.alone_value(reading);
-                if met.is_none() && value >= reading.value {
+            for (met, target) in met.iter_mut().zip(targets) {
+                let value = growth.alone_value(target);
+                if met.is_none() && value >= target.value {
                     *met = Some(growth.last());
                 }
-                share = share.min(if met.is_some() { 1.0 } else { value / reading.value });
+                share = share.min(if met.is_some() { 1.0 } else { value / target.value });
             }
             progress.report("calibration", 0.9 * share.max(0.0));
-            if let Some((exposure, per_time)) = growth.needed(&met, readings, latest)
-                && growth.last() >= exposure
-                && (increase >= beyond.increase || growth.last() >= per_time * beyond.time)
+            if let Some(per_time) = self::fastest(&met, targets)
+                && growth.last() >= ROOM * per_time * latest.max(beyond.latest)
+                && growth.reaches(beyond, per_time)
             {
                 break;
             }
@@ -103,24 +121,17 @@ impl Growth {
         Ok(growth)
     }
 
-    /// Exposure up to which the readings need the growth, and the highest exposure per time that one alone asks
-    /// for; `None` while there are some that are not met.
-    fn needed(&self, met: &[Option<f64>], readings: &[Reading], latest: f64) -> Option<(f64, f64)> {
-        let mut per_time = 0.0_f64;
-        for (met, reading) in met.iter().zip(readings) {
-            per_time = per_time.max((*met)? / reading.time);
-        }
-        Some((ROOM * per_time * latest, per_time))
+    /// Whether every end of a life is reached, or is too far to look for.
+    fn reaches(&self, beyond: &Beyond, per_time: f64) -> bool {
+        let grown = self.increases[self.increases.len() - 1];
+        self.last() >= per_time * beyond.time
+            || beyond.ends.iter().all(|(time, left)| grown >= left + self.increase(per_time * time))
     }
 
-    /// What a reading would be if its own time had brought the present exposure.
-    fn alone_value(&self, reading: &Reading) -> f64 {
+    /// What a target would be if its own time had brought the present exposure.
+    fn alone_value(&self, target: &Target) -> f64 {
         let here = self.last();
-        match reading.measured {
-            Measured::Depth => self.depth(here),
-            Measured::Increase => self.increase(here),
-            Measured::Since(first) => self.increase(here) - self.increase(here * first / reading.time),
-        }
+        self.grown(target.grown, here) - self.grown(target.grown, here * target.since / target.time)
     }
 
     fn out_of_reach(&self) -> WearError {
@@ -133,7 +144,7 @@ impl Growth {
         self.exposures[self.exposures.len() - 1]
     }
 
-    /// Exposures at which the readings alone are met.
+    /// Exposures at which the targets alone are met.
     pub(super) fn alone(&self) -> &[f64] {
         &self.alone
     }
@@ -145,23 +156,26 @@ impl Growth {
         values[right - 1] + t * (values[right] - values[right - 1])
     }
 
-    /// Largest depth of a flank in m; beyond the end that of the end.
+    /// Whether the growth was followed to an exposure; what is read beyond it stands still.
+    pub fn covers(&self, exposure: f64) -> bool {
+        exposure <= self.last() * (1.0 + 1e-9)
+    }
+
+    /// Largest depth of a flank in m; beyond the end that of the end, see [`Growth::covers`].
     pub fn depth(&self, exposure: f64) -> f64 {
         self.read(&self.depths, exposure)
     }
 
-    /// Increase of the lost motion since new in rad; beyond the end that of the end.
+    /// Increase of the lost motion since new in rad; beyond the end that of the end, see [`Growth::covers`].
     pub fn increase(&self, exposure: f64) -> f64 {
         self.read(&self.increases, exposure)
     }
 
-    /// What a reading would be by a coefficient over time.
-    pub fn value(&self, reading: &Reading, law: &Exposure) -> f64 {
-        let here = law.at(reading.time);
-        match reading.measured {
-            Measured::Depth => self.depth(here),
-            Measured::Increase => self.increase(here),
-            Measured::Since(first) => self.increase(here) - self.increase(law.at(first)),
+    /// Either of them.
+    pub fn grown(&self, grown: Grown, exposure: f64) -> f64 {
+        match grown {
+            Grown::Depth => self.depth(exposure),
+            Grown::LostMotion => self.increase(exposure),
         }
     }
 
@@ -179,7 +193,7 @@ impl Growth {
 
     /// A growth given by points (exposure, depth, increase): how tests know the answer.
     #[cfg(test)]
-    pub(super) fn of(points: &[(f64, f64, f64)], readings: &[Reading]) -> Growth {
+    pub(super) fn of(points: &[(f64, f64, f64)], targets: &[Target]) -> Growth {
         let column = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(of).collect::<Vec<f64>>();
         let mut growth = Growth {
             exposures: column(|p| p.0),
@@ -187,16 +201,23 @@ impl Growth {
             increases: column(|p| p.2),
             alone: Vec::new(),
         };
-        growth.alone = readings
+        growth.alone = targets
             .iter()
-            .map(|reading| {
+            .map(|target| {
                 let met = |x: &&f64| {
-                    let law = Exposure { coefficient: **x / reading.time, running_in: None };
-                    growth.value(reading, &law) >= reading.value
+                    let before = growth.grown(target.grown, **x * target.since / target.time);
+                    growth.grown(target.grown, **x) - before >= target.value
                 };
-                *growth.exposures.iter().find(met).unwrap_or(&growth.last())
+                *growth.exposures.iter().skip(1).find(met).unwrap_or(&growth.last())
             })
             .collect();
         growth
     }
+}
+
+/// The highest exposure per time that a target alone asks for; `None` while there are some that are not met.
+fn fastest(met: &[Option<f64>], targets: &[Target]) -> Option<f64> {
+    met.iter()
+        .zip(targets)
+        .try_fold(0.0_f64, |fastest, (met, target)| Some(fastest.max((*met)? / target.time)))
 }

@@ -21,10 +21,11 @@ pub use coupled::{CoupledOptions, CoupledWear, WearSnapshot};
 pub use deposit::FlankArc;
 pub use error::WearError;
 pub use exposure::Exposure;
-pub use growth::{Beyond, Growth};
+pub use growth::{Beyond, Grown, Growth, Target};
 pub use parts::PartLoads;
 pub use readings::{
-    CONFIDENCE, Estimate, Fit, Measured, Parameter, Reading, RunningInFit, fit_readings, follow_and_fit,
+    CONFIDENCE, Estimate, Fit, FitPlan, Measured, Model, New, Parameter, Reading, Readings, RunningInFit,
+    Truth, fit_readings, follow_and_fit,
 };
 
 #[cfg(test)]

@@ -3,43 +3,26 @@
 //!
 //! A reading r of scale s is predicted as p(θ) from the [`Growth`] of the machine; θ holds the logarithms of
 //! the coefficient k and, where asked for, of the factor f and the time constant T of a running-in,
-//! k(t) = k (1 + (f − 1) e^(−t/T)). The fit is the least of S(θ) = Σ ((p − r)/s)². A parameter's band are the
-//! values at which S, least over all other parameters, stays below S_min + σ² t²: the profile likelihood, with
-//! Student's t for σ² = S_min/(n − p) from the residuals, or the normal quantile for a reading error that is
-//! known (Venzon & Moolgavkar, Appl. Statist. 37 (1988) 87). A band that is open has no end within what is
-//! believable: the readings do not bound the parameter. Correlations come from the inverse of JᵀJ at the least.
+//! k(t) = k (1 + (f − 1) e^(−t/T)). A lost motion as it was read is p = N + g(θ), N the lost motion of its machine
+//! when new, which is fitted with θ ([`Model`]). The fit is the least of S(θ, N) = Σ ((p − r)/s)². Everything that
+//! the readings allow lies where S stays below S_min + σ² t²: the profile likelihood, with Student's t for
+//! σ² = S_min/(n − p) from the residuals, or the normal quantile for a reading error that is known (Venzon &
+//! Moolgavkar, Appl. Statist. 37 (1988) 87). A band is what a figure takes on the edge of that region ([`region`]).
+//! A band that is open has no end within what is believable: the readings do not bound the parameter. Correlations
+//! come from the inverse of JᵀJ at the least.
+
+mod model;
+mod region;
 
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
+pub use self::model::{Measured, Model, New, Reading, Readings, Truth};
 use super::calibrate::self_consistent;
 use super::{Beyond, Exposure, Growth, WearError};
 use crate::load::ShareLoad;
 use crate::machine::{Machine, RunningIn};
 use crate::progress::Progress;
-
-/// One reading of one machine.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading {
-    /// Running time in s.
-    pub time: f64,
-    pub measured: Measured,
-    /// m or rad.
-    pub value: f64,
-    /// What its residual is divided by.
-    pub scale: f64,
-}
-
-/// What a reading is of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Measured {
-    /// Largest depth lost by the flank.
-    Depth,
-    /// Increase of the lost motion since new.
-    Increase,
-    /// Increase of the lost motion since a first reading at this time in s.
-    Since(f64),
-}
 
 /// A parameter that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,8 +74,8 @@ pub struct Fit {
     /// Root mean square of (p − r)/s.
     pub relative_rms: f64,
     pub estimates: Vec<Estimate>,
-    /// Coefficients over time at the ends of the bands, the other parameters fitted anew at each.
-    pub ends: Vec<Exposure>,
+    /// The edge of what the readings allow.
+    pub ends: Vec<Truth>,
     /// Correlations of two parameters, from −1 to 1.
     pub correlations: Vec<(Parameter, Parameter, f64)>,
     /// Whether bands could be given at all.
@@ -110,46 +93,46 @@ const TIED: f64 = 0.95;
 type Place = [f64; 3];
 
 struct Search<'a> {
-    growth: &'a Growth,
-    readings: &'a [Reading],
+    model: &'a Model<'a>,
+    /// Exposures at which each target alone is met, with its time.
+    alone: Vec<(f64, f64)>,
     running_in: RunningInFit,
     /// Bounds of the logarithms.
     bounds: [(f64, f64); 3],
 }
 
 /// Fits what is asked for. `reading_error`: standard deviation of a reading over its scale, where known.
-pub fn fit_readings(
-    growth: &Growth,
-    readings: &[Reading],
-    running_in: RunningInFit,
-    reading_error: Option<f64>,
-) -> Fit {
-    let search = Search::new(growth, readings, running_in);
+pub fn fit_readings(model: &Model<'_>, running_in: RunningInFit, reading_error: Option<f64>) -> Fit {
+    let search = Search::new(model, running_in);
     let open = search.open();
     let start = search.bounds.map(|(low, high)| 0.5 * (low + high));
     let (best, least) = search.least(start, &open);
-    let spare = readings.len().saturating_sub(open.len());
+    let (known, unknown) = model.counted();
+    let spare = known.saturating_sub(unknown + open.len());
     let allowance = match reading_error {
         Some(error) => Some((error * quantile(None)).powi(2)),
         None if spare > 0 => Some(least / spare as f64 * quantile(Some(spare as f64)).powi(2)),
         None => None,
     };
     let mut ends = Vec::new();
-    let estimates = open
+    let estimates: Vec<Estimate> = open
         .iter()
         .map(|index| {
             let mut end = |sign: f64| {
                 let (place, is_bound) = search.end(best, *index, sign, least + allowance?)?;
-                ends.push(search.law(&place));
+                ends.push(Truth::best(search.law(&place)));
                 (!is_bound).then(|| place[*index].exp())
             };
             let (low, high) = (end(-1.0), end(1.0));
             Estimate { parameter: Parameter::ALL[*index], value: best[*index].exp(), low, high }
         })
         .collect();
+    if let Some(allowance) = allowance {
+        ends.extend(search.edge(&best, &open, least + allowance));
+    }
     Fit {
         law: search.law(&best),
-        relative_rms: (least / readings.len().max(1) as f64).sqrt(),
+        relative_rms: (least / known.max(1) as f64).sqrt(),
         estimates,
         ends,
         correlations: search.correlations(&best, &open),
@@ -168,15 +151,19 @@ fn quantile(freedom: Option<f64>) -> f64 {
 }
 
 impl<'a> Search<'a> {
-    fn new(growth: &'a Growth, readings: &'a [Reading], running_in: RunningInFit) -> Search<'a> {
-        let times = readings.iter().map(|reading| reading.time);
+    fn new(model: &'a Model<'a>, running_in: RunningInFit) -> Search<'a> {
+        let alone: Vec<(f64, f64)> = (model.growth.alone().iter())
+            .zip(model.readings.targets())
+            .map(|(exposure, target)| (*exposure, target.time))
+            .collect();
+        let times = alone.iter().map(|(_, time)| *time);
         let (first, last) = times.fold((f64::INFINITY, 0.0_f64), |(a, b), t| (a.min(t), b.max(t)));
         let duration = match running_in {
             RunningInFit::Factor(duration) => (duration.ln(), duration.ln()),
             _ => ((0.02 * first).ln(), (10.0 * last).ln()),
         };
         let factor = (FACTORS.0.ln(), FACTORS.1.ln());
-        let mut search = Search { growth, readings, running_in, bounds: [(0.0, 0.0), factor, duration] };
+        let mut search = Search { model, alone, running_in, bounds: [(0.0, 0.0), factor, duration] };
         // The coefficient lies between those that meet each reading alone; a running-in asks for less of it.
         let plain = [0.0, 0.0, duration.0];
         let (low, high) = search.coefficients(&plain);
@@ -208,24 +195,19 @@ impl<'a> Search<'a> {
     /// Least and largest coefficient that meets a reading alone, with this running-in.
     fn coefficients(&self, place: &Place) -> (f64, f64) {
         let running_in = self.running_in_at(place);
-        let alone = self.growth.alone().iter().zip(self.readings);
-        let (low, high) = alone
-            .map(|(exposure, reading)| exposure / Exposure::equivalent_time(running_in, reading.time))
+        let (low, high) = (self.alone.iter())
+            .map(|(exposure, time)| exposure / Exposure::equivalent_time(running_in, *time))
             .fold((f64::INFINITY, 0.0_f64), |(a, b), k| (a.min(k), b.max(k)));
-        // What has grown since a first reading depends on when most of it grew.
-        let since = self.readings.iter().any(|reading| matches!(reading.measured, Measured::Since(_)));
-        if since { (0.1 * low, 10.0 * high) } else { (0.9 * low, 1.001 * high) }
+        // What has grown between two readings depends on when most of it grew, and both have errors.
+        if self.model.counted().1 > 0 { (0.1 * low, 10.0 * high) } else { (0.9 * low, 1.001 * high) }
     }
 
-    fn residuals(&self, place: &Place) -> impl Iterator<Item = f64> {
-        let law = self.law(place);
-        self.readings
-            .iter()
-            .map(move |reading| (self.growth.value(reading, &law) - reading.value) / reading.scale)
+    fn residuals(&self, place: &Place) -> Vec<f64> {
+        self.model.residuals(&Truth::best(self.law(place)))
     }
 
     fn misfit(&self, place: &Place) -> f64 {
-        self.residuals(place).map(|r| r * r).sum()
+        self.residuals(place).iter().map(|r| r * r).sum()
     }
 
     /// The least misfit over the `open` parameters, the last of them outermost: a scan and a golden section, so
@@ -284,8 +266,8 @@ impl<'a> Search<'a> {
         let bound = match (index, sign > 0.0) {
             // Beyond what the growth was followed to, nothing is known.
             (0, true) => {
-                let latest = self.readings.iter().map(|reading| reading.time).fold(0.0, f64::max);
-                (self.growth.last() / latest).ln()
+                let latest = self.alone.iter().map(|(_, time)| *time).fold(0.0, f64::max);
+                (self.model.growth.last() / latest).ln()
             }
             (0, false) => self.bounds[0].0.min(best[0]) - 7.0,
             (_, true) => self.bounds[index].1,
@@ -322,7 +304,7 @@ impl<'a> Search<'a> {
                 let moved = |by: f64| {
                     let mut place = *best;
                     place[*index] += by;
-                    self.residuals(&place).collect::<Vec<f64>>()
+                    self.residuals(&place)
                 };
                 let step = 0.01;
                 moved(step).iter().zip(moved(-step)).map(|(a, b)| (a - b) / (2.0 * step)).collect()
@@ -378,14 +360,25 @@ impl Fit {
         untold
     }
 
-    /// Least and largest of a value over the bands; `None` where there are none, or the coefficient is not bounded.
-    pub fn band(&self, of: impl Fn(&Exposure) -> f64) -> Option<(f64, f64)> {
+    /// Least and largest of a value over what the readings allow; `None` where nothing says what that is, or the
+    /// coefficient is not bounded.
+    pub fn band(&self, of: impl Fn(&Truth) -> f64) -> Option<(f64, f64)> {
         let coefficient = self.estimates.first()?;
         coefficient.low.and(coefficient.high)?;
-        let values = self.ends.iter().chain([&self.law]).map(of);
+        let best = [Truth::best(self.law)];
+        let values = self.ends.iter().chain(&best).map(of);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         Some((low, high))
     }
+}
+
+/// What is to be fitted to readings, and how far beyond them the growth is to be known.
+#[derive(Debug, Clone)]
+pub struct FitPlan {
+    pub running_in: RunningInFit,
+    /// Standard deviation of a reading over its scale, where known.
+    pub reading_error: Option<f64>,
+    pub beyond: Beyond,
 }
 
 /// Follows the growth of a machine and fits the readings to it. A law that depends on time itself has no growth
@@ -396,22 +389,21 @@ impl Fit {
 pub fn follow_and_fit<S: ShareLoad + Clone>(
     machine: &Machine,
     meshing: &S,
-    readings: &[Reading],
-    running_in: RunningInFit,
-    reading_error: Option<f64>,
-    beyond: Beyond,
+    readings: &Readings,
+    plan: &FitPlan,
     progress: &dyn Progress,
 ) -> Result<(Growth, Fit), WearError> {
+    let targets = readings.targets();
     let on_clock = |coefficient: f64| {
         let clock = Exposure::new(coefficient, &machine.wear);
-        let growth = Growth::follow(machine, meshing.clone(), &clock, readings, beyond, progress)?;
-        let fit = fit_readings(&growth, readings, running_in, reading_error);
+        let growth = Growth::follow(machine, meshing.clone(), &clock, &targets, &plan.beyond, progress)?;
+        let fit = fit_readings(&Model::new(&growth, readings), plan.running_in, plan.reading_error);
         Ok::<_, WearError>((growth, fit))
     };
     if !machine.wear.law.local_rate().depends_on_time() {
         return on_clock(1.0);
     }
-    if !matches!(running_in, RunningInFit::Kept(_)) {
+    if !matches!(plan.running_in, RunningInFit::Kept(_)) {
         return Err(WearError::RunningInOfTimeLaw);
     }
     // A clock that stands still: the law of the new machine.

@@ -3,6 +3,7 @@
 mod band;
 mod engines;
 mod new;
+mod question;
 mod search;
 
 pub use band::Lives;
@@ -32,6 +33,7 @@ goes on. Sample k depends on the seed and k alone, so that any sharing of the wo
 const EXAMPLES: &str = "Examples:
   arcmin study new yield my-study.toml       write a commented study file to start from
   arcmin study my-study.toml                 run it here
+  arcmin study tighten my-reducer.toml       ask a template's question of a design at once
   arcmin study run my-study.toml --shard 3/50 --out shared/study
   arcmin study collect my-study.toml --out shared/study
   arcmin study submit my-study.toml --engine slurm --shards 50 --out shared/study";
@@ -55,6 +57,7 @@ pub fn command() -> Command {
         .arg(force())
         .arg(quiet())
         .subcommand(new::command())
+        .subcommands(question::commands())
         .subcommand(with(Command::new("plan").about("Lay out the samples and write plan.csv and plan.json")))
         .subcommand(planned(
             Command::new("run").about("Compute one shard of the samples and keep its parts").arg(
@@ -113,9 +116,18 @@ fn quiet() -> Arg {
     Arg::new("quiet").long("quiet").short('q').action(ArgAction::SetTrue).help("Print nothing but errors")
 }
 
+fn use_threads(matches: &ArgMatches) -> Result<(), Failure> {
+    if let Some(threads) = matches.get_one::<u16>("threads") {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
+        pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
+    }
+    Ok(())
+}
+
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("new", matches)) => new::run(matches),
+        Some((name, matches)) if question::template(name).is_some() => question::run(name, matches),
         Some(("submit", matches)) => engines::run(&Job::of(matches)?, matches),
         Some(("plan", matches)) => Job::of(matches)?.plan(),
         Some(("run", matches)) => {
@@ -152,17 +164,19 @@ impl Job {
             }
         };
         let path = &path;
-        if let Some(threads) = matches.get_one::<u16>("threads") {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
-            pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
-        }
+        use_threads(matches)?;
         let out = matches
             .get_one::<PathBuf>("out")
             .cloned()
             .unwrap_or_else(|| Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())));
+        Job::at(path, out, matches)
+    }
+
+    /// The study of a file with results in `out`.
+    fn at(path: &Path, out: PathBuf, matches: &ArgMatches) -> Result<Job, Failure> {
         let (design_path, study) = read(path, &out)?;
         let (force, quiet) = (matches.get_flag("force"), matches.get_flag("quiet"));
-        Ok(Job { path: path.clone(), design_path, study, out, force, quiet })
+        Ok(Job { path: path.to_owned(), design_path, study, out, force, quiet })
     }
 
     fn parts(&self) -> Parts {

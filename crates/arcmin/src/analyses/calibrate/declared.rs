@@ -1,6 +1,6 @@
 //! Tables and figures of a calibration.
 
-use super::{Calibrated, CurvePoint, MachineLife, Row};
+use super::{Calibrated, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
 use crate::fidelity::Fidelity;
 use crate::results::{
     DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q,
@@ -22,6 +22,12 @@ const LIMIT_HIGH: Quantity = quantity(
     "Upper end of the 95 % band of these hours; empty where there is none.",
 );
 
+const REMAINING: Quantity =
+    quantity("remaining_h", decimals(0), "Hours from the last reading to the limit; 0 where it is over.");
+const REMAINING_LOW: Quantity = quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.");
+const REMAINING_HIGH: Quantity =
+    quantity("remaining_high_h", decimals(0), "Upper end of the 95 % band; empty where there is none.");
+
 pub(super) const CALIBRATION: TableOf<Row> = TableOf {
     name: "calibration",
     what: "One reading a row, those of the fit first",
@@ -34,8 +40,8 @@ pub(super) const CALIBRATION: TableOf<Row> = TableOf {
             quantity("observed", digits(5), "Value read, in the unit of the quantity.").of(|r| {
                 (r.observed.reading.value / r.observed.column().1).into()
             }),
-            quantity("predicted", digits(5), "Predicted value, in the unit of the quantity.")
-                .of(|r| (r.predicted / r.observed.column().1).into()),
+            quantity("predicted", digits(5), "Predicted value, in the unit of the quantity; empty where the growth could not be followed so far.")
+                .of(|r| r.predicted.map(|value| value / r.observed.column().1).into()),
             quantity("predicted_low", digits(5), "Lower end of the 95 % band of the prediction.")
                 .of(|r| r.band.map(|(low, _)| low / r.observed.column().1).into()),
             quantity("predicted_high", digits(5), "Upper end of the 95 % band of the prediction.")
@@ -46,7 +52,7 @@ pub(super) const CALIBRATION: TableOf<Row> = TableOf {
                 "Prediction less reading, in percent of the reading; of readings of lost motion in percent of the \
                  largest growth of their machine.",
             )
-            .of(|r| (100.0 * r.residual()).into()),
+            .of(|r| r.residual().map(|residual| 100.0 * residual).into()),
             quantity("use", PLAIN, "fitted, or predicted without a part in the fit.")
                 .of(|r| if r.fitted { "fitted" } else { "predicted" }.into()),
         ]
@@ -83,27 +89,46 @@ pub(super) const LIVES: TableOf<MachineLife> = TableOf {
             quantity(
                 "new_lost_motion_arcmin",
                 decimals(3),
-                "Lost motion when new: read and taken back to new, or predicted.",
+                "Lost motion when new: fitted to its readings, given, or the design's.",
             )
             .of(|m| (m.new / ARCMIN).into()),
             quantity("last_reading_h", decimals(0), "Hours of its last reading.").of(|m| m.last_h.into()),
             q::HOURS_TO_LOST_MOTION_LIMIT.of(|m| m.hours.into()),
             LIMIT_LOW.of(|m| m.low.into()),
             LIMIT_HIGH.of(|m| m.high.into()),
+            REMAINING.of(|m| m.hours.map(|hours| m.left(hours)).into()),
+            REMAINING_LOW.of(|m| m.low.map(|hours| m.left(hours)).into()),
+            REMAINING_HIGH.of(|m| m.high.map(|hours| m.left(hours)).into()),
+        ]
+    },
+};
+
+pub(super) const LIMITS: TableOf<Remaining> = TableOf {
+    name: "remaining_limits",
+    what: "How long each limit is kept, of every machine from its last reading on, one limit a row",
+    columns: || {
+        vec![
+            MACHINE.of(|r: &Remaining| r.machine.clone().unwrap_or_default().into()),
+            q::LIMIT.of(|r| r.kind.key().into()),
+            quantity("where", PLAIN, "Which part, where there are several.").of(|r| r.place.clone().into()),
+            quantity("allowed", digits(4), "What is allowed, in the unit given; of a rating life the hours planned.")
+                .of(|r| r.allowed.into()),
+            q::UNIT.of(|r| r.kind.unit().into()),
+            quantity("now_h", decimals(0), "Hours of the last reading.").of(|r| r.now_h.into()),
             quantity(
-                "remaining_h",
+                "reached_h",
                 decimals(0),
-                "Hours from the last reading to the limit; 0 where it is over.",
+                "Hours since new at which it is reached; of a rating life those that nine of ten reach that run at \
+                 the last reading. Empty where that is not within what was followed.",
             )
-            .of(|m| m.hours.map(|hours| m.left(hours)).into()),
-            quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.")
-                .of(|m| m.low.map(|hours| m.left(hours)).into()),
-            quantity(
-                "remaining_high_h",
-                decimals(0),
-                "Upper end of the 95 % band; empty where there is none.",
-            )
-            .of(|m| m.high.map(|hours| m.left(hours)).into()),
+            .of(|r| r.hours().into()),
+            REMAINING.of(|r| r.left().into()),
+            REMAINING_LOW.of(|r| r.band().0.into()),
+            REMAINING_HIGH.of(|r| r.band().1.into()),
+            quantity("rated_h", decimals(0), "Rating life L10 of a new part, where the limit is one.")
+                .of(|r| r.rated().into()),
+            quantity("survival_percent", decimals(1), "Share of such parts that run up to the last reading.")
+                .of(|r| r.survived_share().map(|share| 100.0 * share).into()),
         ]
     },
 };
@@ -119,15 +144,32 @@ fn estimate(o: &Calibrated, parameter: Parameter) -> Option<&Estimate> {
     o.fit.estimates.iter().find(|estimate| estimate.parameter == parameter)
 }
 
-/// The machine that a reader asks about: the one measured where there is one, else the design's prediction.
-fn asked(o: &Calibrated) -> &MachineLife {
-    if o.lives.len() == 2 { &o.lives[1] } else { &o.lives[0] }
-}
-
 pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
     entries: || {
         let mut entries = vec![
-            q::WEAR_COEFFICIENT.of(|o: &Calibrated| o.fit.law.coefficient.into()),
+            q::LIMIT.of(|o: &Calibrated| o.asked_limit().kind.key().into()),
+            quantity(
+                "remaining_hours",
+                decimals(0),
+                "Hours from the last reading to the limit asked about, or to the first to be reached; 0 where it is over; \
+                 of a rating life those that nine of ten reach that run now. Absent where the limit is not reached within what was followed.",
+            )
+            .of(|o| o.asked_limit().left().into()),
+            quantity(
+                "remaining_hours_band",
+                PLAIN,
+                "Ends of its 95 % band, null where there is none.",
+            )
+            .of(|o| {
+                let (low, high) = o.asked_limit().band();
+                match (low, high) {
+                    (None, None) => Value::Absent,
+                    ends => Value::List(vec![ends.0.into(), ends.1.into()]),
+                }
+            }),
+            quantity("limits", PLAIN, "Every limit, with the columns of remaining_limits.csv.")
+                .of(|o| records(&LIMITS, &o.limits)),
+            q::WEAR_COEFFICIENT.of(|o| o.fit.law.coefficient.into()),
             quantity("wear_coefficient_mm2_per_n", digits(4), "Wear coefficient in mm²/N.")
                 .of(|o| (o.fit.law.coefficient * 1e6).into()),
             quantity(
@@ -166,6 +208,15 @@ pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
                 "Upper end of its 95 % band, where it was fitted.",
             )
             .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.high).map(|s| s / HOUR).into()),
+            quantity("reading_error", digits(3), "Error of a reading over its scale, given or assumed; absent where the scatter tells it.")
+                .of(|o| match o.reading_error {
+                    ReadingError::Given(error) | ReadingError::Assumed(error) => error.into(),
+                    ReadingError::Scatter => Value::Absent,
+                }),
+            quantity("reading_error_assumed", PLAIN, "Whether it is assumed.")
+                .of(|o| matches!(o.reading_error, ReadingError::Assumed(_)).into()),
+            quantity("new_assumed", PLAIN, "Whether the lost motion when new of a machine is the design's, not its own.")
+                .of(|o| o.lives.iter().skip(1).any(|life| life.new_is == NewIs::Assumed).into()),
             quantity("fitted", PLAIN, "Readings that took part in the fit.")
                 .of(|o| o.rows.iter().filter(|row| row.fitted).count().into()),
             quantity(
@@ -186,23 +237,23 @@ pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
             }),
             quantity("cautions", PLAIN, "What the readings cannot tell, and what of them was not used.")
                 .of(|o| Value::List(o.cautions().into_iter().map(Value::from).collect())),
-            q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| asked(o).hours.into()),
-            LIMIT_LOW.of(|o| asked(o).low.into()),
-            LIMIT_HIGH.of(|o| asked(o).high.into()),
+            q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.asked_machine().hours.into()),
+            LIMIT_LOW.of(|o| o.asked_machine().low.into()),
+            LIMIT_HIGH.of(|o| o.asked_machine().high.into()),
             quantity(
                 "remaining_life_h",
                 decimals(0),
                 "Hours from the last reading to the limit of lost motion.",
             )
-            .of(|o| asked(o).hours.map(|hours| asked(o).left(hours)).into()),
+            .of(|o| o.asked_machine().hours.map(|hours| o.asked_machine().left(hours)).into()),
             quantity("remaining_life_low_h", decimals(0), "Lower end of its 95 % band.")
-                .of(|o| asked(o).low.map(|hours| asked(o).left(hours)).into()),
+                .of(|o| o.asked_machine().low.map(|hours| o.asked_machine().left(hours)).into()),
             quantity(
                 "remaining_life_high_h",
                 decimals(0),
                 "Upper end of its 95 % band; absent where there is none.",
             )
-            .of(|o| asked(o).high.map(|hours| asked(o).left(hours)).into()),
+            .of(|o| o.asked_machine().high.map(|hours| o.asked_machine().left(hours)).into()),
             quantity("machines", PLAIN, "The rows of remaining_life.csv.").of(|o| records(&LIVES, &o.lives)),
             quantity("observations", PLAIN, "All readings, with the columns of calibration.csv.")
                 .of(|o| records(&CALIBRATION, &o.rows)),
@@ -220,9 +271,14 @@ fn records<R>(table: &TableOf<R>, rows: &[R]) -> Value {
 }
 
 pub fn tables() -> Vec<DeclaredTable> {
-    vec![CALIBRATION.into(), CURVE.into(), LIVES.into()]
+    vec![CALIBRATION.into(), CURVE.into(), LIMITS.into(), LIVES.into()]
 }
 
 pub(super) fn fill(calibrated: &Calibrated) -> Vec<Table> {
-    vec![CALIBRATION.fill(&calibrated.rows), CURVE.fill(&calibrated.curve), LIVES.fill(&calibrated.lives)]
+    vec![
+        CALIBRATION.fill(&calibrated.rows),
+        CURVE.fill(&calibrated.curve),
+        LIMITS.fill(&calibrated.limits),
+        LIVES.fill(&calibrated.lives),
+    ]
 }

@@ -1,33 +1,50 @@
 //! Which wear coefficient fits the measurement, how sure that is, and how long the machine still lasts.
 
 mod declared;
+mod limits;
+mod lives;
 mod observations;
 mod page;
+mod pasted;
+mod plan;
+mod spoken;
+#[cfg(test)]
+mod tests;
 
 pub use declared::{SUMMARY, tables};
-pub use observations::Observed;
+pub use limits::{End, Remaining, conditional_life, survival};
+pub use lives::{CurvePoint, MachineLife};
+pub use observations::{NewIs, Observed};
+pub use plan::ReadingError;
 
-use self::observations::Observations;
-use super::{AnalysisError, Host, outcome};
-use crate::design::{Design, InputFile, optional, options, required};
+use self::lives::{curve, lives};
+use self::observations::ASSUMED_NEW;
+use self::plan::{beyond, foretold, reading_error, running_in};
+use self::spoken::AskedLimit;
+use super::life::{LifeVerdict, LimitKind};
+use super::{AnalysisError, Attachment, Host, outcome};
+use crate::design::{Design, InputFile, optional, options, positional};
 use crate::fidelity::{Fidelity, FidelityOptions};
 use crate::life::{WornState, lost_motion_causes};
 use crate::machine::Machine;
+use crate::report::{compact, significant};
 use crate::units::{ARCMIN, HOUR};
-use crate::wear::{Beyond, Exposure, Fit, Growth, Measured, Reading, RunningInFit, follow_and_fit};
+use crate::wear::{Fit, FitPlan, Measured, Model, RunningInFit, Truth, follow_and_fit};
 
-pub const ABOUT: &str = "Fit the wear coefficient to measured depths or lost motion";
+pub const ABOUT: &str = "Fit the wear coefficient to readings of a machine; how long it still lasts";
 pub const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction to readings, by least squares of \
-    their residuals over their scale, with its 95 % band, and says how long the machine still keeps its limit of \
-    lost motion. With manufacturing errors the readings are those of one real machine.\n\nThe file has a column \
-    hours and one or more of depth_um (largest depth of a flank), lost_motion_increase_arcmin (since new) and \
-    lost_motion_arcmin (as read: counted from the machine's own first reading, whose error goes into all others). \
-    A column machine tells several machines of one design apart. An empty field is no reading. Increases and \
-    depths count relative to their value, readings of lost motion relative to the largest growth of their machine.\
-    \n\nThe running-in of the design is kept, or fitted: its factor (--running-in-h), or factor and duration \
-    (--fit-running-in). What the readings cannot tell apart is said. Bands come from the profile likelihood: from \
-    the scatter of the readings, or from their error where it is given.";
+    their residuals over their scale, with its 95 % band, and says how long the machine still keeps each of its \
+    limits. With manufacturing errors the readings are those of one real machine.\n\nOne reading is enough \
+    (--reading 5200h=1.4arcmin), with the lost motion when new: measured (--new-arcmin) or the design's. A file has \
+    a column hours and one or more of depth_um (largest depth of a flank), lost_motion_increase_arcmin (since new) \
+    and lost_motion_arcmin (as read: what the machine had when new is fitted with it). A column machine tells \
+    several machines of one design apart. An empty field is no reading. Increases and depths count relative to \
+    their value, readings of lost motion relative to the largest growth of their machine.\n\nThe running-in of \
+    the design is kept, or fitted: its factor (--running-in-h), or factor and duration (--fit-running-in). What \
+    the readings cannot tell apart is said. Bands come from the profile likelihood: from the scatter of the \
+    readings, or from their error where it is given; from an assumed error where neither tells.";
 pub const EXAMPLES: &[&str] = &[
+    "arcmin calibrate my-reducer.toml --reading 5200h=1.4arcmin --limit lost_motion=2",
     "arcmin calibrate my-reducer.toml measured.csv",
     "arcmin calibrate my-reducer.toml measured.csv --fit-until-h 600",
     "arcmin calibrate my-reducer.toml measured.csv --reading-error-percent 5 --fit-running-in",
@@ -44,14 +61,20 @@ options! {
     pub struct Options {
         [fidelity: FidelityOptions, joints = "bearings"]
         /// Readings: hours, and depth_um, lost_motion_increase_arcmin or lost_motion_arcmin; perhaps machine.
-        data: InputFile => required(0.0, 0.0),
+        data: Option<InputFile> => positional(),
+        /// One reading, hours and value: 5200h=1.4arcmin (lost motion as read), 5200h=+0.4arcmin (its increase since new), 5200h=12um (depth of the flank); may be given several times.
+        reading: Vec<String> => optional(0.0, 0.0),
+        /// Lost motion that the machine had when new. Left out: fitted to its readings, or, where it was read once only, as the design predicts it.
+        new_arcmin: Option<f64> => optional(-600.0, 600.0),
+        /// The limit that is asked about, such as lost_motion or bearing_life, perhaps with another value than the design's: lost_motion=2. Left out: the first to be reached.
+        limit: Option<String> => optional(0.0, 0.0),
         /// Fit the readings up to this time only, and set the prediction beside the later ones.
         fit_until_h: Option<f64> => optional(0.0, 1e7),
         /// Fit a second coefficient, the factor of a running-in with this time constant, in place of the design's running-in.
         running_in_h: Option<f64> => optional(1e-3, 1e7),
         /// Fit factor and time constant of a running-in, in place of the design's.
         fit_running_in: bool => optional(0.0, 0.0),
-        /// Standard deviation of one reading: in percent of its value, for readings of lost motion of the largest growth of their machine. Left out: from the scatter of the readings, if there are more than parameters.
+        /// Standard deviation of one reading: in percent of its value, for readings of lost motion of the largest growth of their machine. Left out: from the scatter of the readings, if there are more than parameters; else 0.05 arcmin, and of depths and increases 5 %.
         reading_error_percent: Option<f64> => optional(1e-6, 1e3),
     }
 }
@@ -60,36 +83,12 @@ options! {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     pub observed: Observed,
-    /// In the unit of the reading.
-    pub predicted: f64,
+    /// In the unit of the reading; `None` where the growth could not be followed so far.
+    pub predicted: Option<f64>,
     /// By the bands of the parameters.
     pub band: Option<(f64, f64)>,
     /// Whether it took part in the fit.
     pub fitted: bool,
-}
-
-/// How long a machine keeps its limit of lost motion.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MachineLife {
-    /// As the file calls it; `None` for the design's own prediction.
-    pub name: Option<String>,
-    /// Hours of its last reading.
-    pub last_h: f64,
-    /// Lost motion when new in rad: its first reading less what had grown by then, or the design's.
-    pub new: f64,
-    /// Hours since new to the limit, with their band; `None` where the limit is not reached within what was
-    /// followed.
-    pub hours: Option<f64>,
-    pub low: Option<f64>,
-    pub high: Option<f64>,
-}
-
-/// Depth in m and increase of lost motion in rad at one time, each with its band.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvePoint {
-    pub hours: f64,
-    pub depth: (f64, Option<(f64, f64)>),
-    pub increase: (f64, Option<(f64, f64)>),
 }
 
 /// A fitted coefficient.
@@ -100,12 +99,19 @@ pub struct Calibrated {
     pub fit: Fit,
     pub rows: Vec<Row>,
     pub lives: Vec<MachineLife>,
+    /// Every limit of every machine; of each machine the lost motion first.
+    pub limits: Vec<Remaining>,
     pub curve: Vec<CurvePoint>,
     /// How far the growth was followed, in hours at the fitted coefficient.
     pub followed_h: f64,
     /// What was fitted beside the coefficient.
     pub running_in: RunningInFit,
-    /// What of the file could not be used, and why.
+    pub reading_error: ReadingError,
+    /// The limit that is asked about, where somebody names one.
+    asked: Option<AskedLimit>,
+    /// The design with the coefficient that was fitted.
+    pub design: Option<Design>,
+    /// What of the file could not be used, what could not be judged, and why.
     pub notes: Vec<String>,
 }
 
@@ -117,50 +123,60 @@ const POOR: f64 = 0.1;
 const APART: f64 = 0.5;
 /// How far beyond the service life the limit is looked for.
 const SEARCH_FACTOR: f64 = 4.0;
-/// Points of the curve.
-const CURVE_POINTS: usize = 120;
 
 /// Fits the coefficient.
 ///
 /// # Errors
 /// [`AnalysisError`]: a file that cannot be used, no reading to fit, a fit that fails.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibrated, AnalysisError> {
-    let machine = design.machine();
-    let running_in = match (options.running_in_h, options.fit_running_in) {
-        (Some(_), true) => {
-            return Err(AnalysisError::usage(
-                "the time constant of the running-in is given, and is to be fitted as well",
-                "leave out one of running_in_h and fit_running_in",
-            ));
-        }
-        (Some(hours), false) => RunningInFit::Factor(hours * HOUR),
-        (None, true) => RunningInFit::Both,
-        (None, false) => RunningInFit::Kept(machine.wear.running_in),
-    };
-    let Observations { readings, machines, notes } = observations::read(&options.data, host)?;
-    let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
-    let until = options.fit_until_h.unwrap_or(f64::INFINITY) * HOUR;
-    let (fitted, others): (Vec<Observed>, Vec<Observed>) =
-        readings.into_iter().partition(|observed| observed.reading.time <= until * (1.0 + 1e-9));
-    if fitted.is_empty() {
-        return Err(AnalysisError::usage(
-            format!("{}: no reading up to {} h", options.data.0, until / HOUR),
-            "choose a later fit_until_h",
-        ));
-    }
+    let asked = options.limit.as_deref().map(spoken::limit).transpose()?;
+    let limited = asked.as_ref().map_or_else(|| Ok(design.clone()), |asked| asked.set(design))?;
+    let machine = limited.machine();
+    let running_in = running_in(options, &machine)?;
+    let given = options.new_arcmin.map(|new| new * ARCMIN);
+    let mut all = observations::read(options.data.as_ref(), &options.reading, given, host)?;
+    let fidelity = Fidelity::resolve(&limited, &options.fidelity, host)?;
     host.report("calibration", 0.0);
-    let new = lost_motion_causes(&machine, fidelity.in_bearings(&machine)?, &WornState::new())
+    let predicted = lost_motion_causes(&machine, fidelity.in_bearings(&machine)?, &WornState::new())
         .map_err(AnalysisError::wear("find the lost motion of the new machine"))?
         .lost_motion
         .whole;
-    let beyond = Beyond {
-        increase: machine.limits.lost_motion - new,
-        time: SEARCH_FACTOR * machine.limits.service_life,
+    let mut known = all.settle(given, predicted)?;
+    let until = options.fit_until_h.unwrap_or(f64::INFINITY) * HOUR;
+    let (fitted, others): (Vec<Observed>, Vec<Observed>) = std::mem::take(&mut all.readings)
+        .into_iter()
+        .partition(|observed| observed.reading.time <= until * (1.0 + 1e-9));
+    let others = foretold(&fitted, others, &known, &mut all);
+    let reading_error = reading_error(options, &fitted, &known, &all, running_in);
+    let error = match reading_error {
+        ReadingError::Given(error) | ReadingError::Assumed(error) => Some(error),
+        ReadingError::Scatter => None,
     };
-    let readings: Vec<Reading> = fitted.iter().map(|observed| observed.reading).collect();
-    let error = options.reading_error_percent.map(|percent| percent / 100.0);
+    for (new, one) in known.iter_mut().zip(&all.machines) {
+        if let (Some(new), NewIs::Assumed, Some(error)) = (new, one.new, error) {
+            new.error = ASSUMED_NEW * predicted.abs() / (error * one.scale);
+        }
+    }
+    let readings = Observed::together(&fitted, &known);
+    if readings.targets().is_empty() {
+        return Err(match options.fit_until_h {
+            Some(hours) => AnalysisError::usage(
+                format!("there is no growth to fit up to {hours} h"),
+                "choose a later fit_until_h",
+            ),
+            None => AnalysisError::usage(
+                "all readings are of the new machine: there is no growth to fit",
+                "give a later reading",
+            ),
+        });
+    }
+    let plan = FitPlan {
+        running_in,
+        reading_error: error,
+        beyond: beyond(&machine, predicted, &fitted, &others, &known),
+    };
     let meshing = fidelity.meshing(&machine)?;
-    let (growth, fit) = follow_and_fit(&machine, &meshing, &readings, running_in, error, beyond, host)
+    let (growth, fit) = follow_and_fit(&machine, &meshing, &readings, &plan, host)
         .map_err(AnalysisError::wear("fit the wear coefficient"))?;
     if !(fit.relative_rms < FAILED) {
         return Err(AnalysisError::usage(
@@ -171,114 +187,145 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
             "check units and hours of the file; a running-in (running_in_h) fits what slows down",
         ));
     }
-    let row = |observed: Observed, fitted: bool| Row {
-        predicted: growth.value(&observed.reading, &fit.law),
-        band: fit.band(|law| growth.value(&observed.reading, law)),
-        observed,
-        fitted,
+    let model = Model::new(&growth, &readings);
+    let row = |observed: Observed, fitted: bool| {
+        let reading = observed.reading;
+        let of = |truth: &Truth| match growth.covers(truth.law.at(reading.time)) {
+            true => model.value(&reading, truth),
+            false => f64::INFINITY,
+        };
+        let predicted = Some(of(&Truth::best(fit.law))).filter(|value| value.is_finite());
+        let band = fit.band(of).filter(|(_, high)| high.is_finite());
+        Row { predicted, band, observed, fitted }
     };
     let rows: Vec<Row> = fitted
         .into_iter()
         .map(|observed| row(observed, true))
         .chain(others.into_iter().map(|observed| row(observed, false)))
         .collect();
-    let lives = lives(&machine, new, &growth, &fit, &machines, &rows);
+    let lives = lives(&machine, given.unwrap_or(predicted), &model, &fit, &all, &rows);
     let curve = curve(&growth, &fit, &rows, &lives);
     let followed_h = fit.law.time_at(growth.last()) / HOUR;
-    Ok(Calibrated { machine, fidelity, fit, rows, lives, curve, followed_h, running_in, notes })
-}
-
-/// The design's own prediction, and that of every machine whose lost motion was read.
-fn lives(
-    machine: &Machine,
-    new: f64,
-    growth: &Growth,
-    fit: &Fit,
-    machines: &[observations::MachineReadings],
-    rows: &[Row],
-) -> Vec<MachineLife> {
-    let limit = machine.limits.lost_motion;
-    let life = |name: Option<String>, last: f64, new_of: &dyn Fn(&Exposure) -> f64| {
-        let hours = |law: &Exposure| {
-            growth.exposure_at(limit - new_of(law)).map_or(f64::INFINITY, |exposure| law.time_at(exposure))
-                / HOUR
-        };
-        let known = |hours: f64| hours.is_finite().then_some(hours);
-        let band = fit.band(hours);
-        MachineLife {
-            name,
-            last_h: last / HOUR,
-            new: new_of(&fit.law),
-            hours: known(hours(&fit.law)),
-            low: band.and_then(|(low, _)| known(low)),
-            high: band.and_then(|(_, high)| known(high)),
-        }
+    let fits_running_in = !matches!(running_in, RunningInFit::Kept(_));
+    let mut calibrated = Calibrated {
+        design: pasted::into_design(design, &fit.law, fits_running_in),
+        limits: lives.iter().map(|life| life.remaining(followed_h)).collect(),
+        asked,
+        machine,
+        fidelity,
+        fit,
+        rows,
+        lives,
+        curve,
+        followed_h,
+        running_in,
+        reading_error,
+        notes: all.notes,
     };
-    let last = rows.iter().map(|row| row.observed.reading.time).fold(0.0, f64::max);
-    let mut lives = vec![life(None, last, &|_| new)];
-    for one in machines {
-        let Some((time, value)) = one.first else { continue };
-        let of_machine = |law: &Exposure| value - growth.increase(law.at(time));
-        lives.push(life(Some(one.shown_name()), one.last, &of_machine));
+    if ["limits", "limit", "remaining_hours", "remaining_hours_band", "remaining_limits"]
+        .iter()
+        .any(|result| host.wants(result))
+    {
+        calibrated.judge(&options.fidelity, host)?;
     }
-    lives
-}
-
-/// The prediction over time, as far as readings and limit reach and wear was followed. Where the fastest wear
-/// of the band leaves what was followed, the band ends.
-fn curve(growth: &Growth, fit: &Fit, rows: &[Row], lives: &[MachineLife]) -> Vec<CurvePoint> {
-    let last = rows.iter().map(|row| row.observed.reading.time / HOUR).fold(0.0, f64::max);
-    let limits = lives.iter().filter_map(|life| life.hours).map(|hours| 1.05 * hours);
-    let end = limits.filter(|hours| *hours <= 8.0 * last).fold(1.2 * last, f64::max);
-    let end = end.min(fit.law.time_at(growth.last()) / HOUR).max(last);
-    let followed = growth.last() * (1.0 + 1e-9);
-    let point = |index: usize| {
-        let hours = end * index as f64 / CURVE_POINTS as f64;
-        let of = |value: &dyn Fn(f64) -> f64| {
-            let at = |law: &Exposure| {
-                let exposure = law.at(hours * HOUR);
-                if exposure <= followed { value(exposure) } else { f64::INFINITY }
-            };
-            (value(fit.law.at(hours * HOUR)), fit.band(at).filter(|(_, high)| high.is_finite()))
-        };
-        CurvePoint { hours, depth: of(&|x| growth.depth(x)), increase: of(&|x| growth.increase(x)) }
-    };
-    (0..=CURVE_POINTS).map(point).collect()
+    Ok(calibrated)
 }
 
 impl Row {
     /// Prediction less reading, over the scale of the reading.
-    pub fn residual(&self) -> f64 {
-        (self.predicted - self.observed.reading.value) / self.observed.reading.scale
+    pub fn residual(&self) -> Option<f64> {
+        self.predicted
+            .map(|predicted| (predicted - self.observed.reading.value) / self.observed.reading.scale)
     }
 
-    /// The growth since new that the reading tells of; what grew before a first reading is the fit's.
-    fn since_new(&self, curve: &[CurvePoint]) -> f64 {
+    /// The growth since new that the reading tells of, with the lost motion when new of its machine.
+    fn since_new(&self, lives: &[MachineLife]) -> f64 {
         let reading = &self.observed.reading;
-        let Measured::Since(first) = reading.measured else { return reading.value };
-        let hours = first / HOUR;
-        let right = curve.partition_point(|point| point.hours < hours).clamp(1, curve.len() - 1);
-        let (a, b) = (curve[right - 1], curve[right]);
-        let t = (hours - a.hours) / (b.hours - a.hours);
-        reading.value + a.increase.0 + t * (b.increase.0 - a.increase.0)
+        let Measured::LostMotion(_) = reading.measured else { return reading.value };
+        let name = &self.observed.machine;
+        let of_machine = |life: &&MachineLife| match &life.name {
+            Some(shown) => shown == name || name.is_empty(),
+            None => false,
+        };
+        reading.value - lives.iter().find(of_machine).map_or(0.0, |life| life.new)
     }
 }
 
 impl Calibrated {
-    /// What to write into the design file.
-    fn keys(&self) -> String {
-        let k = self.fit.law.coefficient;
-        let mut text = format!(
-            "k = {k:.4e} 1/Pa; in the design file, under [wear.coupled]:\n  coefficient_per_pa = {k:.4e}"
-        );
-        if let (true, Some(running_in)) = (self.fits_running_in(), self.fit.law.running_in) {
-            let (factor, hours) = (running_in.factor, running_in.duration / HOUR);
-            let hours = crate::report::compact(hours, 4);
-            text.push_str(&format!(
-                "\nand under [wear.running_in]:\n  factor = {factor:.4}\n  duration_h = {hours}"
+    /// The machine that a reader asks about: of those measured the one whose lost motion reaches its limit first, and
+    /// the design's prediction where there is none.
+    pub fn asked_machine(&self) -> &MachineLife {
+        let left = |life: &&MachineLife| life.hours.map_or(f64::INFINITY, |hours| hours - life.last_h);
+        let measured = self.lives.iter().skip(1).min_by(|a, b| left(a).total_cmp(&left(b)));
+        measured.unwrap_or(&self.lives[0])
+    }
+
+    /// Limits of the machine that is asked about.
+    pub fn its_limits(&self) -> impl Iterator<Item = &Remaining> {
+        let name = &self.asked_machine().name;
+        self.limits.iter().filter(move |limit| limit.machine == *name)
+    }
+
+    /// The limit that is asked about, or the first to be reached.
+    pub fn asked_limit(&self) -> &Remaining {
+        let left = |limit: &&Remaining| limit.left().unwrap_or(f64::INFINITY);
+        let named = self.asked.and_then(|asked| self.its_limits().find(|limit| limit.kind == asked.kind));
+        let first = self.its_limits().min_by(|a, b| left(a).total_cmp(&left(b)));
+        named.or(first).unwrap_or(&self.limits[0])
+    }
+
+    /// Judges the limits beside the lost motion, by the prediction with the coefficient that was fitted.
+    fn judge(&mut self, fidelity: &FidelityOptions, host: &dyn Host) -> Result<(), AnalysisError> {
+        let Some(design) = &self.design else {
+            self.notes
+                .push("the design does not take the coefficient, so its other limits are not judged".into());
+            return Ok(());
+        };
+        let last = self.lives.iter().map(|life| life.last_h).fold(0.0, f64::max);
+        let design = self.asked.map_or_else(|| Ok(design.clone()), |asked| asked.set(design))?;
+        let verdict: LifeVerdict = match limits::judged(&design, fidelity, last, host) {
+            Ok(verdict) => verdict,
+            Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
+            Err(error) => {
+                self.notes.push(format!("limits beside the lost motion could not be judged: {error}"));
+                return Ok(());
+            }
+        };
+        let service_h = self.machine.limits.service_life / HOUR;
+        let law = self.fit.law;
+        let again = |hours: f64| {
+            let exposure = law.at(hours * HOUR);
+            let of = |truth: &Truth| truth.law.time_at(exposure) / HOUR;
+            self.fit.band(of).map(|(low, high)| (Some(low), Some(high)))
+        };
+        let others = |life: &MachineLife| -> Vec<Remaining> {
+            verdict
+                .limits
+                .iter()
+                .filter(|limit| !matches!(limit.kind, LimitKind::LostMotion | LimitKind::Findings))
+                .map(|limit| {
+                    let hours = (life.last_h, service_h, verdict.service_h);
+                    limits::remaining(limit, life.name.clone(), hours, again)
+                })
+                .collect()
+        };
+        let all: Vec<Remaining> = (self.lives.iter())
+            .flat_map(|life| std::iter::once(life.remaining(self.followed_h)).chain(others(life)))
+            .collect();
+        let asked = self.asked.map(|asked| asked.kind);
+        if let Some(kind) = asked.filter(|kind| all.iter().all(|limit| limit.kind != *kind)) {
+            return Err(AnalysisError::usage(
+                format!("the design has no limit {}", kind.key()),
+                format!("give one: limit = \"{}=VALUE\", or set it in [limits]", kind.key()),
             ));
         }
-        text
+        self.limits = all;
+        Ok(())
+    }
+
+    /// What to write into the design file.
+    fn keys(&self) -> String {
+        pasted::sections(&self.fit.law, self.fits_running_in())
     }
 
     fn fits_running_in(&self) -> bool {
@@ -299,17 +346,38 @@ impl Calibrated {
                 100.0 * self.fit.relative_rms
             ));
         }
+        if let ReadingError::Assumed(share) = self.reading_error {
+            cautions.push(format!(
+                "the error of a reading is assumed, {} % of the growth: the readings do not tell it \
+                 (--reading-error-percent gives it)",
+                significant(100.0 * share, 2)
+            ));
+        }
         cautions.extend(self.fit.untold());
         // A prediction is the first of the lives.
         let predicted = self.lives.first().map_or(0.0, |life| life.new);
-        for life in
-            self.lives.iter().skip(1).filter(|life| (life.new - predicted).abs() > APART * predicted.abs())
-        {
+        for life in self.lives.iter().skip(1) {
+            let name = life.name.as_deref().unwrap_or_default();
+            let new = significant(life.new / ARCMIN, 3);
+            if life.new_is == NewIs::Assumed {
+                cautions.push(format!(
+                    "{name} was read at one time only: its lost motion when new is assumed, {} arcmin ± {:.0} % \
+                     by the design (--new-arcmin gives what was measured)",
+                    significant(predicted / ARCMIN, 3),
+                    100.0 * ASSUMED_NEW
+                ));
+            } else if (life.new - predicted).abs() > APART * predicted.abs() {
+                cautions.push(format!(
+                    "{name} had {new} arcmin of lost motion when new, the design predicts {}: its clearances are \
+                     not those of the design",
+                    significant(predicted / ARCMIN, 3)
+                ));
+            }
+        }
+        if self.rows.iter().any(|row| row.predicted.is_none()) {
             cautions.push(format!(
-                "{} had {} arcmin of lost motion when new, the design predicts {}: its clearances are not those of the design",
-                life.name.as_deref().unwrap_or_default(),
-                crate::report::significant(life.new / ARCMIN, 3),
-                crate::report::significant(predicted / ARCMIN, 3)
+                "wear could be followed to {} h only: later readings have no prediction",
+                compact(self.followed_h, 4)
             ));
         }
         if self.machine.wear.parts.any() {
@@ -323,20 +391,29 @@ impl Calibrated {
 
     /// How many readings the coefficients leave to test them.
     fn test(&self) -> Option<String> {
-        let coefficients = self.fit.estimates.len();
-        let fitted = self.rows.iter().filter(|row| row.fitted).count();
-        let others = self.rows.len() - fitted;
-        if fitted > coefficients {
+        let fitted: Vec<&Row> = self.rows.iter().filter(|row| row.fitted).collect();
+        let machines = self.lives.iter().skip(1).filter(|life| life.new_is == NewIs::Fitted).count();
+        let unknown = self.fit.estimates.len() + machines;
+        let others = self.rows.len() - fitted.len();
+        if fitted.len() > unknown {
             return None;
         }
         let many = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
         Some(format!(
             "{} for {}: the fit tests nothing{}",
-            many(fitted, "reading"),
-            many(coefficients, "coefficient"),
+            many(fitted.len(), "reading"),
+            many(unknown, "unknown"),
             if others == 0 { "; another one would." } else { "; those predicted do." }
         ))
     }
 }
 
-outcome!(Calibrated {});
+outcome!(Calibrated {
+    fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
+        let file = |design: &Design| Attachment {
+            name: "calibrated.toml".to_owned(),
+            bytes: design.to_toml().into_bytes(),
+        };
+        Ok(self.design.iter().map(file).collect())
+    }
+});

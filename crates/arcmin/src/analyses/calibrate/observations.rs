@@ -1,10 +1,12 @@
-//! Readings as they come: absolute or since new, of one machine or of several.
+//! Readings as they come: absolute or since new, of one machine or of several, from a file or one by one.
 
+use super::spoken;
 use crate::analyses::{AnalysisError, Host, inputs};
 use crate::design::InputFile;
+use crate::report::{compact, significant};
 use crate::tables::{Column, Form, Table};
 use crate::units::{ARCMIN, HOUR, UM};
-use crate::wear::{Measured, Reading};
+use crate::wear::{Measured, New, Reading, Readings};
 
 /// A reading and the machine that it is of.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,14 +16,26 @@ pub struct Observed {
     pub reading: Reading,
 }
 
-/// What a file says of one machine.
+/// Where the lost motion of a machine when new is known from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NewIs {
+    /// Its readings are several: it is fitted.
+    Fitted,
+    /// Told by whoever asks.
+    Given,
+    /// Taken from the design, since there is a single reading.
+    Assumed,
+}
+
+/// One machine that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MachineReadings {
     pub name: String,
-    /// Time in s and value in rad of its first reading of the lost motion itself.
-    pub first: Option<(f64, f64)>,
     /// Time of its last reading in s.
     pub last: f64,
+    pub new: NewIs,
+    /// Largest growth of its lost motion in rad.
+    pub scale: f64,
 }
 
 /// All readings of a file.
@@ -29,7 +43,7 @@ pub(super) struct MachineReadings {
 pub(super) struct Observations {
     /// In the order of time.
     pub readings: Vec<Observed>,
-    /// In the order of the file.
+    /// In the order of the file; [`Measured::LostMotion`] counts them.
     pub machines: Vec<MachineReadings>,
     /// What could not be used, and why.
     pub notes: Vec<String>,
@@ -41,6 +55,13 @@ const INCREASE: Column =
 const ABSOLUTE: Column = Column::number("lost_motion_arcmin").optional().with_gaps().within(-600.0, 600.0);
 /// Readings smaller than these, in the unit of their column, are no measurement.
 const LEAST: f64 = 1e-6;
+/// Standard deviation of an assumed lost motion when new, in its value: what machines of one design differ by
+/// where clearances are known to a class only.
+pub(super) const ASSUMED_NEW: f64 = 0.2;
+/// Standard deviation of one reading where nothing tells it: 3″ of the lost motion, a dial of 1 µm on an arm of
+/// some 100 mm with its seating; a twentieth of a depth or an increase.
+pub(super) const ASSUMED_READING_ARCMIN: f64 = 0.05;
+pub(super) const ASSUMED_SHARE: f64 = 0.05;
 
 impl MachineReadings {
     pub fn shown_name(&self) -> String {
@@ -54,51 +75,172 @@ impl Observed {
         match self.reading.measured {
             Measured::Depth => ("depth_um", UM),
             Measured::Increase => ("lost_motion_increase_arcmin", ARCMIN),
-            Measured::Since(_) => ("lost_motion_since_first_arcmin", ARCMIN),
+            Measured::LostMotion(_) => ("lost_motion_arcmin", ARCMIN),
         }
     }
 }
 
-/// Reads a file of readings.
+/// Reads a file of readings, where there is one, and the readings given one by one.
 ///
 /// # Errors
 /// [`AnalysisError`]: a file that cannot be used, readings that say nothing.
-pub(super) fn read(file: &InputFile, host: &dyn Host) -> Result<Observations, AnalysisError> {
+pub(super) fn read(
+    file: Option<&InputFile>,
+    spoken: &[String],
+    new: Option<f64>,
+    host: &dyn Host,
+) -> Result<Observations, AnalysisError> {
+    let mut all = Observations { readings: Vec::new(), machines: Vec::new(), notes: Vec::new() };
+    if let Some(file) = file {
+        from_file(file, new, &mut all, host)?;
+    }
+    for text in spoken {
+        let machine = all.machine("", 0.0);
+        let reading = spoken::reading(text, machine)?;
+        all.machines[machine].last = all.machines[machine].last.max(reading.time);
+        all.readings.push(Observed { machine: String::new(), reading });
+    }
+    if all.readings.is_empty() {
+        let why = if all.notes.is_empty() { String::new() } else { format!(": {}", all.notes.join("; ")) };
+        let what = file
+            .map_or("there is no reading to fit, neither a file (data) nor one reading".to_owned(), |file| {
+                format!("{}: there is no reading to fit{why}", file.0)
+            });
+        return Err(AnalysisError::usage(
+            what,
+            "give a file (data) with hours and a column depth_um, lost_motion_increase_arcmin (since new) or \
+             lost_motion_arcmin (as read), or one reading itself: reading = \"5200h=1.4arcmin\"",
+        ));
+    }
+    all.readings.sort_by(|a, b| a.reading.time.total_cmp(&b.reading.time));
+    for machine in 0..all.machines.len() {
+        let of = Measured::LostMotion(machine);
+        let own = all.readings.iter().filter(|observed| observed.reading.measured == of);
+        let times: Vec<f64> = own.map(|observed| observed.reading.time).collect();
+        let grew = times.iter().any(|time| *time > times[0]);
+        all.machines[machine].new = match (new, grew) {
+            (Some(_), _) => NewIs::Given,
+            (None, true) => NewIs::Fitted,
+            (None, false) => NewIs::Assumed,
+        };
+    }
+    Ok(all)
+}
+
+impl Observations {
+    /// Number of a machine, which was running at this time in s.
+    fn machine(&mut self, name: &str, time: f64) -> usize {
+        let known = self.machines.iter().position(|machine| machine.name == name);
+        let number = known.unwrap_or_else(|| {
+            self.machines.push(MachineReadings {
+                name: name.to_owned(),
+                last: 0.0,
+                new: NewIs::Fitted,
+                scale: 1.0,
+            });
+            self.machines.len() - 1
+        });
+        self.machines[number].last = self.machines[number].last.max(time);
+        number
+    }
+
+    /// Readings of these machines whose lost motion itself was read.
+    pub fn of(&self, machine: usize) -> impl Iterator<Item = &Reading> {
+        let of = Measured::LostMotion(machine);
+        self.readings.iter().map(|observed| &observed.reading).filter(move |reading| reading.measured == of)
+    }
+
+    /// What machines had when new, as far as it is given or has to be assumed (rad), and the scales of their
+    /// readings, which follow from it.
+    ///
+    /// # Errors
+    /// A machine that has not more lost motion than when new.
+    pub fn settle(&mut self, given: Option<f64>, predicted: f64) -> Result<Vec<Option<New>>, AnalysisError> {
+        let mut known = Vec::new();
+        for machine in 0..self.machines.len() {
+            let new = match self.machines[machine].new {
+                NewIs::Fitted => None,
+                NewIs::Given => given,
+                NewIs::Assumed => Some(predicted),
+            };
+            if self.of(machine).next().is_none() {
+                known.push(None);
+                continue;
+            }
+            let all: Vec<Reading> = self.of(machine).copied().collect();
+            let base = new.unwrap_or_else(|| {
+                let at_first: Vec<f64> =
+                    all.iter().filter(|r| r.time == all[0].time).map(|r| r.value).collect();
+                at_first.iter().sum::<f64>() / at_first.len() as f64
+            });
+            let scale = all.iter().map(|reading| (reading.value - base).abs()).fold(0.0, f64::max);
+            // Where nothing has grown there is nothing to compare a residual with but its error.
+            let scale = if scale > LEAST * ARCMIN { scale } else { ASSUMED_READING_ARCMIN * ARCMIN };
+            let mut later = all.iter().filter(|reading| reading.time > 0.0).peekable();
+            if let (Some(new), Some(_)) = (new, later.peek())
+                && later.all(|reading| reading.value - new <= LEAST * ARCMIN)
+            {
+                return Err(self.not_grown(machine, new));
+            }
+            let of = Measured::LostMotion(machine);
+            for observed in self.readings.iter_mut().filter(|observed| observed.reading.measured == of) {
+                observed.reading.scale = scale;
+            }
+            self.machines[machine].scale = scale;
+            known.push(new.map(|value| New { value, error: 1.0 }));
+        }
+        Ok(known)
+    }
+
+    fn not_grown(&self, machine: usize, new: f64) -> AnalysisError {
+        let largest = self.of(machine).map(|reading| reading.value).fold(f64::NEG_INFINITY, f64::max);
+        let last = self.machines[machine].last / HOUR;
+        let (source, help) = match self.machines[machine].new {
+            NewIs::Assumed => (
+                "which is what the design predicts",
+                "give the lost motion that the machine had when new (new_arcmin), or a later reading; where \
+                 the design predicts too much, its clearances are not those of the machine",
+            ),
+            _ => ("as given", "check new_arcmin and the unit of the reading; give later readings"),
+        };
+        AnalysisError::usage(
+            format!(
+                "{}: {} arcmin after {last:.0} h are not more than the {} arcmin when new, {source}: there is \
+                 no wear to fit",
+                self.machines[machine].shown_name(),
+                significant(largest / ARCMIN, 3),
+                significant(new / ARCMIN, 3),
+            ),
+            help,
+        )
+    }
+}
+
+fn from_file(
+    file: &InputFile,
+    new: Option<f64>,
+    all: &mut Observations,
+    host: &dyn Host,
+) -> Result<(), AnalysisError> {
     let hours = Column::number("hours").within(0.0, 1e7);
     let machine = Column::words("machine").optional();
     let table = inputs::table(file, &Form::new(&[hours, machine, DEPTH, INCREASE, ABSOLUTE]), host)?;
     let hours = table.numbers("hours")?;
     let names: &[String] = if table.has("machine") { table.words("machine")? } else { &[] };
     let name = |row: usize| names.get(row).map_or(String::new(), |name| name.trim().to_owned());
-    let mut machines: Vec<MachineReadings> = Vec::new();
-    for row in 0..table.len() {
-        let (name, time) = (name(row), hours[row] * HOUR);
-        match machines.iter_mut().find(|machine| machine.name == name) {
-            Some(machine) => machine.last = machine.last.max(time),
-            None => machines.push(MachineReadings { name, first: None, last: time }),
-        }
-    }
-    let mut all = Observations { readings: Vec::new(), machines, notes: Vec::new() };
+    let numbers: Vec<usize> =
+        (0..table.len()).map(|row| all.machine(&name(row), hours[row] * HOUR)).collect();
     for (column, measured, unit) in
         [(DEPTH.name(), Measured::Depth, UM), (INCREASE.name(), Measured::Increase, ARCMIN)]
     {
         if table.has(column) {
-            since_new(&table, column, measured, unit, &name, &mut all)?;
+            since_new(&table, column, measured, unit, &name, all)?;
         }
     }
     if table.has(ABSOLUTE.name()) {
-        absolute(&table, &name, &mut all)?;
+        absolute(&table, new, &numbers, all)?;
     }
-    if all.readings.is_empty() {
-        let why = if all.notes.is_empty() { String::new() } else { format!(": {}", all.notes.join("; ")) };
-        return Err(AnalysisError::usage(
-            format!("{}: there is no reading to fit{why}", file.0),
-            "give a column depth_um, lost_motion_increase_arcmin (since new) or lost_motion_arcmin (as read, \
-             twice at least)",
-        ));
-    }
-    all.readings.sort_by(|a, b| a.reading.time.total_cmp(&b.reading.time));
-    Ok(all)
+    Ok(())
 }
 
 /// Depths and increases: their own scale, and nothing when new.
@@ -124,7 +266,7 @@ fn since_new(
                 .into());
         }
         if value < LEAST {
-            let small = crate::report::compact(value, 3);
+            let small = compact(value, 3);
             let wrong = format!("{column} is {small} after {} h, which no coefficient makes", hours[row]);
             return Err(table
                 .wrong(row, wrong, "check the unit in the column's name; readings that may also fall go into lost_motion_arcmin")
@@ -136,46 +278,44 @@ fn since_new(
     Ok(())
 }
 
-/// Lost motion as it was read: counted from the first reading of its machine.
+/// Lost motion as it was read.
 fn absolute(
     table: &Table,
-    name: &dyn Fn(usize) -> String,
+    new: Option<f64>,
+    numbers: &[usize],
     all: &mut Observations,
 ) -> Result<(), AnalysisError> {
     let (hours, values) = (table.numbers("hours")?, table.gaps(ABSOLUTE.name())?);
-    for machine in &mut all.machines {
+    for (number, machine) in all.machines.iter().enumerate() {
         let own: Vec<(usize, f64, f64)> = values
             .iter()
             .enumerate()
-            .filter(|(row, _)| name(*row) == machine.name)
+            .filter(|(row, _)| numbers[*row] == number)
             .filter_map(|(row, value)| Some((row, hours[row] * HOUR, (*value)? * ARCMIN)))
             .collect();
         let start = own.iter().map(|(_, time, _)| *time).fold(f64::INFINITY, f64::min);
-        // Readings at the same first time are one: their mean.
         let at_start: Vec<f64> =
             own.iter().filter(|(_, time, _)| *time == start).map(|(_, _, value)| *value).collect();
-        if own.len() <= at_start.len() {
-            if !own.is_empty() {
-                let name = machine.shown_name();
-                all.notes.push(format!("{name} was read at one time only: there is nothing it grew from"));
-            }
-            continue;
-        }
-        let first = at_start.iter().sum::<f64>() / at_start.len() as f64;
+        let first = at_start.iter().sum::<f64>() / at_start.len().max(1) as f64;
         let later = || own.iter().filter(|(_, time, _)| *time > start);
-        let scale = later().map(|(_, _, value)| (value - first).abs()).fold(0.0, f64::max);
-        if later().all(|(_, _, value)| value - first <= LEAST * ARCMIN) {
+        let grown = later().any(|(_, _, value)| value - first > LEAST * ARCMIN);
+        if new.is_none() && !grown && later().next().is_some() {
             let row = own.iter().map(|(row, _, _)| *row).max().unwrap_or(0);
             let wrong =
                 format!("the lost motion of {} has not grown since its first reading", machine.shown_name());
             return Err(table.wrong(row, wrong, "there is no wear to fit; give later readings").into());
         }
-        machine.first = Some((start, first));
-        for (_, time, value) in later() {
-            let reading =
-                Reading { time: *time, measured: Measured::Since(start), value: value - first, scale };
+        for (_, time, value) in own {
+            let reading = Reading { time, measured: Measured::LostMotion(number), value, scale: 1.0 };
             all.readings.push(Observed { machine: machine.name.clone(), reading });
         }
     }
     Ok(())
+}
+
+impl Observed {
+    /// Readings of the fit with what is known of their machines when new.
+    pub(super) fn together(fitted: &[Observed], new: &[Option<New>]) -> Readings {
+        Readings { all: fitted.iter().map(|observed| observed.reading).collect(), new: new.to_vec() }
+    }
 }

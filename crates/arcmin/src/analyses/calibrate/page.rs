@@ -1,8 +1,10 @@
 //! Terminal and report of a calibration.
 
-use super::declared::{CALIBRATION, LIVES};
-use super::{Calibrated, CurvePoint, MachineLife, Row};
+use super::declared::{CALIBRATION, LIMITS, LIVES};
+use super::limits::rounded;
+use super::{Calibrated, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
 use crate::analyses::Said;
+use crate::analyses::life::LimitKind;
 use crate::report::{
     Annotation, Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style,
     Table, Tone, Verdict, capitalised, compact, significant,
@@ -20,21 +22,52 @@ pub(super) fn said(calibrated: &Calibrated) -> Vec<Said> {
     let several = calibrated.rows.iter().any(|row| !row.observed.machine.is_empty());
     let columns = ["machine", "hours", "quantity", "observed", "predicted", "residual_percent", "use"];
     let columns = if several { &columns[..] } else { &columns[1..] };
-    let mut said = vec![
-        Said::line(format!("{}: {}", calibrated.machine.name, calibrated.fidelity.sentence())),
-        Said::columns(&table, columns, 0..table.rows().min(SHOWN)),
-    ];
+    let mut said: Vec<Said> = answers(calibrated).into_iter().map(Said::Line).collect();
+    said.push(Said::line(format!("\n{}: {}", calibrated.machine.name, calibrated.fidelity.sentence())));
+    said.push(Said::columns(&table, columns, 0..table.rows().min(SHOWN)));
     if table.rows() > SHOWN {
         said.push(Said::line(format!("… {} more in calibration.csv", table.rows() - SHOWN)));
     }
-    said.push(Said::line(calibrated.keys()));
     said.extend(calibrated.fit.estimates.iter().filter_map(band).map(Said::Line));
-    said.extend(
-        calibrated.lives.iter().take(MACHINES + 1).map(|life| Said::line(sentence(life, calibrated))),
-    );
+    said.extend(calibrated.lives.iter().take(MACHINES + 1).map(|life| Said::line(new_of(life))));
     said.extend(calibrated.test().map(Said::Line));
     said.extend(calibrated.cautions().into_iter().map(|text| Said::line(format!("careful: {text}"))));
+    said.push(Said::line(format!("\n{}\n", calibrated.keys())));
     said
+}
+
+/// How long the limits last: the one asked about first, then the others of the same machine, then those of the
+/// other machines.
+fn answers(calibrated: &Calibrated) -> Vec<String> {
+    let asked = calibrated.asked_limit();
+    let several = calibrated.lives.len() > 2;
+    let words = |limit: &Remaining| {
+        let who = match &limit.machine {
+            Some(name) if several => format!("{name}: "),
+            None if several => "the design: ".to_owned(),
+            _ => String::new(),
+        };
+        format!("{who}{}", limit.sentence())
+    };
+    let name = &asked.machine;
+    let own = calibrated.limits.iter().filter(|limit| limit.machine == *name && *limit != asked);
+    // Of machines beside it the lost motion, by which they differ.
+    let others = calibrated
+        .limits
+        .iter()
+        .filter(|limit| limit.machine != *name && several && limit.kind == LimitKind::LostMotion);
+    std::iter::once(asked).chain(own).chain(others.take(MACHINES)).map(words).collect()
+}
+
+/// What a machine had when new, in words.
+fn new_of(life: &MachineLife) -> String {
+    let new = significant(life.new / ARCMIN, 3);
+    match (&life.name, life.new_is) {
+        (None, _) => format!("the design predicts {new} arcmin of lost motion when new"),
+        (Some(name), NewIs::Fitted) => format!("{name} (lost motion when new {new} arcmin, fitted)"),
+        (Some(name), NewIs::Given) => format!("{name} (lost motion when new {new} arcmin, as given)"),
+        (Some(name), NewIs::Assumed) => format!("{name} (lost motion when new {new} arcmin, the design's)"),
+    }
 }
 
 /// A parameter with its band in words; nothing where no band could be given.
@@ -59,37 +92,31 @@ fn band(estimate: &Estimate) -> Option<String> {
     Some(format!("{percent:.0} % band: {} {range}{name}", estimate.parameter.name()))
 }
 
-/// How long a machine lasts, in words.
-fn sentence(life: &MachineLife, calibrated: &Calibrated) -> String {
-    let limit = compact(calibrated.machine.limits.lost_motion / ARCMIN, 4);
-    let who = match &life.name {
-        Some(name) => format!("{name} (lost motion when new {} arcmin)", significant(life.new / ARCMIN, 3)),
-        None => format!("the design (predicted {} arcmin when new)", significant(life.new / ARCMIN, 3)),
-    };
-    let Some(hours) = life.hours else {
-        return format!("{who} keeps {limit} arcmin for all {:.0} h followed", calibrated.followed_h);
-    };
-    if hours <= 0.0 {
-        return format!("{who} does not keep {limit} arcmin even when new");
-    }
-    let range = match (life.low, life.high) {
-        (Some(low), Some(high)) => format!(" ({low:.0} to {high:.0} h)"),
-        (Some(low), None) => format!(" ({low:.0} h at least)"),
-        _ => String::new(),
-    };
-    let left = life.left(hours);
-    format!("{who} reaches {limit} arcmin after {hours:.0} h{range}; {left:.0} h after the last reading")
-}
-
 pub(super) fn page(calibrated: &Calibrated) -> Page {
-    let k = calibrated.fit.law.coefficient;
     let cautions = calibrated.cautions();
     let careful = calibrated.test().is_some() || !cautions.is_empty();
-    let mut verdict = Verdict::new(
-        if careful { Tone::Caution } else { Tone::Good },
-        format!("k = {k:.3e} 1/Pa fits within {:.1} %.", 100.0 * calibrated.fit.relative_rms),
-    );
+    let asked = calibrated.asked_limit();
+    let tone = match asked.left() {
+        Some(0.0) => Tone::Bad,
+        _ if careful => Tone::Caution,
+        _ => Tone::Good,
+    };
+    let mut told = answers(calibrated).into_iter();
+    let headline = told.next().map_or(String::new(), |text| sentence_of(&text));
+    let mut verdict = Verdict::new(tone, headline);
     verdict.figures = figures(calibrated);
+    let others: Vec<String> = told.map(|text| sentence_of(&text)).collect();
+    if !others.is_empty() {
+        verdict.answers.push(("The other limits".to_owned(), others.join(" ")));
+    }
+    verdict.answers.push((
+        "How well it fits".to_owned(),
+        format!(
+            "The wear coefficient {:.3e} 1/Pa leaves {:.1} % of the readings (root mean square).",
+            calibrated.fit.law.coefficient,
+            100.0 * calibrated.fit.relative_rms
+        ),
+    ));
     let careful: Vec<String> = calibrated.test().into_iter().chain(cautions).collect();
     if !careful.is_empty() {
         let sentences: Vec<String> = careful.iter().map(|text| sentence_of(text)).collect();
@@ -101,15 +128,15 @@ pub(super) fn page(calibrated: &Calibrated) -> Page {
     blocks.push(Block::Plot(lost_motion_plot(calibrated)));
     blocks.push(Block::Table(readings_table(calibrated)));
     let estimates: Vec<String> = calibrated.fit.estimates.iter().filter_map(band).collect();
-    let mut life = vec![Block::Table(lives_table(calibrated))];
+    let mut life = vec![Block::Table(limits_table(calibrated)), Block::Table(lives_table(calibrated))];
     if !estimates.is_empty() {
         life.push(Block::Text(format!(
-            "{}. Bands are those of the profile likelihood, from the {}.",
+            "{}. Bands are those of the profile likelihood, from {}.",
             estimates.join("; "),
-            if calibrated.rows.len() > calibrated.fit.estimates.len() {
-                "readings"
-            } else {
-                "reading error given"
+            match calibrated.reading_error {
+                ReadingError::Scatter => "the scatter of the readings",
+                ReadingError::Given(_) => "the reading error given",
+                ReadingError::Assumed(_) => "an assumed reading error",
             }
         )));
     }
@@ -140,24 +167,16 @@ fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {
         "mm²/N",
         format!("{k:.4e} 1/Pa, of Archard's law{}", range.map_or(String::new(), |text| format!("; {text}"))),
     )];
-    for life in calibrated.lives.iter().rev().take(2).rev() {
-        let label = match &life.name {
-            Some(name) => format!("Life of {name}"),
-            None => "Life of the design".to_owned(),
+    for limit in calibrated.its_limits().take(3) {
+        let (value, kept) = match (limit.left(), limit.is_over()) {
+            (_, true) => ("over".to_owned(), false),
+            (Some(left), false) => (rounded(left), true),
+            (None, false) => (format!("> {}", rounded((limit.searched_h - limit.now_h).max(0.0))), true),
         };
-        let limit = compact(calibrated.machine.limits.lost_motion / ARCMIN, 4);
-        let service = calibrated.machine.limits.service_life / HOUR;
-        let (value, kept) = match life.hours {
-            Some(hours) => (format!("{hours:.0}"), hours >= service),
-            None => (format!("> {:.0}", calibrated.followed_h), true),
-        };
-        let band = match (life.low, life.high) {
-            (Some(low), Some(high)) => format!("{low:.0} to {high:.0} h; "),
-            (Some(low), None) => format!("{low:.0} h at least; "),
-            _ => String::new(),
-        };
-        let note = format!("{band}until {limit} arcmin of lost motion; {service:.0} h planned");
-        figures.push(KeyFigure::new(label, value, "h", note).kept(kept));
+        let unit = if limit.is_over() { "" } else { "h" };
+        let note = sentence_of(&limit.sentence());
+        let label = format!("Remaining: {}", limit.kind.name());
+        figures.insert(figures.len() - 1, KeyFigure::new(label, value, unit, note).kept(kept));
     }
     figures
 }
@@ -187,7 +206,7 @@ fn predicted(
 }
 
 /// Readings as marks: machine by machine where they can be told apart, those not fitted for themselves.
-fn marks(mut plot: Plot, calibrated: &Calibrated, rows: &[&Row], value: impl Fn(&Row) -> f64) -> Plot {
+fn marks(mut plot: Plot, rows: &[&Row], value: impl Fn(&Row) -> f64) -> Plot {
     let mut names: Vec<&str> = rows.iter().map(|row| row.observed.machine.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -213,7 +232,6 @@ fn marks(mut plot: Plot, calibrated: &Calibrated, rows: &[&Row], value: impl Fn(
             plot = plot.with(Series::new(name, Style::Markers, points).coloured(colour));
         }
     }
-    let _ = calibrated;
     plot
 }
 
@@ -226,7 +244,7 @@ fn depth_plot(calibrated: &Calibrated) -> Option<Plot> {
     let plot = Plot::new("Largest depth of a flank", hours(), Axis::new("Depth", "µm").from_zero())
         .noted("The coupled prediction with the coefficient fitted, beside the readings.");
     let plot = predicted(plot, &calibrated.curve, UM, |point| point.depth);
-    Some(marks(plot, calibrated, &rows, |row| row.observed.reading.value / UM))
+    Some(marks(plot, &rows, |row| row.observed.reading.value / UM))
 }
 
 fn lost_motion_plot(calibrated: &Calibrated) -> Plot {
@@ -238,10 +256,9 @@ fn lost_motion_plot(calibrated: &Calibrated) -> Plot {
     } else {
         ", beside the readings."
     });
-    if rows.iter().any(|row| matches!(row.observed.reading.measured, Measured::Since(_))) {
+    if rows.iter().any(|row| matches!(row.observed.reading.measured, Measured::LostMotion(_))) {
         note.push_str(
-            " Readings of the lost motion itself stand as growth since new: what had grown before the first of a \
-             machine is the fit's.",
+            " Readings of the lost motion itself stand as growth since new: less what their machine had when new.",
         );
     }
     let plot = Plot::new(
@@ -252,7 +269,7 @@ fn lost_motion_plot(calibrated: &Calibrated) -> Plot {
     .noted(note);
     let plot = predicted(plot, &calibrated.curve, ARCMIN, |point| point.increase);
     let curve = &calibrated.curve;
-    let mut plot = marks(plot, calibrated, &rows, |row| row.since_new(curve) / ARCMIN);
+    let mut plot = marks(plot, &rows, |row| row.since_new(&calibrated.lives) / ARCMIN);
     // One line is a limit; one for each of many machines would be a fence.
     if let [life] | [_, life] = &calibrated.lives[..] {
         let limit = calibrated.machine.limits.lost_motion;
@@ -272,7 +289,7 @@ fn lost_motion_plot(calibrated: &Calibrated) -> Plot {
 
 /// The head of a declared table as that of a report.
 fn headed(table: &crate::results::Table, title: &str, note: &str) -> Table {
-    let words = ["machine", "quantity", "use"];
+    let words = ["machine", "quantity", "use", "limit", "where", "unit"];
     let head = |column: &crate::results::TableColumn| {
         let quantity = &column.quantity;
         if words.contains(&quantity.key) {
@@ -291,15 +308,39 @@ fn headed(table: &crate::results::Table, title: &str, note: &str) -> Table {
 }
 
 fn readings_table(calibrated: &Calibrated) -> Table {
-    headed(&CALIBRATION.fill(&calibrated.rows), "Readings", "All of them are in `calibration.csv`.")
+    let mut table =
+        headed(&CALIBRATION.fill(&calibrated.rows), "Readings", "All of them are in `calibration.csv`.");
+    // Nothing tells machines apart.
+    if calibrated.rows.iter().all(|row| row.observed.machine.is_empty()) {
+        table.columns.remove(0);
+        table.rows.iter_mut().for_each(|row| drop(row.remove(0)));
+    }
+    table
+}
+
+fn limits_table(calibrated: &Calibrated) -> Table {
+    let own: Vec<Remaining> = calibrated.its_limits().cloned().collect();
+    let mut table = headed(
+        &LIMITS.fill(&own),
+        "How long each limit is kept",
+        "From the last reading on. Of a rating life: the hours that nine of ten reach of the parts that run now \
+         (Weibull, slope 9/8). Pressure and transmission error follow the prediction with the coefficient fitted. \
+         All machines are in `remaining_limits.csv`.",
+    );
+    table.columns.remove(0);
+    for (row, limit) in table.rows.iter_mut().zip(&own) {
+        row.remove(0);
+        row[0] = limit.kind.name().to_owned();
+    }
+    table
 }
 
 fn lives_table(calibrated: &Calibrated) -> Table {
     let mut table = headed(
         &LIVES.fill(&calibrated.lives),
         "How long the limit of lost motion is kept",
-        "With the growth fitted. A machine whose lost motion was read starts from its own first reading, taken back to \
-         new; an empty field is a limit that is not reached within what was followed.",
+        "With the growth fitted. A machine whose lost motion was read starts from what it had when new; an empty \
+         field is a limit that is not reached within what was followed.",
     );
     for row in &mut table.rows {
         if row[0].is_empty() || row[0] == "–" {

@@ -14,6 +14,7 @@ use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::life::{WornState, worn_after};
 use crate::load::{Cycle, HarmonicError, LoadSharing, PinLoad, ShareLoad};
 use crate::machine::{CrankAngle, Friction, Machine};
+use crate::results::quantities::TORSIONAL_STIFFNESS;
 use crate::units::UM;
 
 pub const ABOUT: &str = "Share the load among the pins over one turn of the crankshaft";
@@ -176,7 +177,9 @@ fn equilibrium(
     worn.put_on(machine, &mut meshing);
     let failed = || AnalysisError::compute("share the load");
     let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
-    for index in 0..options.positions {
+    // The turn is what tables and pictures show; the figures are those of what repeats.
+    let shows_turn = ["contact", "error", "report"].iter().any(|result| host.wants(result));
+    for index in 0..if shows_turn { options.positions } else { 0 } {
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
@@ -187,11 +190,15 @@ fn equilibrium(
         start = Some(found);
         host.report("load sharing", 0.5 * (index + 1) as f64 / options.positions as f64);
     }
+    let wants_stiffness = host.wants(TORSIONAL_STIFFNESS.key) || host.wants("report");
     // Where it takes a turn of the output, enough for every pin to meet every disc at many angles.
     let positions = if meshing.discs_alike() { 72 } else { 720 };
     let mut cycle = meshing.whole_cycle(torque, positions).map_err(failed())?;
-    for position in &mut cycle.positions {
+    for position in cycle.positions.iter_mut().filter(|_| wants_stiffness) {
         position.stiffness = Some(meshing.stiffness(position));
+    }
+    if host.is_cancelled() {
+        return Err(AnalysisError::Stopped);
     }
     let kinematics = meshing.kinematics();
     let harmonics = match meshing.pitches() {
@@ -199,7 +206,8 @@ fn equilibrium(
         _ => Vec::new(),
     };
     let pins = if meshing.discs_alike() { Vec::new() } else { cycle.pin_loads() };
-    let nominal = if fidelity.errors.is_zero() {
+    let wants_nominal = host.wants("nominal") || host.wants("report");
+    let nominal = if fidelity.errors.is_zero() || !wants_nominal {
         None
     } else {
         let mut nominal = sharer(&fidelity.nominal())?;

@@ -31,7 +31,7 @@ pub struct BearingLives {
 /// Crank positions over a turn of the crankshafts.
 pub(super) const POSITIONS: usize = 72;
 /// Weibull slope of rolling bearings with line contact (ISO 281; Lundberg and Palmgren).
-const WEIBULL_SLOPE: f64 = 9.0 / 8.0;
+pub(in crate::analyses) const WEIBULL_SLOPE: f64 = 9.0 / 8.0;
 
 /// `bearing_life.csv`.
 pub(super) const TABLE: TableOf<BearingLife> = TableOf {

@@ -2,6 +2,7 @@
 
 use super::ages::Age;
 use super::{Life, bearings};
+use crate::analyses::Host;
 use crate::analyses::causes::{self, CausesAt, HasCauses};
 use crate::analyses::{errors_table, wear};
 use crate::dynamics::ErrorStatistics;
@@ -30,9 +31,32 @@ pub(super) struct Row {
     travel: Option<Travel>,
 }
 
-/// Results that need the load-free travel; tables by their names.
-pub(super) const OF_TRAVEL: &[&str] =
-    &["life", "play_arcmin", "te_no_load_arcmin", "preload_n", "preload_friction_n_m"];
+/// Results that need the load-free travel, as figures and as columns of `life`.
+const OF_TRAVEL: &[&str] =
+    &["play_arcmin", "te_no_load_arcmin", "free_travel_arcmin", "preload_n", "preload_friction_n_m"];
+/// Those that need the multibody runs.
+const OF_RUNS: &[&str] = &["ste_mean_arcmin", "ste_max_arcmin", "dte_mean_arcmin", "dte_max_arcmin"];
+/// Those that need the search for the limit beyond the service life.
+const OF_SEARCH: &[&str] =
+    &["hours_to_limit", "hours_to_lost_motion_limit", "searched_h", "verdict", "advice"];
+
+/// Whether somebody wants one of these, as a figure or as a column of `life`.
+fn wanted(host: &dyn Host, results: &[&str]) -> bool {
+    results.iter().any(|result| host.wants(result) || host.wants(&format!("life.{result}")))
+        || host.wants("report")
+}
+
+pub(super) fn wants_travel(host: &dyn Host) -> bool {
+    wanted(host, OF_TRAVEL)
+}
+
+pub(super) fn wants_runs(host: &dyn Host) -> bool {
+    wanted(host, OF_RUNS)
+}
+
+pub(super) fn wants_search(host: &dyn Host) -> bool {
+    wanted(host, OF_SEARCH)
+}
 
 impl Row {
     fn new(point: &LifePoint, age: Option<&Age>) -> Row {

@@ -13,6 +13,7 @@ mod verdict;
 
 pub use advice::Advice;
 pub use ages::Age;
+pub(in crate::analyses) use bearings::WEIBULL_SLOPE;
 pub use bearings::{BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
 pub use declared::{SUMMARY, tables};
 pub use verdict::{LifeVerdict, Limit, LimitKind};
@@ -85,13 +86,16 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     clock.stage("fidelity");
     // The verdict needs the travel where it has a limit.
-    let travel =
-        machine.limits.backlash.is_some() || declared::OF_TRAVEL.iter().any(|result| host.wants(result));
+    let travel = machine.limits.backlash.is_some() || declared::wants_travel(host);
+    let quasi_static = options.quasi_static || !declared::wants_runs(host);
     let causes = host.wants("lost_motion_causes");
-    let settings = LifeOptions { intervals: options.points, travel, causes, ..LifeOptions::default() };
-    let (prediction, ages) = predict_with_runs(&machine, &fidelity, settings, options.quasi_static, host)?;
+    let mut settings = LifeOptions { intervals: options.points, travel, causes, ..LifeOptions::default() };
+    if !declared::wants_search(host) {
+        settings.search_factor = 1.0;
+    }
+    let (prediction, ages) = predict_with_runs(&machine, &fidelity, settings, quasi_static, host)?;
     let pitches = if host.wants("report") { pitches(&machine, &fidelity, &prediction)? } else { Vec::new() };
-    clock.stage(if options.quasi_static { "prediction" } else { "prediction_and_simulation" });
+    clock.stage(if quasi_static { "prediction" } else { "prediction_and_simulation" });
     host.report("bearings", 0.0);
     let bearings = bearing_lives(&machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
     let emergency_pressure = emergency_pressure(&machine, &fidelity, &prediction)?;

@@ -63,6 +63,21 @@ const PIN_LOADS: &[&str] = &["max_force_n", "max_pressure_mpa"];
 const HELD_CURVE: &[&str] = &["te_held_peak_to_peak_arcmin"];
 /// Results and tables that show every transmission error; the others rest on the one forward at rated torque.
 const EVERY_CURVE: &[&str] = &["transmission_error", "te"];
+/// Results and tables that rest on the one forward at rated torque.
+const RATED_CURVE: &[&str] =
+    &["te_rated_peak_to_peak_arcmin", "orders", "spectrum", "max_force_n", "max_pressure_mpa", "report"];
+/// Results and tables that rest on the hysteresis loops.
+const LOOPS: &[&str] = &[
+    "lost_motion_arcmin",
+    "backlash_arcmin",
+    "stiffness_n_m_per_arcmin",
+    "soft_stiffness_n_m_per_arcmin",
+    "middle_stiffness_n_m_per_arcmin",
+    "new",
+    "hysteresis",
+    "stiffness",
+    "report",
+];
 /// Results and tables that rest on the running machine; "new" holds its efficiency.
 const RUNNING: &[&str] = &[
     "efficiency",
@@ -125,11 +140,14 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
         Curves::Every
     } else if wanted(HELD_CURVE) {
         Curves::Forward
-    } else {
+    } else if wanted(RATED_CURVE) {
         Curves::Rated
+    } else {
+        Curves::Nothing
     };
     let plan = RigPlan {
-        loop_positions: options.positions,
+        // The split of the stiffness and the report need one.
+        loop_positions: if wanted(LOOPS) { options.positions } else { 1 },
         error_positions: options.te_positions,
         curves,
         pins: wanted(PIN_LOADS),

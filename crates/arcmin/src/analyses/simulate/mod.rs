@@ -232,7 +232,8 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
     let broke_off = integrate(&mut motion, plan, host)?;
     let unloaded =
         options.load == LoadKind::None && options.drag_nm == 0.0 && machine.friction.seal_drag == 0.0;
-    let spread = if unloaded && broke_off.is_none() && options.starts > 0 {
+    let wants_spread = host.wants("perturbed_starts") || host.wants("report");
+    let spread = if unloaded && broke_off.is_none() && options.starts > 0 && wants_spread {
         let spread = spread_over_starts(motion.model(), plan, options.starts, host);
         Some(spread.map_err(dynamics("simulate perturbed starts"))?)
     } else {

@@ -1,6 +1,7 @@
 //! Table and figures of the paper's study.
 
 use super::{Level, MeanAndMax, Tao2024};
+use crate::analyses::Host;
 use crate::fidelity::Fidelity;
 use crate::results::{
     Column, DeclaredTable, PLAIN, SummaryOf, Table, TableOf, Value, decimals, quantities as q, quantity,
@@ -73,6 +74,16 @@ const STUDY: TableOf<Level> = TableOf {
         columns
     },
 };
+
+/// Whether somebody wants what the multibody runs give.
+pub(super) fn wants_runs(host: &dyn Host) -> bool {
+    let of_runs = |key: &&str| key.starts_with("ste_") || key.starts_with("dte_");
+    let columns: Vec<&str> = (STUDY.columns)().iter().map(|column| column.quantity.key).collect();
+    let summary: Vec<&str> = SUMMARY.quantities().iter().map(|quantity| quantity.key).collect();
+    columns.iter().filter(|key| of_runs(key)).any(|key| host.wants(&format!("{}.{key}", STUDY.name)))
+        || summary.iter().filter(|key| of_runs(key)).any(|key| host.wants(key))
+        || host.wants("report")
+}
 
 pub fn tables() -> Vec<DeclaredTable> {
     vec![STUDY.into()]

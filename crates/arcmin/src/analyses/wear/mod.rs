@@ -193,6 +193,11 @@ fn coupled(
         }
         Ok(stations)
     };
+    // Figures are those of the last state; tables and pictures show all. States are computed in rows, each from the
+    // one before, and a row stays whole: to the last bit it is the same row.
+    let shows_all = ["wear", "wear_history", "report"].iter().any(|result| host.wants(result));
+    let last_row = states.len().saturating_sub(1) / STATES_IN_A_ROW * STATES_IN_A_ROW;
+    let states = if shows_all { &states[..] } else { &states[last_row..] };
     let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();
     let mut stations = stations.map_err(failed())?.concat();
     // Of a machine that wears away, as far as it still shares its load.

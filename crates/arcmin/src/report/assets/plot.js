@@ -116,7 +116,10 @@ class PlotFigure {
     for (const mark of plot.annotations) this.drawAnnotation(body, mark, false);
     const order = this.shown().sort((a, b) => layer(a.one) - layer(b.one));
     for (const { one, index } of order) this.drawSeries(body, one, index);
-    this.labels = [];
+    // Labels keep clear of the lines of other marks, too.
+    const line = mark => mark.kind === 'vertical' ? { left: xs.at(mark.at) - 2, right: xs.at(mark.at) + 2, top, bottom: height - bottom }
+      : { left, right: width - right, top: ys.at(mark.at) - 2, bottom: ys.at(mark.at) + 2 };
+    this.labels = plot.annotations.filter(mark => mark.kind === 'vertical' || mark.kind === 'horizontal').map(line);
     for (const mark of plot.annotations) this.drawAnnotation(body, mark, true);
     this.cursor = svgElement('g', { 'data-transient': '' }, svg);
     this.resetTool.disabled = !(this.zoomed.x || this.zoomed.y);
@@ -149,13 +152,17 @@ class PlotFigure {
     const text = (...places) => { const [x, y, anchor] = this.freePlace(mark.label, places); svgElement('text', { class: 'note-text', x, y, 'text-anchor': anchor, style: `fill:${colour}` }, parent, mark.label); };
     if (mark.kind === 'horizontal') {
       const y = ys.at(mark.at);
-      const above = [area.right - 6, y - 6, 'end'], below = [area.right - 6, y + 15, 'end'];
-      if (texts) text(...(y < area.top + 18 ? [below] : [above, below, [area.left + 6, y - 6, 'start']]));
+      const middle = (area.left + area.right) / 2;
+      const level = at => [[area.right - 6, at, 'end'], [area.left + 6, at, 'start'], [middle, at, 'middle']];
+      const above = y < area.top + 18 ? [] : level(y - 6), below = y > area.bottom - 18 ? [] : level(y + 15);
+      if (texts) text(...above.slice(0, 1), ...below, ...above.slice(1));
       else svgElement('line', { class: 'limit', x1: area.left, x2: area.right, y1: y, y2: y, style: `stroke:${colour}` }, parent);
     } else if (mark.kind === 'vertical') {
       const x = xs.at(mark.at), late = x > (area.left + area.right) / 2;
-      const sides = [[x - 6, area.top + 15, 'end'], [x + 6, area.top + 15, 'start']];
-      if (texts) text(...(late ? sides : sides.reverse()));
+      // From the top down, on the side where there is room first.
+      const rows = Array.from({ length: Math.max(1, Math.floor((area.bottom - area.top) / 16)) }, (_, row) => area.top + 15 + 16 * row);
+      const sides = at => late ? [[x - 6, at, 'end'], [x + 6, at, 'start']] : [[x + 6, at, 'start'], [x - 6, at, 'end']];
+      if (texts) text(...rows.flatMap(sides));
       else svgElement('line', { class: 'limit', x1: x, x2: x, y1: area.top, y2: area.bottom, style: `stroke:${colour}` }, parent);
     } else if (mark.kind === 'span') {
       const from = xs.at(mark.from), to = xs.at(mark.to);

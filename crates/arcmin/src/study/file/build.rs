@@ -5,11 +5,11 @@ use crate::analyses::{self, Analysis, AnalysisError};
 use crate::design::variation::{NORMAL_CUT, Variation, Varied};
 use crate::design::{Design, DesignError, DesignErrorKind, Kind as KeyKind, Value as DesignValue};
 use crate::results::Format;
+use crate::study::limits::{self, StudyLimits};
 use crate::study::list_place::ListPlace;
 use crate::study::plan::{Factor, Kept, Kind, Plan, Setting};
 use crate::study::sampling::Layout;
 use crate::study::search::{Bound, Goal, Search, place_of};
-use crate::study::statistics::Limits;
 use crate::study::{Distribution, StudyError};
 
 impl StudyFile {
@@ -45,7 +45,7 @@ impl StudyFile {
                 return Err(self.wrong(message, self.tolerances.span.clone(), hint).into());
             }
         }
-        let kept = self.kept(analysis)?;
+        let kept = self.kept(analysis, design)?;
         let mut factors: Vec<Factor> =
             self.vary.0.iter().map(|varied| self.factor(varied, design)).collect::<Result<_, _>>()?;
         if *self.unknowns {
@@ -102,6 +102,7 @@ impl StudyFile {
             }
             MethodName::Optimise => Layout::Random,
         };
+        let limits = StudyLimits::of(&self.limits(), analysis, &design, &kept, &factors);
         let batches = self.batches.value.as_ref();
         let batches = batches.map(|b| Batches { machines: *b.machines as u64, share: *b.share });
         let plan = match &search {
@@ -126,7 +127,7 @@ impl StudyFile {
             written,
             design,
             analysis,
-            limits: self.limits(),
+            limits,
             confidence: *method.confidence,
             method: *method.kind,
             options: self.options.clone(),
@@ -196,7 +197,7 @@ impl StudyFile {
         })
     }
 
-    fn kept(&self, analysis: &Analysis) -> Result<Vec<Kept>, Box<DesignError>> {
+    fn kept(&self, analysis: &Analysis, design: &Design) -> Result<Vec<Kept>, Box<DesignError>> {
         let declared = (analysis.results)();
         let curves: Vec<String> = declared
             .tables
@@ -232,6 +233,11 @@ impl StudyFile {
                 kept.push(Kept { key, kind });
             }
         };
+        if *self.method.kind != MethodName::Optimise {
+            for kept in limits::kept_besides(analysis, design) {
+                also(kept.key, kept.kind);
+            }
+        }
         let is_life = self.results.iter().any(|key| key.starts_with("hours_to"));
         if is_life && declared.summary.iter().any(|quantity| quantity.key == SEARCHED) {
             also(SEARCHED.to_owned(), Kind::Number);
@@ -257,6 +263,10 @@ impl StudyFile {
                 self.source().error(error.kind.clone(), varied.path_span.clone(), error.hint.clone())
             })?,
         };
+        let keys = design.keys();
+        let list = place.as_ref().map_or(path.as_str(), |place| place.list.as_str());
+        let entry = keys.iter().find(|entry| entry.path == list);
+        let unit = entry.map_or("", |entry| entry.unit).to_owned();
         if let Variation::OneOf(values) = &varied.variation {
             let entries: Option<Vec<Setting>> = values.iter().map(setting).collect();
             let entries = entries.ok_or_else(|| {
@@ -269,11 +279,8 @@ impl StudyFile {
                     return Err(at(error.kind.to_string(), error.hint.as_deref().unwrap_or_default()));
                 }
             }
-            return Ok(Factor::one_of(path.clone(), entries));
+            return Ok(Factor { unit, ..Factor::one_of(path.clone(), entries) });
         }
-        let keys = design.keys();
-        let list = place.as_ref().map_or(path.as_str(), |place| place.list.as_str());
-        let entry = keys.iter().find(|entry| entry.path == list);
         let whole = entry.is_some_and(|entry| matches!(entry.kind, KeyKind::Count));
         let nominal = value.as_number();
         if nominal.is_none()
@@ -302,7 +309,6 @@ impl StudyFile {
             let why = format!("`{path}` would vary from {} to {}", ends[0], ends[1]);
             return Err(at(why, &format!("{low} to {high} are believable")));
         }
-        let unit = entry.map_or("", |entry| entry.unit);
         Ok(Factor { whole, ..Factor::number(path.clone(), unit, distribution) })
     }
 
@@ -393,8 +399,8 @@ pub struct Study {
     /// The design without its `[unknowns]`.
     pub design: Design,
     pub analysis: &'static Analysis,
-    /// What results are allowed to be, by their keys.
-    pub limits: Vec<(String, Limits)>,
+    /// What machines are held to.
+    pub limits: StudyLimits,
     /// Of all intervals.
     pub confidence: f64,
     /// The way of choosing machines, as the file calls it.

@@ -152,8 +152,16 @@ fn a_study_runs_from_file_to_page() {
     let alone = study.design_of(&row).unwrap();
     let outcome = study.analysis.run(&alone, "joints = \"ideal\"", "test", &NoHost).unwrap();
     assert_eq!(forces[4], outcome.summary().number("max_force_n"));
-    let limits = [("max_force_n".to_owned(), Limits { low: None, high: Some(2000.0) })];
-    let judged = judge::judge(&study.plan, &rows, &limits, 0.95, None).unwrap();
+    let judged = judge::judge(&study.plan, &rows, &study.limits, 0.95, None).unwrap();
+    assert_eq!(study.limits.each[0].limits, Limits { low: None, high: Some(2000.0) });
+    // The pressure is not kept, and so its limit is not judged: that is said, with what would.
+    assert!(
+        judged
+            .limits
+            .unjudged
+            .iter()
+            .any(|(limit, how)| limit == "contact pressure" && how.contains("max_pressure_mpa"))
+    );
     assert!(judged.results[0].kept.is_some() && judged.results[0].spread.is_some());
     let template = study.template();
     assert_eq!(template.columns.len(), 2, "the count of crankshafts has one value: {:?}", template.text);
@@ -167,6 +175,6 @@ fn a_study_runs_from_file_to_page() {
         goals: Vec::new(),
     };
     let html = page.page().render();
-    assert!(html.contains("data-kind=\"samples\"") && html.contains("limits kept by"));
+    assert!(html.contains("data-kind=\"samples\"") && html.contains("limit kept by"));
     assert!(judged.to_json(&study.plan)["results"]["max_force_n"]["yield"]["of"] == 6);
 }

@@ -1,6 +1,6 @@
 //! What a result hangs on, as ranked bars.
 
-use super::{RANKED, StudyReport, ends, interval_in_percent, named, percent};
+use super::{RANKED, StudyReport, effect, interval_in_percent, named, percent};
 use crate::report::{Block, Column, Shares, Table, significant};
 use crate::study::judge::{JudgedResult, Sensitivity, TIGHTEN_SHARE};
 use crate::study::sampling::Layout;
@@ -24,7 +24,8 @@ impl StudyReport<'_> {
         match &result.sensitivity {
             Sensitivity::Morris(effects) => {
                 let rows = factors.iter().zip(effects).map(|(factor, e)| {
-                    let remark = format!("{} ; σ {}", ends(&e.mu_star.interval, 3), significant(e.sigma, 3));
+                    let sigma = significant(e.sigma, 3);
+                    let remark = format!("{}; σ {sigma} {unit}", effect(&e.mu_star.interval, 3, unit));
                     (path(factor), e.mu_star.value, remark)
                 });
                 let note = "μ*: mean change of the result over the whole range of a key (Morris); σ large against \
@@ -36,8 +37,8 @@ impl StudyReport<'_> {
                     |(factor, (first, total))| {
                         let remark = format!(
                             "{}; alone {}",
-                            ends(&total.interval, 2),
-                            significant(100.0 * first.value, 3)
+                            interval_in_percent(&total.interval),
+                            percent(first.value)
                         );
                         (path(factor), 100.0 * total.value, remark)
                     },
@@ -75,6 +76,32 @@ impl StudyReport<'_> {
         }
     }
 
+    /// Which spread to tighten first, of those whose gain is told from none; `None` of another study.
+    pub(super) fn tighten_answer(&self) -> Option<String> {
+        let answer = |result: &JudgedResult| {
+            let Sensitivity::Tighten(gains) = &result.sensitivity else { return None };
+            let (label, unit) = named(&result.key);
+            let told = |gain: &&Gain| gain.quantile.value > 0.0 && !gain.quantile.interval.contains(0.0);
+            let of_width = |gain: &Gain| {
+                let factor = self.plan.factors().get(gain.dimension)?;
+                factor.distribution.half_width().map(|_| factor.path.clone())
+            };
+            Some(match gains.gains.iter().filter(told).find_map(|gain| Some((gain, of_width(gain)?))) {
+                Some((gain, path)) => format!(
+                    "{label}: {path} first, which gains {} {unit} ({})",
+                    significant(gain.quantile.value, 3),
+                    effect(&gain.quantile.interval, 3, unit)
+                ),
+                None => format!(
+                    "{label}: nothing gains more than {} machines can tell; give more samples",
+                    gains.used
+                ),
+            })
+        };
+        let answers: Vec<String> = self.judged.results.iter().filter_map(answer).collect();
+        (!answers.is_empty()).then(|| format!("To tighten: {}.", answers.join("; ")))
+    }
+
     /// What tightening gains, per unit of the key or of cost.
     fn tighten_first(&self, label: &str, unit: &str, gains: &Gains) -> Vec<Block> {
         let share = match self.plan.sampling().layout() {
@@ -89,7 +116,7 @@ impl StudyReport<'_> {
                 factor.path.clone(),
                 format!("{} → {} {}", significant(width, 3), significant(width - less, 3), factor.unit),
                 significant(gain.quantile.value, 3),
-                ends(&gain.quantile.interval, 3),
+                effect(&gain.quantile.interval, 3, ""),
                 significant(gain.quantile.value / less, 3),
             ];
             row.push(
@@ -101,7 +128,11 @@ impl StudyReport<'_> {
         let bars = gains.gains.iter().filter_map(|gain| {
             let factor = self.plan.factors().get(gain.dimension)?;
             factor.distribution.half_width()?;
-            Some((factor.path.clone(), gain.quantile.value.max(0.0), ends(&gain.quantile.interval, 3)))
+            Some((
+                factor.path.clone(),
+                gain.quantile.value.max(0.0),
+                effect(&gain.quantile.interval, 3, unit),
+            ))
         });
         let bars = Shares {
             title: format!("{label}: tighten first"),

@@ -2,6 +2,8 @@
 
 mod causes;
 mod figures;
+mod grid;
+mod limits;
 mod said;
 mod search;
 
@@ -40,10 +42,17 @@ pub struct StudyReport<'a> {
     pub goals: Vec<(String, bool)>,
 }
 
+/// A key as words.
+pub(in crate::study) fn words_of(key: &str) -> String {
+    named(key).0
+}
+
 /// Name and unit of a key.
 fn named(key: &str) -> (String, &'static str) {
     let (group, name) = key.rsplit_once('.').map_or(("", key), |(group, name)| (group, name));
     let (stem, unit) = unit_of(name).unwrap_or((name, ""));
+    // The word says it already.
+    let unit = if name.starts_with("hours_to_") || name == "hours" { "h" } else { unit };
     let stem = in_words(stem);
     (if group.is_empty() { stem } else { format!("{} {stem}", group.replace('_', " ")) }, unit)
 }
@@ -58,6 +67,13 @@ fn ends(interval: &Interval, digits: usize) -> String {
     format!("{} … {}", end(interval.low), end(interval.high))
 }
 
+/// The same with its unit, and a mark where zero lies within: nothing says that there is an effect.
+fn effect(interval: &Interval, digits: usize, unit: &str) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let mark = if interval.contains(0.0) { "; zero within: not told from none" } else { "" };
+    format!("{}{unit}{mark}", ends(interval, digits))
+}
+
 /// Lives that did not end are infinite.
 fn shown(value: f64, digits: usize) -> String {
     if value == f64::INFINITY { "∞".to_owned() } else { significant(value, digits) }
@@ -68,7 +84,8 @@ fn percent(share: f64) -> String {
 }
 
 fn interval_in_percent(interval: &Interval) -> String {
-    ends(&Interval { low: interval.low.map(|x| 100.0 * x), high: interval.high.map(|x| 100.0 * x) }, 2)
+    let percent = Interval { low: interval.low.map(|x| 100.0 * x), high: interval.high.map(|x| 100.0 * x) };
+    effect(&percent, 2, "%")
 }
 
 impl Study {
@@ -102,6 +119,10 @@ impl StudyReport<'_> {
     pub fn page(&self) -> Page {
         let mut sections = vec![Section::new("results", "Results", self.results())];
         let drawn: Vec<&JudgedResult> = self.judged.results.iter().take(RESULTS_DRAWN).collect();
+        let grid = self.grid();
+        if !grid.is_empty() {
+            sections.push(Section::new("grid", "Over what varies", grid));
+        }
         let spread: Vec<Block> = drawn.iter().flat_map(|result| self.distribution(result)).collect();
         if !spread.is_empty() {
             sections.push(Section::new("spread", "How results are spread", spread));
@@ -133,39 +154,21 @@ impl StudyReport<'_> {
 
     fn verdict(&self) -> Verdict {
         let judged = self.judged;
-        let worst = judged
-            .results
-            .iter()
-            .filter_map(|result| Some((result, result.kept?)))
-            .min_by(|a, b| a.1.share.total_cmp(&b.1.share));
         let some = if (judged.rows as u64) < judged.of {
             format!("{} of {} samples", judged.rows, judged.of)
         } else {
             format!("{} samples", judged.rows)
         };
         let confidence = percent(judged.confidence);
-        let (tone, headline) = match worst {
-            None => (Tone::Neutral, format!("{some}; no limits are set.")),
-            Some((result, kept)) => {
-                let tone = if kept.low >= 0.95 {
-                    Tone::Good
-                } else if kept.high >= 0.95 {
-                    Tone::Caution
-                } else {
-                    Tone::Bad
-                };
-                let headline = format!(
-                    "{} of all machines keep the limit of {} ({} to {} with {confidence} confidence, from \
-                     {some}).",
-                    percent(kept.share),
-                    named(&result.key).0,
-                    percent(kept.low),
-                    percent(kept.high),
-                );
-                (tone, headline)
-            }
-        };
+        let (mut tone, mut headline) = self.headline(&some);
+        let mut first = None;
+        if let Some(answer) = self.tighten_answer() {
+            first = Some(("Limits".to_owned(), std::mem::replace(&mut headline, answer)));
+            tone = Tone::Neutral;
+        }
         let mut verdict = Verdict::new(tone, headline);
+        verdict.answers.extend(first);
+        verdict.answers.extend(self.limit_answers());
         for result in judged.results.iter().take(4) {
             let (label, unit) = named(&result.key);
             let Some(spread) = &result.spread else { continue };
@@ -174,7 +177,7 @@ impl StudyReport<'_> {
                 format!("{label}, 95 % of machines below"),
                 shown(high.estimate, 3),
                 unit,
-                format!("{} with {confidence} confidence", ends(&high.interval, 3)),
+                format!("{} {unit} with {confidence} confidence", ends(&high.interval, 3)),
             ));
         }
         let told = |share: &Yield| {
@@ -185,7 +188,7 @@ impl StudyReport<'_> {
             let most = judged
                 .reasons
                 .first()
-                .map_or(String::new(), |(why, count)| format!("; {count} times: {why}"));
+                .map_or(String::new(), |(why, count)| format!("; {count} of them: {why}"));
             let question = "Cannot be assembled or computed".to_owned();
             verdict.answers.push((question, format!("{}{most}", told(&judged.failed))));
         }
@@ -214,7 +217,8 @@ impl StudyReport<'_> {
     fn results(&self) -> Vec<Block> {
         let tables =
             self.judged.results.chunks(RESULTS_ACROSS).map(|results| Block::Table(self.table(results)));
-        tables.chain([self.caveat()]).collect()
+        let limits = self.limits_table().map(Block::Table);
+        limits.into_iter().chain(tables).chain([self.caveat()]).collect()
     }
 
     fn table(&self, results: &[JudgedResult]) -> Table {
@@ -232,6 +236,9 @@ impl StudyReport<'_> {
             }
         };
         row("values".into(), &|result| Some(result.count.to_string()));
+        for (name, end) in [("least", 0), ("largest", 1)] {
+            row(name.into(), &|result| result.spread.is_none().then(|| significant(result.range[end], 4)));
+        }
         row("mean".into(), &|result| Some(significant(result.spread.as_ref()?.mean, 4)));
         row("standard deviation".into(), &|result| Some(significant(result.spread.as_ref()?.deviation, 3)));
         for share in SHARES {
@@ -250,7 +257,7 @@ impl StudyReport<'_> {
                     .map_or("too few".into(), |band| ends(&Interval { low: band.low, high: band.high }, 4)),
             )
         });
-        row("limits kept by".into(), &|result| {
+        row("limit kept by".into(), &|result| {
             let kept = result.kept?;
             Some(format!("{} ({} … {})", percent(kept.share), percent(kept.low), percent(kept.high)))
         });
@@ -264,6 +271,9 @@ impl StudyReport<'_> {
             let interval = interval.map_or(String::new(), |interval| format!(" ({})", ends(&interval, 3)));
             Some(format!("{}{interval}", significant(fit.life(0.1), 3)))
         });
+        if results.iter().all(|result| result.spread.is_none()) {
+            return Table { title: "Results".into(), columns, rows, note: String::new() };
+        }
         Table {
             title: "Results with their intervals".into(),
             columns,

@@ -1,6 +1,6 @@
 //! What a terminal shows of a study.
 
-use super::{StudyReport, ends, interval_in_percent, named, percent, shown};
+use super::{StudyReport, effect, ends, interval_in_percent, named, percent, shown};
 use crate::analyses::{Said, TextTable};
 use crate::report::significant;
 use crate::study::judge::{JudgedResult, Sensitivity};
@@ -17,6 +17,7 @@ impl StudyReport<'_> {
         said.extend(
             verdict.answers.iter().map(|(question, answer)| Said::line(format!("{question}: {answer}"))),
         );
+        said.extend(self.limits_said());
         said.push(Said::Table(self.overview()));
         for result in self.judged.results.iter().take(RANKINGS) {
             let rows = self.ranked(result);
@@ -31,7 +32,7 @@ impl StudyReport<'_> {
     fn overview(&self) -> TextTable {
         let sampled = self.judged.results.iter().any(|result| result.spread.is_some());
         let header = if sampled {
-            vec!["", "unit", "5 %", "50 %", "95 % of machines below", "limits kept by"]
+            vec!["", "unit", "5 %", "50 %", "95 % of machines below", "limit kept by"]
         } else {
             vec!["", "unit", "least", "largest"]
         };
@@ -72,11 +73,11 @@ impl StudyReport<'_> {
                     let text = format!(
                         "μ* {} {unit} ({})",
                         significant(e.mu_star.value, 3),
-                        ends(&e.mu_star.interval, 3)
+                        effect(&e.mu_star.interval, 3, unit)
                     );
                     (
                         e.mu_star.value,
-                        vec![factor.path.clone(), text, format!("σ {}", significant(e.sigma, 3))],
+                        vec![factor.path.clone(), text, format!("σ {} {unit}", significant(e.sigma, 3))],
                     )
                 })
                 .collect(),
@@ -99,7 +100,7 @@ impl StudyReport<'_> {
                     let text = format!(
                         "gains {} {unit} ({})",
                         significant(gained.value, 3),
-                        ends(&gained.interval, 3)
+                        effect(&gained.interval, 3, unit)
                     );
                     Some((gained.value, vec![factor.path.clone(), text]))
                 })

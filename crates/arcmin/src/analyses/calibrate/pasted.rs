@@ -1,0 +1,55 @@
+//! What was fitted, as the design file takes it.
+
+use crate::design::{Design, Value};
+use crate::units::HOUR;
+use crate::wear::Exposure;
+
+/// Other ways of giving the coefficient, of which a design has one.
+const OTHER_WAYS: [&str; 6] = [
+    "coefficient_mm2_per_n",
+    "archard_coefficient",
+    "hardness_mpa",
+    "after_h",
+    "depth_um",
+    "lost_motion_arcmin",
+];
+
+/// The design with the coefficient, comments kept; `None` for one that it does not take.
+pub(super) fn into_design(design: &Design, law: &Exposure, with_running_in: bool) -> Option<Design> {
+    let mut changes =
+        vec![("wear.coupled.coefficient_per_pa".to_owned(), Value::Number(to_digits(law.coefficient)))];
+    let written = |path: &str| design.get(path).is_ok_and(|value| value != Value::LeftOut);
+    for way in OTHER_WAYS.map(|way| format!("wear.coupled.{way}")).into_iter().filter(|path| written(path)) {
+        changes.insert(0, (way, Value::LeftOut));
+    }
+    if let Some(running_in) = law.running_in.filter(|_| with_running_in) {
+        changes.push(("wear.running_in.factor".to_owned(), Value::Number(to_digits(running_in.factor))));
+        let hours = to_digits(running_in.duration / HOUR);
+        changes.push(("wear.running_in.duration_h".to_owned(), Value::Number(hours)));
+    }
+    design.with_all(changes).ok()
+}
+
+/// The sections of the design file, in place of those that it has.
+pub(super) fn sections(law: &Exposure, with_running_in: bool) -> String {
+    let k = law.coefficient;
+    let mut text = format!(
+        "# In place of these sections of the design file; calibrated.toml is the whole file with them.\n\
+         [wear.coupled]\ncoefficient_per_pa = {:e}  # {:.3e} mm²/N",
+        to_digits(k),
+        1e6 * k
+    );
+    if let Some(running_in) = law.running_in.filter(|_| with_running_in) {
+        text.push_str(&format!(
+            "\n\n[wear.running_in]\nfactor = {}\nduration_h = {}",
+            to_digits(running_in.factor),
+            to_digits(running_in.duration / HOUR)
+        ));
+    }
+    text
+}
+
+/// To five digits: more is known of nothing here.
+fn to_digits(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
