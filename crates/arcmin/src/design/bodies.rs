@@ -50,7 +50,8 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<(), Box<
             return Err(contradiction(
                 source,
                 span,
-                "windows are given twice: one by one in [[disc.windows]], and by the metal around them".to_owned(),
+                "windows are given twice: one by one in [[disc.windows]], and by the metal around them"
+                    .to_owned(),
                 "leave one of the two out",
             ));
         }
@@ -58,7 +59,9 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<(), Box<
             return Err(contradiction(
                 source,
                 span,
-                format!("{rim} mm of metal to root circle, crank bores and centre hole leave no room for a window"),
+                format!(
+                    "{rim} mm of metal to root circle, crank bores and centre hole leave no room for a window"
+                ),
                 "a smaller window_rim_mm, centre hole or crank bore, or fewer crankshafts",
             ));
         }

@@ -140,11 +140,7 @@ pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Option<std::o
     let mut all = Vec::new();
     for index in 0..*cranks.count {
         let centre_angle = Kinematics::crankshaft_angle(*cranks.first_angle_deg * DEG, index, *cranks.count);
-        let bore = Bore {
-            radius: crank_bore_radius(design),
-            centre_radius: crank_circle,
-            centre_angle,
-        };
+        let bore = Bore { radius: crank_bore_radius(design), centre_radius: crank_circle, centre_angle };
         let span = match *disc.crank_bore_diameter_mm {
             Some(_) => disc.crank_bore_diameter_mm.span.clone(),
             None => design.bearings.turning_arm.pitch_diameter_mm.span.clone(),

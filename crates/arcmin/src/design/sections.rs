@@ -173,7 +173,8 @@ section! {
         inertia_kg_m2: f64 => required(1e-9, 1e5),
         /// Material, by name or inline.
         material: Material => word(),
-        /// Torsional stiffness between crank supports and output flange. Left out: rigid.
+        /// Torsional stiffness between crank supports and output flange. Left out: rigid. With elastic bodies the
+        /// carrier's solid takes its place.
         torsional_stiffness_n_m_per_arcmin: Option<f64> => optional(0.1, 1e7),
         /// Its solid, for elastic bodies.
         solid: Section<CarrierSolidSection> => SECTION_OR_DEFAULTS,
