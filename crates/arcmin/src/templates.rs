@@ -1,8 +1,10 @@
 //! Reference designs shipped with the program.
 
 mod like;
+mod lines;
+mod rules;
 
-pub use like::{DataSheet, ScaleError, Scaled};
+pub use like::{DataSheet, ScaleError, Scaled, Tuning};
 
 use crate::design::Design;
 use crate::machine::Machine;

@@ -89,6 +89,11 @@ fn regress_tao2024() {
 }
 
 #[test]
+fn regress_rv_40e() {
+    compare("rv-40e");
+}
+
+#[test]
 fn regress_rv_80e() {
     compare("rv-80e");
 }

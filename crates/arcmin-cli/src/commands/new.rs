@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use arcmin::analyses::like::like;
+use arcmin::analyses::like::{Bodies, like};
 use arcmin::templates::{self, DataSheet, TEMPLATES, Template};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
@@ -9,12 +9,16 @@ use crate::failure::Failure;
 use crate::run::{Terminal, say, write_file};
 
 /// Figures of a data sheet.
-const SHEET: [(&str, &str); 5] = [
+const SHEET: [(&str, &str); 9] = [
     ("ratio", "Data sheet: ratio"),
     ("torque-nm", "Data sheet: rated torque in N·m"),
     ("outer-diameter-mm", "Data sheet: outer diameter in mm"),
     ("stiffness-nm-per-arcmin", "Data sheet: torsional stiffness in N·m/arcmin"),
     ("lost-motion-arcmin", "Data sheet: lost motion in arcmin"),
+    ("crankshafts", "Data sheet: number of crankshafts; left out, the template's"),
+    ("moment-stiffness-nm-per-arcmin", "Data sheet: moment stiffness of the main bearings in N·m/arcmin"),
+    ("starting-torque-nm", "Data sheet: torque at the input that starts the machine unloaded, in N·m"),
+    ("back-driving-torque-nm", "Data sheet: torque at the output that turns the machine backwards, in N·m"),
 ];
 
 pub fn command() -> Command {
@@ -25,12 +29,19 @@ pub fn command() -> Command {
         .long_about(format!(
             "Writes a design file that can be run as it is. Its comments say which values its source gives and \
              which are assumed, and why.\n\nTemplates:{list}\n\nWith --like the file is a first model of a \
-             machine known from its data sheet: the template scaled. Dimensions across the axis go with the outer \
-             diameter (s; without it the cube root of the torques' ratio); what lies along the axis is stretched \
-             besides by w = (T/T0)/s³, between 0.7 and 1.6; masses go with s³ w, inertias with s⁵ w, mesh stiffness \
-             with s w, supports and damping with s; teeth are chosen to give the ratio. The carrier's torsion and the \
-             turning-arm bearings' clearance are then set so that `arcmin rig` finds stiffness and lost motion. Every \
-             value is marked with where it is from; what is not known stands under [unknowns]."
+             machine known from its data sheet: the template scaled. The pin circle (s) goes with the outer diameter, or \
+             with the cube root of the torques' ratio where that is larger or no diameter is given; compact machines get \
+             a slimmer housing, down to an outer diameter of 2.56 pin circle radii. Dimensions across the axis, \
+             clearances and flank offsets go with s, crankshafts and their bearings too; what lies along the axis is \
+             stretched besides by w = (T/T0)/s³, between 0.7 and 1.6; masses go with s³ w, inertias with s⁵ w, mesh \
+             stiffness with s w, supports and damping with s, seals with s² but not faster than the torque, drag of \
+             the oil with s³, tolerances with the cube root of s; teeth are chosen to give the ratio, planets passing \
+             each other. What is kept says why.\n\nThen the figures of the data sheet are set on the test bench, each by \
+             the part that no data sheet gives: stiffness by the diameter of the crankshafts (--bodies elastic, the \
+             default) or the carrier's torsion (--bodies rigid), lost motion by the clearance of the turning-arm \
+             bearings, starting or back-driving torque by the seals, moment stiffness by the preload of the main \
+             bearings. What is not reached is said with the reason. With elastic bodies this takes about a minute. \
+             Every value is marked with where it is from; what is not known stands under [unknowns]."
         ))
         .after_help(
             "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-80e bigger.toml --force\n  arcmin new --list\n  \
@@ -59,6 +70,14 @@ pub fn command() -> Command {
                 .requires("like")
                 .help(help)
         }))
+        .arg(
+            Arg::new("bodies")
+                .long("bodies")
+                .value_name("BODIES")
+                .value_parser(["elastic", "rigid"])
+                .default_value("elastic")
+                .help("Bodies that the test bench calibrates with, as in `arcmin rig --bodies`"),
+        )
         .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the templates"))
         .arg(
             Arg::new("force")
@@ -132,6 +151,14 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
         outer_diameter_mm: of("outer-diameter-mm"),
         stiffness_n_m_per_arcmin: of("stiffness-nm-per-arcmin"),
         lost_motion_arcmin: of("lost-motion-arcmin"),
+        crankshafts: of("crankshafts"),
+        moment_stiffness_n_m_per_arcmin: of("moment-stiffness-nm-per-arcmin"),
+        starting_torque_n_m: of("starting-torque-nm"),
+        back_driving_torque_n_m: of("back-driving-torque-nm"),
+    };
+    let bodies = match matches.get_one::<String>("bodies").map(String::as_str) {
+        Some("rigid") => Bodies::Rigid,
+        _ => Bodies::Elastic,
     };
     let path = PathBuf::from(file);
     if path.exists() && !matches.get_flag("force") {
@@ -139,7 +166,7 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     let here = std::path::Path::new(".");
     let host = Terminal::new(&path, here, here, false);
-    let found = like(*template, sheet, &host).map_err(|error| Failure::Analysis {
+    let found = like(*template, sheet, bodies, &host).map_err(|error| Failure::Analysis {
         error,
         options: None,
         finding: None,

@@ -73,12 +73,12 @@ mod tests {
         crate::design::Design::parse(crate::templates::RV_80E.text, "rv-80e.toml").unwrap().machine()
     }
 
-    /// The shipped disc has no windows and nothing to check; with the assumed ones the assumed pillars keep
-    /// 0.02 R_p beyond the eccentricity, and a window drawn in further than that is found.
+    /// The theoretical disc has no windows and nothing to check; with those by rule the pillars keep 0.02 R_p
+    /// beyond the eccentricity, and a window drawn in further than that is found.
     #[test]
     fn assumed_windows_pass_and_tight_ones_are_found() {
         for mut machine in [crate::templates::tao2024(), rv_80e()] {
-            assert!(check(&machine).is_empty());
+            assert_eq!(check(&machine).is_empty(), machine.disc.windows.is_empty());
             machine.disc.windows = machine.solids.windows.clone();
             let [pillars, walls] = <[Finding; 2]>::try_from(check(&machine)).unwrap();
             let spare = 0.02 * machine.ring.pin_circle_radius / MM;
@@ -90,7 +90,7 @@ mod tests {
             }
             assert_eq!(check(&machine)[0].severity, Severity::Error);
             for window in &mut machine.disc.windows {
-                window.half_angle *= 1.3;
+                window.half_angle *= 1.5;
             }
             assert_eq!(check(&machine)[1].severity, Severity::Error);
         }

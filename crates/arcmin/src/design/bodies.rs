@@ -7,13 +7,17 @@ use super::service::Arrangement;
 use super::{DesignError, DesignSections};
 use crate::geometry::Sector;
 use crate::machine::{
-    BearingSet, CycloidDisc, GearStage, MainRows, PinRing, Solids, SolidsBasis, Thermal, arm_conductance,
+    BearingSet, CycloidDisc, GearStage, MainRows, PinRing, Solids, SolidsBasis, Thermal, WindowRoom,
+    arm_conductance,
 };
 use crate::tribology::Oil;
 use crate::units::{DEG, MM, UM};
 
-/// Windows of a disc as the design gives them.
+/// Windows of a disc as the design gives them: one by one, or by the metal around them.
 pub(super) fn windows(design: &DesignSections) -> Vec<Sector> {
+    if let Some(rim) = *design.disc.window_rim_mm {
+        return window_room(design, rim * MM).windows();
+    }
     let section = |window: &super::WindowSection, index: usize| Sector {
         inner_radius: *window.inner_radius_mm * MM,
         outer_radius: *window.outer_radius_mm * MM,
@@ -25,8 +29,44 @@ pub(super) fn windows(design: &DesignSections) -> Vec<Sector> {
     all.flat_map(|window| (0..*window.count).map(move |index| section(window, index))).collect()
 }
 
+fn window_room(design: &DesignSections, rim: f64) -> WindowRoom {
+    let (ring, disc, gear, cranks) = (&design.ring, &design.disc, &design.gear_stage, &design.crankshafts);
+    WindowRoom {
+        pin_circle_radius: *ring.pin_circle_radius_mm * MM,
+        root_radius: (*ring.pin_circle_radius_mm - *ring.pin_radius_mm - *cranks.eccentricity_mm) * MM,
+        centre_hole_radius: 0.5 * *disc.centre_hole_diameter_mm * MM,
+        crank_bore_radius: super::resolve::crank_bore_radius(design),
+        crank_circle: 0.5 * *gear.module_mm * (*gear.sun_teeth + *gear.planet_teeth) as f64 * MM,
+        crank_count: *cranks.count,
+        first_angle: *cranks.first_angle_deg * DEG,
+        rim,
+    }
+}
+
 /// Windows that are none: no mass could be computed.
 pub(super) fn check(design: &DesignSections, source: &Source) -> Result<(), Box<DesignError>> {
+    if let Some(rim) = *design.disc.window_rim_mm {
+        let span = &design.disc.window_rim_mm.span;
+        if !design.disc.windows.is_empty() {
+            return Err(contradiction(
+                source,
+                span,
+                "windows are given twice: one by one in [[disc.windows]], and by the metal around them"
+                    .to_owned(),
+                "leave one of the two out",
+            ));
+        }
+        if !window_room(design, rim * MM).windows().iter().all(Sector::is_sound) {
+            return Err(contradiction(
+                source,
+                span,
+                format!(
+                    "{rim} mm of metal to root circle, crank bores and centre hole leave no room for a window"
+                ),
+                "a smaller window_rim_mm, centre hole or crank bore, or fewer crankshafts",
+            ));
+        }
+    }
     let unsound = |window: &&super::At<super::Section<super::WindowSection>>| {
         let sector = Sector {
             inner_radius: *window.inner_radius_mm,
@@ -63,6 +103,7 @@ pub(super) fn solids(
         crank_circle: gear_stage.centre_distance(),
         first_angle: *design.crankshafts.first_angle_deg * DEG,
         eccentricity: *design.crankshafts.eccentricity_mm * MM,
+        window_rim: design.disc.window_rim_mm.map(|rim| rim * MM),
         bearings,
     });
     let set = |to: &mut f64, given: Option<f64>, unit: f64| *to = given.map_or(*to, |value| value * unit);

@@ -139,12 +139,12 @@ pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Option<std::o
     let mut all = Vec::new();
     for index in 0..*cranks.count {
         let centre_angle = Kinematics::crankshaft_angle(*cranks.first_angle_deg * DEG, index, *cranks.count);
-        let bore = Bore {
-            radius: 0.5 * *disc.crank_bore_diameter_mm * MM,
-            centre_radius: crank_circle,
-            centre_angle,
+        let bore = Bore { radius: crank_bore_radius(design), centre_radius: crank_circle, centre_angle };
+        let span = match *disc.crank_bore_diameter_mm {
+            Some(_) => disc.crank_bore_diameter_mm.span.clone(),
+            None => design.bearings.turning_arm.pitch_diameter_mm.span.clone(),
         };
-        all.push((format!("crank bore {}", index + 1), bore, disc.crank_bore_diameter_mm.span.clone()));
+        all.push((format!("crank bore {}", index + 1), bore, span));
     }
     if *disc.centre_hole_diameter_mm > 0.0 {
         let hole =
@@ -158,6 +158,13 @@ pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Option<std::o
             .map(|(index, (bore, span))| (format!("hole {}", index + 1), bore, span)),
     );
     all
+}
+
+/// Of the design, or that of the raceway on which the rollers of the turning-arm bearing run.
+pub(super) fn crank_bore_radius(design: &DesignSections) -> f64 {
+    let bearing = &design.bearings.turning_arm;
+    let raceway = *bearing.pitch_diameter_mm + *bearing.roller_diameter_mm;
+    0.5 * design.disc.crank_bore_diameter_mm.unwrap_or(raceway) * MM
 }
 
 fn holes(design: &DesignSections) -> Vec<(Bore, Option<std::ops::Range<usize>>)> {
@@ -196,7 +203,7 @@ fn disc(design: &DesignSections) -> CycloidDisc {
         width: *disc.width_mm * MM,
         material: disc.material.value.clone(),
         modification: modification(&disc.modification),
-        crank_bore_radius: 0.5 * *disc.crank_bore_diameter_mm * MM,
+        crank_bore_radius: crank_bore_radius(design),
         centre_hole_radius: 0.5 * *disc.centre_hole_diameter_mm * MM,
         holes: holes(design).into_iter().map(|(bore, _)| bore).collect(),
         windows: super::bodies::windows(design),

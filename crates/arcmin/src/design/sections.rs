@@ -45,8 +45,9 @@ section! {
         width_mm: f64 => required(0.5, 500.0),
         /// Material of the discs, by name or inline.
         material: Material => word(),
-        /// Diameter of the bores for the turning-arm bearings. They lie on the circle of the crankshafts.
-        crank_bore_diameter_mm: f64 => required(1.0, 1000.0),
+        /// Diameter of the bores for the turning-arm bearings. They lie on the circle of the crankshafts. Left
+        /// out, the rollers run in the bore: pitch diameter and one roller diameter of that bearing.
+        crank_bore_diameter_mm: Option<f64> => optional(1.0, 1000.0),
         /// Diameter of the centre hole; 0 for none.
         centre_hole_diameter_mm: f64 => default(0.0, 0.0, 3000.0),
         /// Mass of one disc. Left out, it is computed from the solid: exact flank, bores and holes, width,
@@ -58,8 +59,11 @@ section! {
         modification: Section<ModificationSection> => super::sections::SECTION_OR_DEFAULTS,
         /// Windows and lightening holes beside the crank bores and the centre hole.
         holes: Vec<At<Section<HoleSection>>> => optional(0.0, 0.0),
-        /// Windows for the pillars of the carrier: annular sectors with rounded corners. None: the disc is
-        /// as solid as bores and holes leave it.
+        /// Windows for the pillars of the carrier, one between every two crankshafts, that leave this much
+        /// metal to the root circle of the flank, to the crank bores and to the centre hole. Instead of
+        /// `[[disc.windows]]`; with neither the disc is as solid as bores and holes leave it.
+        window_rim_mm: Option<f64> => optional(0.1, 500.0),
+        /// Windows for the pillars of the carrier: annular sectors with rounded corners.
         windows: Vec<At<Section<WindowSection>>> => optional(0.0, 0.0),
     }
 
@@ -169,7 +173,8 @@ section! {
         inertia_kg_m2: f64 => required(1e-9, 1e5),
         /// Material, by name or inline.
         material: Material => word(),
-        /// Torsional stiffness between crank supports and output flange. Left out: rigid.
+        /// Torsional stiffness between crank supports and output flange. Left out: rigid. With elastic bodies the
+        /// carrier's solid takes its place.
         torsional_stiffness_n_m_per_arcmin: Option<f64> => optional(0.1, 1e7),
         /// Its solid, for elastic bodies.
         solid: Section<CarrierSolidSection> => SECTION_OR_DEFAULTS,

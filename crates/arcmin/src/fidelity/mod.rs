@@ -10,6 +10,7 @@ mod elastic;
 mod meshing;
 mod model;
 mod options;
+mod room;
 
 pub use bodies::ElasticFrame;
 pub use elastic::Elastic;
@@ -41,6 +42,11 @@ pub struct Fidelity {
     pub seed: Option<u64>,
     /// Whether the design gives errors that ideal joints leave out.
     pub errors_left_out: bool,
+}
+
+/// Whether carrier, housing and discs of a machine have room as solids.
+pub(crate) fn has_room(machine: &Machine) -> bool {
+    room::check(&bodies::with_windows(machine)).is_ok()
 }
 
 impl Fidelity {
@@ -80,6 +86,7 @@ impl Fidelity {
         }
         if bends {
             machine = bodies::with_windows(&machine);
+            room::check(&machine)?;
         }
         if bends || options.discs == DiscBodies::Elastic {
             // Said before anything is meshed.

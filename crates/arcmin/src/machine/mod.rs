@@ -24,7 +24,7 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
-pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis};
+pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};
 

@@ -125,46 +125,92 @@ pub struct SolidsBasis<'a> {
     pub crank_circle: f64,
     pub first_angle: f64,
     pub eccentricity: f64,
+    /// Metal around the windows where the design gives it.
+    pub window_rim: Option<f64>,
     pub bearings: &'a BearingSet,
+}
+
+/// What the windows of a disc stand between, all in m and rad.
+#[derive(Debug, Clone, Copy)]
+pub struct WindowRoom {
+    pub pin_circle_radius: f64,
+    /// Of the flank: R_p − r_p − a.
+    pub root_radius: f64,
+    /// 0 for none.
+    pub centre_hole_radius: f64,
+    pub crank_bore_radius: f64,
+    pub crank_circle: f64,
+    pub crank_count: usize,
+    pub first_angle: f64,
+    /// Metal left to root circle, crank bores and centre hole.
+    pub rim: f64,
+}
+
+/// Corners of windows and the metal around them where a design says nothing, as parts of R_p.
+const WINDOW_CORNER: f64 = 0.08;
+
+impl WindowRoom {
+    /// One between every two crankshafts, corners of 0.08 R_p; without a centre hole from 0.3 R_p on. Where no
+    /// window has room the sectors are unsound.
+    pub fn windows(&self) -> Vec<Sector> {
+        let pitch = std::f64::consts::PI / self.crank_count as f64;
+        let sector = |k: usize| Sector {
+            inner_radius: centre_hole(self.centre_hole_radius, self.pin_circle_radius) + self.rim,
+            outer_radius: self.root_radius - self.rim,
+            centre_angle: Kinematics::crankshaft_angle(self.first_angle, k, self.crank_count) + pitch,
+            half_angle: pitch - beside(self.crank_bore_radius + self.rim, self.crank_circle),
+            corner_radius: WINDOW_CORNER * self.pin_circle_radius,
+        };
+        (0..self.crank_count).map(sector).collect()
+    }
+}
+
+/// Half the angle that a circle of this radius takes on the circle of the crankshafts.
+fn beside(radius: f64, crank_circle: f64) -> f64 {
+    (radius / crank_circle).min(1.0).asin()
+}
+
+fn centre_hole(radius: f64, pin_circle_radius: f64) -> f64 {
+    if radius > 0.0 { radius } else { 0.3 * pin_circle_radius }
 }
 
 impl Solids {
     /// Every dimension by its rule.
     ///
-    /// Windows: one between every two crankshafts, 0.08 R_p of metal left to the centre hole, the crank bores
-    /// and the root circle of the flank, corners of the same radius. Pillars: the window drawn in by the
+    /// Windows: one between every two crankshafts, the rim of the design or 0.08 R_p of metal left to the
+    /// centre hole, the crank bores and the root circle of the flank. Pillars: the window drawn in by the
     /// eccentricity and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
     pub fn assumed(basis: &SolidsBasis<'_>) -> Solids {
         let r = basis.ring.pin_circle_radius;
         let (disc, bearings) = (basis.disc, basis.bearings);
         let support = &bearings.crank_support;
         let crank_seat_radius = 0.5 * (support.pitch_diameter + support.roller_diameter) + 0.04 * r;
-        let hole = if disc.centre_hole_radius > 0.0 { disc.centre_hole_radius } else { 0.3 * r };
+        let hole = centre_hole(disc.centre_hole_radius, r);
         let centre_bore_radius = hole.min(basis.crank_circle - crank_seat_radius - 0.04 * r).max(0.05 * r);
         let discs = basis.disc_count as f64;
         let gap = (1.1 * (discs - 1.0) + 1.0 + 0.2) * disc.width;
         let plate_thickness = (bearings.crank_support_span - gap).max(0.1 * r);
-        let web = 0.08 * r;
-        let root = r - basis.ring.pin_radius - basis.eccentricity;
         let pitch = std::f64::consts::PI / basis.crank_count as f64;
-        let beside = |radius: f64| pitch - (radius / basis.crank_circle).min(1.0).asin();
         let draw_in = basis.eccentricity + 0.02 * r;
-        let sector = |k: usize| Sector {
-            inner_radius: hole + web,
-            outer_radius: root - web,
-            centre_angle: Kinematics::crankshaft_angle(basis.first_angle, k, basis.crank_count) + pitch,
-            half_angle: beside(disc.crank_bore_radius + web),
-            corner_radius: web,
+        let room = WindowRoom {
+            pin_circle_radius: r,
+            root_radius: r - basis.ring.pin_radius - basis.eccentricity,
+            centre_hole_radius: disc.centre_hole_radius,
+            crank_bore_radius: disc.crank_bore_radius,
+            crank_circle: basis.crank_circle,
+            crank_count: basis.crank_count,
+            first_angle: basis.first_angle,
+            rim: basis.window_rim.unwrap_or(WINDOW_CORNER * r),
         };
-        let windows: Vec<Sector> = (0..basis.crank_count).map(sector).collect();
+        let windows = room.windows();
         let pillar = |window: &Sector| {
             let inner_radius = window.inner_radius + draw_in;
             let side = window.half_angle - (draw_in / inner_radius).min(1.0).asin();
             Sector {
                 inner_radius,
                 outer_radius: window.outer_radius - draw_in,
-                half_angle: side.min(beside(crank_seat_radius + 0.04 * r)),
-                corner_radius: (web - draw_in).max(0.02 * r),
+                half_angle: side.min(pitch - beside(crank_seat_radius + 0.04 * r, basis.crank_circle)),
+                corner_radius: (WINDOW_CORNER * r - draw_in).max(0.02 * r),
                 ..*window
             }
         };

@@ -1,26 +1,60 @@
 //! A machine known from its data sheet alone, scaled from a shipped design.
 //!
-//! Rules. s is the ratio of the outer diameters (without one, the cube root of the ratio of the torques): all
-//! dimensions across the axis go with s. w = (T/T₀)/s³, kept between 0.7 and 1.6, stretches what lies along the
-//! axis, so that pressures stay near those of the template. Masses go with s³ w, inertias with s⁵ w, mesh
-//! stiffness with s w, stiffness of supports and damping with s. Teeth are chosen to give the ratio with the
-//! template's pins; the module follows from the circle of the crankshafts. The rated speed is 15 rpm at the
-//! output, the service life 6000 h, as makers rate them.
+//! Rules. s is the size of the pin circle against the template's. Where the outer diameter is given, similar
+//! machines have s = D/D₀. The pin circle goes with the cube root of the torques' ratio instead where that is
+//! larger, as in compact machines, up to D = 2.56 R_p; ring and flange of the housing then share what is left.
+//! Without a diameter s is that cube root. w = (T/T₀)/s³, kept between 0.7 and 1.6, stretches what lies along
+//! the axis, so that pressures stay near those of the template. [`super::rules`] says how every number goes
+//! with s and w. Teeth are chosen to give the ratio with the template's pins, the planets passing each other; the
+//! module follows from the circle of the crankshafts. The rated speed is 15 rpm at the output, the service life
+//! 6000 h, as makers rate them. Crankshafts can be made thicker or thinner with their bearings, rollers of the
+//! same diameter around them.
 
 use super::Template;
+use super::lines::{Line, lines, number};
+use super::rules::{Rule, rule};
 
 /// What a data sheet says.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DataSheet {
     pub ratio: f64,
     /// Rated torque in N·m.
     pub torque: f64,
     /// mm.
     pub outer_diameter_mm: Option<f64>,
+    /// Number of crankshafts.
+    pub crankshafts: Option<f64>,
     /// N·m/arcmin.
     pub stiffness_n_m_per_arcmin: Option<f64>,
+    /// Of the main bearings, N·m/arcmin.
+    pub moment_stiffness_n_m_per_arcmin: Option<f64>,
     /// arcmin.
     pub lost_motion_arcmin: Option<f64>,
+    /// At the input, N·m.
+    pub starting_torque_n_m: Option<f64>,
+    /// At the output, N·m.
+    pub back_driving_torque_n_m: Option<f64>,
+}
+
+/// What a calibration sets; the rest is scaled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuning {
+    /// Of the turning-arm bearings, µm.
+    pub clearance_um: Option<f64>,
+    /// Diameter of the eccentrics against scaled ones.
+    pub crankshafts: f64,
+    /// Torsional stiffness of the carrier in N·m/arcmin; none where rigid.
+    pub carrier: Option<f64>,
+    /// N·m at the output.
+    pub seal_drag: Option<f64>,
+    /// Axial approach of the main bearings' rows, µm.
+    pub preload_um: Option<f64>,
+}
+
+impl Default for Tuning {
+    fn default() -> Tuning {
+        Tuning { clearance_um: None, crankshafts: 1.0, carrier: None, seal_drag: None, preload_um: None }
+    }
 }
 
 /// Why no machine can be scaled so.
@@ -30,6 +64,8 @@ pub enum ScaleError {
     Range { what: &'static str, value: f64, low: f64, high: f64 },
     #[error("no teeth give a ratio of {ratio} with {pins} pins; the nearest ratio is {nearest:.4}")]
     Teeth { ratio: f64, pins: f64, nearest: f64 },
+    #[error("at a ratio of {ratio} the planets of {cranks} crankshafts would touch each other")]
+    Planets { ratio: f64, cranks: f64 },
     #[error("the template has no `{0}` to scale")]
     Missing(&'static str),
 }
@@ -38,8 +74,12 @@ pub enum ScaleError {
 const RATED_SPEED_RPM: f64 = 15.0;
 const RATED_LIFE_H: f64 = 6000.0;
 const STRETCH: (f64, f64) = (0.7, 1.6);
+/// Outer radius over pin circle radius: of the templates, and least.
+const OUTER: (f64, f64) = (1.48, 1.28);
+/// Seats of the main bearings over pin circle radius, as for designs that leave them out.
+const SEAT: f64 = 1.12;
 
-/// A template with everything scaled; clearance and compliance are still open.
+/// A template with everything scaled; what a calibration sets is still open.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scaled {
     template: Template,
@@ -47,9 +87,14 @@ pub struct Scaled {
     /// s and w.
     pub scale: f64,
     pub stretch: f64,
+    torque_ratio: f64,
     /// Teeth of sun and planet.
     pub teeth: (u32, u32),
     module_mm: f64,
+    crankshafts: f64,
+    /// Of the template's eccentrics.
+    eccentric_mm: f64,
+    pin_circle_mm: f64,
 }
 
 /// Three decimals, so that sums of scaled dimensions stay sums.
@@ -76,60 +121,99 @@ impl Scaled {
         };
         within("a ratio", sheet.ratio, 20.0, 400.0)?;
         within("a torque in N·m", sheet.torque, 1.0, 1e5)?;
-        within("an outer diameter in mm", sheet.outer_diameter_mm.unwrap_or(100.0), 30.0, 2000.0)?;
-        within("a stiffness in N·m/arcmin", sheet.stiffness_n_m_per_arcmin.unwrap_or(1.0), 0.1, 1e5)?;
-        within("a lost motion in arcmin", sheet.lost_motion_arcmin.unwrap_or(1.0), 0.01, 100.0)?;
-        let given = |section: &str, key: &'static str| {
-            let found = lines(template.text).find(|line| line.section == section && line.key == Some(key));
-            found.and_then(|line| line.value.parse::<f64>().ok()).ok_or(ScaleError::Missing(key))
-        };
-        let pins = given("ring", "pin_count")?;
-        let (sun, planet) = (given("gear_stage", "sun_teeth")?, given("gear_stage", "planet_teeth")?);
-        let torque = given("load", "rated_torque_n_m")?;
-        let scale = match sheet.outer_diameter_mm {
-            Some(diameter) => diameter / template.outer_diameter_mm,
-            None => (sheet.torque / torque).cbrt(),
-        };
-        let scale = thousandths(scale);
+        for (what, value, low, high) in [
+            ("an outer diameter in mm", sheet.outer_diameter_mm, 30.0, 2000.0),
+            ("a number of crankshafts", sheet.crankshafts, 2.0, 6.0),
+            ("a stiffness in N·m/arcmin", sheet.stiffness_n_m_per_arcmin, 0.1, 1e5),
+            ("a moment stiffness in N·m/arcmin", sheet.moment_stiffness_n_m_per_arcmin, 0.1, 1e6),
+            ("a lost motion in arcmin", sheet.lost_motion_arcmin, 0.01, 100.0),
+            ("a starting torque in N·m", sheet.starting_torque_n_m, 1e-4, 1e4),
+            ("a back-driving torque in N·m", sheet.back_driving_torque_n_m, 1e-3, 1e5),
+        ] {
+            within(what, value.unwrap_or(low), low, high)?;
+        }
+        let given = |path: &'static str| number(template.text, path).ok_or(ScaleError::Missing(path));
+        let pins = given("ring.pin_count")?;
+        let (sun, planet) = (given("gear_stage.sun_teeth")?, given("gear_stage.planet_teeth")?);
+        let torque_ratio = sheet.torque / given("load.rated_torque_n_m")?;
+        let by_torque = torque_ratio.cbrt();
+        let scale = thousandths(match sheet.outer_diameter_mm {
+            Some(diameter) => {
+                let similar = diameter / template.outer_diameter_mm;
+                by_torque.clamp(similar, similar * OUTER.0 / OUTER.1)
+            }
+            None => by_torque,
+        });
         within("a size against the template", scale, 0.2, 5.0)?;
-        let stretch = thousandths((sheet.torque / torque / scale.powi(3)).clamp(STRETCH.0, STRETCH.1));
-        let teeth = teeth(sheet.ratio, pins, sun + planet)?;
-        let centre = scale * 0.5 * given("gear_stage", "module_mm")? * (sun + planet);
+        let stretch = thousandths((torque_ratio / scale.powi(3)).clamp(STRETCH.0, STRETCH.1));
+        let crankshafts = match sheet.crankshafts {
+            Some(count) => count.round(),
+            None => given("crankshafts.count")?,
+        };
+        let teeth = teeth(sheet.ratio, pins, sun + planet, crankshafts)?;
+        let centre = scale * 0.5 * given("gear_stage.module_mm")? * (sun + planet);
         let module_mm = (1e4 * 2.0 * centre / f64::from(teeth.0 + teeth.1)).round() / 1e4;
-        Ok(Scaled { template, sheet, scale, stretch, teeth, module_mm })
+        let eccentric_mm = given("bearings.turning_arm.pitch_diameter_mm")?
+            - given("bearings.turning_arm.roller_diameter_mm")?;
+        let pin_circle_mm = scale * given("ring.pin_circle_radius_mm")?;
+        Ok(Scaled {
+            template,
+            sheet,
+            scale,
+            stretch,
+            torque_ratio,
+            teeth,
+            module_mm,
+            crankshafts,
+            eccentric_mm,
+            pin_circle_mm,
+        })
     }
 
     /// Ratio that the teeth give.
     pub fn ratio(&self) -> f64 {
-        let pins = lines(self.template.text)
-            .find(|line| line.section == "ring" && line.key == Some("pin_count"))
-            .and_then(|line| line.value.parse::<f64>().ok());
-        1.0 + pins.unwrap_or(0.0) * f64::from(self.teeth.1) / f64::from(self.teeth.0)
+        let pins = number(self.template.text, "ring.pin_count").unwrap_or(0.0);
+        1.0 + pins * f64::from(self.teeth.1) / f64::from(self.teeth.0)
     }
 
-    /// The design file with this clearance of the turning-arm bearings (µm) and torsional stiffness of the carrier
-    /// (N·m/arcmin; left out where rigid); `notes` say in the head how they were found.
-    pub fn text(&self, clearance_um: Option<f64>, carrier: Option<f64>, notes: &[String]) -> String {
+    /// Outer diameter over pin circle radius, halved, of a machine whose housing is slimmer than the template's.
+    fn slim_housing(&self) -> Option<(f64, f64)> {
+        let diameter = self.sheet.outer_diameter_mm?;
+        let outer = 0.5 * diameter / self.pin_circle_mm;
+        (outer < 0.995 * OUTER.0).then_some((diameter, outer))
+    }
+
+    /// Ring of the housing in pin circle radii: the same part of the metal outside of the bearing seats as in a
+    /// housing by the rules (1.25 of 1.12 to 1.48).
+    fn slim_ring(outer: f64) -> f64 {
+        SEAT + (1.25 - SEAT) / (OUTER.0 - SEAT) * (outer - SEAT)
+    }
+
+    /// The design file; `notes` say in the head how what is calibrated was found.
+    pub fn text(&self, tuning: &Tuning, notes: &[String]) -> String {
         let name = self.template.name;
         let mut out = String::new();
         let mut head = vec![
             format!("First model of a machine known from its data sheet, scaled from {name}: nothing here is measured."),
             format!(
-                "Size x {} (outer diameter against {} mm of the template), along the axis x {} besides.",
+                "Size of the pin circle x {} (outer diameter of the template {} mm, rated torque x {}), along the axis \
+                 x {} besides.",
                 plain(self.scale),
                 plain(self.template.outer_diameter_mm),
+                plain(thousandths(self.torque_ratio)),
                 plain(self.stretch)
             ),
             "\"data sheet\": given; \"scaled\": by the rules of `arcmin new --help`; \"calibrated\": set so that the \
              test bench finds"
                 .to_owned(),
-            "the data sheet's figure; \"template\": kept, with the template's own words.".to_owned(),
+            "the data sheet's figure; \"kept\": as in the template, and why; \"template\": its own words.".to_owned(),
         ];
         head.extend(notes.iter().cloned());
         for line in &head {
             out.push_str(&format!("# {line}\n"));
         }
         out.push('\n');
+        let has_rows = lines(self.template.text).any(|line| line.section == "bearings.main.rows");
         let mut in_head = true;
         for line in lines(self.template.text) {
             in_head &= line.key.is_none();
@@ -137,155 +221,248 @@ impl Scaled {
                 continue;
             }
             let Some(key) = line.key else {
-                out.push_str(line.raw);
-                out.push('\n');
-                if let ("carrier", Some(stiffness), true) = (line.section, carrier, line.raw.starts_with('['))
+                let starts = line.raw.starts_with('[');
+                if let (true, "contact", false, Some(preload)) =
+                    (starts, line.section, has_rows, tuning.preload_um)
                 {
                     out.push_str(&format!(
-                        "torsional_stiffness_n_m_per_arcmin = {}  # calibrated: what the stiffness of the data sheet leaves\n",
-                        plain(stiffness)
+                        "[bearings.main.rows]\npreload_um = {}  # {PRELOAD}\n\n",
+                        plain(preload)
                     ));
                 }
-                if line.section == "unknowns" && line.raw.starts_with('[') {
-                    if carrier.is_some() {
-                        out.push_str(
-                            "\"carrier.torsional_stiffness_n_m_per_arcmin\" = { factor = 1.5 } # stands for all that the \
-                             template holds rigid\n",
-                        );
-                    }
-                    out.push_str(
-                        "\"load.input_speed_rpm\" = { factor = 1.5 } # the duty is not on a data sheet\n",
-                    );
+                out.push_str(line.raw);
+                out.push('\n');
+                if starts {
+                    out.push_str(&self.inserted(line.section, tuning));
                 }
                 continue;
             };
             let path = format!("{}.{key}", line.section);
             if line.section == "unknowns" {
-                out.push_str(&self.unknown(&line, clearance_um));
-            } else if let Some((value, why)) = self.value(&path, line.value, clearance_um) {
-                out.push_str(&format!("{key} = {value}  # {why}\n"));
-            } else if line.comment.is_empty() {
-                out.push_str(&format!("{key} = {}  # template\n", line.value));
-            } else {
-                out.push_str(&format!("{key} = {}  # template: {}\n", line.value, line.comment));
+                out.push_str(&self.unknown(&line, tuning));
+                continue;
             }
+            let (value, why) = match self.value(&path, line.value, tuning) {
+                Some((value, why)) => (value, why),
+                None => match rule(&path) {
+                    Some(Rule::Kept(reason)) => (line.value.to_owned(), format!("kept: {reason}")),
+                    _ if line.comment.is_empty() => (line.value.to_owned(), "template".to_owned()),
+                    _ => (line.value.to_owned(), format!("template: {}", line.comment)),
+                },
+            };
+            out.push_str(&format!("{key} = {value}  # {why}\n"));
+        }
+        out
+    }
+
+    /// Keys that the template leaves out, behind the head of their section.
+    fn inserted(&self, section: &str, tuning: &Tuning) -> String {
+        let mut out = String::new();
+        match section {
+            "carrier" => {
+                if let Some(stiffness) = tuning.carrier {
+                    out.push_str(&format!(
+                        "torsional_stiffness_n_m_per_arcmin = {}  # calibrated: what rigid bodies hold rigid; elastic ones \
+                         leave it aside\n",
+                        plain(stiffness)
+                    ));
+                }
+            }
+            "housing.solid" => {
+                if let Some((diameter, outer)) = self.slim_housing() {
+                    let face = 0.8 * (outer - Scaled::slim_ring(outer)) * self.pin_circle_mm;
+                    out.push_str(&format!(
+                        "flange_diameter_mm = {}  # data sheet\nbolt_face_diameter_mm = {}  # scaled: 0.8 of the flange's \
+                         width\n",
+                        plain(diameter),
+                        plain(thousandths(face))
+                    ));
+                }
+            }
+            "unknowns" => {
+                if tuning.carrier.is_some() {
+                    out.push_str(
+                        "\"carrier.torsional_stiffness_n_m_per_arcmin\" = { factor = 1.5 } # stands for all that rigid \
+                         bodies hold rigid\n",
+                    );
+                }
+                out.push_str(
+                    "\"load.input_speed_rpm\" = { factor = 1.5 } # the duty is not on a data sheet\n",
+                );
+            }
+            _ => {}
         }
         out
     }
 
     /// The new value of a key and where it is from; `None` where the template's stays.
-    fn value(&self, path: &str, old: &str, clearance_um: Option<f64>) -> Option<(String, String)> {
-        let (s, w, sheet) = (self.scale, self.stretch, &self.sheet);
-        let old_number = || old.parse::<f64>().ok();
-        let speed = || plain(RATED_SPEED_RPM * self.ratio());
-        let data = |value: f64| Some((plain(value), "data sheet".to_owned()));
-        let (base, sun, planet) = (self.template.name, self.teeth.0, self.teeth.1);
-        match path {
-            ".name" => {
-                return Some((
-                    format!("\"like {base}, {} N m, ratio {}\"", plain(sheet.torque), plain(sheet.ratio)),
-                    "scaled".into(),
-                ));
-            }
-            ".description" => {
-                return Some((
-                    format!("\"Scaled from {base} and calibrated to a data sheet\""),
-                    "scaled".into(),
-                ));
-            }
-            "load.rated_torque_n_m" | "duty.torque_n_m" => return data(sheet.torque),
-            "load.input_speed_rpm" | "duty.input_speed_rpm" => {
-                return Some((speed(), "15 rpm at the output, as makers rate it".into()));
-            }
-            "gear_stage.ratio" => return data(sheet.ratio),
-            "gear_stage.sun_teeth" => return Some((sun.to_string(), "scaled: gives the ratio".into())),
-            "gear_stage.planet_teeth" => return Some((planet.to_string(), "scaled: gives the ratio".into())),
-            "gear_stage.module_mm" => {
-                return Some((
-                    plain(self.module_mm),
-                    "scaled: follows from teeth and crankshaft circle".into(),
-                ));
-            }
-            "crankshafts.circle_radius_mm" => {
-                let radius = 0.5 * self.module_mm * f64::from(sun + planet);
-                return Some((plain(radius), "scaled: follows from teeth and module".into()));
-            }
-            "limits.service_life_h" => return Some((plain(RATED_LIFE_H), "life of makers' ratings".into())),
-            "limits.lost_motion_arcmin" => {
-                let limit = old_number()?;
-                let found = sheet.lost_motion_arcmin.filter(|lost| *lost >= limit)?;
-                return Some((plain(1.5 * found), "half more than the data sheet's".into()));
-            }
-            "bearings.turning_arm.clearance_um" => {
-                let clearance = clearance_um?;
-                return Some((
-                    plain(clearance),
-                    "calibrated: gives the lost motion of the data sheet".into(),
-                ));
-            }
-            _ => {}
+    fn value(&self, path: &str, old: &str, tuning: &Tuning) -> Option<(String, String)> {
+        if let Some(found) = self.calibrated(path, tuning).or_else(|| self.given(path, old)) {
+            return Some(found);
         }
-        let key = path.rsplit('.').next()?;
-        let factor = match key {
-            "pin_circle_radius_mm"
-            | "pin_radius_mm"
-            | "crank_bore_diameter_mm"
-            | "centre_hole_diameter_mm"
-            | "eccentricity_mm"
-            | "shaft_diameter_mm"
-            | "roller_diameter_mm"
-            | "pitch_diameter_mm"
-            | "radial_stiffness_n_per_um"
-            | "damping_n_s_per_m"
-            | "mesh_damping_n_s_per_m" => s,
-            "width_mm"
-            | "face_width_mm"
-            | "roller_length_mm"
-            | "crank_support_span_mm"
-            | "mesh_stiffness_n_per_um" => s * w,
-            "mass_kg" => s.powi(3) * w,
-            "inertia_kg_m2" | "sun_inertia_kg_m2" | "motor_inertia_kg_m2" => s.powi(5) * w,
-            _ => return None,
+        let (s, w) = (self.scale, self.stretch);
+        let factor = match rule(path)? {
+            Rule::Size { s: a, w: b } => s.powf(a) * w.powf(b),
+            Rule::Grade => s.cbrt(),
+            Rule::Seal => (s * s).min(self.torque_ratio),
+            Rule::Crank => return self.crank(path, old.parse().ok()?, tuning.crankshafts),
+            Rule::Sheet | Rule::Kept(_) => return None,
         };
-        let old = old_number()?;
+        let old: f64 = old.parse().ok()?;
         Some((plain(old * factor), format!("scaled: x {}", plain((factor * 1e6).round() / 1e6))))
     }
 
+    /// What a calibration has set.
+    fn calibrated(&self, path: &str, tuning: &Tuning) -> Option<(String, String)> {
+        // Seals alone would be the only friction of a template without any.
+        if tuning.seal_drag.is_some()
+            && number(self.template.text, path) == Some(0.0)
+            && let Some((_, value)) = ASSUMED_FRICTION.iter().find(|(key, _)| *key == path)
+        {
+            return Some((
+                plain(*value),
+                "assumed, as on the test bench for designs without friction".to_owned(),
+            ));
+        }
+        let (value, why) = match path {
+            "bearings.turning_arm.clearance_um" => {
+                (tuning.clearance_um?, "calibrated: gives the lost motion of the data sheet")
+            }
+            "friction.seal_drag_n_m" => {
+                (tuning.seal_drag?, "calibrated: gives the starting or back-driving torque of the data sheet")
+            }
+            "bearings.main.rows.preload_um" => (tuning.preload_um?, PRELOAD),
+            _ => return None,
+        };
+        Some((plain(value), why.to_owned()))
+    }
+
+    /// What the data sheet gives, and what follows from it.
+    fn given(&self, path: &str, old: &str) -> Option<(String, String)> {
+        let sheet = &self.sheet;
+        let (base, sun, planet) = (self.template.name, self.teeth.0, self.teeth.1);
+        let data = |value: f64| Some((plain(value), "data sheet".to_owned()));
+        let say = |value: String, why: &str| Some((value, why.to_owned()));
+        match path {
+            ".name" => say(
+                format!("\"like {base}, {} N m, ratio {}\"", plain(sheet.torque), plain(sheet.ratio)),
+                "scaled",
+            ),
+            ".description" => say(format!("\"Scaled from {base} to a data sheet\""), "scaled"),
+            "load.rated_torque_n_m" | "duty.torque_n_m" => data(sheet.torque),
+            "load.input_speed_rpm" | "duty.input_speed_rpm" => {
+                say(plain(RATED_SPEED_RPM * self.ratio()), "15 rpm at the output, as makers rate it")
+            }
+            "crankshafts.count" => sheet.crankshafts.and_then(|_| data(self.crankshafts)),
+            "gear_stage.ratio" => data(sheet.ratio),
+            "gear_stage.sun_teeth" => say(sun.to_string(), "scaled: gives the ratio"),
+            "gear_stage.planet_teeth" => say(planet.to_string(), "scaled: gives the ratio"),
+            "gear_stage.module_mm" => {
+                say(plain(self.module_mm), "scaled: follows from teeth and crankshaft circle")
+            }
+            "crankshafts.circle_radius_mm" => say(
+                plain(0.5 * self.module_mm * f64::from(sun + planet)),
+                "scaled: follows from teeth and module",
+            ),
+            "limits.service_life_h" => say(plain(RATED_LIFE_H), "life of makers' ratings"),
+            "limits.lost_motion_arcmin" => {
+                let limit: f64 = old.parse().ok()?;
+                let found = sheet.lost_motion_arcmin.filter(|lost| *lost >= limit)?;
+                say(plain(1.5 * found), "half more than the data sheet's")
+            }
+            "housing.solid.body_diameter_mm" => {
+                let (_, outer) = self.slim_housing()?;
+                let diameter = 2.0 * Scaled::slim_ring(outer) * self.pin_circle_mm;
+                say(
+                    plain(thousandths(diameter)),
+                    "scaled: shares what the outer diameter leaves with the flange",
+                )
+            }
+            _ => None,
+        }
+    }
+
+    /// Diameters of the crankshafts, each as much larger as the eccentrics are, so that shoulders and rings stay;
+    /// rollers as many as there is room for on the larger circle.
+    fn crank(&self, path: &str, old: f64, factor: f64) -> Option<(String, String)> {
+        let more = (factor - 1.0) * self.scale * self.eccentric_mm;
+        let why = if factor == 1.0 {
+            "scaled".to_owned()
+        } else {
+            format!(
+                "calibrated: eccentrics x {} give the stiffness of the data sheet",
+                plain(thousandths(factor))
+            )
+        };
+        let Some(bearing) = path.strip_suffix(".roller_count") else {
+            return Some((plain(thousandths(self.scale * old + more)), why));
+        };
+        let pitch = self.scale * number(self.template.text, &format!("{bearing}.pitch_diameter_mm"))?;
+        let count = (old * (pitch + more) / pitch * (1.0 + 1e-9)).floor().max(3.0);
+        Some((plain(count), why))
+    }
+
     /// A range of what is not known, moved along with its key.
-    fn unknown(&self, line: &Line<'_>, clearance_um: Option<f64>) -> String {
+    fn unknown(&self, line: &Line<'_>, tuning: &Tuning) -> String {
         let unchanged = format!("{}\n", line.raw);
         let Some(path) = line.key.map(|key| key.trim_matches('"').replace("[0]", "")) else {
             return unchanged;
         };
+        if path == "crankshafts.count" && self.sheet.crankshafts.is_some() {
+            return String::new();
+        }
         let (section, key) = path.rsplit_once('.').unwrap_or(("", path.as_str()));
-        let Some(of) = lines(self.template.text).find(|l| l.section == section && l.key == Some(key)) else {
-            return unchanged;
-        };
-        let new = self.value(&path, of.value, clearance_um).and_then(|(text, _)| text.parse::<f64>().ok());
-        let (Some(new), Ok(old)) = (new, of.value.parse::<f64>()) else { return unchanged };
         let bounds = |name: &str| {
             let rest = line.value.split(&format!("{name} = ")).nth(1)?;
             let end = rest.find([',', ' ', '}']).unwrap_or(rest.len());
             rest[..end].parse::<f64>().ok()
         };
         let (Some(low), Some(high)) = (bounds("low"), bounds("high")) else { return unchanged };
-        let factor = if old == 0.0 || new == 0.0 { 1.0 } else { new / old };
+        let of = lines(self.template.text).find(|l| l.section == section && l.key == Some(key));
+        let old = of.as_ref().and_then(|of| of.value.parse::<f64>().ok());
+        let new =
+            of.and_then(|of| self.value(&path, of.value, tuning)).and_then(|(text, _)| text.parse().ok());
+        // A range about nothing, or of a key that is left to its default, goes by the rule of the key.
+        let by_rule = || {
+            let (text, _) = self.value(&path, "1", &Tuning::default())?;
+            matches!(rule(&path)?, Rule::Size { .. } | Rule::Seal | Rule::Grade).then_some(())?;
+            text.parse::<f64>().ok()
+        };
+        let factor = match (old, new) {
+            (Some(old), Some(new)) if old != 0.0 && new != 0.0 => Some(new / old),
+            _ => by_rule(),
+        };
+        let Some(factor) = factor.filter(|factor| *factor != 1.0) else { return unchanged };
         let (a, b) = (low * factor, high * factor);
+        let nominal = new.or(old).unwrap_or(a);
         format!(
             "{} = {{ low = {}, high = {} }} # template, scaled: {}\n",
             line.key.unwrap_or_default(),
-            plain(a.min(b).min(new)),
-            plain(a.max(b).max(new)),
+            plain(a.min(b).min(nominal)),
+            plain(a.max(b).max(nominal)),
             line.comment
         )
     }
 }
 
-/// Teeth of sun and planet that give a ratio with so many pins, their sum nearest to the template's.
-fn teeth(ratio: f64, pins: f64, sum: f64) -> Result<(u32, u32), ScaleError> {
+/// Coefficients where seals are calibrated in a machine of a template without friction.
+const ASSUMED_FRICTION: [(&str, f64); 4] = [
+    ("friction.flank_coefficient", 0.06),
+    ("friction.pin_seat_coefficient", 0.06),
+    ("friction.bearing_coefficient", 0.002),
+    ("friction.gear_mesh_coefficient", 0.06),
+];
+
+const PRELOAD: &str = "calibrated: gives the moment stiffness of the data sheet";
+
+/// Teeth of sun and planet that give a ratio with so many pins: planets that pass each other, a sun whose teeth
+/// divide by their number where there is one, and a sum near the template's.
+fn teeth(ratio: f64, pins: f64, sum: f64, cranks: f64) -> Result<(u32, u32), ScaleError> {
+    /// Room between the tips of neighbouring planets, as a part of their distance.
+    const APART: f64 = 0.985;
     let wanted = (ratio - 1.0) / pins;
-    let mut best: Option<(u32, u32)> = None;
-    let mut nearest = (f64::INFINITY, 0.0);
+    let mut best: Option<((u32, u32), f64)> = None;
+    let (mut nearest, mut touching) = ((f64::INFINITY, 0.0), false);
     for sun in 8..=60_u32 {
         let planet = (wanted * f64::from(sun)).round();
         if !(8.0..=400.0).contains(&planet) {
@@ -297,124 +474,26 @@ fn teeth(ratio: f64, pins: f64, sum: f64) -> Result<(u32, u32), ScaleError> {
             nearest = (error, found);
         }
         // Ratios are printed with few digits; a design file accepts the same.
-        let distance = |pair: (u32, u32)| (f64::from(pair.0 + pair.1) - sum).abs();
-        let pair = (sun, planet as u32);
-        if error < 4e-4 && best.is_none_or(|best| distance(pair) < distance(best)) {
-            best = Some(pair);
+        if !(error < 4e-4) {
+            continue;
+        }
+        if (planet + 2.0) / (f64::from(sun) + planet) > APART * (std::f64::consts::PI / cranks).sin() {
+            touching = true;
+            continue;
+        }
+        let matched = if f64::from(sun) % cranks == 0.0 { 0.0 } else { 40.0 };
+        let cost = (f64::from(sun) + planet - sum).abs() + matched;
+        if best.is_none_or(|(_, least)| cost < least) {
+            best = Some(((sun, planet as u32), cost));
         }
     }
-    best.ok_or(ScaleError::Teeth { ratio, pins, nearest: nearest.1 })
-}
-
-/// A line of a design file.
-struct Line<'a> {
-    raw: &'a str,
-    /// Without brackets; empty before the first.
-    section: &'a str,
-    key: Option<&'a str>,
-    value: &'a str,
-    comment: &'a str,
-}
-
-/// The lines of a shipped design: one key a line, comments behind.
-fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
-    let mut section = "";
-    text.lines().map(move |raw| {
-        let code = raw.trim();
-        if code.starts_with('[') {
-            section = code.split('#').next().unwrap_or("").trim().trim_matches(['[', ']']);
-            return Line { raw, section, key: None, value: "", comment: "" };
-        }
-        let comment_at = comment_of(code);
-        let (body, comment) = match comment_at {
-            Some(at) => (code[..at].trim(), code[at + 1..].trim()),
-            None => (code, ""),
-        };
-        match body.split_once(" = ") {
-            Some((key, value)) => Line { raw, section, key: Some(key.trim()), value: value.trim(), comment },
-            None => Line { raw, section, key: None, value: "", comment },
-        }
-    })
-}
-
-/// Where a comment starts: the first # outside of quotation marks.
-fn comment_of(code: &str) -> Option<usize> {
-    let mut quoted = false;
-    code.char_indices()
-        .find(|(_, c)| {
-            quoted ^= *c == '"';
-            *c == '#' && !quoted
-        })
-        .map(|(at, _)| at)
+    match best {
+        Some((pair, _)) => Ok(pair),
+        None if touching => Err(ScaleError::Planets { ratio, cranks }),
+        None => Err(ScaleError::Teeth { ratio, pins, nearest: nearest.1 }),
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::checks::{Severity, check_design};
-    use crate::design::Design;
-    use crate::templates::{TAO2024, TEMPLATES};
-
-    /// Catalogue figures of the RV-E series: name, torque, ratio, outer diameter.
-    const CATALOGUE: [(&str, f64, f64, f64); 4] = [
-        ("RV-20E", 167.0, 105.0, 145.0),
-        ("RV-80E", 784.0, 121.0, 222.0),
-        ("RV-110E", 1078.0, 111.0, 244.0),
-        ("RV-320E", 3136.0, 129.0, 325.0),
-    ];
-
-    fn sheet(torque: f64, ratio: f64, diameter: f64) -> DataSheet {
-        DataSheet {
-            ratio,
-            torque,
-            outer_diameter_mm: Some(diameter),
-            stiffness_n_m_per_arcmin: None,
-            lost_motion_arcmin: None,
-        }
-    }
-
-    /// Every size is a design without error findings from either template, with the ratio asked for.
-    #[test]
-    fn the_series_is_scaled_without_error_findings() {
-        for template in TEMPLATES {
-            for (name, torque, ratio, diameter) in CATALOGUE {
-                let scaled = Scaled::new(template, sheet(torque, ratio, diameter)).unwrap();
-                let text = scaled.text(Some(7.5), Some(300.0), &["a note".into()]);
-                let design = Design::parse(&text, name)
-                    .unwrap_or_else(|e| panic!("{name}: {e} {:?}\n{text}", e.hint()));
-                let machine = design.machine();
-                assert!((machine.kinematics().ratio() / ratio - 1.0).abs() < 5e-4, "{name}");
-                assert!((machine.rated.torque - torque).abs() < 1e-9);
-                let errors: Vec<_> =
-                    check_design(&design).into_iter().filter(|f| f.severity == Severity::Error).collect();
-                assert!(errors.is_empty(), "{name} like {}: {errors:?}", template.name);
-                assert!(text.contains("calibrated") && text.contains("scaled: x"));
-            }
-        }
-    }
-
-    /// Scaled by one, with its own data, the template stays what it is.
-    #[test]
-    fn the_template_is_like_itself() {
-        let template = TAO2024;
-        let scaled = Scaled::new(template, sheet(412.0, 81.0, template.outer_diameter_mm)).unwrap();
-        let (old, new) = (
-            crate::templates::tao2024(),
-            Design::parse(&scaled.text(None, None, &[]), "like").unwrap().machine(),
-        );
-        assert_eq!(scaled.teeth, (18, 36));
-        assert_eq!(old.ring, new.ring);
-        assert_eq!(old.bearings, new.bearings);
-        assert_eq!((old.disc.mass, old.disc.inertia), (new.disc.mass, new.disc.inertia));
-    }
-
-    #[test]
-    fn what_cannot_be_scaled_is_refused() {
-        let template = TAO2024;
-        assert!(matches!(Scaled::new(template, sheet(412.0, 10.0, 190.0)), Err(ScaleError::Range { .. })));
-        assert!(matches!(Scaled::new(template, sheet(f64::NAN, 81.0, 190.0)), Err(ScaleError::Range { .. })));
-        assert!(matches!(Scaled::new(template, sheet(412.0, 81.0, 5.0)), Err(ScaleError::Range { .. })));
-        // 118.5 = 1 + 40 · 47/16.
-        assert_eq!(Scaled::new(template, sheet(412.0, 118.5, 190.0)).unwrap().teeth, (16, 47));
-    }
-}
+#[path = "like_tests.rs"]
+mod tests;

@@ -56,7 +56,8 @@ impl BearingJoints {
         let stage = &machine.gear_stage;
         let free_input = matches!(&input, Input::Driven(drive) if drive.leaves_sun_free());
         let degrees = Degrees {
-            flange: (machine.carrier.torsional_stiffness * scale).is_finite(),
+            // An elastic carrier brings its own torsion.
+            flange: settings.carrier.is_none() && (machine.carrier.torsional_stiffness * scale).is_finite(),
             input_shaft: (stage.input_torsional_stiffness * scale).is_finite(),
             free_input,
             seats: settings.carrier.is_some(),
