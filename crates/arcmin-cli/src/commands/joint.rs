@@ -10,7 +10,7 @@ use clap::{Arg, ArgMatches, Command};
 use super::Ending;
 use super::exchange::{Given, choice, directory, number, out, path};
 use crate::failure::Failure;
-use crate::run::{Terminal, say, write_file};
+use crate::run::{Cache, Terminal, say, write_file};
 
 pub fn command() -> Command {
     Command::new("joint")
@@ -91,7 +91,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         timestep: 1e-3 * given.within("timestep-ms", 1e-3, 100.0)?,
     };
     let out = directory(matches, &path, "export")?;
-    let host = Terminal::new(&path, &out, &out, false);
+    let host = Terminal::new(&path, &out, Cache::of_user(&out), false);
     let found = joint(&design, &options, &host).map_err(failed)?;
     host.clear();
     let json = found.json().map_err(|cause| Failure::Json { cause: cause.to_string() })?;

@@ -1,7 +1,8 @@
 //! Accuracy and loads of one state of wear.
 
 use crate::geometry::Relief;
-use crate::load::{FlankForce, PinLoad, ShareLoad};
+use super::extremes::extremes;
+use crate::load::{FlankForce, PinLoad, ShareLoad, Spot};
 use crate::machine::{Machine, OutputAngle};
 use crate::wear::WearError;
 
@@ -16,9 +17,15 @@ pub struct Accuracy {
     pub loaded_error: OutputAngle,
     /// Peak-to-peak output error under rated torque over the cycle.
     pub loaded_peak_to_peak: OutputAngle,
-    /// N, Pa, pairs of one disc.
+    /// Largest force of a pin in N and largest pressure in Pa, at the largest torque of rating and duty.
     pub max_force: f64,
     pub max_pressure: f64,
+    /// How far single readings scatter about the largest pressure, in Pa.
+    pub pressure_scatter: f64,
+    /// Where they are: different pins at different places.
+    pub hardest_pushed: Spot,
+    pub hardest_pressed: Spot,
+    /// Pairs of one disc at rated torque.
     pub loaded_pairs: f64,
     /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean of all
     /// pins.
@@ -101,7 +108,15 @@ pub fn accuracy<S: ShareLoad>(
     crank_positions: usize,
 ) -> Result<Accuracy, WearError> {
     let alike = meshing.discs_alike();
-    let cycle = meshing.loaded_cycle(machine.rated.torque, positions(meshing, crank_positions))?;
+    let count = positions(meshing, crank_positions);
+    let cycle = meshing.loaded_cycle(machine.rated.torque, count)?;
+    let hardest = match machine.hardest_torque() {
+        torque if torque == machine.rated.torque => None,
+        torque => Some(meshing.loaded_cycle(torque, count)?),
+    };
+    let flanks = if alike { 1 } else { machine.disc_count };
+    let extremes =
+        extremes(meshing, machine.hardest_torque(), hardest.as_ref().unwrap_or(&cycle), flanks)?;
     let (flank_forces, flank_peaks) = if meshing.pitches() == 1 {
         (vec![cycle.flank_forces()], cycle.flank_forces())
     } else {
@@ -117,8 +132,11 @@ pub fn accuracy<S: ShareLoad>(
         max_depth_at,
         loaded_error: cycle.mean_error(),
         loaded_peak_to_peak: cycle.peak_to_peak_error(),
-        max_force: cycle.max_force(),
-        max_pressure: cycle.max_pressure(meshing.contacts().contact()),
+        max_force: extremes.pushed.force,
+        max_pressure: extremes.pressed.pressure,
+        pressure_scatter: extremes.scatter,
+        hardest_pushed: extremes.pushed,
+        hardest_pressed: extremes.pressed,
         loaded_pairs: cycle.loaded_pairs(),
         flank: flank.clone(),
         flank_forces,

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod course;
+mod extremes;
 mod parts;
 mod predict;
 mod tao2024;

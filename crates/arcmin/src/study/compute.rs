@@ -31,7 +31,8 @@ impl Host for Keeping<'_> {
     }
 
     fn wants(&self, result: &str) -> bool {
-        self.kept.iter().any(|kept| kept.key.split('.').next() == Some(result))
+        let kept = |kept: &Kept| kept.key == result || kept.key.split('.').next() == Some(result);
+        self.kept.iter().any(kept)
     }
 
     fn seconds(&self) -> f64 {

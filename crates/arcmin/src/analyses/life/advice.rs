@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::bearings::{self, bearing_lives};
+use super::bearings::{self, lives_in_friction};
 use super::verdict::{LifeVerdict, Limit, LimitKind};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
@@ -270,7 +270,7 @@ impl Question<'_> {
         match self.kind {
             LimitKind::BearingLife => {
                 let settings = self.fidelity.joint_settings().ok()?;
-                Some(bearing_lives(machine, &settings, positions).ok()?.worst()?.life_h)
+                Some(lives_in_friction(machine, &settings, positions).ok()?.worst()?.life_h)
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue => {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
