@@ -157,8 +157,7 @@ fn an_interrupted_life_keeps_earlier_results() {
 fn a_drawn_machine_is_the_same_on_any_number_of_threads() {
     let directory = with_short_life();
     let d = directory.path();
-    let drawn =
-        ["--errors", "drawn", "--seed", "3", "--quasi-static", "--points", "4", "--bodies", "rigid"];
+    let drawn = ["--errors", "drawn", "--seed", "3", "--quasi-static", "--points", "4", "--bodies", "rigid"];
     for (out, threads) in [("a", "1"), ("b", "2")] {
         good(d, &[&["life", "d.toml"][..], &drawn, &["--out", out, "--threads", threads]].concat());
     }

@@ -29,8 +29,8 @@ impl Cache {
         Cache { directory: directory.to_owned(), largest: LARGEST }
     }
 
-    /// The user's cache: `$XDG_CACHE_HOME/arcmin`, or where the system keeps caches below the home directory; for a
-    /// user without a home that of the results.
+    /// The user's cache: `$XDG_CACHE_HOME/arcmin`, or where the system keeps caches below the home directory;
+    /// for a user without a home that of the results.
     pub fn of_user(results: &Path) -> Cache {
         let absolute = |name: &str| {
             let path = PathBuf::from(std::env::var_os(name)?);
@@ -60,8 +60,8 @@ impl Cache {
         Some(bytes)
     }
 
-    /// Keeps bytes under a name; a directory that takes none costs the next run time and nothing else, so that
-    /// is said and the run goes on.
+    /// Keeps bytes under a name; a directory that takes none costs the next run time and nothing else, so
+    /// that is said and the run goes on.
     pub fn keep(&self, name: &str, bytes: &[u8]) {
         let written = std::fs::create_dir_all(&self.directory)
             .map_err(|cause| Failure::Write { path: self.directory.clone(), cause })
@@ -104,8 +104,8 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    /// What is used last stays, what was not used longest goes, other files are not touched, and the newest entry
-    /// stays even where it alone is too large.
+    /// What is used last stays, what was not used longest goes, other files are not touched, and the newest
+    /// entry stays even where it alone is too large.
     #[test]
     fn a_cache_forgets_what_was_not_used_longest() {
         let directory = tempfile::tempdir().unwrap();

@@ -1,8 +1,8 @@
 //! Accuracy and loads of one state of wear.
 
+use super::extremes::{Extremes, extremes};
 use crate::geometry::Relief;
-use super::extremes::extremes;
-use crate::load::{FlankForce, PinLoad, ShareLoad, Spot};
+use crate::load::{FlankForce, LoadError, PinLoad, ShareLoad, Spot};
 use crate::machine::{Machine, OutputAngle};
 use crate::wear::WearError;
 
@@ -27,8 +27,8 @@ pub struct Accuracy {
     pub hardest_pressed: Spot,
     /// Pairs of one disc at rated torque.
     pub loaded_pairs: f64,
-    /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean of all
-    /// pins.
+    /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean
+    /// of all pins.
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
@@ -55,7 +55,8 @@ pub struct Travel {
 
 /// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
 const RING_POSITIONS: usize = 4;
-/// Steps of the meshing angle for forces that differ from pin to pin, and where they differ with the crank alone.
+/// Steps of the meshing angle for forces that differ from pin to pin, and where they differ with the crank
+/// alone.
 const PIN_CELLS: usize = 72;
 const CRANK_CELLS: usize = 144;
 
@@ -96,6 +97,19 @@ pub fn travel<S: ShareLoad>(
     })
 }
 
+/// The hardest loaded contacts under a torque, of the surfaces that `meshing` has on.
+///
+/// # Errors
+/// [`LoadError`] when a load sharing fails.
+pub(crate) fn hardest<S: ShareLoad>(
+    meshing: &mut S,
+    torque: f64,
+    crank_positions: usize,
+) -> Result<Extremes, LoadError> {
+    let cycle = meshing.loaded_cycle(torque, positions(meshing, crank_positions))?;
+    extremes(meshing, torque, &cycle)
+}
+
 /// Accuracy of one state of wear, which `meshing` has on.
 ///
 /// # Errors
@@ -110,13 +124,10 @@ pub fn accuracy<S: ShareLoad>(
     let alike = meshing.discs_alike();
     let count = positions(meshing, crank_positions);
     let cycle = meshing.loaded_cycle(machine.rated.torque, count)?;
-    let hardest = match machine.hardest_torque() {
-        torque if torque == machine.rated.torque => None,
-        torque => Some(meshing.loaded_cycle(torque, count)?),
+    let extremes = match machine.hardest_torque() {
+        torque if torque == machine.rated.torque => extremes(meshing, torque, &cycle)?,
+        torque => hardest(meshing, torque, crank_positions)?,
     };
-    let flanks = if alike { 1 } else { machine.disc_count };
-    let extremes =
-        extremes(meshing, machine.hardest_torque(), hardest.as_ref().unwrap_or(&cycle), flanks)?;
     let (flank_forces, flank_peaks) = if meshing.pitches() == 1 {
         (vec![cycle.flank_forces()], cycle.flank_forces())
     } else {

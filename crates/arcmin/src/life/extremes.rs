@@ -1,9 +1,10 @@
 //! Largest force and largest pressure of a machine as properties of the machine, not of the places looked at.
 //!
-//! Both are the largest of curves over the crank angle, which a few dozen positions may miss: the largest readings are
-//! looked at more closely, half a step to either side and half of that again. And the pressure goes with the root of the
-//! curvature, to which waves of a hundredth of a micrometre that steps of the wear leave on a flank add a tenth: as a
-//! contact is no sharper than it is wide, the curvature is its mean over twice the width of the contact.
+//! Both are the largest of curves over the crank angle, which a few dozen positions may miss: the largest
+//! readings are looked at more closely, half a step to either side and half of that again. And the pressure
+//! goes with the root of the curvature, to which waves of a hundredth of a micrometre that steps of the wear
+//! leave on a flank add a tenth: as a contact is no sharper than it is wide, the curvature is its mean over
+//! twice the width of the contact.
 
 use crate::contact::LineContact;
 use crate::geometry::Profile;
@@ -22,11 +23,11 @@ const HALVINGS: usize = 4;
 
 /// The hardest loaded contacts of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Extremes {
+pub(crate) struct Extremes {
     pub pushed: Spot,
     pub pressed: Spot,
-    /// Standard deviation in Pa of single readings of the pressure about the one that is averaged over the contact, around
-    /// the hardest pressed place.
+    /// Standard deviation in Pa of single readings of the pressure about the one that is averaged over the
+    /// contact, around the hardest pressed place.
     pub scatter: f64,
 }
 
@@ -40,8 +41,9 @@ struct Curvatures<'a> {
 
 impl<'a> Curvatures<'a> {
     /// Of all loaded contacts of a cycle: one flank for all discs where they are alike.
-    fn of(cycle: &Cycle, profile: &'a Profile, contact: &'a LineContact, flanks: usize) -> Curvatures<'a> {
-        let mut read = vec![Vec::new(); flanks.max(1)];
+    fn of(cycle: &Cycle, profile: &'a Profile, contact: &'a LineContact, alike: bool) -> Curvatures<'a> {
+        let discs = cycle.positions.first().map_or(1, |position| position.discs.len().max(1));
+        let mut read = vec![Vec::new(); if alike { 1 } else { discs }];
         for position in &cycle.positions {
             for (disc, pins) in position.discs.iter().enumerate() {
                 let loaded = pins.iter().filter(|pin| pin.force > 0.0);
@@ -83,21 +85,31 @@ impl<'a> Curvatures<'a> {
             .collect()
     }
 
-    /// Relative standard deviation of single pressures around a spot: half of that of the curvatures.
+    /// Relative standard deviation of single pressures around a spot: half of that of the curvatures about
+    /// the parabola that their logarithms follow along the way, for what the flank bends by itself is no
+    /// scatter.
     fn scatter(&self, spot: &Spot, curvature: f64) -> f64 {
         let read = self.around(spot.disc, spot.meshing_angle, spot.force, curvature);
-        let Some(mean) = mean(read) else { return 0.0 };
-        // What the flank bends by itself along the way is no scatter: straight lines are taken off.
-        let count = read.len() as f64;
-        let middle = read.iter().map(|(at, _)| at).sum::<f64>() / count;
-        let square: f64 = read.iter().map(|(at, _)| (at - middle).powi(2)).sum();
-        let slope = if square > 0.0 {
-            read.iter().map(|(at, x)| (at - middle) * (x - mean)).sum::<f64>() / square
-        } else {
-            0.0
-        };
-        let rest: f64 = read.iter().map(|(at, x)| (x - mean - slope * (at - middle)).powi(2)).sum();
-        0.5 * (rest / count).sqrt() / mean
+        let mut rest: Vec<f64> = read.iter().map(|(_, curvature)| curvature.ln()).collect();
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for power in 0..3 {
+            let mut next: Vec<f64> =
+                read.iter().map(|(at, _)| ((at - spot.meshing_angle) / LARGEST_REACH).powi(power)).collect();
+            basis.iter().for_each(|other| take_off(&mut next, other));
+            take_off(&mut rest, &next);
+            basis.push(next);
+        }
+        let square: f64 = rest.iter().map(|rest| rest * rest).sum();
+        if read.len() > 3 { 0.5 * (square / (read.len() - 3) as f64).sqrt() } else { 0.0 }
+    }
+}
+
+/// Takes off a vector its part along another.
+fn take_off(vector: &mut [f64], other: &[f64]) {
+    let square: f64 = other.iter().map(|x| x * x).sum();
+    if square > 0.0 {
+        let part = vector.iter().zip(other).map(|(a, b)| a * b).sum::<f64>() / square;
+        vector.iter_mut().zip(other).for_each(|(a, b)| *a -= part * b);
     }
 }
 
@@ -110,8 +122,8 @@ fn largest(spots: &[Spot], measure: fn(&Spot) -> f64) -> Spot {
     spots.iter().copied().max_by(|a, b| measure(a).total_cmp(&measure(b))).unwrap_or_default()
 }
 
-/// The hardest loaded contacts of a machine under a torque, of which `cycle` holds positions over everything that
-/// repeats.
+/// The hardest loaded contacts of a machine under a torque, of which `cycle` holds positions over everything
+/// that repeats.
 ///
 /// # Errors
 /// [`LoadError`] where a position between has no balance.
@@ -119,10 +131,10 @@ pub(super) fn extremes<S: ShareLoad>(
     meshing: &mut S,
     torque: f64,
     cycle: &Cycle,
-    flanks: usize,
 ) -> Result<Extremes, LoadError> {
     let (profile, contact) = (meshing.contacts().profile().clone(), meshing.contacts().contact().clone());
-    let curvatures = Curvatures::of(cycle, &profile, &contact, flanks);
+    let alike = meshing.discs_alike();
+    let curvatures = Curvatures::of(cycle, &profile, &contact, alike);
     let count = cycle.positions.len();
     if count == 0 {
         return Ok(Extremes::default());
@@ -192,13 +204,13 @@ mod tests {
     fn at(machine: &Machine, fidelity: &Fidelity, state: &WornState, count: usize) -> (Extremes, f64) {
         let mut meshing = fidelity.meshing(machine).unwrap();
         state.put_on(machine, &mut meshing);
-        let flanks = if meshing.discs_alike() { 1 } else { machine.disc_count };
         let cycle = meshing.loaded_cycle(machine.rated.torque, count).unwrap();
         let single = cycle.max_pressure(meshing.contacts().contact());
-        (extremes(&mut meshing, machine.rated.torque, &cycle, flanks).unwrap(), single)
+        (extremes(&mut meshing, machine.rated.torque, &cycle).unwrap(), single)
     }
 
-    /// Worn random designs: four times as many crank positions leave the largest force and the largest pressure.
+    /// Worn random designs: four times as many crank positions leave the largest force and the largest
+    /// pressure.
     #[test]
     fn extremes_converge_with_the_places_looked_at() {
         let mut tested = 0;
@@ -216,7 +228,8 @@ mod tests {
         assert!(tested >= 4, "{tested}");
     }
 
-    /// A drawn machine between neighbouring hours: single readings jump by several per cent, the estimate hardly does.
+    /// A drawn machine between neighbouring hours: single readings jump by several per cent, the estimate
+    /// hardly does.
     #[test]
     fn pressures_of_neighbouring_hours_are_alike() {
         let machine = crate::templates::tao2024();
@@ -237,8 +250,8 @@ mod tests {
         assert!(history.iter().all(|h| (h.1 - h.0).abs() < 4.0 * h.2 + 0.02 * h.0), "{history:?}");
     }
 
-    /// Waves of a hundredth of a micrometre, shorter than the contact is wide, on a flank as designed: single pressures
-    /// take them for curvature, the estimate leaves what it was.
+    /// Waves of a hundredth of a micrometre, shorter than the contact is wide, on a flank as designed: single
+    /// pressures take them for curvature, the estimate leaves what it was.
     #[test]
     fn trap_waves_shorter_than_the_contact_are_no_curvature() {
         let machine = crate::templates::tao2024();
@@ -247,7 +260,7 @@ mod tests {
             let mut meshing = machine.meshing(&Relief::from_samples(samples));
             let cycle = meshing.loaded_cycle(machine.rated.torque, 36).unwrap();
             let single = cycle.max_pressure(meshing.contacts().contact());
-            let found = extremes(&mut meshing, machine.rated.torque, &cycle, 1).unwrap();
+            let found = extremes(&mut meshing, machine.rated.torque, &cycle).unwrap();
             (found.pressed.pressure, single, found.scatter)
         };
         let (plain, wavy) = (waves(0.0), waves(0.01 * UM));
@@ -257,8 +270,8 @@ mod tests {
         assert!(wavy.2 > 10.0 * MPA && plain.2 < 0.01 * plain.0, "{plain:?} {wavy:?}");
     }
 
-    /// Little torque on wide flanks: the increments of the wear go with what contacts give way, so that its waves do not
-    /// decide which pins carry. Steps four times as small leave the largest force.
+    /// Little torque on wide flanks: the increments of the wear go with what contacts give way, so that its
+    /// waves do not decide which pins carry. Steps four times as small leave the largest force.
     #[test]
     fn forces_of_a_lightly_loaded_machine_do_not_hang_on_increments() {
         let mut machine = crate::templates::tao2024();
@@ -272,10 +285,8 @@ mod tests {
         };
         let usual = CoupledOptions::default();
         let [increment, share] = usual.few_places;
-        let (coarse, fine) = (
-            after(usual),
-            after(CoupledOptions { few_places: [0.1 * increment, 0.1 * share], ..usual }),
-        );
+        let (coarse, fine) =
+            (after(usual), after(CoupledOptions { few_places: [0.1 * increment, 0.1 * share], ..usual }));
         let off = (coarse.pushed.force / fine.pushed.force - 1.0).abs();
         assert!(off < 0.08, "{coarse:?} {fine:?}");
         assert!(coarse.pushed.meshing_angle.abs() < 180.0 * DEG);

@@ -146,9 +146,7 @@ pub fn predict(
     let mut lost_motion: Vec<(f64, f64)> =
         points.iter().map(|point| (point.hours(), point.lost_motion.radians())).collect();
     let (beyond, searched_hours) = match runs_away {
-        None => {
-            search_limit(&mut course, machine, options, &mut lost_motion, progress).map_err(failed())?
-        }
+        None => search_limit(&mut course, machine, options, &mut lost_motion, progress).map_err(failed())?,
         Some(RunAway { hours, .. }) => (None, hours),
     };
     let hours_to_limit = crossing(&lost_motion, machine.limits.lost_motion);
@@ -164,8 +162,8 @@ pub fn predict(
     })
 }
 
-/// States evaluated one after the other, each from the balances of the one before: a multiple of what it takes to
-/// make up for the first, and few enough for the processors of a desk.
+/// States evaluated one after the other, each from the balances of the one before: a multiple of what it
+/// takes to make up for the first, and few enough for the processors of a desk.
 pub(crate) const STATES_IN_A_ROW: usize = 16;
 
 /// Evaluates some states in a row.
@@ -216,8 +214,8 @@ fn of_contacts(machine: &Machine, state: &WornState) -> Result<OutputAngle, Wear
     Ok(lost_motion(&mut meshing, machine.rated.torque, positions)?)
 }
 
-/// Goes on beyond the service life until the lost motion reaches its limit: the machine there, and how far was
-/// looked. `history` holds (h, rad) over the service life, and what was found beyond.
+/// Goes on beyond the service life until the lost motion reaches its limit: the machine there, and how far
+/// was looked. `history` holds (h, rad) over the service life, and what was found beyond.
 fn search_limit(
     course: &mut Course<'_>,
     machine: &Machine,

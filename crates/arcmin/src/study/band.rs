@@ -5,8 +5,8 @@ use serde_json::{Value as Json, json};
 use super::judge::{Judged, JudgedResult, Sensitivity};
 use super::page::StudyReport;
 use super::{Rows, Study, StudyFile};
-use crate::analyses::{AnalysisError, Said, identity};
 use crate::analyses::life::{about, limit_hours};
+use crate::analyses::{AnalysisError, Said, identity};
 use crate::analyses::{Host, by_name};
 use crate::design::Design;
 use crate::report::{Block, Page, Section, compact, significant};
@@ -128,7 +128,8 @@ impl<'a> Band<'a> {
     /// "3100 to 7400 h" of a result in hours, of which those that are absent go on beyond what was computed.
     fn hours(&self, key: &str) -> Option<String> {
         let searched = about(self.searched());
-        let hours = |hours: f64| if hours.is_finite() { about(hours) } else { format!("more than {searched}") };
+        let hours =
+            |hours: f64| if hours.is_finite() { about(hours) } else { format!("more than {searched}") };
         self.ends(key).map(|(low, high)| format!("{} to {} h", hours(low), hours(high)))
     }
 
@@ -291,7 +292,8 @@ mod tests {
             "{sentence}"
         );
         assert!(
-            sentence.contains("measure `wear.coupled.coefficient_mm2_per_n` first, which makes 100 % of that"),
+            sentence
+                .contains("measure `wear.coupled.coefficient_mm2_per_n` first, which makes 100 % of that"),
             "{sentence}"
         );
         assert!(sentence.contains("with 95 % confidence, from 93 machines") && said == 2, "{sentence}");

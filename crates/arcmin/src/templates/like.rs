@@ -389,7 +389,9 @@ mod tests {
                 // What the data sheet has settled is not unknown any more.
                 let unknowns = design.unknowns();
                 let open = |key: &str| unknowns.iter().any(|unknown| unknown.path == key);
-                assert!(!open("bearings.turning_arm.clearance_um") && open("wear.coupled.coefficient_mm2_per_n"));
+                assert!(
+                    !open("bearings.turning_arm.clearance_um") && open("wear.coupled.coefficient_mm2_per_n")
+                );
                 assert!(!open("carrier.torsional_stiffness_n_m_per_arcmin"));
             }
         }

@@ -1,21 +1,23 @@
 //! What hours may be, as far as the inputs of a design are known: first-order sensitivities of every limit.
 //!
-//! Each input of `[unknowns]` is moved to either end of its range by itself. What that does to the machine in a few of
-//! its states is found by the same force laws, and taken between and beyond by straight lines; a thousand draws of all
-//! inputs then give each limit its hours. Wear is worked out once: a rate of wear times s reaches after H hours what the
-//! present one reaches after s H. What the load shared otherwise makes of the form of the worn flank is of second order
-//! and left out; `arcmin life --band` computes whole lives instead.
+//! Each input of `[unknowns]` is moved to either end of its range by itself. What that does to the machine in
+//! a few of its states is found by the same force laws, and taken between and beyond by straight lines; a
+//! thousand draws of all inputs then give each limit its hours. Wear is worked out once: a rate of wear times
+//! s reaches after H hours what the present one reaches after s H. What the load shared otherwise makes of
+//! the form of the worn flank is of second order and left out; beyond what was computed lost motion goes on
+//! at its last rate. `arcmin life --band` computes whole lives instead.
 
 use rayon::prelude::*;
 
 use super::bearings::lives_in_friction;
 use super::record::{History, Record, at};
-use super::verdict::about;
+use super::verdict::{LimitKind, about};
+use crate::analyses::rig::with_friction;
 use crate::analyses::{AnalysisError, Host};
 use crate::design::variation::Distribution;
 use crate::design::{Design, Unknown, Value as Written};
 use crate::fidelity::Fidelity;
-use crate::life::{Prediction, WornState};
+use crate::life::{LifeOptions, Prediction, WornState};
 use crate::load::{Cycle, ShareLoad};
 use crate::machine::{Machine, WearCoefficient};
 use crate::results::Value;
@@ -25,7 +27,8 @@ use crate::wear::{CoupledOptions, CoupledWear};
 /// Part of what may be that a band leaves out at either end.
 const TAIL: f64 = 0.05;
 const DRAWS: u64 = 1000;
-/// Crank positions at which a machine is asked for lost motion, loads and bearings: differences are all that counts.
+/// Crank positions at which a machine is asked for lost motion, loads and bearings: differences are all that
+/// counts.
 const LIGHT: usize = 12;
 const LOADED: usize = 18;
 /// Widths of bands, as logarithms of hours, below which an input moves nothing.
@@ -39,8 +42,8 @@ pub struct Band {
     pub high: Option<f64>,
     /// Key of the input that moves the hours most.
     pub hangs_on: Option<String>,
-    /// How far was computed, in h.
-    searched_h: f64,
+    /// How far it reaches, in h.
+    furthest_h: f64,
 }
 
 impl Band {
@@ -56,8 +59,8 @@ impl Band {
     pub fn words(&self) -> String {
         match (self.low, self.high) {
             (Some(low), Some(high)) => format!("{} to {} h", about(low), about(high)),
-            (Some(low), None) => format!("{} to more than {} h", about(low), about(self.searched_h)),
-            (None, _) => format!("more than {} h", about(self.searched_h)),
+            (Some(low), None) => format!("{} to more than {} h", about(low), about(self.furthest_h)),
+            (None, _) => format!("more than {} h", about(self.furthest_h)),
         }
     }
 
@@ -70,8 +73,8 @@ impl Band {
 /// What one input does at one end of its range.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Effect {
-    /// Of the states looked at: lost motion, transmission error and backlash in arcmin more, pressure by the logarithm
-    /// of its ratio.
+    /// Of the states looked at: lost motion, transmission error and backlash in arcmin more, pressure by the
+    /// logarithm of its ratio.
     lost_motion: Vec<f64>,
     transmission_error: Vec<f64>,
     backlash: Vec<f64>,
@@ -142,8 +145,8 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    /// Moves every input of a design to either end of its range. Bodies are taken as rigid: elastic ones move hours,
-    /// but hardly by how much an input moves them, and take far longer.
+    /// Moves every input of a design to either end of its range. Bodies are taken as rigid: elastic ones move
+    /// hours, but hardly by how much an input moves them, and take far longer.
     ///
     /// # Errors
     /// [`AnalysisError::Stopped`] when the host says so, or where the present machine itself has no balance.
@@ -160,17 +163,23 @@ impl Inputs {
         states.dedup_by(|a, b| a.hours == b.hours);
         let rigid = Fidelity { elastic: None, frame: None, ..fidelity.clone() };
         let looked = Look { fidelity: &rigid, states: &states };
-        let machine = design.machine();
-        let nominal = looked.at(&machine)?;
         // A range that leaves out the design's own value is a finding of its own.
         let free = design.with("unknowns", Written::LeftOut).unwrap_or_else(|_| design.clone());
+        let free = in_friction(&free);
+        let machine = free.machine();
+        let nominal = looked.at(&machine)?;
         let stations = states.iter().map(|state| state.hours).collect();
         let ends: Vec<(Unknown, f64)> = design
             .unknowns()
             .into_iter()
+            .map(|unknown| {
+                let own = free.get(&unknown.path).ok().and_then(|value| value.as_number());
+                Unknown { nominal: own.unwrap_or(unknown.nominal), ..unknown }
+            })
             .flat_map(|unknown| unknown.distribution.bounds().map(|end| (unknown.clone(), end)))
             .collect();
-        // An end at which the design or its balance does not exist moves nothing here; `--band` counts such machines.
+        // An end at which the design or its balance does not exist moves nothing here; `--band` counts such
+        // machines.
         let effects: Vec<Effect> = ends
             .par_iter()
             .map(|(unknown, end)| {
@@ -224,11 +233,12 @@ impl Inputs {
         if self.inputs.is_empty() {
             return None;
         }
-        let searched_h = record.searched_h.max(record.service_h);
+        let furthest_h = record.searched_h.max(LifeOptions::default().search_factor * record.service_h);
+        let record = &record.clone().continued(furthest_h);
+        let kinds: Vec<LimitKind> = record.limits().iter().map(|limit| limit.kind).collect();
         let hours_with = |effect: &Effect| -> Vec<f64> {
             let limits = self.changed(record, effect).limits();
-            let hours: Vec<f64> =
-                limits.iter().map(|limit| limit.hours.unwrap_or(f64::INFINITY)).collect();
+            let hours: Vec<f64> = limits.iter().map(|limit| limit.hours.unwrap_or(f64::INFINITY)).collect();
             let first = hours.iter().copied().fold(f64::INFINITY, f64::min);
             std::iter::once(first).chain(hours).collect()
         };
@@ -254,7 +264,7 @@ impl Inputs {
                 })
             })
             .collect();
-        let logarithm = |hours: f64| hours.clamp(1.0, searched_h).ln();
+        let logarithm = |hours: f64| hours.clamp(1.0, furthest_h).ln();
         let band = |limit: usize| {
             let mut hours: Vec<f64> = draws.iter().map(|draw| draw[limit]).collect();
             hours.sort_by(f64::total_cmp);
@@ -262,11 +272,16 @@ impl Inputs {
                 let hours = hours[(share * (DRAWS - 1) as f64).round() as usize];
                 hours.is_finite().then_some(hours)
             };
-            let width = |input: &[Vec<f64>; 2]| (logarithm(input[0][limit]) - logarithm(input[1][limit])).abs();
+            let width =
+                |input: &[Vec<f64>; 2]| (logarithm(input[0][limit]) - logarithm(input[1][limit])).abs();
             let widest = alone.iter().map(width).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
             let hangs_on = widest.filter(|(_, width)| *width > NOTHING).map(|(index, _)| index);
             let hangs_on = hangs_on.map(|index| self.inputs[index].unknown.path.clone());
-            Band { low: end(TAIL), high: end(1.0 - TAIL), hangs_on, searched_h }
+            // Lost motion alone, and lives of bearings, are known beyond the service life.
+            let over_service =
+                limit.checked_sub(1).map(|limit| kinds[limit]).is_some_and(LimitKind::ends_with_service);
+            let furthest_h = if over_service { record.service_h } else { furthest_h };
+            Band { low: end(TAIL), high: end(1.0 - TAIL), hangs_on, furthest_h }
         };
         let mut bands: Vec<Band> = (0..draws[0].len()).map(band).collect();
         let mut first = bands.remove(0);
@@ -276,7 +291,8 @@ impl Inputs {
         Some(Bands { first, limits: bands })
     }
 
-    /// The input that moves lost motion at these hours most: what a machine hangs on of which no limit is reached.
+    /// The input that moves lost motion at these hours most: what a machine hangs on of which no limit is
+    /// reached.
     fn moves_lost_motion_most(&self, hours: f64) -> Option<String> {
         let width = |input: &Input| {
             let [low, high] = [0, 1].map(|end| {
@@ -290,6 +306,25 @@ impl Inputs {
         let (width, input) = widest.max_by(|a, b| a.0.total_cmp(&b.0))?;
         (width > 0.0).then(|| input.unknown.path.clone())
     }
+}
+
+/// The design with the friction that its bearing lives contain: where it gives none, the one that is assumed. Without
+/// this a first coefficient other than zero would take the place of all that is assumed.
+fn in_friction(design: &Design) -> Design {
+    let (rough, assumed) = with_friction(&design.machine(), false);
+    if !assumed {
+        return design.clone();
+    }
+    let f = &rough.friction;
+    let keys = [
+        ("friction.flank_coefficient", f.flank),
+        ("friction.pin_seat_coefficient", f.pin_seat),
+        ("friction.bearing_coefficient", f.bearing),
+        ("friction.gear_mesh_coefficient", f.gear_mesh),
+        ("friction.seal_drag_n_m", f.seal_drag),
+        ("friction.oil_drag_n_m_s_per_rad", f.oil_drag),
+    ];
+    design.with_all(keys).unwrap_or_else(|_| design.clone())
 }
 
 /// Whether two machines at rest are the same: masses and damping act in motion alone.

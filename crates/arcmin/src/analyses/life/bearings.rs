@@ -20,14 +20,15 @@ pub struct BearingLife {
     pub life_h: f64,
 }
 
-/// All turning-arm bearings and crank supports, and the main bearings where the duty tilts or pulls the output.
+/// All turning-arm bearings and crank supports, and the main bearings where the duty tilts or pulls the
+/// output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingLives {
     pub bearings: Vec<BearingLife>,
     /// L10h in h of all bearings together.
     pub system_h: f64,
-    /// Where the design gives no friction and the lives contain an assumed one: the coefficient on the flanks, and
-    /// the shortest life in h without any friction.
+    /// Where the design gives no friction and the lives contain an assumed one: the coefficient on the
+    /// flanks, and the shortest life in h without any friction.
     pub assumed_friction: Option<AssumedFriction>,
 }
 
@@ -65,9 +66,9 @@ pub(super) const TABLE: TableOf<BearingLife> = TableOf {
     },
 };
 
-/// Rating lives of the new machine by ISO 281, with the friction that the test bench has: damages of the rows of the duty add up (Palmgren–Miner), and
-/// the system survives as long as every bearing does, L^(−e) = Σ L_i^(−e) with e = 9/8. Rows without torque or
-/// speed do no damage.
+/// Rating lives of the new machine by ISO 281, with the friction that the test bench has: damages of the rows
+/// of the duty add up (Palmgren–Miner), and the system survives as long as every bearing does, L^(−e) = Σ
+/// L_i^(−e) with e = 9/8. Rows without torque or speed do no damage.
 ///
 /// # Errors
 /// [`AnalysisError`] where a balance cannot be found.
@@ -142,9 +143,9 @@ fn lives_as_given(
     Ok(BearingLives { bearings, system_h: system.powf(-1.0 / WEIBULL_SLOPE), assumed_friction: None })
 }
 
-/// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of the
-/// duty, damages added up; P from C, the life and the mean speed. Without such forces the mechanism leaves next to
-/// nothing on them.
+/// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of
+/// the duty, damages added up; P from C, the life and the mean speed. Without such forces the mechanism
+/// leaves next to nothing on them.
 fn main_bearings(machine: &Machine) -> Result<Option<BearingLife>, AnalysisError> {
     if machine.duty.iter().all(|row| row.forces.is_zero()) {
         return Ok(None);
@@ -185,15 +186,15 @@ impl BearingLives {
         self.bearings.iter().min_by(|a, b| a.life_h.total_cmp(&b.life_h))
     }
 
-    /// Share of machines of which every bearing is sound after some hours: 0.9^((t/L10)^e) with the system's L10 (ISO
-    /// 281: an L10 is survived by nine in ten).
+    /// Share of machines of which every bearing is sound after some hours: 0.9^((t/L10)^e) with the system's
+    /// L10 (ISO 281: an L10 is survived by nine in ten).
     pub fn survival(&self, hours: f64) -> f64 {
         0.9_f64.powf((hours / self.system_h).powf(WEIBULL_SLOPE))
     }
 }
 
-/// The maker's catalogue life (hours at rated torque and 15 rpm of the output) at the duty, by ISO 281:
-/// L = L_c (15/n_m) (T_r/T_m)^(10/3), n_m and T_m the mean speed and the equivalent torque of the duty. `None`
+/// The maker's catalogue life (hours at rated torque and 15 rpm of the output) at the duty, by ISO 281: L =
+/// L_c (15/n_m) (T_r/T_m)^(10/3), n_m and T_m the mean speed and the equivalent torque of the duty. `None`
 /// where nothing turns under load.
 pub fn catalogue_life_at_duty(machine: &Machine, hours: f64) -> Option<f64> {
     const CATALOGUE_RPM: f64 = 15.0;
@@ -215,8 +216,8 @@ mod tests {
     use super::*;
     use crate::machine::OutputForces;
 
-    /// One row: the life of the bench. Two halves at full and half torque: 2/(1 + 2^(−10/3)) of it, as near as
-    /// loads follow the torque.
+    /// One row: the life of the bench. Two halves at full and half torque: 2/(1 + 2^(−10/3)) of it, as near
+    /// as loads follow the torque.
     #[test]
     fn lives_follow_the_duty() {
         let machine = crate::templates::tao2024();
@@ -252,8 +253,8 @@ mod tests {
         assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
     }
 
-    /// A duty that tilts the output puts the main bearings among the lives: a single row as the bench says, two
-    /// rows by their damages; a duty that does not leaves them out.
+    /// A duty that tilts the output puts the main bearings among the lives: a single row as the bench says,
+    /// two rows by their damages; a duty that does not leaves them out.
     #[test]
     fn a_tilting_duty_wears_the_main_bearings() {
         let mut machine = crate::templates::tao2024();

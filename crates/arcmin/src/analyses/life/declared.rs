@@ -12,7 +12,8 @@ use crate::fidelity::Fidelity;
 use crate::life::{Accuracy, LifePoint, PartsPoint, Travel};
 use crate::load::Spot;
 use crate::results::{
-    Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q, quantity,
+    Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits,
+    quantities as q, quantity,
 };
 use crate::units::{ARCMIN, DEG, HOUR, MPA, UM};
 

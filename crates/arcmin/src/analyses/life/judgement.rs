@@ -43,13 +43,16 @@ impl WithElasticBodies {
 }
 
 /// Times between new and the end of the service life: enough to tell which limits are kept.
-const INTERVALS: usize = 6;
-/// Largest increment of the depth, in m and as a share of the depth reached: an update with elastic bodies takes some
-/// twenty times as long, and hours of two digits need no more (tested).
+const INTERVALS: usize = 10;
+/// Crank positions of each; the largest force and pressure are looked at more closely anyway.
+const POSITIONS: usize = 18;
+/// Largest increment of the depth, in m and as a share of the depth reached: an update with elastic bodies
+/// takes some twenty times as long, and hours of two digits need no more (tested).
 const INCREMENT: f64 = 0.4e-6;
 const INCREMENT_SHARE: f64 = 0.06;
 
-/// Whether bodies of both kinds are asked for: where the options name none, and somebody reads what is undecided.
+/// Whether bodies of both kinds are asked for: where the options name none, and somebody reads what is
+/// undecided.
 pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     let open = !options.bodies.is_written
         && options.discs == DiscBodies::Rigid
@@ -57,7 +60,8 @@ pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     open && host.wants("verdict.undecided")
 }
 
-/// Judges the machine with elastic bodies. What keeps it from that is a finding: the answer with rigid bodies stands.
+/// Judges the machine with elastic bodies. What keeps it from that is a finding: the answer with rigid bodies
+/// stands.
 ///
 /// # Errors
 /// [`AnalysisError::Stopped`] when the host says so.
@@ -91,6 +95,7 @@ fn judge(
     let settings = LifeOptions {
         wear,
         intervals: INTERVALS,
+        crank_positions: POSITIONS,
         travel: machine.limits.backlash.is_some(),
         causes: false,
         ..LifeOptions::default()

@@ -1,5 +1,6 @@
 //! The limits of a machine in words and tables, for terminal and report.
 
+use super::band::Band;
 use super::verdict::{Limit, LimitKind, about};
 use super::{Life, WithElasticBodies};
 use crate::analyses::TextTable;
@@ -38,7 +39,7 @@ fn columns(life: &Life) -> Vec<(&'static str, bool)> {
         columns.push(("90 % of what may be", false));
     }
     if life.with_elastic_bodies.judged().is_some() {
-        columns.extend([("elastic bodies", false), ("last", false)]);
+        columns.extend([("with elastic bodies", false), ("lasts", false)]);
     }
     columns.push(("", true));
     columns
@@ -60,14 +61,14 @@ fn row(limit: &Limit, life: &Life) -> Vec<String> {
     let allowed = format!("{} {}", compact(limit.allowed, 4), limit.kind.unit()).trim().to_owned();
     let mut row = vec![name, amount(limit), allowed, lasts(limit, life)];
     if verdict.limits.iter().any(|limit| limit.band.is_some()) {
-        row.push(limit.band.as_ref().map_or_else(String::new, |band| band.words()));
+        let band = limit.band.as_ref().filter(|band| !band.is_point());
+        row.push(band.map_or_else(String::new, Band::words));
     }
     if let Some(elastic) = life.with_elastic_bodies.judged() {
         let other = elastic.limits.iter().find(|other| other.kind == limit.kind);
-        row.extend(other.map_or_else(
-            || [String::new(), String::new()],
-            |other| [amount(other), lasts(other, life)],
-        ));
+        row.extend(
+            other.map_or_else(|| [String::new(), String::new()], |other| [amount(other), lasts(other, life)]),
+        );
     }
     row.push(judged.to_owned());
     row
@@ -87,9 +88,8 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     let (bearings, service) = (&life.bearings, life.verdict.service_h);
     if !bearings.bearings.is_empty() {
         notes.push(format!(
-            "all {} bearings together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h every bearing of \
-             {:.0} in 100 machines is sound. Not a limit: makers' hours (6000 h at rated torque and 15 rpm) are the L10 \
-             of the bearing that lasts shortest.",
+            "all {} bearings together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h all are sound in \
+             {:.0} of 100 machines. No limit: the 6000 h of makers are the L10 of one bearing.",
             bearings.bearings.len(),
             about(bearings.system_h),
             100.0 * bearings.survival(service)
@@ -115,6 +115,8 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
         notes.push("hours are hours in motion: the duty has no rest (rows with speed 0).".to_owned());
     }
     notes.extend(about_bodies(life));
+    let undecided = life.verdict.undecided.iter();
+    notes.extend(undecided.map(|one| format!("{} is undecided: {}.", one.kind.name(), one.why())));
     notes
 }
 
@@ -135,7 +137,7 @@ fn about_bodies(life: &Life) -> Option<String> {
         WithElasticBodies::NoRoom(finding) => Some(finding.message.clone()),
         WithElasticBodies::NotAsked if life.bodies_are_chosen && life.fidelity.frame.is_none() => Some(
             "rigid bodies were chosen: measured machines (RV-40E, RV-80E) are about 2.2 times as compliant, so lost \
-             motion and pressures are flattered; left out, --bodies lets both be judged."
+             motion and pressures are flattered. Without --bodies both kinds are judged."
                 .to_owned(),
         ),
         WithElasticBodies::NotAsked => None,
@@ -165,7 +167,9 @@ pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
          slides, does not wear, and fits its pin closely."
             .to_owned()
     });
-    [Some(one("new", new)), Some(one(&format!("after {:.0} h", end.hours()), end)), parts].into_iter().flatten()
+    [Some(one("new", new)), Some(one(&format!("after {:.0} h", end.hours()), end)), parts]
+        .into_iter()
+        .flatten()
 }
 
 /// For the report.

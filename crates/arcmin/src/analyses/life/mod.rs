@@ -31,7 +31,7 @@ use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::checks::{self, Finding};
 use crate::design::{Design, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions};
-use crate::life::{LifeOptions, LifePoint, Prediction, predict};
+use crate::life::{LifeOptions, LifePoint, Prediction, hardest, predict};
 use crate::load::{Cycle, ShareLoad};
 use crate::machine::Machine;
 use crate::report::Section;
@@ -240,10 +240,9 @@ fn emergency_pressure(
     for point in prediction.points.first().into_iter().chain(prediction.points.last()) {
         let mut meshing = fidelity.meshing(machine)?;
         point.state.put_on(machine, &mut meshing);
-        let cycle = meshing
-            .loaded_cycle(torque, 36)
+        let found = hardest(&mut meshing, torque, LifeOptions::default().crank_positions)
             .map_err(AnalysisError::compute("share the load of an emergency stop"))?;
-        largest = largest.max(cycle.max_pressure(&machine.line_contact()));
+        largest = largest.max(found.pressed.pressure);
     }
     Ok(Some(largest))
 }

@@ -167,8 +167,11 @@ fn advice_goes_on_to_the_next_limit() {
 fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
     let design = crate::templates::design("tao2024").unwrap();
     let design = design.with("limits.service_life_h", 100.0).unwrap();
-    let options =
-        Options::parse("points = 4\nquasi_static = true\nbodies = \"rigid\"\nerrors = \"drawn\"\nseed = 3", "test").unwrap();
+    let options = Options::parse(
+        "points = 4\nquasi_static = true\nbodies = \"rigid\"\nerrors = \"drawn\"\nseed = 3",
+        "test",
+    )
+    .unwrap();
     let life = run(&design, &options, &NoHost).unwrap();
     let limit = life.verdict.limited_by().unwrap();
     assert_eq!(limit.kind.name(), "contact pressure");
@@ -194,7 +197,9 @@ fn results_do_not_depend_on_what_else_is_asked_for() {
         }
     }
     let design = crate::templates::design("tao2024").unwrap();
-    let options = Options::parse("points = 4\nquasi_static = true\nbodies = \"rigid\"\nerrors = \"drawn\"", "test").unwrap();
+    let options =
+        Options::parse("points = 4\nquasi_static = true\nbodies = \"rigid\"\nerrors = \"drawn\"", "test")
+            .unwrap();
     let (all, few) = (run(&design, &options, &NoHost).unwrap(), run(&design, &options, &HoursAlone).unwrap());
     assert!(few.prediction.points.iter().all(|point| point.travel.is_none() && point.causes.is_none()));
     let (all, few) = (all.summary(), few.summary());
@@ -271,7 +276,8 @@ fn the_hardest_row_of_the_duty_is_judged() {
     let ratio = new(&hard) / new(&plain) / (1000.0_f64 / 412.0).sqrt();
     assert!((0.9..1.1).contains(&ratio), "{ratio}");
     // The errors at rated torque are still those of the rated torque.
-    assert_eq!(hard.first().accuracy.loaded_error, plain.first().accuracy.loaded_error);
+    let lag = |life: &Life| life.first().accuracy.loaded_error.arcmin();
+    assert!((lag(&hard) / lag(&plain) - 1.0).abs() < 1e-6);
     let said = |life: &Life| format!("{:?}", life.said());
     assert!((hard.machine.rest_share() - 0.2).abs() < 1e-12 && said(&hard).contains("are in motion"));
     assert!(said(&plain).contains("hours in motion: the duty has no rest"));
@@ -299,4 +305,30 @@ fn a_study_judges_in_one_fidelity() {
         assert!(matches!(life.with_elastic_bodies, WithElasticBodies::NotAsked));
         assert!(life.verdict.band.is_none() && life.verdict.undecided.is_empty());
     }
+}
+
+/// A pressure above its limit in the new machine is an error of the checks and no error finding of the life: the wear
+/// that follows decides. Here it falls below the limit and stays there, which is said with its hours.
+#[test]
+fn a_pressure_is_not_judged_twice() {
+    let design =
+        crate::templates::design("tao2024").unwrap().with("limits.contact_pressure_mpa", 1100.0).unwrap();
+    let found = checks::check_design(&design);
+    assert!(
+        found.iter().any(|f| f.code == checks::CONTACT_PRESSURE && f.severity == checks::Severity::Error)
+    );
+    let options = Options::parse("points = 30\nquasi_static = true\nbodies = \"rigid\"", "test").unwrap();
+    let life = run(&design, &options, &NoHost).unwrap();
+    let pressure = life.verdict.limit(LimitKind::ContactPressure).unwrap();
+    assert!(pressure.is_transient() && pressure.is_kept(life.verdict.service_h), "{pressure:?}");
+    assert!(pressure.worn_in_h.is_some_and(|hours| hours > 10.0 && hours < 500.0), "{pressure:?}");
+    assert!(life.verdict.limit(LimitKind::Findings).is_none());
+    let headline = life.verdict.headline();
+    assert!(headline.contains("until contacts have worn in, after about"), "{headline}");
+    // Places of force and pressure with their partners, and why the one rises while the other falls.
+    let said = format!("{:?}", life.said());
+    assert!(said.contains("largest force 712 N at 10.") && said.contains("(pressed there with"), "{said}");
+    assert!(said.contains("force rises while pressure falls"), "{said}");
+    let told = life.summary();
+    assert!(told.number("force_at_max_pressure_n").unwrap() < 0.6 * told.number("max_force_n").unwrap());
 }

@@ -40,33 +40,26 @@ impl Undecided {
                 "elastic discs bend between bores, windows and root circle, so that few pins near the root take over \
                  load; how much hangs on the metal left there, and no measurement has checked either pressure"
             }
-            LimitKind::BearingLife => {
-                "elastic bodies share the load otherwise between crankshafts and discs"
-            }
+            LimitKind::BearingLife => "elastic bodies share the load otherwise between crankshafts and discs",
             _ => "elastic bodies share the load otherwise between the pins",
         }
     }
 
-    /// "lost motion lasts 8800 h with rigid bodies, 890 h with elastic ones: …".
-    pub fn sentence(&self) -> String {
-        let unit = self.kind.unit();
-        let lasts = |limit: &Limit| match limit.hours {
-            Some(hours) => format!("{} h", about(hours)),
-            None => "as long as was computed".to_owned(),
+    /// "lost motion (8800 h with rigid bodies, 890 h with elastic ones)".
+    pub fn words(&self) -> String {
+        let of = |limit: &Limit| {
+            let lasts = match limit.hours {
+                Some(hours) if hours <= 0.0 => "from the start".to_owned(),
+                Some(hours) => format!("{} h", about(hours)),
+                None => "kept".to_owned(),
+            };
+            match self.kind.unit() {
+                "MPa" => format!("{} MPa, {lasts}", significant(limit.value, 3)),
+                _ => lasts,
+            }
         };
-        let found = |limit: &Limit| match unit {
-            "h" => String::new(),
-            _ => format!(" ({} {unit})", significant(limit.value, 3)),
-        };
-        format!(
-            "{} lasts {}{} with rigid bodies, {}{} with elastic ones: {}",
-            self.kind.name(),
-            lasts(&self.rigid),
-            found(&self.rigid),
-            lasts(&self.elastic),
-            found(&self.elastic),
-            self.why()
-        )
+        let name = self.kind.name();
+        format!("{name} ({} with rigid bodies, {} with elastic ones)", of(&self.rigid), of(&self.elastic))
     }
 
     pub(super) fn value(&self) -> Value {

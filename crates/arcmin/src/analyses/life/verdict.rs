@@ -41,6 +41,17 @@ impl LimitKind {
         }
     }
 
+    /// Whether it is looked at over the service life alone.
+    pub(super) fn ends_with_service(self) -> bool {
+        matches!(
+            self,
+            LimitKind::ContactPressure
+                | LimitKind::TransmissionError
+                | LimitKind::Backlash
+                | LimitKind::ContactFatigue
+        )
+    }
+
     /// Words for a reader.
     pub fn name(self) -> &'static str {
         match self {
@@ -150,7 +161,7 @@ impl Limit {
                 format!("Contact pressure exceeds {allowed} MPa after {hours}")
             }
             LimitKind::BearingLife => {
-                format!("The bearing “{}” lasts {hours} (L10)", self.place.as_deref().unwrap_or(""))
+                format!("The bearing “{}” has an L10 of {hours}", self.place.as_deref().unwrap_or(""))
             }
             LimitKind::TransmissionError => {
                 format!("Transmission error reaches {allowed} arcmin peak to peak after {hours}")
@@ -297,8 +308,9 @@ impl LifeVerdict {
                 about(self.searched_h)
             ),
         };
-        for undecided in &self.undecided {
-            text.push_str(&format!(" Undecided: {}.", undecided.sentence()));
+        if !self.undecided.is_empty() {
+            let undecided: Vec<String> = self.undecided.iter().map(Undecided::words).collect();
+            text.push_str(&format!(" Undecided: {}.", undecided.join("; ")));
         }
         for limit in &self.limits {
             let Some(worn_in) = limit.worn_in_h.filter(|_| !self.is_undecided(limit.kind)) else { continue };
@@ -310,8 +322,15 @@ impl LifeVerdict {
                 about(worn_in)
             ));
         }
-        if let Some(key) = self.band.as_ref().and_then(|band| band.hangs_on.as_ref()) {
-            text.push_str(&format!(" The hours hang on `{key}` first: measure that."));
+        if let Some(band) = self.band.as_ref().filter(|band| !band.is_point()) {
+            text.push_str(&format!(
+                " As far as the inputs are known, its first limit is reached after {}",
+                band.words()
+            ));
+            match &band.hangs_on {
+                Some(key) => text.push_str(&format!("; that hangs on `{key}` first: measure it.")),
+                None => text.push('.'),
+            }
         }
         text.trim_start().to_owned()
     }

@@ -22,7 +22,7 @@ fn the_worst_limit_speaks_first() {
     assert_eq!(both.hours_to_limit(), Some(4885.0));
     assert_eq!(both.limited_by().unwrap().kind, LimitKind::BearingLife);
     assert!(
-        both.headline().starts_with("The bearing “turning arm” lasts about 4900 h"),
+        both.headline().starts_with("The bearing “turning arm” has an L10 of about 4900 h"),
         "{}",
         both.headline()
     );
@@ -42,8 +42,8 @@ fn the_tone_follows_the_first_limit() {
     }
 }
 
-/// A limit that bodies of one kind keep and those of the other do not is neither kept nor broken: the verdict is not
-/// ok, in words undecided, with both hours; what neither keeps is not kept whatever else is undecided.
+/// A limit that bodies of one kind keep and those of the other do not is neither kept nor broken: the verdict
+/// is not ok, in words undecided, with both hours; what neither keeps is not kept whatever else is undecided.
 #[test]
 fn what_flips_with_the_bodies_is_undecided() {
     let rigid = vec![
@@ -61,7 +61,7 @@ fn what_flips_with_the_bodies_is_undecided() {
     let open = LifeVerdict { undecided: found, ..verdict(rigid.clone()) };
     assert!(!open.ok() && open.word() == "undecided" && open.tone() == Tone::Caution);
     let headline = open.headline();
-    assert!(headline.starts_with("Undecided: lost motion lasts 8800 h"), "{headline}");
+    assert!(headline.starts_with("Undecided: lost motion (8800 h"), "{headline}");
     assert!(headline.contains("890 h") && !headline.contains("Keeps every limit"), "{headline}");
     let mut broken = rigid;
     broken[2].hours = Some(4885.0);
@@ -76,8 +76,8 @@ fn what_flips_with_the_bodies_is_undecided() {
     assert_eq!(flipped.len(), 1);
 }
 
-/// Exceeded while contacts wear in, exceeded from the start for good, exceeded later, never; and the wear that follows
-/// decides, however long it takes.
+/// Exceeded while contacts wear in, exceeded from the start for good, exceeded later, never; and the wear
+/// that follows decides, however long it takes.
 #[test]
 fn a_pressure_of_wearing_in_is_told_apart() {
     let of = |values: [f64; 6]| {
