@@ -107,7 +107,7 @@ pub(crate) fn hardest<S: ShareLoad>(
     crank_positions: usize,
 ) -> Result<Extremes, LoadError> {
     let cycle = meshing.loaded_cycle(torque, positions(meshing, crank_positions))?;
-    extremes(meshing, torque, &cycle)
+    Ok(extremes(meshing, torque, &cycle))
 }
 
 /// Accuracy of one state of wear, which `meshing` has on.
@@ -125,7 +125,7 @@ pub fn accuracy<S: ShareLoad>(
     let count = positions(meshing, crank_positions);
     let cycle = meshing.loaded_cycle(machine.rated.torque, count)?;
     let extremes = match machine.hardest_torque() {
-        torque if torque == machine.rated.torque => extremes(meshing, torque, &cycle)?,
+        torque if torque == machine.rated.torque => extremes(meshing, torque, &cycle),
         torque => hardest(meshing, torque, crank_positions)?,
     };
     let (flank_forces, flank_peaks) = if meshing.pitches() == 1 {

@@ -8,7 +8,7 @@
 
 use crate::contact::LineContact;
 use crate::geometry::Profile;
-use crate::load::{Cycle, LoadError, LoadSharing, ShareLoad, Spot};
+use crate::load::{Cycle, LoadSharing, ShareLoad, Spot};
 use crate::machine::CrankAngle;
 
 /// Half of the width of the flank over which curvature is averaged, in half-widths of the contact.
@@ -123,59 +123,67 @@ fn largest(spots: &[Spot], measure: fn(&Spot) -> f64) -> Spot {
 }
 
 /// The hardest loaded contacts of a machine under a torque, of which `cycle` holds positions over everything
-/// that repeats.
-///
-/// # Errors
-/// [`LoadError`] where a position between has no balance.
-pub(super) fn extremes<S: ShareLoad>(
-    meshing: &mut S,
-    torque: f64,
-    cycle: &Cycle,
-) -> Result<Extremes, LoadError> {
+/// that repeats. A position between without balance tells nothing of the others.
+pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle) -> Extremes {
     let (profile, contact) = (meshing.contacts().profile().clone(), meshing.contacts().contact().clone());
-    let alike = meshing.discs_alike();
-    let curvatures = Curvatures::of(cycle, &profile, &contact, alike);
-    let count = cycle.positions.len();
-    if count == 0 {
-        return Ok(Extremes::default());
-    }
-    let step = cycle.period / count as f64;
+    let curvatures = Curvatures::of(cycle, &profile, &contact, meshing.discs_alike());
     let spots: Vec<Vec<Spot>> = cycle.positions.iter().map(|position| curvatures.spots(position)).collect();
-    let mut hardest = |measure: fn(&Spot) -> f64| -> Result<Spot, LoadError> {
+    let mut hardest = |measure: fn(&Spot) -> f64| {
         let tops: Vec<Spot> = spots.iter().map(|spots| largest(spots, measure)).collect();
-        // Places that are larger than both their neighbours, the largest first.
-        let is_top = |at: &usize| {
-            let beside = [(at + 1) % count, (at + count - 1) % count];
-            beside.iter().all(|other| measure(&tops[*at]) >= measure(&tops[*other]))
-        };
-        let mut places: Vec<usize> = (0..count).filter(is_top).collect();
-        places.sort_by(|a, b| measure(&tops[*b]).total_cmp(&measure(&tops[*a])));
         let mut found = largest(&tops, measure);
-        for place in places.into_iter().take(LOOKED_AT) {
-            let mut best = (cycle.positions[place].crank_angle.radians(), tops[place]);
-            let mut start = None;
-            for halving in 1..=HALVINGS {
-                let off = step / f64::from(1 << halving);
-                for angle in [best.0 - off, best.0 + off] {
-                    let (sharing, next) =
-                        meshing.share(CrankAngle::from_radians(angle), torque, start.as_ref())?;
-                    start = Some(next);
-                    let top = largest(&curvatures.spots(&sharing), measure);
-                    if measure(&top) > measure(&best.1) {
-                        best = (angle, top);
-                    }
-                }
-            }
-            if measure(&best.1) > measure(&found) {
-                found = best.1;
+        for place in peaks(&tops, measure).into_iter().take(LOOKED_AT) {
+            let from = cycle.positions[place].crank_angle.radians();
+            let step = cycle.period / cycle.positions.len() as f64;
+            let looked = |angle: f64, start: &mut Option<S::Start>| {
+                let crank = CrankAngle::from_radians(angle);
+                let (sharing, next) = meshing.share(crank, torque, start.as_ref()).ok()?;
+                *start = Some(next);
+                Some(largest(&curvatures.spots(&sharing), measure))
+            };
+            let top = climb((from, tops[place]), step, measure, looked);
+            if measure(&top) > measure(&found) {
+                found = top;
             }
         }
-        Ok(found)
+        found
     };
-    let (pushed, pressed) = (hardest(|spot| spot.force)?, hardest(|spot| spot.pressure)?);
+    let (pushed, pressed) = (hardest(|spot| spot.force), hardest(|spot| spot.pressure));
     let curvature = profile.relative_curvature(pressed.meshing_angle.cos(), profile.pin_radius);
     let scatter = pressed.pressure * curvatures.scatter(&pressed, curvature.max(f64::MIN_POSITIVE));
-    Ok(Extremes { pushed, pressed, scatter })
+    Extremes { pushed, pressed, scatter }
+}
+
+/// Places that are no smaller than both their neighbours around the turn, the largest first.
+fn peaks(tops: &[Spot], measure: fn(&Spot) -> f64) -> Vec<usize> {
+    let count = tops.len();
+    let is_peak = |at: &usize| {
+        let beside = [(at + 1) % count, (at + count - 1) % count];
+        beside.iter().all(|other| measure(&tops[*at]) >= measure(&tops[*other]))
+    };
+    let mut peaks: Vec<usize> = (0..count).filter(is_peak).collect();
+    peaks.sort_by(|a, b| measure(&tops[*b]).total_cmp(&measure(&tops[*a])));
+    peaks
+}
+
+/// The largest that is found from a crank angle (rad) with its spot on: a step to either side, halved again and
+/// again.
+fn climb<T>(
+    mut best: (f64, Spot),
+    mut step: f64,
+    measure: fn(&Spot) -> f64,
+    mut look: impl FnMut(f64, &mut Option<T>) -> Option<Spot>,
+) -> Spot {
+    let mut start = None;
+    for _ in 0..HALVINGS {
+        step *= 0.5;
+        for angle in [best.0 - step, best.0 + step] {
+            let seen = look(angle, &mut start);
+            if let Some(top) = seen.filter(|top| measure(top) > measure(&best.1)) {
+                best = (angle, top);
+            }
+        }
+    }
+    best.1
 }
 
 #[cfg(test)]
@@ -206,7 +214,7 @@ mod tests {
         state.put_on(machine, &mut meshing);
         let cycle = meshing.loaded_cycle(machine.rated.torque, count).unwrap();
         let single = cycle.max_pressure(meshing.contacts().contact());
-        (extremes(&mut meshing, machine.rated.torque, &cycle).unwrap(), single)
+        (extremes(&mut meshing, machine.rated.torque, &cycle), single)
     }
 
     /// Worn random designs: four times as many crank positions leave the largest force and the largest
@@ -260,7 +268,7 @@ mod tests {
             let mut meshing = machine.meshing(&Relief::from_samples(samples));
             let cycle = meshing.loaded_cycle(machine.rated.torque, 36).unwrap();
             let single = cycle.max_pressure(meshing.contacts().contact());
-            let found = extremes(&mut meshing, machine.rated.torque, &cycle).unwrap();
+            let found = extremes(&mut meshing, machine.rated.torque, &cycle);
             (found.pressed.pressure, single, found.scatter)
         };
         let (plain, wavy) = (waves(0.0), waves(0.01 * UM));

@@ -31,8 +31,7 @@ impl Host for Keeping<'_> {
     }
 
     fn wants(&self, result: &str) -> bool {
-        let kept = |kept: &Kept| kept.key == result || kept.key.split('.').next() == Some(result);
-        self.kept.iter().any(kept)
+        self.kept.iter().any(|kept| kept.key.split('.').next() == Some(result))
     }
 
     fn seconds(&self) -> f64 {

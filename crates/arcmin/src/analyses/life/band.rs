@@ -14,6 +14,7 @@ use super::record::{History, Record, at};
 use super::verdict::{LimitKind, about};
 use crate::analyses::rig::with_friction;
 use crate::analyses::{AnalysisError, Host};
+use crate::checks::{Finding, Severity};
 use crate::design::variation::Distribution;
 use crate::design::{Design, Unknown, Value as Written};
 use crate::fidelity::Fidelity;
@@ -325,6 +326,20 @@ fn in_friction(design: &Design) -> Design {
         ("friction.oil_drag_n_m_s_per_rad", f.oil_drag),
     ];
     design.with_all(keys).unwrap_or_else(|_| design.clone())
+}
+
+/// Said where the inputs cannot be looked at: the hours stand without a band.
+pub(super) fn no_band(error: &AnalysisError) -> Finding {
+    Finding {
+        code: "bands",
+        severity: Severity::Warning,
+        message: format!("hours have no band: {error}"),
+        value: 0.0,
+        limit: 0.0,
+        unit: "",
+        why: "hours are no better known than the inputs",
+        change: "`--band` computes whole lives, and counts those that have no result",
+    }
 }
 
 /// Whether two machines at rest are the same: masses and damping act in motion alone.

@@ -56,7 +56,7 @@ pub const EXAMPLES: &[&str] = &[
 ];
 
 /// Results that need to know how far the inputs move the hours.
-const OF_BANDS: &[&str] = &["hours_band", "hangs_on", "report", "verdict.limits"];
+const OF_BANDS: &[&str] = &["hours_band", "hangs_on", "report"];
 
 options! {
     /// Options of `life`.
@@ -119,7 +119,14 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     clock.stage("bearings");
     let inputs = if OF_BANDS.iter().any(|result| host.wants(result)) {
         host.report("how well it is known", 0.0);
-        Some(Inputs::look(design, &fidelity, &prediction, host)?)
+        match Inputs::look(design, &fidelity, &prediction, host) {
+            Ok(inputs) => Some(inputs),
+            Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
+            Err(error) => {
+                findings.push(band::no_band(&error));
+                None
+            }
+        }
     } else {
         None
     };
