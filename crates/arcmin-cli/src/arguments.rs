@@ -93,7 +93,10 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
                 .long("cache")
                 .value_name("DIR")
                 .value_parser(value_parser!(std::path::PathBuf))
-                .help("Directory for what is costly to compute again [default: that of the results]"),
+                .help(
+                    "Directory for what is costly to compute again, elastic bodies above all \
+                     [default: the user's cache, as ~/.cache/arcmin]",
+                ),
         )
         .arg(
             Arg::new("threads")

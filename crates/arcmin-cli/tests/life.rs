@@ -34,7 +34,7 @@ fn holds(directory: &std::path::Path, file: &str, wanted: &str) {
 fn life_writes_what_others_rely_on() {
     let directory = with_short_life();
     let d = directory.path();
-    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--out", "l"]);
+    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--bodies", "rigid", "--out", "l"]);
     holds(d, "l/life.csv", LIFE);
     for name in ["ste_mean_arcmin", "ste_max_arcmin", "dte_mean_arcmin", "dte_max_arcmin"] {
         assert!(column(d, "l/life.csv", name).iter().all(String::is_empty), "{name} was not asked for");
@@ -65,7 +65,7 @@ fn life_writes_what_others_rely_on() {
 fn lost_motion_by_cause_adds_up() {
     let directory = with_short_life();
     let d = directory.path();
-    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--out", "l"]);
+    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--bodies", "rigid", "--out", "l"]);
     let file = "l/lost_motion_causes.csv";
     let numbers =
         |name: &str| -> Vec<f64> { column(d, file, name).iter().map(|cell| cell.parse().unwrap()).collect() };
@@ -86,10 +86,41 @@ fn an_unkept_limit_is_no_failure() {
     let directory = with_short_life();
     let d = directory.path();
     edit(d, "lost_motion_arcmin = 1.0", "lost_motion_arcmin = 0.1");
-    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--out", "l"]);
+    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--bodies", "rigid", "--out", "l"]);
     let told = summary(d, "l");
     assert_eq!(told["verdict"]["ok"], false);
     assert_eq!(told["verdict"]["limited_by"], "lost_motion");
+}
+
+/// Without a word on the bodies the machine is judged with both kinds: limits that one of them keeps are undecided, and
+/// then the verdict is not ok. The reduction of the bodies is kept: the second run finds it.
+#[test]
+fn bodies_of_both_kinds_are_judged() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    good(d, &["new", "tao2024", "d.toml"]);
+    edit(d, "service_life_h = 7500", "service_life_h = 100");
+    // Between the pressures that either kind finds.
+    edit(d, "contact_pressure_mpa = 2000", "contact_pressure_mpa = 1700");
+    let run = |more: &[&str]| {
+        let short = ["life", "d.toml", "--quasi-static", "--points", "4", "--cache", "kept", "--out", "l"];
+        (good(d, &[&short[..], more].concat()), summary(d, "l"))
+    };
+    let (said, told) = run(&[]);
+    let kept = names(&d.join("kept"));
+    assert_eq!(kept.len(), 2, "discs, and carrier with housing: {kept:?}");
+    let undecided = told["verdict"]["undecided"].as_array().unwrap();
+    let pressure = undecided.iter().find(|one| one["limit"] == "contact_pressure").unwrap();
+    assert!(figure(pressure, "rigid_value") < 1700.0 && figure(pressure, "elastic_value") > 1700.0);
+    assert!(told["verdict"]["ok"] == false && said.contains("undecided"), "{said}");
+    let (_, again) = run(&[]);
+    assert_eq!(names(&d.join("kept")), kept);
+    assert_eq!(again["verdict"]["undecided"], told["verdict"]["undecided"]);
+    for bodies in ["rigid", "elastic"] {
+        let (said, told) = run(&["--bodies", bodies]);
+        assert!(told["verdict"]["undecided"].as_array().unwrap().is_empty(), "{told}");
+        assert_eq!(said.contains("2.2 times as compliant"), bodies == "rigid", "{said}");
+    }
 }
 
 /// Ctrl-C ends the main job cleanly and keeps the results of the run before.
@@ -98,7 +129,7 @@ fn an_unkept_limit_is_no_failure() {
 fn an_interrupted_life_keeps_earlier_results() {
     let directory = with_short_life();
     let d = directory.path();
-    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--out", "l"]);
+    good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--bodies", "rigid", "--out", "l"]);
     let all = || names(&d.join("l")).iter().map(|name| read(d, &format!("l/{name}"))).collect::<Vec<_>>();
     let before = all();
     edit(d, "service_life_h = 100", "service_life_h = 7500");
@@ -126,7 +157,7 @@ fn an_interrupted_life_keeps_earlier_results() {
 fn a_drawn_machine_is_the_same_on_any_number_of_threads() {
     let directory = with_short_life();
     let d = directory.path();
-    let drawn = ["--errors", "drawn", "--seed", "3", "--quasi-static", "--points", "4"];
+    let drawn = ["--errors", "drawn", "--seed", "3", "--quasi-static", "--points", "4", "--bodies", "rigid"];
     for (out, threads) in [("a", "1"), ("b", "2")] {
         good(d, &[&["life", "d.toml"][..], &drawn, &["--out", out, "--threads", threads]].concat());
     }
@@ -141,7 +172,7 @@ fn a_drawn_machine_is_the_same_on_any_number_of_threads() {
 fn life_gives_transmission_error_at_five_ages() {
     let directory = with_short_life();
     let d = directory.path();
-    good(d, &["life", "d.toml", "--out", "l"]);
+    good(d, &["life", "d.toml", "--bodies", "rigid", "--out", "l"]);
     for name in ["ste_mean_arcmin", "ste_max_arcmin", "dte_mean_arcmin", "dte_max_arcmin"] {
         let given = column(d, "l/life.csv", name).iter().filter(|cell| !cell.is_empty()).count();
         assert!(given >= 5, "{name}: {given}");

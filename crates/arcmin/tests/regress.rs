@@ -20,7 +20,7 @@ const RUNS: [(&str, &str); 8] = [
     ("wear", "hours = 1000"),
     ("simulate", "end_s = 0.4"),
     ("rig", ""),
-    ("life", "quasi_static = true\npoints = 4"),
+    ("life", "quasi_static = true\npoints = 4\nbodies = \"rigid\""),
     ("tao2024", "quasi_static = true"),
 ];
 

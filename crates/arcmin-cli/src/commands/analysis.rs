@@ -13,7 +13,7 @@ use super::Ending;
 use super::study::Lives;
 use crate::arguments::options_text;
 use crate::failure::Failure;
-use crate::run::{Results, Terminal, is_checkpointed, read_design, say, say_findings, terminal_text};
+use crate::run::{Cache, Results, Terminal, is_checkpointed, read_design, say, say_findings, terminal_text};
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
     let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
@@ -28,7 +28,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let errors: Vec<Finding> =
         check_design(&design).into_iter().filter(|finding| finding.severity == Severity::Error).collect();
     if is_check && matches.get_flag("json") {
-        let host = Terminal::new(path, Path::new("."), Path::new("."), true);
+        let host = Terminal::new(path, Path::new("."), Cache::of_user(Path::new(".")), true);
         let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
         let text = serde_json::to_string_pretty(&outcome.summary().to_json());
         say(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
@@ -44,7 +44,8 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
             crate::failure::warn(&format!("ERROR {}: {}", finding.code, finding.message));
         }
     }
-    let cache = matches.get_one::<PathBuf>("cache").unwrap_or(&out);
+    let chosen = matches.get_one::<PathBuf>("cache").map(|chosen| Cache::new(chosen));
+    let cache = chosen.unwrap_or_else(|| Cache::of_user(&out));
     let host = Terminal::new(path, &out, cache, quiet);
     let identity = answered(identity(analysis, &design, &options, "the options", &host), schema, &errors)?;
     host.set_identity(&identity);

@@ -18,7 +18,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::fmu::pack;
 use crate::failure::Failure;
-use crate::run::{LARGEST_TABLE, Terminal, read_bounded, read_design, say, write_file};
+use crate::run::{Cache, LARGEST_TABLE, Terminal, read_bounded, read_design, say, write_file};
 
 pub fn export() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
@@ -316,7 +316,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
 
 /// What the flank of a disc has lost.
 fn worn(design: &Design, path: &Path, out: &Path, hours: f64, disc: usize) -> Result<Relief, Failure> {
-    let host = Terminal::new(path, out, out, false);
+    let host = Terminal::new(path, out, Cache::of_user(out), false);
     let options = arcmin::fidelity::FidelityOptions::parse("joints = \"bearings\"", "export");
     let state = options
         .map_err(arcmin::analyses::AnalysisError::from)

@@ -14,7 +14,7 @@ use super::Ending;
 use super::exchange::{Given, choice, directory, number, out, path};
 use super::joint::{ages, failed, fidelity, fidelity_args};
 use crate::failure::Failure;
-use crate::run::{Terminal, say, write_file};
+use crate::run::{Cache, Terminal, say, write_file};
 
 /// Name of the library in the unit, without its ending.
 const IDENTIFIER: &str = "arcmin_fmu";
@@ -105,7 +105,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     };
     let library = library(matches.get_one("library"))?;
     let out = directory(matches, &path, "export")?;
-    let host = Terminal::new(&path, &out, &out, false);
+    let host = Terminal::new(&path, &out, Cache::of_user(&out), false);
     let (unit, files) = unit(&given, &design, &path, &host)?;
     host.clear();
     let description = ModelDescription {

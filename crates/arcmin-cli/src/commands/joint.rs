@@ -11,7 +11,7 @@ use clap::{Arg, ArgMatches, Command};
 use super::Ending;
 use super::exchange::{Given, choice, directory, number, out, path};
 use crate::failure::Failure;
-use crate::run::{Terminal, say, write_file};
+use crate::run::{Cache, Terminal, say, write_file};
 
 pub fn command() -> Command {
     Command::new("joint")
@@ -104,7 +104,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         },
     };
     let out = directory(matches, &path, "export")?;
-    let host = Terminal::new(&path, &out, &out, false);
+    let host = Terminal::new(&path, &out, Cache::of_user(&out), false);
     let found = joint(&design, &options, &host).map_err(failed)?;
     host.clear();
     let json = found.json().map_err(|cause| Failure::Json { cause: cause.to_string() })?;

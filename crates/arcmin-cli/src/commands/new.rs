@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{Terminal, say, write_file};
+use crate::run::{Cache, Terminal, say, write_file};
 
 /// Figures of a data sheet.
 const SHEET: [(&str, &str); 9] = [
@@ -165,7 +165,7 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
         return Err(Failure::Exists { path });
     }
     let here = std::path::Path::new(".");
-    let host = Terminal::new(&path, here, here, false);
+    let host = Terminal::new(&path, here, Cache::of_user(here), false);
     let found = like(*template, sheet, bodies, &host).map_err(|error| Failure::Analysis {
         error,
         options: None,

@@ -1,5 +1,6 @@
 //! Files and terminal: reading designs, writing results, progress, Ctrl-C.
 
+mod cache;
 mod output;
 mod pace;
 mod parts;
@@ -12,6 +13,7 @@ use std::path::Path;
 use arcmin::design::Design;
 
 use crate::failure::Failure;
+pub use cache::Cache;
 pub use output::{Results, write_file};
 pub use parts::{Parts, SampleBar};
 pub use terminal::{Terminal, is_checkpointed, is_stopped};

@@ -13,8 +13,8 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::output::withdraw;
 use super::pace::Pace;
-use super::{LARGEST_TABLE, read_bounded, write_file};
-use crate::failure::{Failure, warn};
+use super::{Cache, LARGEST_TABLE, read_bounded, write_file};
+use crate::failure::Failure;
 
 /// Set by Ctrl-C or SIGTERM.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
@@ -94,13 +94,13 @@ pub struct Terminal {
     /// Directory of the design file.
     beside_design: PathBuf,
     out: PathBuf,
-    cache: PathBuf,
+    cache: Cache,
     identity: OnceLock<String>,
     next_checkpoint: Mutex<Duration>,
 }
 
 impl Terminal {
-    pub fn new(design: &Path, out: &Path, cache: &Path, quiet: bool) -> Terminal {
+    pub fn new(design: &Path, out: &Path, cache: Cache, quiet: bool) -> Terminal {
         // Only a second handler in the same process could fail here; Ctrl-C then keeps its usual effect.
         let _ = ctrlc::set_handler(stop);
         let watched = !quiet && std::io::stderr().is_terminal();
@@ -109,7 +109,7 @@ impl Terminal {
             bar: watched.then(Mutex::default),
             beside_design: design.parent().unwrap_or(Path::new(".")).to_owned(),
             out: out.to_owned(),
-            cache: cache.to_owned(),
+            cache,
             identity: OnceLock::new(),
             next_checkpoint: Mutex::new(FIRST_CHECKPOINT),
         }
@@ -189,16 +189,11 @@ impl Host for Terminal {
     }
 
     fn cached(&self, name: &str) -> Option<Vec<u8>> {
-        std::fs::read(self.cache.join(name)).ok()
+        self.cache.get(name)
     }
 
     fn cache(&self, name: &str, bytes: &[u8]) {
-        let written = std::fs::create_dir_all(&self.cache)
-            .map_err(|cause| Failure::Write { path: self.cache.clone(), cause })
-            .and_then(|()| write_file(&self.cache.join(name), bytes));
-        if let Err(failure) = written {
-            warn(&format!("warning: {failure}; the next run computes it again"));
-        }
+        self.cache.keep(name, bytes);
     }
 
     fn wants_checkpoint(&self) -> bool {

@@ -26,7 +26,7 @@ const LONG: &[&[&str]] = &[
     &["simulate", "d.toml", "--joints", "bearings", "--end-s", "30"],
     &["simulate", "d.toml", "--discs", "elastic", "--end-s", "30"],
     &["rig", "d.toml", "--te-positions", "65536"],
-    &["life", "d.toml", "--points", "100"],
+    &["life", "d.toml", "--points", "100", "--bodies", "rigid"],
     &["tao2024", "d.toml"],
 ];
 

@@ -77,7 +77,7 @@ impl Fidelity {
         let mut machine = design.machine();
         let mut fidelity = Fidelity { joints: options.joints.value, ..Fidelity::ideal() };
         fidelity.take_errors(design, &machine, options, host)?;
-        let bends = options.bodies == FrameBodies::Elastic;
+        let bends = options.bodies.value == FrameBodies::Elastic;
         if bends && options.joints.value == Joints::Ideal {
             return Err(AnalysisError::usage(
                 "ideal joints leave carrier and housing nothing to give way to",

@@ -12,7 +12,7 @@ options! {
         /// Cycloid discs.
         discs: DiscBodies => default_word("rigid"),
         /// Carrier, housing with pin grooves, crank seats and the discs' rims; elastic ones go with bearings and make the discs elastic as well, with windows for the carrier's pillars.
-        bodies: FrameBodies => default_word("rigid"),
+        bodies: Stated<FrameBodies> => default_word("rigid"),
         /// Manufacturing errors; they act in bearings. Left out: those of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
         /// Seed of the machine that errors = drawn draws. Left out: 1.

@@ -1,7 +1,8 @@
 //! Accuracy and loads of one state of wear.
 
+use super::extremes::{Extremes, extremes};
 use crate::geometry::Relief;
-use crate::load::{FlankForce, PinLoad, ShareLoad};
+use crate::load::{FlankForce, LoadError, PinLoad, ShareLoad, Spot};
 use crate::machine::{Machine, OutputAngle};
 use crate::wear::WearError;
 
@@ -16,12 +17,18 @@ pub struct Accuracy {
     pub loaded_error: OutputAngle,
     /// Peak-to-peak output error under rated torque over the cycle.
     pub loaded_peak_to_peak: OutputAngle,
-    /// N, Pa, pairs of one disc.
+    /// Largest force of a pin in N and largest pressure in Pa, at the largest torque of rating and duty.
     pub max_force: f64,
     pub max_pressure: f64,
+    /// How far single readings scatter about the largest pressure, in Pa.
+    pub pressure_scatter: f64,
+    /// Where they are: different pins at different places.
+    pub hardest_pushed: Spot,
+    pub hardest_pressed: Spot,
+    /// Pairs of one disc at rated torque.
     pub loaded_pairs: f64,
-    /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean of all
-    /// pins.
+    /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean
+    /// of all pins.
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
@@ -48,7 +55,8 @@ pub struct Travel {
 
 /// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
 const RING_POSITIONS: usize = 4;
-/// Steps of the meshing angle for forces that differ from pin to pin, and where they differ with the crank alone.
+/// Steps of the meshing angle for forces that differ from pin to pin, and where they differ with the crank
+/// alone.
 const PIN_CELLS: usize = 72;
 const CRANK_CELLS: usize = 144;
 
@@ -89,6 +97,19 @@ pub fn travel<S: ShareLoad>(
     })
 }
 
+/// The hardest loaded contacts under a torque, of the surfaces that `meshing` has on.
+///
+/// # Errors
+/// [`LoadError`] when a load sharing fails.
+pub(crate) fn hardest<S: ShareLoad>(
+    meshing: &mut S,
+    torque: f64,
+    crank_positions: usize,
+) -> Result<Extremes, LoadError> {
+    let cycle = meshing.loaded_cycle(torque, positions(meshing, crank_positions))?;
+    Ok(extremes(meshing, torque, &cycle))
+}
+
 /// Accuracy of one state of wear, which `meshing` has on.
 ///
 /// # Errors
@@ -101,7 +122,12 @@ pub fn accuracy<S: ShareLoad>(
     crank_positions: usize,
 ) -> Result<Accuracy, WearError> {
     let alike = meshing.discs_alike();
-    let cycle = meshing.loaded_cycle(machine.rated.torque, positions(meshing, crank_positions))?;
+    let count = positions(meshing, crank_positions);
+    let cycle = meshing.loaded_cycle(machine.rated.torque, count)?;
+    let extremes = match machine.hardest_torque() {
+        torque if torque == machine.rated.torque => extremes(meshing, torque, &cycle),
+        torque => hardest(meshing, torque, crank_positions)?,
+    };
     let (flank_forces, flank_peaks) = if meshing.pitches() == 1 {
         (vec![cycle.flank_forces()], cycle.flank_forces())
     } else {
@@ -117,8 +143,11 @@ pub fn accuracy<S: ShareLoad>(
         max_depth_at,
         loaded_error: cycle.mean_error(),
         loaded_peak_to_peak: cycle.peak_to_peak_error(),
-        max_force: cycle.max_force(),
-        max_pressure: cycle.max_pressure(meshing.contacts().contact()),
+        max_force: extremes.pushed.force,
+        max_pressure: extremes.pressed.pressure,
+        pressure_scatter: extremes.scatter,
+        hardest_pushed: extremes.pushed,
+        hardest_pressed: extremes.pressed,
         loaded_pairs: cycle.loaded_pairs(),
         flank: flank.clone(),
         flank_forces,

@@ -2,10 +2,12 @@
 
 mod accuracy;
 mod course;
+mod extremes;
 mod parts;
 mod predict;
 mod tao2024;
 
+pub(crate) use accuracy::hardest;
 pub use accuracy::{Accuracy, Travel, accuracy, travel};
 pub use course::{Course, WornState, worn_after};
 pub(crate) use parts::lost_motion_of;

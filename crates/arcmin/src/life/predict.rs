@@ -46,6 +46,10 @@ pub struct Prediction {
     pub hours_to_limit: Option<f64>,
     /// How far the limit was looked for.
     pub searched_hours: f64,
+    /// Lost motion in rad over hours: of the points, and of what was looked at beyond the service life.
+    pub lost_motion: Vec<(f64, f64)>,
+    /// The machine where the search ended, if that is beyond the service life.
+    pub beyond: Option<WornState>,
     /// Where wear ran away within the service life: `points` end before it.
     pub runs_away: Option<RunAway>,
 }
@@ -139,17 +143,27 @@ pub fn predict(
         }
     }
     let (updates, exposure) = (course.updates(), *course.exposure());
-    let history: Vec<(f64, f64)> =
+    let mut lost_motion: Vec<(f64, f64)> =
         points.iter().map(|point| (point.hours(), point.lost_motion.radians())).collect();
-    let (hours_to_limit, searched_hours) = match runs_away {
-        None => search_limit(&mut course, machine, options, history, progress).map_err(failed())?,
-        Some(RunAway { hours, .. }) => (crossing(&history, machine.limits.lost_motion), hours),
+    let (beyond, searched_hours) = match runs_away {
+        None => search_limit(&mut course, machine, options, &mut lost_motion, progress).map_err(failed())?,
+        Some(RunAway { hours, .. }) => (None, hours),
     };
-    Ok(Prediction { points, exposure, updates, hours_to_limit, searched_hours, runs_away })
+    let hours_to_limit = crossing(&lost_motion, machine.limits.lost_motion);
+    Ok(Prediction {
+        points,
+        exposure,
+        updates,
+        hours_to_limit,
+        searched_hours,
+        lost_motion,
+        beyond,
+        runs_away,
+    })
 }
 
-/// States evaluated one after the other, each from the balances of the one before: a multiple of what it takes to
-/// make up for the first, and few enough for the processors of a desk.
+/// States evaluated one after the other, each from the balances of the one before: a multiple of what it
+/// takes to make up for the first, and few enough for the processors of a desk.
 pub(crate) const STATES_IN_A_ROW: usize = 16;
 
 /// Evaluates some states in a row.
@@ -200,40 +214,42 @@ fn of_contacts(machine: &Machine, state: &WornState) -> Result<OutputAngle, Wear
     Ok(lost_motion(&mut meshing, machine.rated.torque, positions)?)
 }
 
-/// Goes on beyond the service life until the lost motion reaches its limit: hours to there, and how far was
-/// looked. `history` holds (h, rad) over the service life.
+/// Goes on beyond the service life until the lost motion reaches its limit: the machine there, and how far
+/// was looked. `history` holds (h, rad) over the service life, and what was found beyond.
 fn search_limit(
     course: &mut Course<'_>,
     machine: &Machine,
     options: LifeOptions,
-    mut history: Vec<(f64, f64)>,
+    history: &mut Vec<(f64, f64)>,
     progress: &dyn Progress,
-) -> Result<(Option<f64>, f64), WearError> {
+) -> Result<(Option<WornState>, f64), WearError> {
     let service_hours = machine.limits.service_life / HOUR;
     let limit = machine.limits.lost_motion;
     let furthest = options.search_factor.max(1.0) * service_hours;
-    let mut hours_to_limit = crossing(&history, limit);
-    let mut searched_hours = service_hours;
+    let (mut beyond, mut searched_hours) = (None, service_hours);
     let mut in_bearings = course.parts().meshing().clone();
-    while hours_to_limit.is_none() && searched_hours < furthest {
+    while crossing(history, limit).is_none() && searched_hours < furthest {
         progress
             .report("looking for the limit", (searched_hours - service_hours) / (furthest - service_hours));
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
-        let lost = course.advance_to(hours, progress).and_then(|()| {
+        let found = course.advance_to(hours, progress).and_then(|()| {
             let state = course.state();
-            course.parts().lost_motion_on(&mut in_bearings, &state.surfaces, state.part_wear)
+            let lost = course.parts().lost_motion_on(&mut in_bearings, &state.surfaces, state.part_wear)?;
+            Ok((state, lost))
         });
-        match lost {
-            Ok(lost) => history.push((hours, lost)),
+        match found {
+            Ok((state, lost)) => {
+                history.push((hours, lost));
+                beyond = Some(state);
+            }
             // Far beyond the service life a flank may be worn out of the model's reach; the search ends where
             // it still held.
             Err(WearError::Load(_) | WearError::RunsAwayAt { .. }) => break,
             Err(error) => return Err(error),
         }
         searched_hours = hours;
-        hours_to_limit = crossing(&history, limit);
     }
-    Ok((hours_to_limit, searched_hours))
+    Ok((beyond, searched_hours))
 }
 
 /// First abscissa at which the values reach `limit`, by linear interpolation.

@@ -33,6 +33,20 @@ pub struct FlankForce {
     pub relative_curvature: f64,
 }
 
+/// One contact of a cycle with all that holds there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spot {
+    /// Meshing angle in rad, signed.
+    pub meshing_angle: f64,
+    /// N.
+    pub force: f64,
+    /// Pa.
+    pub pressure: f64,
+    /// Both counted from 0.
+    pub disc: usize,
+    pub pin: usize,
+}
+
 /// What one pin bears of one disc over a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinLoad {

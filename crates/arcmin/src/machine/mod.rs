@@ -100,6 +100,17 @@ impl Machine {
         self.duty.iter().any(|row| !row.forces.is_zero())
     }
 
+    /// The largest torque of rating and duty in N·m, with its sign; that of the rating where several are as large.
+    pub fn hardest_torque(&self) -> f64 {
+        let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
+        self.duty.iter().map(|row| row.torque).fold(self.rated.torque, harder)
+    }
+
+    /// Share of the duty in which the input stands still.
+    pub fn rest_share(&self) -> f64 {
+        self.duty.iter().filter(|row| row.input_speed == 0.0).map(|row| row.share).sum()
+    }
+
     /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of
     /// the modification.
     pub fn profile(&self) -> Profile {

@@ -94,13 +94,15 @@ pub const CONTACT_LOST_MOTION: Quantity = quantity(
 pub const MAX_FORCE: Quantity = quantity(
     "max_force_n",
     decimals(0),
-    "Largest force of one pin on one disc over everything that repeats.",
+    "Largest force of one pin on one disc over everything that repeats. Over a life, at the largest torque of rating \
+     and duty.",
 );
 
 pub const MAX_PRESSURE: Quantity = quantity(
     "max_pressure_mpa",
     decimals(0),
-    "Largest Hertz pressure between pin and flank over everything that repeats.",
+    "Largest Hertz pressure between pin and flank over everything that repeats. Over a life, at the largest torque of \
+     rating and duty; largest force and largest pressure are different pins at different places.",
 );
 
 pub const LOADED_PAIRS: Quantity =

@@ -5,6 +5,7 @@ use serde_json::{Value as Json, json};
 use super::judge::{Judged, JudgedResult, Sensitivity};
 use super::page::StudyReport;
 use super::{Rows, Study, StudyFile};
+use crate::analyses::life::{about, limit_hours};
 use crate::analyses::{AnalysisError, Said, identity};
 use crate::analyses::{Host, by_name};
 use crate::design::Design;
@@ -13,10 +14,15 @@ use crate::report::{Block, Page, Section, compact, significant};
 /// Machines whose smallest and largest enclose 95 % of all with 95 % confidence (Wilks).
 pub const MACHINES: u64 = 93;
 const CONFIDENCE: f64 = 0.95;
-/// Results of `life` that get a band, the headline first.
-const RESULTS: &str = "\"hours_to_lost_motion_limit\", \"hours_to_limit\", \"lost_motion_arcmin\", \
-                       \"lost_motion_new_arcmin\", \"max_pressure_mpa\", \"max_depth_um\", \
-                       \"life.lost_motion_arcmin\"";
+/// Results of `life` that get a band, the headline first: the hours to every limit, and what is behind them.
+const RESULTS: &[&str] = &[
+    "hours_to_limit",
+    "lost_motion_arcmin",
+    "lost_motion_new_arcmin",
+    "max_pressure_mpa",
+    "max_depth_um",
+    "life.lost_motion_arcmin",
+];
 /// Keys of the ranking that are told.
 const TOLD: usize = 3;
 /// Largest share of lives that may go on beyond the search before the lost motion at the end ranks in their
@@ -43,8 +49,10 @@ pub fn study(
     }
     let once = |line: &&str| !line.starts_with("quasi_static");
     let options = options.lines().filter(once).collect::<Vec<_>>().join("\n");
+    let results = RESULTS.iter().copied().chain(limit_hours().map(|(_, key)| key));
+    let results = results.map(|key| format!("{key:?}")).collect::<Vec<_>>().join(", ");
     let text = format!(
-        "design = \"design\"\nanalysis = \"life\"\nunknowns = true\nresults = [{RESULTS}]\n\n\
+        "design = \"design\"\nanalysis = \"life\"\nunknowns = true\nresults = [{results}]\n\n\
          [options]\n{options}\n\
          quasi_static = true\n\n[method]\nkind = \"random\"\nsamples = {machines}\nseed = {seed}\n\
          confidence = {CONFIDENCE}\n"
@@ -117,16 +125,20 @@ impl<'a> Band<'a> {
         ranking
     }
 
+    /// "3100 to 7400 h" of a result in hours, of which those that are absent go on beyond what was computed.
+    fn hours(&self, key: &str) -> Option<String> {
+        let searched = about(self.searched());
+        let hours =
+            |hours: f64| if hours.is_finite() { about(hours) } else { format!("more than {searched}") };
+        self.ends(key).map(|(low, high)| format!("{} to {} h", hours(low), hours(high)))
+    }
+
     /// The answer in a sentence.
     pub fn sentence(&self) -> String {
-        let limit = compact(self.study.design.machine().limits.lost_motion / crate::units::ARCMIN, 3);
-        let searched = rounded(self.searched());
-        let hours =
-            |hours: f64| if hours.is_finite() { rounded(hours) } else { format!("more than {searched}") };
-        let life = match self.ends(LIFE) {
-            Some((low, high)) => format!("reaches {limit}′ after {} to {} h", hours(low), hours(high)),
+        let life = match self.hours(LIFE) {
+            Some(hours) => format!("reaches the first of its limits after {hours}"),
             None if self.searched() > 0.0 => {
-                format!("stays within {limit}′ for more than {searched} h")
+                format!("stays within its limits for more than {} h", about(self.searched()))
             }
             None => "has no result".to_owned(),
         };
@@ -134,7 +146,9 @@ impl<'a> Band<'a> {
         let ranking = self.ranking();
         let share = |share: f64| format!("{} %", significant(100.0 * share, 2));
         let causes = match ranking.first() {
-            Some((key, first)) if *first > 0.0 => format!("; `{key}` makes {} of {what}", share(*first)),
+            Some((key, first)) if *first > 0.0 => {
+                format!("; measure `{key}` first, which makes {} of {what}", share(*first))
+            }
             _ => String::new(),
         };
         let count = self.rows.records.len();
@@ -178,6 +192,8 @@ impl<'a> Band<'a> {
         if !told.is_empty() {
             said.push(Said::line(format!("measure first: {}", told.join(", "))));
         }
+        let each = limit_hours().filter_map(|(kind, key)| Some((kind, self.hours(key)?)));
+        said.extend(each.map(|(kind, hours)| Said::line(format!("  {}: {hours}", kind.name()))));
         said
     }
 
@@ -219,13 +235,7 @@ impl<'a> Band<'a> {
     }
 }
 
-/// Hours to two digits: a band is no more exact than that.
-fn rounded(hours: f64) -> String {
-    let unit = 10_f64.powf((hours.max(1.0).log10().floor() - 1.0).max(0.0));
-    format!("{:.0}", (hours / unit).round() * unit)
-}
-
-const LIFE: &str = "hours_to_lost_motion_limit";
+const LIFE: &str = "hours_to_limit";
 const END: &str = "lost_motion_arcmin";
 
 #[cfg(test)]
@@ -247,7 +257,7 @@ mod tests {
                     .enumerate()
                     .map(|(index, (name, _))| match *name {
                         _ if index < unit.len() => Cell::Number(unit[index]),
-                        "hours_to_lost_motion_limit" => life(unit[wear]).map_or(Cell::Absent, Cell::Number),
+                        "hours_to_limit" => life(unit[wear]).map_or(Cell::Absent, Cell::Number),
                         "lost_motion_arcmin" => Cell::Number(0.5 + unit[wear]),
                         "searched_h" => Cell::Number(30_000.0),
                         _ => Cell::Absent,
@@ -257,12 +267,6 @@ mod tests {
             })
             .collect();
         Rows { records, of: plan.rows(), unusable: Vec::new() }
-    }
-
-    #[test]
-    fn hours_are_rounded_to_two_digits() {
-        let all = [0.0, 7.4, 96.0, 1249.0, 13_953.0, 30_000.0].map(rounded);
-        assert_eq!(all, ["0", "7", "96", "1200", "14000", "30000"]);
     }
 
     #[test]
@@ -282,24 +286,28 @@ mod tests {
         let units = (0..93).map(|row| study.plan.sampling().point(row).unit[wear]);
         let (least, most) = units.fold((1.0_f64, 0.0_f64), |(a, b), u| (a.min(u), b.max(u)));
         let (sentence, json, said) = told(&|u| Some(6000.0 + 8000.0 * u));
-        let expected = [least, most].map(|u| super::rounded(6000.0 + 8000.0 * u));
+        let expected = [least, most].map(|u| about(6000.0 + 8000.0 * u));
         assert!(
-            sentence.contains(&format!("reaches 1′ after {} to {} h", expected[0], expected[1])),
+            sentence.contains(&format!("first of its limits after {} to {} h", expected[0], expected[1])),
             "{sentence}"
         );
-        assert!(sentence.contains("`wear.coupled.coefficient_mm2_per_n` makes 100 % of that"), "{sentence}");
+        assert!(
+            sentence
+                .contains("measure `wear.coupled.coefficient_mm2_per_n` first, which makes 100 % of that"),
+            "{sentence}"
+        );
         assert!(sentence.contains("with 95 % confidence, from 93 machines") && said == 2, "{sentence}");
-        let ends = &json["results"]["hours_to_lost_motion_limit"];
+        let ends = &json["results"]["hours_to_limit"];
         assert_eq!(ends["low"].as_f64().unwrap(), 6000.0 + 8000.0 * least);
         assert_eq!(ends["high"].as_f64().unwrap(), 6000.0 + 8000.0 * most);
         // Some go on beyond the search: the upper end is open.
         let (sentence, json, _) = told(&|u| (u < 0.9).then_some(6000.0 + 8000.0 * u));
         assert!(sentence.contains("to more than 30000 h"), "{sentence}");
-        assert!(json["results"]["hours_to_lost_motion_limit"]["high"].is_null());
+        assert!(json["results"]["hours_to_limit"]["high"].is_null());
         // None ends.
         let (sentence, json, _) = told(&|_| None);
         assert!(
-            sentence.contains("stays within 1′ for more than 30000 h")
+            sentence.contains("stays within its limits for more than 30000 h")
                 && json["ranked_by"] == "lost_motion_arcmin",
             "{sentence}"
         );

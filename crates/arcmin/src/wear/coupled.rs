@@ -4,6 +4,7 @@ use super::deposit::FlankArc;
 use super::smoothing::ContactAverage;
 use super::{Exposure, WearError};
 use crate::geometry::Relief;
+use crate::load::closed_form::first_max_force;
 use crate::load::{Meshing, ShareLoad};
 use crate::machine::{Machine, PartWear};
 use crate::tribology::LocalRate;
@@ -33,6 +34,10 @@ pub struct CoupledOptions {
     /// By how much Euler's and Heun's method may differ after an update, anywhere, in m. It is the error of the
     /// former; that of the latter, which is taken, is smaller.
     pub tolerance: f64,
+    /// Largest increment where it takes many pitches to repeat, in m and as a share of the depth reached: an update then
+    /// sees few of the places, and larger ones leave waves on the flank (their least curvature and the need of more
+    /// positions are tested).
+    pub few_places: [f64; 2],
 }
 
 impl Default for CoupledOptions {
@@ -44,6 +49,7 @@ impl Default for CoupledOptions {
             depth_increment: 0.8 * UM,
             increment_share: 0.01,
             tolerance: 0.06 * UM,
+            few_places: [0.08 * UM, 0.02],
         }
     }
 }
@@ -71,11 +77,10 @@ const LEAST_LIMIT: f64 = crate::units::ARCMIN;
 const RUN_AWAY: f64 = 0.02;
 /// The tolerance as a share of the depth reached, which takes over beyond 30 µm.
 const TOLERANCE_SHARE: f64 = 2e-3;
-/// Largest increment, in m and as a share of the depth reached, where it takes many pitches to repeat: an update then
-/// sees few of the places, and larger ones leave waves on the flank (their least curvature and the need of more
-/// positions are tested).
-const FEW_PLACES_INCREMENT: f64 = 0.08 * UM;
-const FEW_PLACES_SHARE: f64 = 0.02;
+/// The same as a share of the approach of the hardest loaded contact, which is small where little load meets wide flanks;
+/// but never less than this share of the depth reached.
+const LIGHT_SHARE: f64 = 0.15;
+const LIGHT_DEPTH_SHARE: f64 = 2e-3;
 /// The first update takes off this much at most, in m: no error of a step is known yet.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
 /// Updates by the midpoint between two of Heun's method, which alone tells its error.
@@ -90,6 +95,15 @@ pub(crate) fn depth_past_use(machine: &Machine) -> f64 {
     let lost_motion = PAST_USE * machine.limits.lost_motion.max(LEAST_LIMIT);
     let open = 0.5 * lost_motion * machine.profile().largest_lever_arm();
     open.min(WORN_OUT * machine.ring.pin_radius)
+}
+
+/// Approach in m of the hardest loaded contact of the new flank at the largest torque of the duty.
+fn hardest_approach(machine: &Machine) -> f64 {
+    let torque = machine.duty.iter().map(|duty| duty.torque.abs()).fold(0.0, f64::max);
+    let profile = machine.profile();
+    let at = profile.short_width_coefficient().min(1.0);
+    let curvature = profile.relative_curvature(at, machine.ring.pin_radius).max(1.0);
+    machine.line_contact().approach(first_max_force(machine, torque), 1.0 / curvature)
 }
 
 /// The running computation: advance it in exposure and read snapshots.
@@ -107,6 +121,8 @@ pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
     state: WearSnapshot,
     /// Depth in m at which the machine is past any use.
     past_use: f64,
+    /// Approach in m of the hardest loaded contact of the new machine, by the closed form.
+    approach: f64,
     updates: usize,
     /// Exposure of the next update as the last one would have it.
     step: Option<f64>,
@@ -165,6 +181,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
             options,
             state,
             past_use: depth_past_use(machine),
+            approach: hardest_approach(machine),
             updates: 0,
             step: None,
             recent: None,
@@ -351,7 +368,10 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     fn largest_increment(&self, depth: f64) -> f64 {
         let most = self.options.depth_increment.max(self.options.increment_share * depth);
         if self.meshing.pitches() > 1 {
-            most.min(FEW_PLACES_INCREMENT.max(FEW_PLACES_SHARE * depth))
+            let [increment, share] = self.options.few_places;
+            // Waves that are a part of what contacts give way decide which pins carry.
+            let light = (LIGHT_SHARE * self.approach).max(LIGHT_DEPTH_SHARE * depth).max(LEAST_INCREMENT);
+            most.min(increment.max(share * depth)).min(light)
         } else {
             most
         }

@@ -20,6 +20,7 @@ const COARSE: CoupledOptions = CoupledOptions {
     depth_increment: 0.2e-6,
     increment_share: 0.01,
     tolerance: 0.01e-6,
+    few_places: [0.08 * UM, 0.02],
 };
 
 fn worn(

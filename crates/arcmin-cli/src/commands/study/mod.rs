@@ -20,7 +20,9 @@ use serde_json::{Map, Value, json};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{Parts, Results, SampleBar, Terminal, read_design, say, terminal_text, text_of, write_file};
+use crate::run::{
+    Cache, Parts, Results, SampleBar, Terminal, read_design, say, terminal_text, text_of, write_file,
+};
 
 const GUIDE: &str = "\
 A study computes many machines instead of one: it reads a study file (TOML), which names a design, an analysis
@@ -219,7 +221,7 @@ impl Job {
 
     /// Computes what is missing of a shard; whether it was cancelled.
     fn compute(&self, plan: &Plan, what: &str, shard: Shard) -> Result<bool, Failure> {
-        let host = Terminal::new(&self.design_path, &self.out, &self.out.join("cache"), true);
+        let host = Terminal::new(&self.design_path, &self.out, Cache::of_user(&self.out.join("cache")), true);
         let parts = self.parts();
         let all: u64 = shard.parts(plan).map(|part| plan.rows_of(part).count() as u64).sum();
         let bar = SampleBar::new(what, all, self.quiet);
@@ -362,7 +364,7 @@ fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
         .map_err(|error| Failure::design(error, &text))?;
     let design_path = path.parent().unwrap_or(Path::new("")).join(&file.design.0);
     let design = read_design(&design_path)?;
-    let host = Terminal::new(&design_path, out, out, true);
+    let host = Terminal::new(&design_path, out, Cache::of_user(out), true);
     // What an error of the study or the design marks is in the text it was read from.
     let told = |error: arcmin::analyses::AnalysisError| match error {
         arcmin::analyses::AnalysisError::Design(error) => {

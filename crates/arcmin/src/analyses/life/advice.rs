@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::bearings::{self, bearing_lives};
+use super::bearings::{self, lives_in_friction};
 use super::verdict::{LifeVerdict, Limit, LimitKind};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
 use crate::fidelity::{Fidelity, MachineMeshing};
-use crate::life::{LifePoint, Prediction, lost_motion_of};
+use crate::life::{LifePoint, Prediction, hardest, lost_motion_of};
 use crate::load::{Cycle, LoadError, ShareLoad};
 use crate::machine::Machine;
 use crate::report::{compact, significant};
@@ -88,7 +88,7 @@ const PRESSURE: &[Lever] = &[
     lever("disc.modification.equidistant_offset_um", "equidistant offset", "µm", 0.6, 0.0),
     lever("disc.modification.radial_offset_um", "radial offset", "µm", 0.6, 0.0),
     lever("bearings.turning_arm.clearance_um", "turning-arm clearance", "µm", 0.6, 0.0),
-    lever("load.rated_torque_n_m", "rated torque", "N·m", 0.9, 0.0),
+    lever("load.rated_torque_n_m", "torque of rating and duty", "N·m", 0.9, 0.0),
 ];
 
 /// Share of a realistic change at which the sensitivity is taken.
@@ -255,6 +255,10 @@ impl Question<'_> {
                 machine.duty.iter_mut().for_each(|row| row.torque *= scale);
                 machine.rated.torque = rated.rated.torque;
             }
+            "load.rated_torque_n_m" => {
+                machine.duty = design.machine().duty;
+                machine.duty.iter_mut().for_each(|row| row.torque *= scale);
+            }
             "load.input_speed_rpm" => {
                 machine.duty = design.machine().duty;
                 machine.duty.iter_mut().for_each(|row| row.input_speed *= scale);
@@ -270,12 +274,14 @@ impl Question<'_> {
         match self.kind {
             LimitKind::BearingLife => {
                 let settings = self.fidelity.joint_settings().ok()?;
-                Some(bearing_lives(machine, &settings, positions).ok()?.worst()?.life_h)
+                Some(lives_in_friction(machine, &settings, positions).ok()?.worst()?.life_h)
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue => {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
-                let cycle = self.cycle(machine, point, ShareLoad::loaded_cycle)?;
-                Some(cycle.max_pressure(&machine.line_contact()) / MPA)
+                let mut meshing = self.fidelity.meshing(machine).ok()?;
+                point.state.put_on(machine, &mut meshing);
+                let found = hardest(&mut meshing, machine.hardest_torque(), POSITIONS).ok()?;
+                Some(found.pressed.pressure / MPA)
             }
             LimitKind::TransmissionError => {
                 let value = |point: &LifePoint| point.accuracy.loaded_peak_to_peak.arcmin();

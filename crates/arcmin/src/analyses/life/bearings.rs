@@ -20,12 +20,25 @@ pub struct BearingLife {
     pub life_h: f64,
 }
 
-/// All turning-arm bearings and crank supports, and the main bearings where the duty tilts or pulls the output.
+/// All turning-arm bearings and crank supports, and the main bearings where the duty tilts or pulls the
+/// output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingLives {
     pub bearings: Vec<BearingLife>,
     /// L10h in h of all bearings together.
     pub system_h: f64,
+    /// Where the design gives no friction and the lives contain an assumed one: the coefficient on the
+    /// flanks, and the shortest life in h without any friction.
+    pub assumed_friction: Option<AssumedFriction>,
+}
+
+/// Friction that a design leaves out and bearing lives contain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AssumedFriction {
+    /// Coulomb coefficient between flank and pin.
+    pub flank: f64,
+    /// h, of the bearing that lasts shortest without it.
+    pub without_h: f64,
 }
 
 /// Crank positions over a turn of the crankshafts.
@@ -53,9 +66,9 @@ pub(super) const TABLE: TableOf<BearingLife> = TableOf {
     },
 };
 
-/// Rating lives of the new machine by ISO 281, with the friction that the test bench has: damages of the rows of the duty add up (Palmgren–Miner), and
-/// the system survives as long as every bearing does, L^(−e) = Σ L_i^(−e) with e = 9/8. Rows without torque or
-/// speed do no damage.
+/// Rating lives of the new machine by ISO 281, with the friction that the test bench has: damages of the rows
+/// of the duty add up (Palmgren–Miner), and the system survives as long as every bearing does, L^(−e) = Σ
+/// L_i^(−e) with e = 9/8. Rows without torque or speed do no damage.
 ///
 /// # Errors
 /// [`AnalysisError`] where a balance cannot be found.
@@ -64,8 +77,34 @@ pub fn bearing_lives(
     settings: &JointSettings,
     positions: usize,
 ) -> Result<BearingLives, AnalysisError> {
+    let lives = lives_in_friction(machine, settings, positions)?;
+    let (rough, assumed) = with_friction(machine, false);
+    if !assumed {
+        return Ok(lives);
+    }
+    let smooth = lives_as_given(machine, settings, positions)?;
+    let without = smooth.worst().map(|worst| worst.life_h);
+    let assumed_friction =
+        without.map(|without_h| AssumedFriction { flank: rough.friction.flank, without_h });
+    Ok(BearingLives { assumed_friction, ..lives })
+}
+
+/// [`bearing_lives`] without a word on what friction makes of them.
+pub(super) fn lives_in_friction(
+    machine: &Machine,
+    settings: &JointSettings,
+    positions: usize,
+) -> Result<BearingLives, AnalysisError> {
     // Friction in the mesh adds to the bearings' loads; where a design gives none, the bench assumes some.
-    let (machine, _) = &with_friction(machine, false);
+    lives_as_given(&with_friction(machine, false).0, settings, positions)
+}
+
+/// [`bearing_lives`] with the friction that the machine has.
+fn lives_as_given(
+    machine: &Machine,
+    settings: &JointSettings,
+    positions: usize,
+) -> Result<BearingLives, AnalysisError> {
     let acts = |row: &&DutyPoint| {
         row.torque.abs() > 1e-6 * machine.rated.torque.abs() && row.input_speed != 0.0 && row.share > 0.0
     };
@@ -101,12 +140,12 @@ pub fn bearing_lives(
         .collect();
     bearings.extend(main_bearings(machine)?);
     let system: f64 = bearings.iter().map(|bearing| bearing.life_h.powf(-WEIBULL_SLOPE)).sum();
-    Ok(BearingLives { bearings, system_h: system.powf(-1.0 / WEIBULL_SLOPE) })
+    Ok(BearingLives { bearings, system_h: system.powf(-1.0 / WEIBULL_SLOPE), assumed_friction: None })
 }
 
-/// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of the
-/// duty, damages added up; P from C, the life and the mean speed. Without such forces the mechanism leaves next to
-/// nothing on them.
+/// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of
+/// the duty, damages added up; P from C, the life and the mean speed. Without such forces the mechanism
+/// leaves next to nothing on them.
 fn main_bearings(machine: &Machine) -> Result<Option<BearingLife>, AnalysisError> {
     if machine.duty.iter().all(|row| row.forces.is_zero()) {
         return Ok(None);
@@ -146,10 +185,16 @@ impl BearingLives {
     pub fn worst(&self) -> Option<&BearingLife> {
         self.bearings.iter().min_by(|a, b| a.life_h.total_cmp(&b.life_h))
     }
+
+    /// Share of machines of which every bearing is sound after some hours: 0.9^((t/L10)^e) with the system's
+    /// L10 (ISO 281: an L10 is survived by nine in ten).
+    pub fn survival(&self, hours: f64) -> f64 {
+        0.9_f64.powf((hours / self.system_h).powf(WEIBULL_SLOPE))
+    }
 }
 
-/// The maker's catalogue life (hours at rated torque and 15 rpm of the output) at the duty, by ISO 281:
-/// L = L_c (15/n_m) (T_r/T_m)^(10/3), n_m and T_m the mean speed and the equivalent torque of the duty. `None`
+/// The maker's catalogue life (hours at rated torque and 15 rpm of the output) at the duty, by ISO 281: L =
+/// L_c (15/n_m) (T_r/T_m)^(10/3), n_m and T_m the mean speed and the equivalent torque of the duty. `None`
 /// where nothing turns under load.
 pub fn catalogue_life_at_duty(machine: &Machine, hours: f64) -> Option<f64> {
     const CATALOGUE_RPM: f64 = 15.0;
@@ -171,8 +216,8 @@ mod tests {
     use super::*;
     use crate::machine::OutputForces;
 
-    /// One row: the life of the bench. Two halves at full and half torque: 2/(1 + 2^(−10/3)) of it, as near as
-    /// loads follow the torque.
+    /// One row: the life of the bench. Two halves at full and half torque: 2/(1 + 2^(−10/3)) of it, as near
+    /// as loads follow the torque.
     #[test]
     fn lives_follow_the_duty() {
         let machine = crate::templates::tao2024();
@@ -185,6 +230,17 @@ mod tests {
             assert!((life.equivalent / load.equivalent - 1.0).abs() < 1e-9);
         }
         let (worst, system) = (one.worst().unwrap().life_h, one.system_h);
+        // Nine in ten machines reach the L10 of the system; all bearings for themselves say the same.
+        let product: f64 =
+            one.bearings.iter().map(|b| 0.9_f64.powf((system / b.life_h).powf(WEIBULL_SLOPE))).product();
+        assert!((one.survival(system) - 0.9).abs() < 1e-12 && (product - 0.9).abs() < 1e-12);
+        // The design gives no friction: the lives contain what the bench assumes, and say so.
+        let assumed = one.assumed_friction.unwrap();
+        let smooth = bearing_loads(&machine, &settings, 12).unwrap();
+        let shortest = smooth.iter().map(BearingLoad::life_h).fold(f64::INFINITY, f64::min);
+        assert!((assumed.without_h / shortest - 1.0).abs() < 1e-9 && assumed.without_h > worst);
+        assert_eq!(assumed.flank, rough.friction.flank);
+        assert_eq!(bearing_lives(&rough, &settings, 12).unwrap().assumed_friction, None);
         assert!(system < worst && system > worst / (one.bearings.len() as f64).powf(8.0 / 9.0), "{system}");
         let mut two = machine.clone();
         two.duty = vec![
@@ -197,8 +253,8 @@ mod tests {
         assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
     }
 
-    /// A duty that tilts the output puts the main bearings among the lives: a single row as the bench says, two
-    /// rows by their damages; a duty that does not leaves them out.
+    /// A duty that tilts the output puts the main bearings among the lives: a single row as the bench says,
+    /// two rows by their damages; a duty that does not leaves them out.
     #[test]
     fn a_tilting_duty_wears_the_main_bearings() {
         let mut machine = crate::templates::tao2024();

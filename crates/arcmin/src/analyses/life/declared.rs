@@ -1,15 +1,20 @@
 //! Tables and figures of the life of a machine.
 
 use super::ages::Age;
+use super::band::Band;
+use super::undecided::Undecided;
+use super::verdict::LimitKind;
 use super::{Life, bearings};
 use crate::analyses::Host;
 use crate::analyses::causes::{self, CausesAt, HasCauses};
 use crate::analyses::{errors_table, wear};
 use crate::dynamics::ErrorStatistics;
 use crate::fidelity::Fidelity;
-use crate::life::{LifePoint, PartsPoint, Travel};
+use crate::life::{Accuracy, LifePoint, PartsPoint, Travel};
+use crate::load::Spot;
 use crate::results::{
-    DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, quantities as q, quantity,
+    Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits,
+    quantities as q, quantity,
 };
 use crate::units::{ARCMIN, DEG, HOUR, MPA, UM};
 
@@ -167,18 +172,47 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
     entries: || {
         let mut entries = vec![
             q::RATIO.of(|o: &Life| o.machine.kinematics().ratio().into()),
-            quantity("verdict.ok", PLAIN, "Whether every limit is kept for the planned service life.")
-                .of(|o| o.verdict.ok().into()),
+            quantity(
+                "verdict.ok",
+                PLAIN,
+                "Whether every limit is kept for the planned service life; false as well where one is undecided (a study \
+                 judges in one fidelity, unless it keeps verdict.undecided).",
+            )
+            .of(|o| o.verdict.ok().into()),
+            quantity("verdict.word", PLAIN, "The verdict in a word: kept, not kept, or undecided.")
+                .of(|o| o.verdict.word().into()),
+            quantity(
+                "verdict.undecided",
+                PLAIN,
+                "Limits that are kept with rigid bodies and not with elastic ones, or the other way round: which, value \
+                 and hours of either, and why. Empty where bodies were chosen by name.",
+            )
+            .of(|o| Value::List(o.verdict.undecided.iter().map(Undecided::value).collect())),
             quantity("verdict.limited_by", PLAIN, "The limit that ends the life first.")
                 .of(|o| Value::from(o.verdict.limited_by().map(|limit| limit.kind.key()))),
             quantity(
                 "verdict.limits",
                 PLAIN,
-                "Every limit: which, of which part, value found and value allowed in its unit, the hours for which                  it is kept (null: as long as was computed), and whether it is exceeded only before contacts have                  worn in.",
+                "Every limit: which, of which part, value found and value allowed in its unit, how far single readings \
+                 scatter about the value, the hours for which it is kept (null: as long as was computed), the band [low, \
+                 high] in which nine of ten machines lie that [unknowns] allows (null: more than was computed) and the \
+                 input it hangs on, whether it is exceeded only before contacts have worn in, and after how many hours \
+                 they have.",
             )
             .of(|o| o.verdict.value()),
             quantity("hours_to_limit", decimals(0), "Hours until the first of all limits is reached.")
                 .of(|o| o.verdict.hours_to_limit().into()),
+            quantity(
+                "hours_band",
+                PLAIN,
+                "Band [low, high] in h of hours_to_limit: nine of ten machines that [unknowns] allows lie in it, by \
+                 first-order sensitivities; null for more than was computed.",
+            )
+            .of(|o| o.verdict.band.as_ref().map_or(Value::Absent, Band::value)),
+            quantity("hangs_on", PLAIN, "Key of the input that moves hours_to_limit most: what to measure first.")
+                .of(|o| o.verdict.band.as_ref().and_then(|band| band.hangs_on.clone()).into()),
+            quantity("rest_share", digits(3), "Share of the duty at rest; hours count it.")
+                .of(|o| o.machine.rest_share().into()),
             q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.prediction.hours_to_limit.into()),
             quantity("searched_h", decimals(0), "Hours up to which the limit of lost motion was looked for.")
                 .of(|o| o.prediction.searched_hours.into()),
@@ -206,8 +240,37 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             q::MAX_FORCE.of(|o| o.over_life(|point| point.accuracy.max_force).into()),
             q::MAX_PRESSURE.of(|o| (o.over_life(|point| point.accuracy.max_pressure) / MPA).into()),
             q::LOADED_PAIRS.of(|o| o.last().accuracy.loaded_pairs.into()),
-            quantity("bearing_system_life_h", decimals(0), "L10 of all bearings together (Weibull slope 9/8).")
-                .of(|o| (!o.bearings.bearings.is_empty()).then_some(o.bearings.system_h).into()),
+            quantity("max_force_at_deg", decimals(1), "Size |φ| of the meshing angle of the largest force.")
+                .of(|o| o.hardest(|a| a.hardest_pushed, |s| s.force, |s| s.meshing_angle.abs() / DEG)),
+            quantity("pressure_at_max_force_mpa", decimals(0), "Pressure where the force is largest.")
+                .of(|o| o.hardest(|a| a.hardest_pushed, |s| s.force, |s| s.pressure / MPA)),
+            quantity("max_pressure_at_deg", decimals(1), "Size |φ| of the meshing angle of the largest pressure.")
+                .of(|o| o.hardest(|a| a.hardest_pressed, |s| s.pressure, |s| s.meshing_angle.abs() / DEG)),
+            quantity("force_at_max_pressure_n", decimals(0), "Force where the pressure is largest.")
+                .of(|o| o.hardest(|a| a.hardest_pressed, |s| s.pressure, |s| s.force)),
+            quantity(
+                "system_l10_h",
+                decimals(0),
+                "L10 of all bearings together (Weibull slope 9/8): hours that nine in ten machines run before any \
+                 bearing fails.",
+            )
+            .of(|o| (!o.bearings.bearings.is_empty()).then_some(o.bearings.system_h).into()),
+            quantity(
+                "bearing_survival",
+                digits(3),
+                "Share of machines of which every bearing is sound at the end of the service life.",
+            )
+            .of(|o| {
+                let service = o.verdict.service_h;
+                (!o.bearings.bearings.is_empty()).then(|| o.bearings.survival(service)).into()
+            }),
+            quantity(
+                "bearing_life_without_friction_h",
+                decimals(0),
+                "L10 of the bearing that lasts shortest without the friction that was assumed; absent where the design \
+                 gives its friction.",
+            )
+            .of(|o| o.bearings.assumed_friction.map(|assumed| assumed.without_h).into()),
             q::WEAR_COEFFICIENT.of(|o| o.prediction.exposure.coefficient.into()),
             q::FLANK_UPDATES.of(|o| o.prediction.updates.into()),
             quantity("advice", PLAIN, "What to change first, with what it gains of the limit reached first.")
@@ -216,11 +279,42 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
                 Value::Record(o.stages.iter().map(|(stage, seconds)| (*stage, (*seconds).into())).collect())
             }),
         ];
+        entries.extend(hours_of_limits());
         entries.extend(causes::entries());
         entries.extend(Fidelity::entries());
         entries
     },
 };
+
+macro_rules! hours_of_limits {
+    ($($kind:ident: $key:literal,)*) => {
+        /// Keys of the hours for which each limit is kept that a machine may have.
+        pub(crate) fn limit_hours() -> impl Iterator<Item = (LimitKind, &'static str)> {
+            let lost_motion = (LimitKind::LostMotion, q::HOURS_TO_LOST_MOTION_LIMIT.key);
+            [lost_motion, $((LimitKind::$kind, $key)),*].into_iter()
+        }
+
+        fn hours_of_limits() -> Vec<Column<Life>> {
+            vec![$(quantity($key, decimals(0), HOURS_OF_LIMIT).of(|o: &Life| {
+                o.verdict.limit(LimitKind::$kind).and_then(|limit| limit.hours).into()
+            })),*]
+        }
+    };
+}
+
+const HOURS_OF_LIMIT: &str = "Hours for which this limit is kept; absent where it is for as long as was computed, or \
+                              where there is none.";
+
+hours_of_limits! {
+    ContactPressure: "hours_to_contact_pressure_limit",
+    BearingLife: "hours_to_bearing_life_limit",
+    TransmissionError: "hours_to_transmission_error_limit",
+    Backlash: "hours_to_backlash_limit",
+    CatalogueLife: "hours_to_catalogue_life_limit",
+    ContactFatigue: "hours_to_contact_fatigue_limit",
+    EmergencyTorque: "hours_to_emergency_torque_limit",
+    Wear: "hours_to_wear_limit",
+}
 
 impl Life {
     pub(super) fn causes_over_hours(&self) -> Vec<CausesAt> {
@@ -236,6 +330,18 @@ impl Life {
     /// Largest of the times; none where travel was not asked for.
     fn travel_over_life(&self, of: impl Fn(&Travel) -> f64) -> Option<f64> {
         self.prediction.points.iter().filter_map(|point| point.travel.as_ref().map(&of)).reduce(f64::max)
+    }
+
+    /// Of the place of the whole life where `size` is largest, another value.
+    fn hardest(
+        &self,
+        place: fn(&Accuracy) -> Spot,
+        size: fn(&Spot) -> f64,
+        value: fn(&Spot) -> f64,
+    ) -> Value {
+        let places = self.prediction.points.iter().map(|point| place(&point.accuracy));
+        let hardest = places.max_by(|a, b| size(a).total_cmp(&size(b)));
+        Value::from(hardest.map(|spot| value(&spot)))
     }
 
     fn over_life(&self, of: impl Fn(&LifePoint) -> f64) -> f64 {

@@ -2,30 +2,43 @@
 
 mod advice;
 mod ages;
+mod band;
 mod bearings;
 mod declared;
 mod fatigue;
 mod figures;
+mod judgement;
+mod limits;
 mod page;
+mod record;
 #[cfg(test)]
 mod tests;
+mod undecided;
 mod verdict;
 
 pub use advice::Advice;
 pub use ages::Age;
+pub use band::Band;
 pub(in crate::analyses) use bearings::WEIBULL_SLOPE;
-pub use bearings::{BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
+pub use bearings::{AssumedFriction, BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
+pub(crate) use declared::limit_hours;
 pub use declared::{SUMMARY, tables};
+pub use judgement::{Judgement, WithElasticBodies};
+pub use undecided::Undecided;
+pub(crate) use verdict::about;
 pub use verdict::{LifeVerdict, Limit, LimitKind};
 
 use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::checks::{self, Finding};
 use crate::design::{Design, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions};
-use crate::life::{LifeOptions, LifePoint, Prediction, predict};
+use crate::life::{LifeOptions, LifePoint, Prediction, hardest, predict};
 use crate::load::{Cycle, ShareLoad};
 use crate::machine::Machine;
 use crate::report::Section;
+use band::Inputs;
+use judgement::{banded, judge_elastic, wants_both};
+use record::Record;
 
 pub const ABOUT: &str = "Predict accuracy over the hours of service, and what ends the life";
 pub const GUIDE: &str = "The main job: how the accuracy of the reducer decays with running hours, which limit \
@@ -33,14 +46,18 @@ pub const GUIDE: &str = "The main job: how the accuracy of the reducer decays wi
     motion by cause, transmission error, forces and pressures over the service life; runs the multibody model \
     without load (STE) and under a sinusoidal load (DTE) at five ages; rates every bearing by ISO 281 at the \
     design's duty. All limits enter one verdict; an unkept limit is verdict.ok = false, not a failure of the \
-    run.\n\nEverything is computed in one fidelity: in bearings with rigid discs unless joints and discs say \
-    otherwise.";
+    run.\n\nHours have a band: where nine of ten machines lie that the design's [unknowns] allow, by first-order \
+    sensitivities (--band computes whole lives). The machine is judged with rigid and with elastic bodies; limits \
+    that only one of them keeps are undecided. --bodies rigid or --bodies elastic judges in that one alone.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin life my-reducer.toml",
     "arcmin life my-reducer.toml --quasi-static",
-    "arcmin life my-reducer.toml --discs elastic",
+    "arcmin life my-reducer.toml --bodies elastic",
     "arcmin life my-reducer.toml --errors drawn --seed 7",
 ];
+
+/// Results that need to know how far the inputs move the hours.
+const OF_BANDS: &[&str] = &["hours_band", "hangs_on", "report"];
 
 options! {
     /// Options of `life`.
@@ -64,6 +81,10 @@ pub struct Life {
     /// Load sharing over one pin pitch of crank angle at the points that the report shows, by their number.
     pitches: Vec<(usize, Cycle)>,
     pub bearings: BearingLives,
+    /// The same machine with elastic bodies, where no bodies were asked for.
+    pub with_elastic_bodies: WithElasticBodies,
+    /// Whether rigid bodies were asked for by name.
+    bodies_are_chosen: bool,
     pub findings: Vec<Finding>,
     pub verdict: LifeVerdict,
     pub advice: Vec<Advice>,
@@ -81,7 +102,7 @@ pub struct Life {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, AnalysisError> {
     let machine = design.machine();
     let mut clock = Clock { host, since: host.seconds(), stages: Vec::new() };
-    let findings = checks::check_design(design);
+    let mut findings = checks::check_design(design);
     clock.stage("check");
     let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     clock.stage("fidelity");
@@ -98,16 +119,39 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     clock.stage(if quasi_static { "prediction" } else { "prediction_and_simulation" });
     host.report("bearings", 0.0);
     let bearings = bearing_lives(&machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
-    let emergency_pressure = emergency_pressure(&machine, &fidelity, &prediction)?;
-    let verdict = verdict::Judged {
-        machine: &machine,
-        prediction: &prediction,
-        bearings: &bearings,
-        findings: &findings,
-        emergency_pressure,
-    }
-    .verdict();
+    let emergency = emergency_pressure(&machine, &fidelity, &prediction)?;
     clock.stage("bearings");
+    let inputs = if OF_BANDS.iter().any(|result| host.wants(result)) {
+        host.report("how well it is known", 0.0);
+        match Inputs::look(design, &fidelity, &prediction, host) {
+            Ok(inputs) => Some(inputs),
+            Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
+            Err(error) => {
+                findings.push(band::no_band(&error));
+                None
+            }
+        }
+    } else {
+        None
+    };
+    let record = Record::of(&machine, &prediction, &bearings, &findings, emergency);
+    let (limits, band) = banded(&record, inputs.as_ref());
+    clock.stage("bands");
+    let with_elastic_bodies = if wants_both(&options.fidelity, host) {
+        judge_elastic(design, &machine, options, &findings, inputs.as_ref(), host)?
+    } else {
+        WithElasticBodies::NotAsked
+    };
+    if let WithElasticBodies::NoRoom(finding) = &with_elastic_bodies {
+        findings.push(finding.clone());
+    }
+    clock.stage("elastic_bodies");
+    let (service_h, searched_h) = (record.service_h, record.searched_h);
+    let undecided = match with_elastic_bodies.judged() {
+        Some(judged) => undecided::undecided(&limits, &judged.limits, service_h),
+        None => Vec::new(),
+    };
+    let verdict = LifeVerdict { limits, service_h, searched_h, band, undecided };
     let advice = if host.wants("advice") {
         host.report("advice", 0.0);
         advice::advise(design, &fidelity, &prediction, &verdict, host)?
@@ -125,6 +169,8 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         ages,
         pitches,
         bearings,
+        with_elastic_bodies,
+        bodies_are_chosen: options.fidelity.bodies.is_written,
         findings,
         verdict,
         advice,
@@ -205,10 +251,9 @@ fn emergency_pressure(
     for point in prediction.points.first().into_iter().chain(prediction.points.last()) {
         let mut meshing = fidelity.meshing(machine)?;
         point.state.put_on(machine, &mut meshing);
-        let cycle = meshing
-            .loaded_cycle(torque, 36)
+        let found = hardest(&mut meshing, torque, LifeOptions::default().crank_positions)
             .map_err(AnalysisError::compute("share the load of an emergency stop"))?;
-        largest = largest.max(cycle.max_pressure(&machine.line_contact()));
+        largest = largest.max(found.pressed.pressure);
     }
     Ok(Some(largest))
 }

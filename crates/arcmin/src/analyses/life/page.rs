@@ -1,11 +1,11 @@
 //! Terminal and report of a life.
 
-use super::verdict::{LifeVerdict, Limit, LimitKind};
-use super::{Life, declared, figures};
+use super::verdict::{LimitKind, about};
+use super::{Life, declared, figures, limits};
 #[cfg(test)]
 use crate::analyses::Outcome;
 use crate::analyses::wear::stations;
-use crate::analyses::{Said, TextTable, causes};
+use crate::analyses::{Said, causes};
 use crate::checks::{Severity, worst};
 use crate::fidelity::Joints;
 use crate::report::{
@@ -36,18 +36,13 @@ pub(super) fn said(life: &Life) -> Vec<Said> {
     let mut said = vec![
         Said::line(format!("{}: {}", life.machine.name, life.fidelity.sentence())),
         Said::line(format!("{mark} {}", verdict.headline())),
-        Said::Table(limits_text(verdict)),
+        Said::Table(limits::text(life)),
     ];
-    if !life.bearings.bearings.is_empty() {
-        said.push(Said::line(format!(
-            "all {} bearings together: {:.0} h (L10 of the system, Weibull slope 9/8)",
-            life.bearings.bearings.len(),
-            life.bearings.system_h
-        )));
-    }
+    said.extend(limits::notes(life).into_iter().map(Said::line));
     said.push(Said::line(""));
     let table = declared::life_table(life);
     said.push(Said::columns(&table, &shown_columns(life), shown_rows(life)));
+    said.extend(limits::places(life).map(Said::line));
     said.push(Said::line(""));
     said.extend(life.causes_over_hours().last().map(|at| causes::said(at, None)).unwrap_or_default());
     if !life.advice.is_empty() {
@@ -73,39 +68,6 @@ fn shown_columns(life: &Life) -> Vec<&'static str> {
     COLUMNS.iter().copied().filter(|key| simulated || !key.contains("te_max")).collect()
 }
 
-/// What is found, what is allowed, how long it lasts, in words.
-fn limit_row(limit: &Limit, verdict: &LifeVerdict) -> [String; 5] {
-    let unit = limit.kind.unit();
-    let amount = |value: f64| match unit {
-        "" if limit.kind == LimitKind::ContactFatigue => format!("damage {}", significant(value, 3)),
-        "h" | "" => format!("{value:.0} {unit}").trim().to_owned(),
-        _ => format!("{} {unit}", significant(value, if unit == "MPa" { 4 } else { 3 })),
-    };
-    let hours = match limit.hours {
-        Some(hours) => format!("{hours:.0} h"),
-        None if limit.kind == LimitKind::LostMotion => format!("> {:.0} h", verdict.searched_h),
-        None => format!("> {:.0} h", verdict.service_h),
-    };
-    let judged = match (limit.is_kept(verdict.service_h), limit.transient) {
-        (false, _) => "not kept",
-        (true, true) => "exceeded until worn in",
-        (true, false) => "kept",
-    };
-    let name = match &limit.place {
-        Some(place) => format!("{}: {place}", limit.kind.name()),
-        None => limit.kind.name().to_owned(),
-    };
-    let allowed = format!("{} {unit}", compact(limit.allowed, 4)).trim().to_owned();
-    [name, amount(limit.value), allowed, hours, judged.to_owned()]
-}
-
-fn limits_text(verdict: &LifeVerdict) -> TextTable {
-    TextTable {
-        header: ["limit", "found", "allowed", "lasts", ""].map(str::to_owned).into(),
-        rows: verdict.limits.iter().map(|limit| limit_row(limit, verdict).into()).collect(),
-    }
-}
-
 /// What the numbers of an undamped run without load are worth.
 fn rattling(life: &Life) -> Option<String> {
     let undamped = !life.ages.is_empty() && super::ages::rattles(&life.machine);
@@ -119,7 +81,7 @@ fn rattling(life: &Life) -> Option<String> {
 pub(super) fn page(life: &Life) -> Page {
     let machine = &life.machine;
     let mut sections = vec![
-        Section::new("limits", "Limits", limits(life)),
+        Section::new("limits", "Limits", limits::blocks(life)),
         Section::new("accuracy", "Accuracy over life", figures::accuracy(life)),
         causes::section(&life.causes_over_hours()),
         Section::new("wear", "Wear", figures::wear(life)),
@@ -169,18 +131,18 @@ fn verdict(life: &Life) -> Verdict {
     verdict.figures = vec![
         match judged.limited_by() {
             Some(limit) => {
+                let band = judged.band.as_ref().filter(|band| !band.is_point());
+                let band = band.map_or_else(String::new, |band| format!("{}; ", band.words()));
                 let note = match limit.kind {
-                    LimitKind::BearingLife => format!(
-                        "L10, {}; all bearings together {:.0} h; {planned}",
-                        limit.place.as_deref().unwrap_or_default(),
-                        life.bearings.system_h
-                    ),
-                    kind => format!("until {} ends it; {planned}", kind.name()),
+                    LimitKind::BearingLife => {
+                        format!("{band}L10, {}; {planned}", limit.place.as_deref().unwrap_or_default())
+                    }
+                    kind => format!("{band}until {} ends it; {planned}", kind.name()),
                 };
-                KeyFigure::new("Life", format!("{:.0}", limit.hours.unwrap_or(0.0)), "h", note)
+                KeyFigure::new("Life", about(limit.hours.unwrap_or(0.0)), "h", note)
                     .kept(limit.is_kept(service))
             }
-            None => KeyFigure::new("Life", format!("> {:.0}", judged.searched_h), "h", planned),
+            None => KeyFigure::new("Life", format!("> {}", about(judged.searched_h)), "h", planned),
         },
         KeyFigure::new(
             "Lost motion, new",
@@ -200,9 +162,9 @@ fn verdict(life: &Life) -> Verdict {
     // Where bearings end the life, the first figure has said it.
     let said = judged.limited_by().is_some_and(|limit| limit.kind == LimitKind::BearingLife);
     if let Some(worst) = life.bearings.worst().filter(|_| !said) {
-        let note = format!("L10, {}; all bearings together {:.0} h", worst.name, life.bearings.system_h);
+        let note = format!("L10, {}; all bearings together {} h", worst.name, about(life.bearings.system_h));
         verdict.figures.push(
-            KeyFigure::new("Shortest bearing life", format!("{:.0}", worst.life_h), "h", note)
+            KeyFigure::new("Shortest bearing life", about(worst.life_h), "h", note)
                 .kept(kept(LimitKind::BearingLife)),
         );
     }
@@ -211,9 +173,12 @@ fn verdict(life: &Life) -> Verdict {
         let mut tile =
             KeyFigure::new("Largest contact pressure", significant(pressure.value, 4), "MPa", note)
                 .kept(pressure.is_kept(service));
-        if pressure.transient {
+        if let Some(worn_in) = pressure.worn_in_h {
             tile.tone = Tone::Caution;
-            tile.note.push_str(", exceeded only until contacts have worn in");
+            tile.note.push_str(&format!(
+                ", exceeded only until contacts have worn in, after about {} h",
+                about(worn_in)
+            ));
         }
         verdict.figures.push(tile);
     }
@@ -259,8 +224,7 @@ fn physics(life: &Life) -> String {
     }
     if life.fidelity.elastic.is_none() {
         text.push_str(
-            " Discs are rigid but at the contacts; `discs = elastic` lets them give way and spreads the load over \
-             more pins.",
+            " Discs, carrier and housing are rigid but at the contacts; `bodies = elastic` lets them give way.",
         );
     }
     if life.fidelity.errors.is_zero() {
@@ -280,47 +244,6 @@ fn summary(life: &Life, verdict: &Verdict) -> String {
     let k = life.prediction.exposure.coefficient;
     text.push_str(&format!("- Wear coefficient: {k:.3e} 1/Pa ({:.3e} mm²/N)\n", k * 1e6));
     text
-}
-
-fn limits(life: &Life) -> Vec<Block> {
-    let limits = Table {
-        title: "Every limit and how long it is kept".to_owned(),
-        columns: vec![
-            Column::text("Limit"),
-            Column::number("Found", ""),
-            Column::number("Allowed", ""),
-            Column::number("Lasts", ""),
-            Column::text("Verdict"),
-        ],
-        rows: life.verdict.limits.iter().map(|limit| limit_row(limit, &life.verdict).into()).collect(),
-        note: "Lost motion at the end of the planned life, pressure over all of it, bearings by [ISO281] at \
-               the design's duty. Further limits can be set in `[limits]`."
-            .to_owned(),
-    };
-    let rows = life.bearings.bearings.iter().map(|b| {
-        vec![
-            b.name.clone(),
-            significant(b.equivalent, 4),
-            significant(b.rating, 4),
-            format!("{:.0}", b.life_h),
-        ]
-    });
-    let bearings = Table {
-        title: "Rating life of the bearings".to_owned(),
-        columns: vec![
-            Column::text("Bearing"),
-            Column::number("Equivalent load", "N"),
-            Column::number("Load rating C", "N"),
-            Column::number("L10", "h"),
-        ],
-        rows: rows.collect(),
-        note: format!(
-            "Loads of the new machine over a turn of the crankshafts, rows of the duty by their damage [ISO281]. All \
-             bearings together: {:.0} h (Weibull slope 9/8).",
-            life.bearings.system_h
-        ),
-    };
-    vec![Block::Table(limits), Block::Table(bearings)]
 }
 
 /// The rows that a reader wants, as a table of the report.

@@ -51,6 +51,16 @@ impl Rates {
 }
 
 impl<S: ShareLoad> CoupledWear<'_, S> {
+    /// Mean depth that the flanks lose per unit of exposure at these surfaces, in m per s/Pa.
+    ///
+    /// # Errors
+    /// [`WearError`] when a load sharing fails.
+    pub(crate) fn mean_rate(&mut self, state: &WearSnapshot) -> Result<f64, WearError> {
+        let rates = self.rates(state)?;
+        let count: usize = rates.flanks.iter().map(Vec::len).sum();
+        Ok(rates.flanks.iter().flatten().sum::<f64>() / count.max(1) as f64)
+    }
+
     /// Mean removal over everything that repeats and the duty: dh/dx = Σ r K/z_c per pin and disc, where r is
     /// the law's rate integrated over the contact (F |v_s|/B by Archard's law) and K spreads it over the Hertz
     /// half-width.

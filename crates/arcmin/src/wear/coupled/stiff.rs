@@ -1,7 +1,7 @@
 //! Updates on flanks that fit their pins closely: long steps by many looks at the contacts.
 
 use super::rates::Rates;
-use super::{CoupledWear, FEW_PLACES_INCREMENT, FEW_PLACES_SHARE, UNCHECKED_UPDATES, WearSnapshot};
+use super::{CoupledWear, UNCHECKED_UPDATES, WearSnapshot};
 use crate::load::ShareLoad;
 
 /// So many steps of Heun's method to the largest increment make a flank stiff.
@@ -36,7 +36,8 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
 
     /// Largest increment of a long step in m. It is of first order, so it stays below those of Heun's method.
     fn long_increment(&self, depth: f64) -> f64 {
-        self.largest_increment(depth).min(FEW_PLACES_INCREMENT.max(FEW_PLACES_SHARE * depth))
+        let [increment, share] = self.options.few_places;
+        self.largest_increment(depth).min(increment.max(share * depth))
     }
 
     /// One long step, by the stabilised method of Runge, Kutta and Legendre (RKL1; Meyer, Balsara and Aslam,

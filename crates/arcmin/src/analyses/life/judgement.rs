@@ -1,0 +1,133 @@
+//! The same machine judged once more, with bodies that give way.
+
+use super::band::{Band, Inputs};
+use super::bearings::{self, BearingLives, bearing_lives};
+use super::record::Record;
+use super::verdict::Limit;
+use super::{Options, emergency_pressure};
+use crate::analyses::{AnalysisError, Host};
+use crate::checks::{Finding, Severity};
+use crate::design::{Design, Stated};
+use crate::fidelity::{DiscBodies, Fidelity, FidelityOptions, FrameBodies, Joints};
+use crate::life::{LifeOptions, Prediction, predict};
+use crate::machine::Machine;
+use crate::wear::CoupledOptions;
+
+/// A machine judged in one fidelity.
+#[derive(Debug, Clone)]
+pub struct Judgement {
+    pub fidelity: Fidelity,
+    pub prediction: Prediction,
+    pub bearings: BearingLives,
+    /// In the order of the kinds.
+    pub limits: Vec<Limit>,
+}
+
+/// The judgement with elastic bodies beside the one with rigid bodies.
+#[derive(Debug, Clone)]
+pub enum WithElasticBodies {
+    /// One fidelity was asked for, or nothing that two are needed for.
+    NotAsked,
+    /// This machine cannot be judged so; the finding says why.
+    NoRoom(Finding),
+    Judged(Box<Judgement>),
+}
+
+impl WithElasticBodies {
+    pub fn judged(&self) -> Option<&Judgement> {
+        match self {
+            WithElasticBodies::Judged(judgement) => Some(judgement),
+            WithElasticBodies::NotAsked | WithElasticBodies::NoRoom(_) => None,
+        }
+    }
+}
+
+/// Times between new and the end of the service life: enough to tell which limits are kept.
+const INTERVALS: usize = 10;
+/// Crank positions of each; the largest force and pressure are looked at more closely anyway.
+const POSITIONS: usize = 18;
+/// Largest increment of the depth, in m and as a share of the depth reached: an update with elastic bodies
+/// takes some twenty times as long, and hours of two digits need no more (tested).
+const INCREMENT: f64 = 0.4e-6;
+const INCREMENT_SHARE: f64 = 0.06;
+
+/// Whether bodies of both kinds are asked for: where the options name none, and somebody reads what is
+/// undecided.
+pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
+    let open = !options.bodies.is_written
+        && options.discs == DiscBodies::Rigid
+        && options.joints.value == Joints::Bearings;
+    open && host.wants("verdict.undecided")
+}
+
+/// Judges the machine with elastic bodies. What keeps it from that is a finding: the answer with rigid bodies
+/// stands.
+///
+/// # Errors
+/// [`AnalysisError::Stopped`] when the host says so.
+pub(super) fn judge_elastic(
+    design: &Design,
+    machine: &Machine,
+    options: &Options,
+    findings: &[Finding],
+    inputs: Option<&Inputs>,
+    host: &dyn Host,
+) -> Result<WithElasticBodies, AnalysisError> {
+    let bodies = Stated { value: FrameBodies::Elastic, is_written: true };
+    let words = FidelityOptions { bodies, vtu: false, ..options.fidelity.clone() };
+    match judge(design, machine, &words, findings, inputs, host) {
+        Ok(judgement) => Ok(WithElasticBodies::Judged(Box::new(judgement))),
+        Err(AnalysisError::Stopped) => Err(AnalysisError::Stopped),
+        Err(error) => Ok(WithElasticBodies::NoRoom(no_room(&error))),
+    }
+}
+
+fn judge(
+    design: &Design,
+    machine: &Machine,
+    words: &FidelityOptions,
+    findings: &[Finding],
+    inputs: Option<&Inputs>,
+    host: &dyn Host,
+) -> Result<Judgement, AnalysisError> {
+    let fidelity = Fidelity::resolve(design, words, host)?;
+    let wear = CoupledOptions { few_places: [INCREMENT, INCREMENT_SHARE], ..CoupledOptions::default() };
+    let settings = LifeOptions {
+        wear,
+        intervals: INTERVALS,
+        crank_positions: POSITIONS,
+        travel: machine.limits.backlash.is_some(),
+        causes: false,
+        ..LifeOptions::default()
+    };
+    let prediction = predict(machine, &fidelity, settings, host, |_| ())?;
+    let bearings = bearing_lives(machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
+    let emergency = emergency_pressure(machine, &fidelity, &prediction)?;
+    let record = Record::of(machine, &prediction, &bearings, findings, emergency);
+    let (limits, _) = banded(&record, inputs);
+    Ok(Judgement { fidelity, prediction, bearings, limits })
+}
+
+/// The limits of a record with their bands, and the band of the first of them.
+pub(super) fn banded(record: &Record<'_>, inputs: Option<&Inputs>) -> (Vec<Limit>, Option<Band>) {
+    let limits = record.limits();
+    let Some(bands) = inputs.and_then(|inputs| inputs.bands(record)) else { return (limits, None) };
+    let limits = limits.into_iter().zip(bands.limits);
+    let limits = limits.map(|(limit, band)| Limit { band: Some(band), ..limit }).collect();
+    (limits, Some(bands.first))
+}
+
+fn no_room(error: &AnalysisError) -> Finding {
+    Finding {
+        code: "elastic-bodies",
+        severity: Severity::Warning,
+        message: format!("judged with rigid bodies alone: {error}"),
+        value: 0.0,
+        limit: 0.0,
+        unit: "",
+        why: "rigid bodies make a machine about twice as stiff as measured ones are, which flatters lost motion, \
+              pressures and lives",
+        change: "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the \
+                 crankshafts (`arcmin keys carrier.solid`), or say --bodies rigid to do without",
+    }
+}

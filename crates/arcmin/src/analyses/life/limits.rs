@@ -1,0 +1,216 @@
+//! The limits of a machine in words and tables, for terminal and report.
+
+use super::band::Band;
+use super::verdict::{Limit, LimitKind, about};
+use super::{Life, WithElasticBodies};
+use crate::analyses::TextTable;
+use crate::life::LifePoint;
+use crate::load::Spot;
+use crate::report::{Block, Column, Table, compact, significant};
+use crate::units::{DEG, MPA};
+
+/// A value in the unit of its limit.
+fn amount(limit: &Limit) -> String {
+    let (unit, value) = (limit.kind.unit(), limit.value);
+    match unit {
+        "" if limit.kind == LimitKind::ContactFatigue => format!("damage {}", significant(value, 3)),
+        "" => format!("{value:.0}"),
+        "h" => format!("{} h", about(value)),
+        _ => match limit.scatter.filter(|scatter| *scatter > 0.005 * value) {
+            Some(scatter) => format!("{} ± {} {unit}", significant(value, 3), significant(scatter, 1)),
+            None => format!("{} {unit}", significant(value, 3)),
+        },
+    }
+}
+
+fn lasts(limit: &Limit, life: &Life) -> String {
+    let verdict = &life.verdict;
+    match limit.hours {
+        Some(hours) => format!("{} h", about(hours)),
+        None if limit.kind == LimitKind::LostMotion => format!("> {} h", about(verdict.searched_h)),
+        None => format!("> {} h", about(verdict.service_h)),
+    }
+}
+
+/// Head of the columns, `true` where they are set left.
+fn columns(life: &Life) -> Vec<(&'static str, bool)> {
+    let mut columns = vec![("limit", true), ("found", false), ("allowed", false), ("lasts", false)];
+    if life.verdict.limits.iter().any(|limit| limit.band.is_some()) {
+        columns.push(("90 % of what may be", false));
+    }
+    if life.with_elastic_bodies.judged().is_some() {
+        columns.extend([("with elastic bodies", false), ("lasts", false)]);
+    }
+    columns.push(("", true));
+    columns
+}
+
+/// What is found, what is allowed, how long it lasts, in words.
+fn row(limit: &Limit, life: &Life) -> Vec<String> {
+    let verdict = &life.verdict;
+    let judged = match (limit.is_kept(verdict.service_h), limit.is_transient()) {
+        _ if verdict.is_undecided(limit.kind) => "undecided",
+        (false, _) => "not kept",
+        (true, true) => "exceeded until worn in",
+        (true, false) => "kept",
+    };
+    let name = match &limit.place {
+        Some(place) => format!("{}: {place}", limit.kind.name()),
+        None => limit.kind.name().to_owned(),
+    };
+    let allowed = format!("{} {}", compact(limit.allowed, 4), limit.kind.unit()).trim().to_owned();
+    let mut row = vec![name, amount(limit), allowed, lasts(limit, life)];
+    if verdict.limits.iter().any(|limit| limit.band.is_some()) {
+        let band = limit.band.as_ref().filter(|band| !band.is_point());
+        row.push(band.map_or_else(String::new, Band::words));
+    }
+    if let Some(elastic) = life.with_elastic_bodies.judged() {
+        let other = elastic.limits.iter().find(|other| other.kind == limit.kind);
+        row.extend(
+            other.map_or_else(|| [String::new(), String::new()], |other| [amount(other), lasts(other, life)]),
+        );
+    }
+    row.push(judged.to_owned());
+    row
+}
+
+/// For a terminal.
+pub(super) fn text(life: &Life) -> TextTable {
+    TextTable {
+        header: columns(life).into_iter().map(|(head, _)| head.to_owned()).collect(),
+        rows: life.verdict.limits.iter().map(|limit| row(limit, life)).collect(),
+    }
+}
+
+/// What the numbers of the table mean, a sentence each.
+pub(super) fn notes(life: &Life) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (bearings, service) = (&life.bearings, life.verdict.service_h);
+    if !bearings.bearings.is_empty() {
+        notes.push(format!(
+            "all {} bearings together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h all are sound in \
+             {:.0} of 100 machines. No limit: the 6000 h of makers are the L10 of one bearing.",
+            bearings.bearings.len(),
+            about(bearings.system_h),
+            100.0 * bearings.survival(service)
+        ));
+    }
+    if let Some(assumed) = bearings.assumed_friction {
+        notes.push(format!(
+            "bearing lives contain an assumed friction of {} on the flanks, since the design gives none; without any \
+             the shortest is {} h.",
+            compact(assumed.flank, 3),
+            about(assumed.without_h)
+        ));
+    }
+    let rest = life.machine.rest_share();
+    if rest > 0.0 {
+        let hours = life.verdict.hours_to_limit().unwrap_or(service);
+        notes.push(format!(
+            "hours are those of the duty by the clock, rest included; {} of {} h are in motion.",
+            about((1.0 - rest) * hours),
+            about(hours)
+        ));
+    } else {
+        notes.push("hours are hours in motion: the duty has no rest (rows with speed 0).".to_owned());
+    }
+    notes.extend(about_bodies(life));
+    let undecided = life.verdict.undecided.iter();
+    notes.extend(undecided.map(|one| format!("{} is undecided: {}.", one.kind.name(), one.why())));
+    notes
+}
+
+/// Which bodies were judged, and what the others would make of it.
+fn about_bodies(life: &Life) -> Option<String> {
+    match &life.with_elastic_bodies {
+        WithElasticBodies::Judged(elastic) => {
+            let lag = |point: &LifePoint| point.accuracy.loaded_error.arcmin().abs();
+            let (rigid, soft) = (lag(life.first()), lag(&elastic.prediction.points[0]));
+            Some(format!(
+                "at rated torque the output of the new machine lags by {} arcmin with rigid bodies, by {} with elastic \
+                 ones: {} times as much. Measured machines are as compliant as the latter.",
+                significant(rigid, 3),
+                significant(soft, 3),
+                significant(soft / rigid, 2)
+            ))
+        }
+        WithElasticBodies::NoRoom(finding) => Some(finding.message.clone()),
+        WithElasticBodies::NotAsked if life.bodies_are_chosen && life.fidelity.frame.is_none() => Some(
+            "rigid bodies were chosen: measured machines (RV-40E, RV-80E) are about 2.2 times as compliant, so lost \
+             motion and pressures are flattered. Without --bodies both kinds are judged."
+                .to_owned(),
+        ),
+        WithElasticBodies::NotAsked => None,
+    }
+}
+
+/// Where force and pressure are largest, new and at the end: different pins at different places.
+pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
+    let at = |spot: &Spot| format!("{:.1}°", (spot.meshing_angle / DEG).abs());
+    let one = |name: &str, point: &LifePoint| {
+        let (force, pressure) = (&point.accuracy.hardest_pushed, &point.accuracy.hardest_pressed);
+        format!(
+            "{name}: largest force {} N at {} (pressed there with {} MPa); largest pressure {} MPa at {} (by {} N)",
+            significant(force.force, 3),
+            at(force),
+            significant(force.pressure / MPA, 3),
+            significant(pressure.pressure / MPA, 3),
+            at(pressure),
+            significant(pressure.force, 3),
+        )
+    };
+    let (new, end) = (life.first(), life.last());
+    let of = |point: &LifePoint| (point.accuracy.max_force, point.accuracy.max_pressure);
+    let ((force_new, pressure_new), (force_end, pressure_end)) = (of(new), of(end));
+    let parts = (force_end > 1.1 * force_new && pressure_end < 0.9 * pressure_new).then(|| {
+        "force rises while pressure falls: flanks wear where they slide and hand the load on to the root, which hardly \
+         slides, does not wear, and fits its pin closely."
+            .to_owned()
+    });
+    [Some(one("new", new)), Some(one(&format!("after {:.0} h", end.hours()), end)), parts]
+        .into_iter()
+        .flatten()
+}
+
+/// For the report.
+pub(super) fn blocks(life: &Life) -> Vec<Block> {
+    let column = |(head, left): (&'static str, bool)| match (head, left) {
+        ("", _) => Column::text("Verdict"),
+        (head, true) => Column::text(crate::report::capitalised(head)),
+        (head, false) => Column::number(crate::report::capitalised(head), ""),
+    };
+    let limits = Table {
+        title: "Every limit and how long it is kept".to_owned(),
+        columns: columns(life).into_iter().map(column).collect(),
+        rows: life.verdict.limits.iter().map(|limit| row(limit, life)).collect(),
+        note: "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and \
+               duty, bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band is where nine \
+               of ten machines lie that [unknowns] allows, by first-order sensitivities. Further limits can be set in \
+               `[limits]`."
+            .to_owned(),
+    };
+    let bearings = life.bearings.bearings.iter().map(|b| {
+        vec![b.name.clone(), significant(b.equivalent, 4), significant(b.rating, 4), about(b.life_h)]
+    });
+    let bearings = Table {
+        title: "Rating life of the bearings".to_owned(),
+        columns: vec![
+            Column::text("Bearing"),
+            Column::number("Equivalent load", "N"),
+            Column::number("Load rating C", "N"),
+            Column::number("L10", "h"),
+        ],
+        rows: bearings.collect(),
+        note: "Loads of the new machine over a turn of the crankshafts, rows of the duty by their damage [ISO281]."
+            .to_owned(),
+    };
+    let words = notes(life).into_iter().chain(places(life));
+    let words: Vec<String> = words.map(|note| capitalised_sentence(&note)).collect();
+    vec![Block::Table(limits), Block::Text(words.join(" ")), Block::Table(bearings)]
+}
+
+/// With a capital letter in front and a full stop behind.
+fn capitalised_sentence(text: &str) -> String {
+    let text = crate::report::capitalised(text);
+    if text.ends_with('.') { text } else { format!("{text}.") }
+}

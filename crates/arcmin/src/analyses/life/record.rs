@@ -1,0 +1,222 @@
+//! What a machine does over its hours, and the limits held against it.
+
+use super::bearings::{BearingLives, catalogue_life_at_duty};
+use super::fatigue::fatigue;
+use super::verdict::{Limit, LimitKind, STATIC_PRESSURE};
+use crate::checks::{CONTACT_PRESSURE, Finding, Severity};
+use crate::life::{LifePoint, Prediction, RunAway, crossing};
+use crate::machine::Machine;
+use crate::units::{ARCMIN, HOUR, MPA, RPM, UM};
+use crate::wear::depth_past_use;
+
+/// A value over hours.
+pub(super) type History = Vec<(f64, f64)>;
+
+/// Everything that limits are about. Histories hold (h, value in the unit of the limit).
+#[derive(Debug, Clone)]
+pub(super) struct Record<'a> {
+    machine: &'a Machine,
+    /// Of the whole machine, beyond the service life as well.
+    pub lost_motion: History,
+    /// At the largest torque of rating and duty.
+    pub pressure: History,
+    /// How far single readings of the pressure scatter about `pressure`, in MPa.
+    pub pressure_scatter: f64,
+    /// Peak to peak at rated torque.
+    pub transmission_error: History,
+    /// Of the points at which it is known.
+    pub backlash: History,
+    /// The bearing that lasts shortest, and its L10 in h.
+    pub bearing: Option<(String, f64)>,
+    /// Largest pressure in MPa at the emergency torque, new and worn, where the design names one.
+    emergency_pressure: Option<f64>,
+    runs_away: Option<RunAway>,
+    /// Codes of the error findings.
+    errors: Vec<&'static str>,
+    pub service_h: f64,
+    /// How far the limit of lost motion was looked for, in h.
+    pub searched_h: f64,
+}
+
+impl<'a> Record<'a> {
+    pub fn of(
+        machine: &'a Machine,
+        prediction: &Prediction,
+        bearings: &BearingLives,
+        findings: &[Finding],
+        emergency_pressure: Option<f64>,
+    ) -> Record<'a> {
+        let points = &prediction.points;
+        let history = |value: &dyn Fn(&LifePoint) -> f64| -> History {
+            points.iter().map(|point| (point.hours(), value(point))).collect()
+        };
+        let backlash = points
+            .iter()
+            .filter_map(|point| Some((point.hours(), point.travel?.free_travel.arcmin())))
+            .collect();
+        Record {
+            machine,
+            lost_motion: prediction.lost_motion.iter().map(|(h, lost)| (*h, lost / ARCMIN)).collect(),
+            pressure: history(&|point| point.accuracy.max_pressure / MPA),
+            pressure_scatter: points
+                .iter()
+                .map(|point| point.accuracy.pressure_scatter / MPA)
+                .fold(0.0, f64::max),
+            transmission_error: history(&|point| point.accuracy.loaded_peak_to_peak.arcmin()),
+            backlash,
+            bearing: bearings.worst().map(|worst| (worst.name.clone(), worst.life_h)),
+            emergency_pressure: emergency_pressure.map(|pressure| pressure / MPA),
+            runs_away: prediction.runs_away,
+            // How long the pressure stays below its limit is a limit of its own, so what the checks say of
+            // the new machine's is not counted again.
+            errors: findings
+                .iter()
+                .filter(|finding| finding.severity == Severity::Error && finding.code != CONTACT_PRESSURE)
+                .map(|finding| finding.code)
+                .collect(),
+            service_h: machine.limits.service_life / HOUR,
+            searched_h: prediction.searched_hours,
+        }
+    }
+
+    /// The same with all that happens in time faster by a factor.
+    pub fn faster(&self, factor: f64) -> Record<'a> {
+        let sooner = |history: &History| history.iter().map(|(hours, x)| (hours / factor, *x)).collect();
+        Record {
+            lost_motion: sooner(&self.lost_motion),
+            pressure: sooner(&self.pressure),
+            transmission_error: sooner(&self.transmission_error),
+            backlash: sooner(&self.backlash),
+            runs_away: self.runs_away.map(|end| RunAway { hours: end.hours / factor, ..end }),
+            ..self.clone()
+        }
+    }
+
+    /// The same with the lost motion continued at its last rate to some hours.
+    pub fn continued(mut self, hours: f64) -> Record<'a> {
+        if let [.., (h0, v0), (h1, v1)] = self.lost_motion[..]
+            && hours > h1
+            && h1 > h0
+            && self.runs_away.is_none()
+        {
+            self.lost_motion.push((hours, v1 + (v1 - v0).max(0.0) / (h1 - h0) * (hours - h1)));
+        }
+        self
+    }
+
+    /// In the order of the kinds; the same kinds for every machine of one design.
+    pub fn limits(&self) -> Vec<Limit> {
+        let mut limits = vec![self.lost_motion(), self.contact_pressure()];
+        limits.extend(self.bearing_life());
+        limits.extend(self.of_the_maker());
+        limits.extend(self.runs_away());
+        limits.extend(self.errors());
+        limits
+    }
+
+    fn lost_motion(&self) -> Limit {
+        let allowed = self.machine.limits.lost_motion / ARCMIN;
+        let hours = crossing(&self.lost_motion, allowed);
+        Limit::new(LimitKind::LostMotion, at(&self.lost_motion, self.service_h), allowed).lasting(hours)
+    }
+
+    fn contact_pressure(&self) -> Limit {
+        let limit = worn_in(&self.pressure, self.machine.limits.contact_pressure / MPA);
+        Limit { scatter: Some(self.pressure_scatter), ..limit }
+    }
+
+    fn bearing_life(&self) -> Option<Limit> {
+        let (name, life) = self.bearing.as_ref()?;
+        let limit = Limit::new(LimitKind::BearingLife, *life, self.service_h).lasting(Some(*life));
+        Some(Limit { place: Some(name.clone()), ..limit })
+    }
+
+    /// What a design may set beyond the limits that every design has.
+    fn of_the_maker(&self) -> Vec<Limit> {
+        let limits = &self.machine.limits;
+        let over_life = |kind: LimitKind, allowed: Option<f64>, history: &History| {
+            let allowed = allowed?;
+            let value = history.iter().map(|(_, value)| *value).fold(0.0, f64::max);
+            Some(Limit::new(kind, value, allowed).lasting(crossing(history, allowed)))
+        };
+        let at_once = |kind: LimitKind, allowed: Option<f64>, value: f64| {
+            let allowed = allowed?;
+            Some(Limit::new(kind, value, allowed).lasting((value > allowed).then_some(0.0)))
+        };
+        let kinematics = self.machine.kinematics();
+        let duty = &self.machine.duty;
+        let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
+        let speed =
+            duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
+        let fatigue = limits.contact_endurance.map(|endurance| {
+            let history: History = self.pressure.iter().map(|(h, pressure)| (*h, pressure * MPA)).collect();
+            let searched = self.searched_h.max(self.service_h);
+            let (value, hours) = fatigue(self.machine, &history, endurance, searched);
+            Limit::new(LimitKind::ContactFatigue, value, 1.0).lasting(hours)
+        });
+        let catalogue = limits.catalogue_life.and_then(|life| {
+            let hours = catalogue_life_at_duty(self.machine, life / HOUR)?;
+            Some(Limit::new(LimitKind::CatalogueLife, hours, self.service_h).lasting(Some(hours)))
+        });
+        [
+            over_life(
+                LimitKind::TransmissionError,
+                limits.transmission_error.map(|limit| limit / ARCMIN),
+                &self.transmission_error,
+            ),
+            over_life(LimitKind::Backlash, limits.backlash.map(|limit| limit / ARCMIN), &self.backlash),
+            at_once(LimitKind::StartStopTorque, limits.start_stop_torque, torque),
+            self.emergency_pressure
+                .and_then(|pressure| at_once(LimitKind::EmergencyTorque, Some(STATIC_PRESSURE), pressure)),
+            at_once(LimitKind::OutputSpeed, limits.output_speed.map(|limit| limit / RPM), speed),
+            catalogue,
+            fatigue,
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// Wear that has left a machine past any use within the service life.
+    fn runs_away(&self) -> Option<Limit> {
+        let end = self.runs_away?;
+        let allowed = depth_past_use(self.machine) / UM;
+        Some(Limit::new(LimitKind::Wear, end.depth / UM, allowed).lasting(Some(end.hours)))
+    }
+
+    fn errors(&self) -> Option<Limit> {
+        let limit = Limit::new(LimitKind::Findings, self.errors.len() as f64, 0.0).lasting(Some(0.0));
+        (!self.errors.is_empty()).then(|| Limit { place: Some(self.errors.join(", ")), ..limit })
+    }
+}
+
+/// A history at some hours, by straight lines; before and after it as at its ends.
+pub(super) fn at(history: &[(f64, f64)], hours: f64) -> f64 {
+    let next = history.partition_point(|(h, _)| *h < hours);
+    match (next.checked_sub(1).map(|before| history[before]), history.get(next)) {
+        (Some((h0, v0)), Some((h1, v1))) => v0 + (v1 - v0) * (hours - h0) / (h1 - h0),
+        (Some((_, value)), None) | (None, Some(&(_, value))) => value,
+        (None, None) => 0.0,
+    }
+}
+
+/// What estimates of the pressure scatter by from one hour to the next (tested): a pressure that has worn off does not
+/// exceed its limit again by less.
+const RESOLUTION: f64 = 0.02;
+
+/// A pressure over hours against what is allowed. Parts as they were ground meet in few places that press
+/// hard and wear off: where the pressure is too large from the start, falls below the limit and stays there,
+/// that is wearing in, which does not end the life. The wear that follows decides.
+pub(super) fn worn_in(history: &[(f64, f64)], allowed: f64) -> Limit {
+    let value = history.iter().map(|(_, value)| *value).fold(0.0, f64::max);
+    let limit = Limit::new(LimitKind::ContactPressure, value, allowed);
+    let above = history.iter().take_while(|(_, value)| *value > allowed).count();
+    if above > 0
+        && let Some(&(h1, v1)) = history.get(above)
+        && history[above..].iter().all(|(_, value)| *value <= allowed * (1.0 + RESOLUTION))
+    {
+        let (h0, v0) = history[above - 1];
+        return Limit { worn_in_h: Some(h0 + (h1 - h0) * (v0 - allowed) / (v0 - v1)), ..limit };
+    }
+    limit.lasting(crossing(history, allowed.next_up()))
+}

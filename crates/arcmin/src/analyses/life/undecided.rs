@@ -1,0 +1,77 @@
+//! Limits that rigid and elastic bodies judge otherwise.
+
+use super::verdict::{Limit, LimitKind, about};
+use crate::report::significant;
+use crate::results::Value;
+
+/// A limit that is kept with bodies of one kind and not with those of the other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Undecided {
+    pub kind: LimitKind,
+    pub rigid: Limit,
+    pub elastic: Limit,
+}
+
+/// The limits of two verdicts on one machine that are kept in one of them alone.
+pub(super) fn undecided(rigid: &[Limit], elastic: &[Limit], service_h: f64) -> Vec<Undecided> {
+    let other = |limit: &Limit| elastic.iter().find(|other| other.kind == limit.kind);
+    rigid
+        .iter()
+        .filter_map(|limit| {
+            let other = other(limit)?;
+            (limit.is_kept(service_h) != other.is_kept(service_h)).then(|| Undecided {
+                kind: limit.kind,
+                rigid: limit.clone(),
+                elastic: other.clone(),
+            })
+        })
+        .collect()
+}
+
+impl Undecided {
+    /// Why the bodies matter for this limit.
+    pub fn why(&self) -> &'static str {
+        match self.kind {
+            LimitKind::LostMotion => {
+                "elastic discs, carrier and housing give way, also at ±3 % of rated torque; rigid ones make the machine \
+                 stiffer than measured ones are"
+            }
+            LimitKind::ContactPressure | LimitKind::ContactFatigue | LimitKind::EmergencyTorque => {
+                "elastic discs bend between bores, windows and root circle, so that few pins near the root take over \
+                 load; how much hangs on the metal left there, and no measurement has checked either pressure"
+            }
+            LimitKind::BearingLife => "elastic bodies share the load otherwise between crankshafts and discs",
+            _ => "elastic bodies share the load otherwise between the pins",
+        }
+    }
+
+    /// "lost motion (8800 h with rigid bodies, 890 h with elastic ones)".
+    pub fn words(&self) -> String {
+        let of = |limit: &Limit| {
+            let lasts = match limit.hours {
+                Some(hours) if hours <= 0.0 => "from the start".to_owned(),
+                Some(hours) => format!("{} h", about(hours)),
+                None => "kept".to_owned(),
+            };
+            match self.kind.unit() {
+                "MPa" => format!("{} MPa, {lasts}", significant(limit.value, 3)),
+                _ => lasts,
+            }
+        };
+        let name = self.kind.name();
+        format!("{name} ({} with rigid bodies, {} with elastic ones)", of(&self.rigid), of(&self.elastic))
+    }
+
+    pub(super) fn value(&self) -> Value {
+        Value::Record(vec![
+            ("limit", self.kind.key().into()),
+            ("allowed", self.rigid.allowed.into()),
+            ("unit", self.kind.unit().into()),
+            ("rigid_value", self.rigid.value.into()),
+            ("rigid_hours", self.rigid.hours.into()),
+            ("elastic_value", self.elastic.value.into()),
+            ("elastic_hours", self.elastic.hours.into()),
+            ("why", self.why().into()),
+        ])
+    }
+}
