@@ -47,7 +47,7 @@ pub(super) fn read(
 
 /// Whether a file has no column of a transmission error.
 fn is_no_curve(error: &TableError) -> bool {
-    let TableErrorKind::Missing { name, found } = &error.kind else { return false };
+    let TableErrorKind::Missing { name, found, .. } = &error.kind else { return false };
     let is_error =
         |name: &str| name == "te" || ["te_", "te ", "te[", "te("].iter().any(|te| name.starts_with(te));
     name == ERROR || !found.to_lowercase().split(", ").any(is_error)
@@ -55,7 +55,7 @@ fn is_no_curve(error: &TableError) -> bool {
 
 /// What is missing of a loop may as well be missing of a transmission error.
 fn neither(error: TableError) -> TableError {
-    let TableErrorKind::Missing { name, found } = &error.kind else { return error };
+    let TableErrorKind::Missing { name, found, .. } = &error.kind else { return error };
     let kind = TableErrorKind::Content {
         message: format!("there is no column {name} of a loop, and no {ERROR} of a transmission error"),
         remedy: format!(
