@@ -141,7 +141,7 @@ impl StudyLimits {
             }
             let judges = |result: &&&str| kept.iter().any(|kept| kept.key == ***result);
             let offered = |result: &&&str| declared.summary.iter().any(|one| one.key == **result);
-            match (rule.results.iter().find(|result| judges(&result)), rule.results.iter().find(offered)) {
+            match (rule.results.iter().find(judges), rule.results.iter().find(offered)) {
                 (Some(result), _) if own.iter().any(|(key, _)| key == result) => {}
                 (Some(result), _) => {
                     let bound = design.get(rule.key).ok().and_then(|value| value.as_number());

@@ -138,7 +138,7 @@ impl Remaining {
         let left = rounded(conditional_life(life_h, self.now_h, RATED) - self.now_h);
         let kept = survival(life_h, self.now_h);
         let rated = if life_h <= self.now_h {
-            format!("rated {life_h:.0} h (L10), passed since {} h", rounded(self.now_h - life_h))
+            format!("rated {life_h:.0} h (L10), passed since {life_h:.0} h of running")
         } else {
             format!("rated {life_h:.0} h (L10)")
         };
@@ -224,7 +224,7 @@ mod tests {
         let rated = end(End::Rated(4885.0));
         let (low, high) = rated.band();
         assert!(low.unwrap() < rated.left().unwrap() && rated.left().unwrap() < high.unwrap());
-        assert!(!rated.is_over() && rated.sentence().contains("passed since 315 h"), "{}", rated.sentence());
+        assert!(!rated.is_over() && rated.sentence().contains("passed since 4885 h"), "{}", rated.sentence());
     }
 
     /// Drawn lives that outlast a time: nine of ten outlast the conditional life (20 000 draws, five deviations).

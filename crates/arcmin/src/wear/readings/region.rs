@@ -97,7 +97,7 @@ fn directions(count: usize) -> Vec<DVector<f64>> {
                 let radius = |prime: f64| (-2.0 * (1.0 - part(prime)).ln()).sqrt();
                 let normal = |k: usize| {
                     let (a, b) = [(2.0, 3.0), (5.0, 7.0)][k / 2 % 2];
-                    let turn = if k % 2 == 0 { 0.0 } else { 0.5 * PI };
+                    let turn = if k.is_multiple_of(2) { 0.0 } else { 0.5 * PI };
                     radius(a) * (TAU * part(b) - turn).cos()
                 };
                 let vector = DVector::from_fn(count, |k, _| normal(k)).normalize();
