@@ -92,10 +92,10 @@ pub fn import() -> Command {
     let duty = Command::new("duty")
         .about("Reduce the log of a robot joint to a load spectrum of the design")
         .long_about(
-            "Reduces the log of a joint to rows of [[duty]]. Columns are found by name and unit: time, torque at \
-             the output (output_torque_n_m), at the motor (motor_torque_n_m) or current, and speed or angle of \
-             output or motor. Angles that start anew after a turn are joined, readings hold up to the next, rest is \
-             told from the noise of the log. What is assumed or passed over is said.",
+            "Reduces the log of a joint to rows of [[duty]]. Columns are found by name and unit: time, torque \
+             at the output (output_torque_n_m), at the motor (motor_torque_n_m) or current, and speed or angle \
+             of output or motor. Angles that start anew after a turn are joined, readings hold up to the next, \
+             rest is told from the noise of the log. What is assumed or passed over is said.",
         )
         .after_help(
             "Examples:\n  arcmin import duty my-reducer.toml joint-3.csv --torque-constant 0.21\n  arcmin import \

@@ -292,8 +292,8 @@ fn bearings(design: &DesignSections, source: &Source) -> Result<()> {
 /// Shares that are off by more altogether are not rounded but wrong.
 const LARGEST_ROUNDING: f64 = 0.02;
 
-/// Half a unit of the last digit that a share is written with: so much it may be rounded by. Sums within that are
-/// taken in proportion.
+/// Half a unit of the last digit that a share is written with: so much it may be rounded by. Sums within
+/// that are taken in proportion.
 fn half_a_digit(share: f64) -> f64 {
     let digits = share.to_string().split_once('.').map_or(0, |(_, decimals)| decimals.len());
     0.5 * 10_f64.powi(-(digits as i32))

@@ -136,8 +136,8 @@ section! {
         torque_n_m: f64 => required(-1e7, 1e7),
         /// Input speed; the sign is the sense of rotation.
         input_speed_rpm: f64 => required(-30000.0, 30000.0),
-        /// Share of the running time. The shares of all rows add up to 1; where rounding keeps them from it, as 3 ×
-        /// 0.3333, they are taken in proportion.
+        /// Share of the running time. The shares of all rows add up to 1; where rounding keeps them from it,
+        /// as 3 × 0.3333, they are taken in proportion.
         share: f64 => required(1e-9, 1.0),
         /// Tilting moment on the output from outside; the life of the main bearings follows, and wear of a machine in its bearings.
         moment_n_m: f64 => default(0.0, 0.0, 1e7),

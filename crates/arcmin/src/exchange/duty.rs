@@ -26,11 +26,11 @@ use merge::Sample;
 pub struct DutyImportOptions {
     /// Torque of the motor per current in N·m/A, for logs of current.
     pub torque_constant: Option<f64>,
-    /// Part of the power that arrives at the other side, whichever drives: of a motor's torque τ the output has
-    /// τ i η where the motor drives and τ i/η where the load does.
+    /// Part of the power that arrives at the other side, whichever drives: of a motor's torque τ the output
+    /// has τ i η where the motor drives and τ i/η where the load does.
     pub gear_efficiency: f64,
-    /// Moment of inertia of the motor's rotor in kg·m², for torques and currents of the motor: what speeds it up
-    /// never arrives.
+    /// Moment of inertia of the motor's rotor in kg·m², for torques and currents of the motor: what speeds
+    /// it up never arrives.
     pub rotor_inertia: f64,
     /// Whether the log's torque is that of the surroundings on the joint. Otherwise it is what the joint
     /// exerts, which drives positive motion where it is positive and has the sign of the duty's torque.
@@ -39,8 +39,8 @@ pub struct DutyImportOptions {
     pub rows: usize,
     /// Output speed in rad/s below which the joint is at rest; `None`: told from the noise of the log.
     pub rest_speed: Option<f64>,
-    /// Longest step in s up to which a reading holds, longer ones are gaps; `None`: twenty times the median of
-    /// the steps, and an hour at least where the log seems to be recorded on change.
+    /// Longest step in s up to which a reading holds, longer ones are gaps; `None`: twenty times the median
+    /// of the steps, and an hour at least where the log seems to be recorded on change.
     pub largest_gap: Option<f64>,
     /// Columns that the user names.
     pub naming: Naming,
@@ -105,10 +105,10 @@ pub struct DutyImport {
 /// speed or angle of the output (`speed_rpm`, `output_speed_…`, `angle_deg`, …) or of the motor
 /// (`input_speed_…`, `motor_speed_…`, `input_angle_…`). Any unit of these; other columns are passed over.
 ///
-/// A reading holds up to the next; steps longer than [`DutyImportOptions::largest_gap`] are gaps. Empty fields
-/// repeat the value before. Angles that start anew after whole turns are joined, and become speeds over steps, or
-/// over as many as their noise asks for. A column that does not say its side is the output's, unless its size
-/// says otherwise, which is refused or noted.
+/// A reading holds up to the next; steps longer than [`DutyImportOptions::largest_gap`] are gaps. Empty
+/// fields repeat the value before. Angles that start anew after whole turns are joined, and become speeds
+/// over steps, or over as many as their noise asks for. A column that does not say its side is the output's,
+/// unless its size says otherwise, which is refused or noted.
 ///
 /// # Errors
 /// A table that cannot be read, columns that are missing or given twice, a joint that never moves or never

@@ -21,8 +21,8 @@ struct Truth {
     reversals: usize,
 }
 
-/// Moves with ramps, between which the joint rests or turns round at once; torques of a weight, of inertia and
-/// of friction.
+/// Moves with ramps, between which the joint rests or turns round at once; torques of a weight, of inertia
+/// and of friction.
 fn truth(seed: u64, step: f64) -> Truth {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut truth =

@@ -57,8 +57,8 @@ impl Column {
         Column { required: false, ..self }
     }
 
-    /// A column of times, required: numbers in a unit, numbers without one that count since 1970 or 1601 and so
-    /// tell theirs by their size, or dates with the time of day.
+    /// A column of times, required: numbers in a unit, numbers without one that count since 1970 or 1601 and
+    /// so tell theirs by their size, or dates with the time of day.
     pub const fn stamps(name: &'static str) -> Column {
         Column { holds: Holds::Stamps, ..Column::number(name) }
     }
@@ -181,7 +181,8 @@ impl Name {
                     };
                 }
             },
-            // `torque_limit_n_m` is another quantity than `torque_n_m`; units in both places are one too many.
+            // `torque_limit_n_m` is another quantity than `torque_n_m`; units in both places are one too
+            // many.
             (Some(ending), None) => match unit::by_ending(ending) {
                 Some(unit) => Some(unit),
                 None => return Fit::No,

@@ -5,10 +5,11 @@ use super::column::Name;
 /// What names mean by the convention of the program that wrote them; `labelled`: the lines of the head begin
 /// with a label, as in traces of TwinCAT.
 ///
-/// * `%time` of `rostopic echo -p`, `__time` of PlotJuggler, `X_Value` of LabVIEW, `Name` of TwinCAT are times.
+/// * `%time` of `rostopic echo -p`, `__time` of PlotJuggler, `X_Value` of LabVIEW, `Name` of TwinCAT are
+///   times.
 /// * `field.position0`, `/joint_states/joint_3/effort`, `velocity_0` beside `header.…` are those of a
-///   `sensor_msgs/JointState` of ROS, which are in rad, rad/s and N·m. Only where the file has one joint: which
-///   of several is meant is for the user to say.
+///   `sensor_msgs/JointState` of ROS, which are in rad, rad/s and N·m. Only where the file has one joint:
+///   which of several is meant is for the user to say.
 pub(super) fn meant(names: &[String], labelled: bool) -> Vec<Option<String>> {
     let ros = names.iter().any(|name| name.contains("header.") || name.starts_with("field."));
     let joints: Vec<Option<(&'static str, String)>> =
@@ -41,7 +42,8 @@ pub(super) fn joint_state(name: &str, ros: bool) -> Option<(&'static str, String
     Some((ours, format!("{path}.{}", &part[word.len()..])))
 }
 
-/// Whether rows may do without this last column: LabVIEW names it, but fills it only where there is a comment.
+/// Whether rows may do without this last column: LabVIEW names it, but fills it only where there is a
+/// comment.
 pub(super) fn may_lack_last(names: &[String]) -> bool {
     names.last().is_some_and(|name| Name::new(name).is_like(&Name::new("comment")))
 }

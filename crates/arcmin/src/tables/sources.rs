@@ -159,8 +159,8 @@ impl Form {
         }
     }
 
-    /// `theirs=ours` for columns of the file that are not taken but may be meant, by what their units measure or
-    /// as states of a joint.
+    /// `theirs=ours` for columns of the file that are not taken but may be meant, by what their units
+    /// measure or as states of a joint.
     pub(super) fn proposal(&self, names: &[String], units: &[Option<String>], sources: &[Source]) -> String {
         if !self.nameable {
             return String::new();

@@ -1,7 +1,7 @@
 //! Times as instruments stamp them: counted since 1970 or 1601, or dates with the time of day.
 
-/// Seconds per count of a number that says no unit but counts since 1970 (or, in steps of 100 ns, since 1601):
-/// the years 2000 to 2100 tell seconds, milliseconds, microseconds, nanoseconds and these steps apart.
+/// Seconds per count of a number that says no unit but counts since 1970 (or, in steps of 100 ns, since
+/// 1601): the years 2000 to 2100 tell seconds, milliseconds, microseconds, nanoseconds and these steps apart.
 pub(super) fn unit_by_size(value: f64) -> Option<f64> {
     const YEAR: f64 = 365.25 * 86_400.0;
     let since_1970 = 30.0 * YEAR..130.0 * YEAR;

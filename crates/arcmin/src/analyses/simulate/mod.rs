@@ -67,8 +67,8 @@ options! {
         period_s: f64 => default(0.3, 1e-4, 1e4),
         /// Rows of the load: time_s and torque_n_m for table and stepped, duration_s and torque_n_m for duty-cycle.
         load_file: Option<InputFile> => optional(0.0, 0.0),
-        /// What the columns of these files are called, where their names say nothing: theirs=time_s,theirs=torque_n_m,
-        /// or with numbers of columns, 1=time_s,2=torque_n_m.
+        /// What the columns of these files are called, where their names say nothing:
+        /// theirs=time_s,theirs=torque_n_m, or with numbers of columns, 1=time_s,2=torque_n_m.
         columns: String => default_word(""),
         /// Lines of these files before the names of the columns.
         skip_lines: usize => default(0.0, 0.0, 1e6),

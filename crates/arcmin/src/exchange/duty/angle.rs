@@ -15,8 +15,9 @@ pub(super) struct Lost {
 /// Joins angles in rad that start anew after a period (0 to 360°, ±180°, some whole turns), and returns the
 /// period and how often that was done.
 ///
-/// A log of such angles fills one period and leaves it by jumps over most of it. A jump is then the small step the
-/// other way round, which must be less than 0.4 of the period: of larger ones nobody can say which way they went.
+/// A log of such angles fills one period and leaves it by jumps over most of it. A jump is then the small
+/// step the other way round, which must be less than 0.4 of the period: of larger ones nobody can say which
+/// way they went.
 pub(super) fn join(angles: &mut [f64]) -> Result<Option<(f64, usize)>, Lost> {
     let (low, high) =
         angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
@@ -50,8 +51,8 @@ pub(super) fn join(angles: &mut [f64]) -> Result<Option<(f64, usize)>, Lost> {
 pub(super) struct Speeds {
     /// rad/s, each over the step that follows its reading.
     pub speeds: Vec<f64>,
-    /// Over how many readings they are means: more than one where the angles are too coarse or noisy for single
-    /// steps.
+    /// Over how many readings they are means: more than one where the angles are too coarse or noisy for
+    /// single steps.
     pub blurred: usize,
     /// Standard deviation in rad/s that the angles' noise leaves in them.
     pub noise: f64,
@@ -65,9 +66,9 @@ pub(super) fn speeds(time: &[f64], angles: &[f64], connected: &dyn Fn(usize) -> 
     let single: Vec<f64> = (0..last).map(|i| ((angles[i + 1] - angles[i]) / steps[i]).abs()).collect();
     let peak = quantile(&single, 0.99);
     let (noise, grid) = noise(angles, &steps, step);
-    // Means of h readings each, h readings apart, leave √(2/h) σ/(h Δt) of noise in the speed. What a grid of q
-    // adds is not random from reading to reading, and leaves √(2/12) q/(h Δt). A hundredth of the peak is aimed
-    // at, within a twentieth of a second.
+    // Means of h readings each, h readings apart, leave √(2/h) σ/(h Δt) of noise in the speed. What a grid
+    // of q adds is not random from reading to reading, and leaves √(2/12) q/(h Δt). A hundredth of the peak
+    // is aimed at, within a twentieth of a second.
     let within = ((0.05 / step) as usize).clamp(1, 200);
     let left =
         |h: usize| ((2.0 / h as f64).sqrt() * noise).max((1.0_f64 / 6.0).sqrt() * grid) / (h as f64 * step);
@@ -99,8 +100,8 @@ pub(super) fn speeds(time: &[f64], angles: &[f64], connected: &dyn Fn(usize) -> 
     Speeds { speeds, blurred: half, noise: left(half) }
 }
 
-/// Standard deviation of the angles about a smooth course, from second differences at even steps, and the grid
-/// that they lie on, if they do.
+/// Standard deviation of the angles about a smooth course, from second differences at even steps, and the
+/// grid that they lie on, if they do.
 fn noise(angles: &[f64], steps: &[f64], step: f64) -> (f64, f64) {
     let even = |i: usize| (steps[i] - steps[i + 1]).abs() < 0.1 * step && steps[i] < 3.0 * step;
     let bends: Vec<f64> = (0..steps.len().saturating_sub(1))

@@ -1,10 +1,10 @@
 //! Clocks of loggers: stamps that repeat, or are coarser than the readings are apart.
 
-/// Mends stamps that do not fall, in s, and returns what was done; `same(i)` tells whether reading i repeats the
-/// one before in everything else. Readings to leave out come back as the second value, in order.
+/// Mends stamps that do not fall, in s, and returns what was done; `same(i)` tells whether reading i repeats
+/// the one before in everything else. Readings to leave out come back as the second value, in order.
 ///
-/// * Stamps on a grid that readings at equal distances explain to within the grid's step are replaced by those
-///   readings' times: a clock of 10 ms makes 10, 10, 20 and 10 ms of steps of 12 ms.
+/// * Stamps on a grid that readings at equal distances explain to within the grid's step are replaced by
+///   those readings' times: a clock of 10 ms makes 10, 10, 20 and 10 ms of steps of 12 ms.
 /// * A reading that repeats stamp and values is the same reading, sent twice.
 /// * Other readings with one stamp are spread evenly up to the next.
 pub(super) fn mend(time: &mut [f64], same: impl Fn(usize) -> bool) -> (Option<String>, Vec<usize>) {
@@ -39,8 +39,8 @@ pub(super) fn mend(time: &mut [f64], same: impl Fn(usize) -> bool) -> (Option<St
     (Some(note), left_out)
 }
 
-/// Replaces stamps on a coarse grid by even ones, stretch by stretch; how many changed, `None` if even ones do not
-/// explain them.
+/// Replaces stamps on a coarse grid by even ones, stretch by stretch; how many changed, `None` if even ones
+/// do not explain them.
 fn regular(time: &mut [f64], steps: &[f64], tick: f64) -> Option<usize> {
     let on_grid = steps.iter().filter(|step| {
         let ticks = **step / tick;

@@ -16,8 +16,8 @@ const GAP: f64 = 20.0;
 /// s; so long values hold in a log that is recorded where they change.
 const HOUR: f64 = 3600.0;
 
-/// A log that is recorded at even times repeats its values where nothing changes, or has noise that changes its
-/// direction from reading to reading; one that is recorded on change does neither.
+/// A log that is recorded at even times repeats its values where nothing changes, or has noise that changes
+/// its direction from reading to reading; one that is recorded on change does neither.
 pub(super) fn of(time: &[f64], signals: [&[f64]; 2], given: Option<f64>) -> Holding {
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let usual = median(&steps);

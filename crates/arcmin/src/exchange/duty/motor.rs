@@ -21,8 +21,8 @@ pub(super) struct Shaft<'a> {
 /// Torque in N·m at the output.
 ///
 /// The motor's torque τ less J dω/dt of its rotor is what the reducer takes. Where it has the sense of the
-/// motion, the motor drives and i η of it arrives; against the motion the load drives, and only η of its torque
-/// came through to the motor: T = τ i/η. At rest, friction may hold either way: T = τ i.
+/// motion, the motor drives and i η of it arrives; against the motion the load drives, and only η of its
+/// torque came through to the motor: T = τ i/η. At rest, friction may hold either way: T = τ i.
 pub(super) fn output_torque(shaft: &Shaft) -> Vec<f64> {
     let half = shaft.half_width();
     let at = |i: usize| {
@@ -38,8 +38,8 @@ pub(super) fn output_torque(shaft: &Shaft) -> Vec<f64> {
 }
 
 impl Shaft<'_> {
-    /// Readings to either side over which speeds are differenced: so many that their noise stays below a fiftieth
-    /// of the largest torque, within a twentieth of a second.
+    /// Readings to either side over which speeds are differenced: so many that their noise stays below a
+    /// fiftieth of the largest torque, within a twentieth of a second.
     fn half_width(&self) -> usize {
         if self.rotor_inertia == 0.0 || self.time.len() < 3 {
             return 1;

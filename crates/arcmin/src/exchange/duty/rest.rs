@@ -45,8 +45,8 @@ impl Motion<'_> {
     ///   deviations of the noise of slow readings,
     ///
     /// but never above a quarter of the largest speed. A stretch below it that lasts no longer than passing
-    /// through zero takes at the acceleration around it is no rest, and a move begins and ends where its ramps,
-    /// drawn on, meet zero.
+    /// through zero takes at the acceleration around it is no rest, and a move begins and ends where its
+    /// ramps, drawn on, meet zero.
     pub(super) fn split(&self, given: Option<f64>) -> Rest {
         let sizes: Vec<f64> = self.speed.iter().map(|speed| speed.abs()).collect();
         let peak = quantile(&sizes, 0.999);
@@ -138,8 +138,8 @@ impl Motion<'_> {
         if flickers < 3 { 0.0 } else { tops.into_iter().fold(0.0, f64::max) }
     }
 
-    /// Changes of the direction from one stretch that moves to the next. A stretch that is slow and short, or of two
-    /// readings that stand out by less than once more, is noise.
+    /// Changes of the direction from one stretch that moves to the next. A stretch that is slow and short,
+    /// or of two readings that stand out by less than once more, is noise.
     fn reversals(&self, moves: &[bool], threshold: f64) -> usize {
         let mut ways: Vec<(f64, usize, f64)> = Vec::new();
         for i in (0..moves.len()).filter(|i| moves[*i] && self.speed[*i].abs() > 0.5 * threshold) {
@@ -189,8 +189,9 @@ impl Motion<'_> {
 }
 
 impl Motion<'_> {
-    /// Seconds in which the ramp of the move before or behind a stretch of rest passes from zero to the threshold,
-    /// from the time that it takes up to three times the threshold, or to the top of a slower move.
+    /// Seconds in which the ramp of the move before or behind a stretch of rest passes from zero to the
+    /// threshold, from the time that it takes up to three times the threshold, or to the top of a slower
+    /// move.
     fn ramp(&self, edge: usize, back: bool, threshold: f64) -> f64 {
         let (mut at, mut top) = (edge, edge);
         let next = |at: usize| match back {
