@@ -307,15 +307,13 @@ impl Made {
     fn random(random: &mut Pcg64) -> Made {
         let harmonic =
             |order, amplitude, phase, direction| FlankHarmonic { order, amplitude, phase, direction };
-        // Forms that lean to one side turn the fit by their part of a rotation; of larger ones the places
-        // would move.
-        let size = random.random_range(0.0..3e-6);
+        let size = random.random_range(0.0..8e-6);
         Made {
             mean: random.random_range(-5e-6..25e-6),
             waves: (1..5)
                 .map(|k| (f64::from(k), size / f64::from(k), random.random_range(-3.0..3.0)))
                 .collect(),
-            bump: random.random_range(0.0..6e-6),
+            bump: random.random_range(0.0..8e-6),
             around: FlankError {
                 harmonics: vec![
                     harmonic(
@@ -352,7 +350,8 @@ impl Made {
         let profile = machine.profile();
         let normal = Normal::new(0.0, noise).unwrap();
         let count = per_lobe * profile.lobe_count();
-        let rotation = random.random_range(-0.1..0.1);
+        // Within half a lobe: after more, the smallest rotation begins with another lobe.
+        let rotation = random.random_range(-0.07..0.07);
         let mut text = String::from("x_mm,y_mm\n");
         for i in 0..count {
             let even = (i as f64 + 0.4 * random.random::<f64>()) / count as f64;
