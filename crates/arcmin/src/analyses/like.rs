@@ -26,7 +26,7 @@ pub struct Like {
 pub enum Bodies {
     /// The crankshafts' diameters give the stiffness.
     Elastic,
-    /// The carrier's torsion gives the stiffness.
+    /// The carrier's torsion gives the stiffness, thicker crankshafts where the parts are softer by themselves.
     Rigid,
 }
 
@@ -179,8 +179,8 @@ impl CrankSearch {
 
 /// Scales a template and sets what a data sheet decides, so that `rig` finds its figures.
 ///
-/// With elastic bodies the diameter of the crankshafts gives the stiffness, with rigid ones the carrier's torsion,
-/// which elastic bodies leave aside: neither counts twice. The clearance of the turning-arm bearings gives the lost
+/// With elastic bodies the diameter of the crankshafts gives the stiffness. What rigid bodies then still hold rigid
+/// is the carrier's torsion, which elastic bodies leave aside: neither counts twice. The clearance of the turning-arm bearings gives the lost
 /// motion, the drag of the seals the starting or the back-driving torque, the preload of the main bearings the
 /// moment stiffness.
 ///
@@ -237,7 +237,14 @@ pub fn like(
         notes.push(judge("Back-driving torque", "N·m at the output", "", Some(wanted), back_driving, why));
     }
     if bodies == Bodies::Elastic {
-        let rigid = bench.run(&tuning, Bodies::Rigid, false)?;
+        let mut rigid = bench.run(&tuning, Bodies::Rigid, false)?;
+        // What rigid bodies hold rigid beyond the data sheet; elastic ones leave it aside.
+        let wanted =
+            sheet.stiffness_n_m_per_arcmin.filter(|wanted| rigid.stiffness > (1.0 + ACCURACY) * wanted);
+        if let Some(wanted) = wanted {
+            tuning.carrier = Some((1e4 / (1.0 / wanted - 1.0 / rigid.stiffness)).round() / 1e4);
+            rigid = bench.run(&tuning, Bodies::Rigid, false)?;
+        }
         notes.push(format!(
             "With rigid bodies the bench finds {:.4} N·m/arcmin and {:.3} arcmin.",
             rigid.stiffness, rigid.lost_motion
@@ -263,7 +270,7 @@ fn calibrate(
     let mut clearance = machine.bearings.turning_arm.clearance / UM;
     let mut search = sheet.stiffness_n_m_per_arcmin.map(|wanted| CrankSearch {
         wanted,
-        range: if bodies == Bodies::Elastic { bench.crank_range() } else { (1.0, 1.0) },
+        range: bench.crank_range(),
         before: None,
     });
     let near =
@@ -275,13 +282,13 @@ fn calibrate(
         if let Some(search) = &mut search
             && !near(Some(search.wanted), found.stiffness)
         {
-            match bodies {
-                Bodies::Elastic => next.crankshafts = search.next(tuning.crankshafts, found.stiffness),
-                Bodies::Rigid => {
-                    let missing =
-                        1.0 / search.wanted - 1.0 / found.stiffness + tuning.carrier.map_or(0.0, f64::recip);
-                    next.carrier = (missing > 0.0).then(|| (1e4 / missing).round() / 1e4);
-                }
+            let missing =
+                1.0 / search.wanted - 1.0 / found.stiffness + tuning.carrier.map_or(0.0, f64::recip);
+            if bodies == Bodies::Rigid && missing > 0.0 && tuning.crankshafts == 1.0 {
+                next.carrier = Some((1e4 / missing).round() / 1e4);
+            } else {
+                next.carrier = None;
+                next.crankshafts = search.next(tuning.crankshafts, found.stiffness);
             }
         }
         if let Some(wanted) = sheet.lost_motion_arcmin
