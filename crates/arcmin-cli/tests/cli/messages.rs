@@ -82,7 +82,11 @@ fn a_missing_design_and_a_binary_one_are_clear_errors() {
          help: `arcmin new FILE` writes a design file to start from\n"
     );
     std::fs::write(d.join("b.toml"), [0xff, 0xfe, 0x00]).unwrap();
-    assert!(refused(d, &["check", "b.toml"]).contains("cannot read b.toml: invalid utf-8"));
+    assert_eq!(
+        refused(d, &["check", "b.toml"]),
+        "  × cannot read b.toml: the file is neither UTF-8 nor Latin-1 nor UTF-16 text\n  \
+         help: save it as UTF-8\n"
+    );
 }
 
 /// Wrong options are told as they are written on the command line.
@@ -92,7 +96,10 @@ fn option_errors_name_the_option() {
     let d = directory.path();
     for (arguments, text) in [
         (&["contact", "--torque-nm", "abc"][..], "  × --torque-nm must be a number\n"),
-        (&["contact", "--torque-nm", "1,5"], "  × --torque-nm must be a number\n"),
+        (
+            &["contact", "--torque-nm", "1,5"],
+            "  × --torque-nm must be a number\n  help: write a decimal point: --torque-nm 1.5\n",
+        ),
         (
             &["contact", "--torque-nm", "nan"],
             "  × --torque-nm is not a finite number\n  help: write a finite number\n",

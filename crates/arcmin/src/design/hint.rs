@@ -72,7 +72,7 @@ pub(super) fn for_number_in_words(key: &Key, text: &str) -> Option<String> {
     let number: f64 = digits.parse().ok()?;
     let wanted = key.unit();
     Some(match unit {
-        "" => format!("write a decimal point and no quotes: {} = {}", key.name, plain(number)),
+        "" => format!("write a decimal point: {} = {}", key.name, plain(number)),
         unit if unit == wanted || wanted.is_empty() => {
             format!("the unit is part of the key: {} = {}", key.name, plain(number))
         }

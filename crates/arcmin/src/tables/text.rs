@@ -37,6 +37,10 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<String, TableErrorKind> {
 pub fn text_of(bytes: &[u8]) -> Result<String, TableErrorKind> {
     match str::from_utf8(bytes) {
         Ok(text) if !text.contains('\0') => Ok(text.strip_prefix('\u{feff}').unwrap_or(text).to_owned()),
+        // A table may be cut off, a design is whole.
+        _ if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) && !bytes.len().is_multiple_of(2) => {
+            Err(TableErrorKind::NotText)
+        }
         _ => decode(bytes),
     }
 }
