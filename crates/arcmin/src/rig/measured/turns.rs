@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::series::{Course, Lines, held, mean, noise, one_way, turning_points};
-use super::{Remark, Unusable};
+use super::{FINEST, Remark, Unusable};
 use crate::dynamics::{OrderWaves, SpectrumLine};
 use crate::rig::ErrorCurve;
 use crate::units::{ARCMIN, DEG};
@@ -379,7 +379,8 @@ fn read_waves(curve: ErrorCurve, waves: &OrderWaves, usual: f64) -> MeasuredCurv
     let floor = noise_of(places / 8..3 * places / 8, 0);
     // Drift and slow changes raise it at low orders.
     let around = |order: usize| floor.max(noise_of(order.saturating_sub(10).max(1)..order + 11, order));
-    let uncertainty: Vec<f64> = (0..lines.len()).map(|order| 2.0 * (0.5 * around(order)).sqrt()).collect();
+    let uncertainty: Vec<f64> =
+        (0..lines.len()).map(|order| (2.0 * (0.5 * around(order)).sqrt()).max(FINEST * raw)).collect();
     let count = places as f64 * turns;
     let deviation = (0.25 * floor * count).sqrt();
     // Noise alone passes this in one wave of all with a probability of 5 %.
@@ -391,9 +392,9 @@ fn read_waves(curve: ErrorCurve, waves: &OrderWaves, usual: f64) -> MeasuredCurv
     let peak_to_peak = if quiet { raw } else { waves.peak_to_peak(&kept) };
     let pointwise = if quiet { deviation } else { (0.5 * floor * (kept.len() as f64 + 2.0)).sqrt() };
     MeasuredCurve {
-        mean_uncertainty: 2.0 * deviation / count.sqrt(),
+        mean_uncertainty: (2.0 * deviation / count.sqrt()).max(FINEST * raw),
         peak_to_peak,
-        peak_to_peak_uncertainty: 2.0 * 2.0_f64.sqrt() * pointwise,
+        peak_to_peak_uncertainty: (2.0 * 2.0_f64.sqrt() * pointwise).max(FINEST * raw),
         spectrum: Some(TurnSpectrum { lines, uncertainty, places }),
         curve,
     }
