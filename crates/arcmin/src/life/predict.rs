@@ -230,7 +230,7 @@ fn search_limit(
     let mut in_bearings = course.parts().meshing().clone();
     while crossing(history, limit).is_none() && searched_hours < furthest {
         progress
-            .report("looking for the limit", (searched_hours - service_hours) / (furthest - service_hours));
+            .report("search of the limit", (searched_hours - service_hours) / (furthest - service_hours));
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
         let found = course.advance_to(hours, progress).and_then(|()| {
             let state = course.state();
@@ -310,7 +310,7 @@ mod tests {
         let told = Told(Default::default());
         predict(&machine, &Fidelity::ideal(), options, &told, |_| ()).unwrap();
         let told = told.0.into_inner().unwrap();
-        for (stage, at_least) in [("wear", 6), ("accuracy", 7), ("looking for the limit", 1)] {
+        for (stage, at_least) in [("wear", 6), ("accuracy", 7), ("search of the limit", 1)] {
             let shares: Vec<f64> = told.iter().filter(|(name, _)| name == stage).map(|told| told.1).collect();
             assert!(shares.len() >= at_least && shares[0] < 0.2, "{stage}: {shares:?}");
         }

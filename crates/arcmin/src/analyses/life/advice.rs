@@ -40,6 +40,13 @@ struct Lever {
     wear: f64,
 }
 
+impl Lever {
+    /// The value changed to: a count by one, everything else by its factor.
+    fn to(&self, from: f64) -> f64 {
+        if self.key == COUNT { from + 1.0 } else { from * self.factor }
+    }
+}
+
 const fn lever(key: &'static str, words: &'static str, unit: &'static str, factor: f64, wear: f64) -> Lever {
     Lever { key, words, unit, factor, wear }
 }
@@ -62,6 +69,9 @@ const ACCURACY: &[Lever] = &[
 /// The wave under load follows the load.
 const LESS_TORQUE: &[Lever] = &[lever("load.rated_torque_n_m", "rated torque", "N·m", 0.9, 0.0)];
 
+/// The key that is counted.
+const COUNT: &str = "crankshafts.count";
+
 /// Bearing life: larger ratings, lower loads.
 const LIFE: &[Lever] = &[
     lever("bearings.turning_arm.roller_length_mm", "length of the turning-arm rollers", "mm", 1.15, 0.0),
@@ -76,7 +86,7 @@ const LIFE: &[Lever] = &[
         0.0,
     ),
     lever("bearings.crank_support_span_mm", "span of the crank supports", "mm", 1.15, 0.0),
-    lever("crankshafts.count", "crankshafts", "", 1.5, 0.0),
+    lever(COUNT, "crankshafts", "", 1.0, 0.0),
     lever("load.rated_torque_n_m", "torque of the duty", "N·m", 0.9, 0.0),
     lever("load.input_speed_rpm", "input speed of the duty", "rpm", 0.9, 0.0),
 ];
@@ -157,9 +167,9 @@ pub(super) fn advise(
                 return None;
             }
             // A count has no small step.
-            let share = if lever.key == "crankshafts.count" { 1.0 } else { SMALL };
-            let step = share * (lever.factor - 1.0);
-            let after = question.with(design, lever, from * (1.0 + step), ROUGH)?;
+            let share = if lever.key == COUNT { 1.0 } else { SMALL };
+            let small = from + share * (lever.to(from) - from);
+            let after = question.with(design, lever, small, ROUGH)?;
             Some((lever, from, kind_sign(kind) * (after - rough) / share))
         })
         .collect();
@@ -171,7 +181,7 @@ pub(super) fn advise(
         if best.len() == NAMED || host.is_cancelled() {
             break;
         }
-        let to = from * lever.factor;
+        let to = lever.to(from);
         let Some(after) = question.with(design, lever, to, bearings::POSITIONS) else { continue };
         if kind_sign(kind) * (after - before) > 0.0 {
             let text = sentence(lever, from, to, kind, before, after);
@@ -241,10 +251,9 @@ impl Question<'_> {
         let from = present(design, &design.machine(), lever.key)?;
         // Elastic discs and bodies at hand were reduced with the bores that they have.
         let reduced = self.fidelity.elastic.is_some() || self.fidelity.frame.is_some();
-        if lever.key == "crankshafts.count" && reduced {
+        if lever.key == COUNT && reduced {
             return None;
         }
-        let value = if lever.key == "crankshafts.count" { value.round() } else { value };
         let mut machine = design.with(lever.key, value).ok()?.machine();
         // The duty is given in rows of its own, or is the rated point.
         let scale = value / from;

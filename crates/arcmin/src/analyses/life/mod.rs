@@ -122,7 +122,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     let emergency = emergency_pressure(&machine, &fidelity, &prediction)?;
     clock.stage("bearings");
     let inputs = if OF_BANDS.iter().any(|result| host.wants(result)) {
-        host.report("how well it is known", 0.0);
+        host.report("bands of the limits", 0.0);
         match Inputs::look(design, &fidelity, &prediction, host) {
             Ok(inputs) => Some(inputs),
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
