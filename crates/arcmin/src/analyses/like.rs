@@ -135,7 +135,7 @@ impl Bench<'_> {
             let factors = (1..=steps).map(|k| 1.0 + step * k as f64);
             factors.take_while(|factor| self.is_sound(*factor)).last().unwrap_or(1.0)
         };
-        (reach(-0.02, CRANKS.0), reach(0.02, CRANKS.1))
+        (reach(-0.05, CRANKS.0), reach(0.05, CRANKS.1))
     }
 
     /// Preload of the main bearings' rows that gives a moment stiffness, by halving; the nearest believable one.
@@ -268,14 +268,11 @@ fn calibrate(
     // Each µm of diametral clearance turns the output by 1 µm over the crankshaft circle.
     let per_um = UM / machine.gear_stage.centre_distance() / ARCMIN;
     let mut clearance = machine.bearings.turning_arm.clearance / UM;
-    let mut search = sheet.stiffness_n_m_per_arcmin.map(|wanted| CrankSearch {
-        wanted,
-        range: bench.crank_range(),
-        before: None,
-    });
     let near =
         |wanted: Option<f64>, found: f64| wanted.is_none_or(|wanted| (found / wanted - 1.0).abs() < ACCURACY);
     let mut found = bench.run(tuning, bodies, false)?;
+    let open = sheet.stiffness_n_m_per_arcmin.filter(|wanted| !near(Some(*wanted), found.stiffness));
+    let mut search = open.map(|wanted| CrankSearch { wanted, range: bench.crank_range(), before: None });
     for round in 0..ROUNDS {
         bench.host.report("calibrating", round as f64 / ROUNDS as f64);
         let mut next = *tuning;

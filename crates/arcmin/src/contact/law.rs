@@ -75,7 +75,7 @@ enum Shape {
 ///
 /// For the line-contact laws the approach is δ(F) = F (α − β ln(F R_eq)) with constants of the pairing, from
 /// δ = Σ_m F (1−ν_m²)/(π B E_m) [2 ln(2 h_m/b) − ν_m/(1−ν_m)] and b² = 4 F R_eq/(π B E*).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineContact {
     law: ContactLaw,
     shape: Shape,

@@ -8,6 +8,7 @@ mod ring;
 mod rolling;
 mod search;
 mod sliding;
+mod spring;
 mod worn_pin;
 
 pub use conformal::ConformalSeat;
@@ -19,3 +20,4 @@ pub use ring::{DiscPose, DiscVelocity, Pin, PinContact, PinContacts, Reaction, T
 pub use rolling::Rolling;
 pub use search::Moved;
 pub use sliding::Sliding;
+pub use spring::{ContactSpring, Pressed};

@@ -1,5 +1,6 @@
 use super::facets::{Facets, MeshContact};
 use super::sliding::Sliding;
+use super::spring::ContactSpring;
 use super::{Damping, LineContact, Moved};
 use crate::geometry::{
     ErrorFloors, FlankError, FlankErrorReader, Profile, Relief, Vec2, cross, quarter_turn, unit,
@@ -414,6 +415,11 @@ impl PinContacts {
             }
         });
         reaction
+    }
+
+    /// Elastic law of one contact with its place held.
+    pub(crate) fn spring(&self, contact: &PinContact) -> ContactSpring {
+        ContactSpring::Line { law: self.contact, radius: 1.0 / contact.designed_curvature }
     }
 
     /// State of every pin, touching or not, in the order of the pins.

@@ -75,7 +75,7 @@ fn rounded_shares_are_taken_in_proportion() {
         }
     }
     for shares in
-        [vec![0.5, 0.4], vec![0.49, 0.49], vec![0.3334, 0.3333], vec![0.9998, 0.0003], vec![0.5, 0.501]]
+        [vec![0.5, 0.4], vec![0.49, 0.49], vec![0.3334, 0.3333], vec![0.9998, 0.0009], vec![0.25, 0.78]]
     {
         assert!(read(&shares).is_err(), "{shares:?}");
     }

@@ -22,6 +22,7 @@ mod ring_bearing;
 mod run;
 mod simulation;
 mod spectrum;
+pub mod statics;
 mod statistics;
 mod study;
 mod system;
@@ -55,5 +56,5 @@ pub use study::{
     StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study,
     simulate_rigid, spread_over_starts, transmission_error_study,
 };
-pub use system::{Balance, DenseLinearisation, Gap, Linearisation, Singular, System, Weights};
+pub use system::{Balance, Contact, DenseLinearisation, Gap, Linearisation, Singular, System, Weights};
 pub use table::TimeTable;

@@ -1,6 +1,7 @@
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use serde::{Deserialize, Serialize};
 
+use crate::contact::ContactSpring;
 use crate::kernels::cleared;
 
 /// A mechanical system in second-order form, M q̈ = Q(q, q̇, t) with a constant diagonal mass matrix M.
@@ -48,6 +49,10 @@ pub trait System {
     /// are not to be told by them.
     fn gaps(&self, _time: f64, _position: &[f64], _reach: f64, _see: &mut dyn FnMut(&Gap<'_>)) {}
 
+    /// Shows all contacts that press or are nearer than `reach` (m), each with its law; none where these are not
+    /// told apart from other forces.
+    fn contacts(&self, _time: f64, _position: &[f64], _reach: f64, _see: &mut dyn FnMut(&Contact<'_>)) {}
+
     /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end
     /// there.
     fn next_breakpoint(&self, _time: f64) -> Option<f64> {
@@ -85,6 +90,12 @@ pub trait Linearisation {
     /// [`System::size`] on do not move.
     fn add_spring(&mut self, index: &[usize], gradient: &[f64], stiffness: f64);
 
+    /// K x.
+    fn multiply(&self, x: &[f64], product: &mut [f64]);
+
+    /// K_ii.
+    fn diagonal(&self, coordinate: usize) -> f64;
+
     /// Holds a coordinate: no force moves it, and it moves nothing.
     fn hold(&mut self, coordinate: usize);
 }
@@ -101,6 +112,17 @@ pub struct Gap<'a> {
     pub force: f64,
     /// Tangent stiffness in N/m; where the gap is open, about what it will be.
     pub stiffness: f64,
+}
+
+/// A contact between two bodies: its gap to first order in the displacement, and its law.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact<'a> {
+    /// Coordinates that the gap depends on, those held or prescribed included, and its gradient by them.
+    pub index: &'a [usize],
+    pub gradient: &'a [f64],
+    /// m; negative where the bodies press.
+    pub gap: f64,
+    pub spring: ContactSpring,
 }
 
 /// Factors of mass, damping and stiffness in the matrix of an implicit step.
@@ -240,6 +262,16 @@ impl Linearisation for DenseLinearisation {
                 }
             }
         }
+    }
+
+    fn multiply(&self, x: &[f64], product: &mut [f64]) {
+        for (entry, row) in product.iter_mut().zip(self.stiffness.chunks_exact(self.size)) {
+            *entry = dot(row, x);
+        }
+    }
+
+    fn diagonal(&self, coordinate: usize) -> f64 {
+        self.stiffness[coordinate * (self.size + 1)]
     }
 
     fn hold(&mut self, coordinate: usize) {

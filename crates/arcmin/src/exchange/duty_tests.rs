@@ -62,15 +62,17 @@ fn fifty_rows_stand_for_the_whole_log() {
         .collect();
     assert!((rows.iter().map(|row| row[2]).sum::<f64>() - 1.0).abs() < 1e-11);
     let moving: Vec<usize> = (0..time.len()).filter(|i| speed[*i].abs() > 1.8e-3).collect();
+    // What the joint does in all; the hours in motion that the rows are shares of belong to the result.
+    let in_motion = import.duration - import.at_rest;
     let log_sum = |power: f64| {
-        moving.iter().map(|i| torque[*i].abs().powf(power) * speed[*i].abs()).sum::<f64>()
-            / moving.len() as f64
+        moving.iter().map(|i| torque[*i].abs().powf(power) * speed[*i].abs() / 200.0).sum::<f64>()
     };
     let ratio = machine.kinematics().ratio();
     let row_sum = |power: f64| {
         rows.iter()
             .map(|row| row[0].abs().powf(power) * (row[1] * crate::units::RPM / ratio).abs() * row[2])
             .sum::<f64>()
+            * in_motion
     };
     // Turns exactly; wear and bearing load within the percent that is promised.
     for (power, limit) in [(0.0, 1e-4), (1.0, 0.01), (10.0 / 3.0, 0.01)] {
@@ -115,7 +117,14 @@ fn motor_side_logs_agree() {
     for i in 1..time.len() {
         angle.push(angle[i - 1] + 0.5 * (speed[i] + speed[i - 1]) * (time[i] - time[i - 1]));
     }
-    let current: Vec<f64> = torque.iter().map(|t| t / ratio / 0.9 / 0.5).collect();
+    // Where the load drives, the motor holds what of its torque comes through.
+    let through = |t: f64, w: f64| match t * w {
+        power if power > 0.0 => 1.0 / 0.9,
+        power if power < 0.0 => 0.9,
+        _ => 1.0,
+    };
+    let current: Vec<f64> =
+        torque.iter().zip(&speed).map(|(t, w)| t / ratio * through(*t, *w) / 0.5).collect();
     let degrees: Vec<f64> = angle.iter().map(|a| (a * ratio).to_degrees()).collect();
     let milliseconds: Vec<f64> = time.iter().map(|t| t * 1e3).collect();
     let file = text("time_ms,motor_current [A],motor_angle [°]", &[&milliseconds, &current, &degrees]);

@@ -229,8 +229,7 @@ fn search_limit(
     let (mut beyond, mut searched_hours) = (None, service_hours);
     let mut in_bearings = course.parts().meshing().clone();
     while crossing(history, limit).is_none() && searched_hours < furthest {
-        progress
-            .report("search of the limit", (searched_hours - service_hours) / (furthest - service_hours));
+        progress.report("search of the limit", (searched_hours - service_hours) / (furthest - service_hours));
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
         let found = course.advance_to(hours, progress).and_then(|()| {
             let state = course.state();

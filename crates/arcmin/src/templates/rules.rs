@@ -100,6 +100,7 @@ pub(super) const RULES: &[(&str, Rule)] = &[
     ("friction.crank_support_preload_n", FORCE),
     ("contact.damping_n_s_per_m", ACROSS),
     ("contact.damping_depth_um", Rule::Kept("smooths the damping in time, in micrometres of contact")),
+    ("thermal.temperature_c", Rule::Kept("a temperature, the same in machines of any size")),
     ("load.rated_torque_n_m", Rule::Sheet),
     ("load.input_speed_rpm", Rule::Sheet),
     ("duty.torque_n_m", Rule::Sheet),

@@ -177,6 +177,12 @@ impl PlanarMesh {
         Some([of(0), of(1)])
     }
 
+    /// Mesh stiffness in N/m where the teeth stand.
+    pub fn stiffness_at(&self, q: &Row) -> f64 {
+        let phase = self.sun_teeth * (q[2] - q[6] + self.place);
+        self.stiffness * (1.0 + self.variation * phase.cos())
+    }
+
     pub fn react(&self, q: &Row, v: &Row) -> MeshState {
         let mut state = MeshState::default();
         let Some(centres) = self.centres(q) else {

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
-use super::joints::Pressed;
 use crate::contact::slice_height;
+use crate::contact::{ContactSpring, Pressed};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::{RollerBearing, RollerKind};
 
@@ -159,9 +159,10 @@ impl RadialBearing {
         })
     }
 
-    /// How that element presses outwards.
-    pub(super) fn pressed(&self, along: f64) -> Pressed {
-        self.loaded(along).map_or(Pressed::default(), |element| element.radial)
+    /// How an element presses outwards beyond the clearance.
+    pub(super) fn element_spring(&self) -> ContactSpring {
+        let RadialBearing { stiffness, exponent, contact_cosine: cosine, .. } = *self;
+        ContactSpring::Power { stiffness, exponent, cosine }
     }
 
     /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.

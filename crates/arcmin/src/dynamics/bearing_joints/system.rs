@@ -1,7 +1,9 @@
 use super::assembly::{Assembly, Sink};
-use super::joints::{Distance, Limit, Pressed, State};
+use super::joints::{Distance, Limit, State};
 use super::{BearingJoints, Input};
-use crate::dynamics::{Balance, DenseLinearisation, Drive, ForceSummary, Gap, OutputLoad, Reducer, System};
+use crate::dynamics::{
+    Balance, Contact, DenseLinearisation, Drive, ForceSummary, Gap, OutputLoad, Reducer, System,
+};
 
 impl BearingJoints {
     /// All coordinates and velocities, those held or prescribed included.
@@ -134,12 +136,25 @@ impl System for BearingJoints {
         let (q, _) = self.full(time, position, &vec![0.0; position.len()]);
         for joint in self.elements() {
             joint.limits(&q, reach, &mut |limit| {
-                if let Limit::Gap(at, pressed) | Limit::Pin(at, pressed) = limit {
+                if let Limit::Gap(at, spring) | Limit::Pin(at, spring) = limit {
                     let Distance { index, gradient, value: width, .. } = at;
-                    let Pressed { force, .. } = pressed;
-                    let stiffness = if force > 0.0 { pressed.stiffness } else { at.stiffness };
-                    see(&Gap { index, gradient, width, force, stiffness });
+                    let pressed = spring.at(-width);
+                    let stiffness = if pressed.force > 0.0 { pressed.stiffness } else { at.stiffness };
+                    see(&Gap { index, gradient, width, force: pressed.force, stiffness });
                 }
+            });
+        }
+    }
+
+    /// None where discs are elastic, for the same reason.
+    fn contacts(&self, time: f64, position: &[f64], reach: f64, see: &mut dyn FnMut(&Contact<'_>)) {
+        if self.rings.iter().any(|ring| ring.elastic.is_some()) {
+            return;
+        }
+        let (q, _) = self.full(time, position, &vec![0.0; position.len()]);
+        for joint in self.elements() {
+            joint.contacts(&q, reach, &mut |Distance { index, gradient, value: gap, .. }, spring| {
+                see(&Contact { index, gradient, gap, spring });
             });
         }
     }

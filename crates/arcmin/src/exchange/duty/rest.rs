@@ -189,9 +189,8 @@ impl Motion<'_> {
 }
 
 impl Motion<'_> {
-    /// Seconds in which the ramp of the move before or behind a stretch of rest passes from zero to the
-    /// threshold, from the time that it takes up to three times the threshold, or to the top of a slower
-    /// move.
+    /// Seconds in which the ramp of the move before or behind a stretch of rest passes between zero and its
+    /// edge, from the time that it takes up to three times the threshold, or to the top of a slower move.
     fn ramp(&self, edge: usize, back: bool, threshold: f64) -> f64 {
         let (mut at, mut top) = (edge, edge);
         let next = |at: usize| match back {
@@ -205,9 +204,9 @@ impl Motion<'_> {
             at = following;
             top = if self.speed[at].abs() > self.speed[top].abs() { at } else { top };
         }
-        let gained = self.speed[top].abs() - threshold;
+        let (from, gained) = (self.speed[edge].abs(), self.speed[top].abs() - self.speed[edge].abs());
         let seconds = (self.time[top] - self.time[edge]).abs();
-        if gained > 0.5 * threshold { (seconds * threshold / gained).min(0.5) } else { 0.0 }
+        if gained > 0.25 * threshold { (seconds * from / gained).min(0.5) } else { 0.0 }
     }
 
     /// Readings below the threshold on the ramps of a move belong to it.
@@ -226,7 +225,8 @@ impl Motion<'_> {
             for i in from..to {
                 // A reading that holds for long is none of a ramp.
                 let until = self.time[(i + 1).min(moves.len() - 1)];
-                moves[i] = until <= start + down || (up > 0.0 && self.time[i] >= end - up);
+                let slack = 1e-6 * (until - self.time[i]);
+                moves[i] = until <= start + down + slack || (up > 0.0 && self.time[i] >= end - up - slack);
             }
         }
     }

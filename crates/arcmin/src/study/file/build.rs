@@ -3,7 +3,9 @@
 use super::{MethodName, SEARCHED, StudyFile};
 use crate::analyses::{self, Analysis, AnalysisError};
 use crate::design::variation::{NORMAL_CUT, Variation, Varied};
-use crate::design::{Design, DesignError, DesignErrorKind, Kind as KeyKind, Value as DesignValue};
+use crate::design::{
+    Design, DesignError, DesignErrorKind, KeyEntry, Kind as KeyKind, Unknown, Value as DesignValue,
+};
 use crate::results::Format;
 use crate::study::limits::{self, StudyLimits};
 use crate::study::list_place::ListPlace;
@@ -51,9 +53,7 @@ impl StudyFile {
         if *self.unknowns {
             for unknown in design.unknowns() {
                 if factors.iter().all(|factor| factor.path != unknown.path) {
-                    let distribution = distribution(&unknown.variation, unknown.nominal)
-                        .map_err(|why| self.wrong(why, self.unknowns.span.clone(), "correct the design"))?;
-                    factors.push(Factor::number(unknown.path, unknown.unit, distribution));
+                    factors.push(self.unknown(unknown, design)?);
                 }
             }
         }
@@ -251,6 +251,18 @@ impl StudyFile {
             }
         }
         Ok(kept)
+    }
+
+    /// An unknown of the design: one of its values, or a number, whole where the design counts.
+    fn unknown(&self, unknown: Unknown, design: &Design) -> Result<Factor, Box<DesignError>> {
+        if let Variation::OneOf(values) = &unknown.variation {
+            return Ok(Factor::one_of(unknown.path, values.iter().filter_map(setting).collect()));
+        }
+        let distribution = distribution(&unknown.variation, unknown.nominal)
+            .map_err(|why| self.wrong(why, self.unknowns.span.clone(), "correct the design"))?;
+        let counted = |entry: &KeyEntry| entry.path == unknown.path && matches!(entry.kind, KeyKind::Count);
+        let whole = design.keys().iter().any(counted);
+        Ok(Factor { whole, ..Factor::number(unknown.path, unknown.unit, distribution) })
     }
 
     fn factor(&self, varied: &Varied, design: &Design) -> Result<Factor, Box<DesignError>> {

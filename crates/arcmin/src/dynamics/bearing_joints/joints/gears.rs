@@ -1,4 +1,5 @@
-use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Pressed, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State};
+use crate::contact::ContactSpring;
 use crate::dynamics::ForceSummary;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::planar_mesh::{MESH_COORDINATES, MeshState, PlanarMesh};
@@ -65,9 +66,9 @@ impl Joint for Gears {
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         for (overlap, slope) in self.law.overlaps(&self.index.map(|i| q[i])).into_iter().flatten() {
             let gradient = &slope.map(|s| -s);
-            let stiffness = self.law.stiffness;
-            let pressed = Pressed { force: stiffness * overlap.max(0.0), stiffness };
-            add(Limit::Gap(Distance { index: &self.index, gradient, value: -overlap, stiffness }, pressed));
+            let stiffness = self.law.stiffness_at(&self.index.map(|i| q[i]));
+            let distance = Distance { index: &self.index, gradient, value: -overlap, stiffness };
+            add(Limit::Gap(distance, ContactSpring::Linear { stiffness }));
         }
     }
 

@@ -1,4 +1,5 @@
 use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, damp};
+use crate::contact::ContactSpring;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
 use crate::dynamics::bearing_joints::rim::{
@@ -251,25 +252,32 @@ impl Joint for Journal {
     /// A gap at every rolling element; without clearance the elements hold the shaft in the middle.
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let arms = self.arms(q, &self.modes_at(q));
-        let (u, cage) = self.displacement(q, arms);
-        let [x, y, turn] = self.jacobian(arms);
-        let half = self.law.half_clearance;
+        let (u, _) = self.displacement(q, arms);
+        let [x, y, _] = self.jacobian(arms);
         let index = &self.index;
-        if half <= 0.0 {
+        if self.law.half_clearance <= 0.0 {
             let stiffness = self.law.centring_stiffness();
             add(Limit::Bond(Distance { index, gradient: &x, value: u[0], stiffness }));
             add(Limit::Bond(Distance { index, gradient: &y, value: u[1], stiffness }));
             return;
         }
-        let stiffness = self.law.stiffness_of_an_element();
+        self.contacts(q, reach, &mut |distance, spring| add(Limit::Gap(distance, spring)));
+    }
+
+    /// A contact at every rolling element.
+    fn contacts(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Distance<'_>, ContactSpring)) {
+        let arms = self.arms(q, &self.modes_at(q));
+        let (u, cage) = self.displacement(q, arms);
+        let [x, y, turn] = self.jacobian(arms);
+        let (index, stiffness) = (&self.index, self.law.stiffness_of_an_element());
         for (e, along, across) in self.law.elements(u, cage) {
-            let value = half - along;
+            let value = self.law.half_clearance - along;
             if value >= reach {
                 continue;
             }
             let gradient =
                 &std::array::from_fn::<f64, 6, _>(|i| -(e.x * x[i] + e.y * y[i] + across * turn[i]));
-            add(Limit::Gap(Distance { index, gradient, value, stiffness }, self.law.pressed(along)));
+            add(Distance { index, gradient, value, stiffness }, self.law.element_spring());
         }
     }
 

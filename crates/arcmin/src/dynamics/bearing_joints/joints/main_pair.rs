@@ -241,7 +241,10 @@ mod tests {
     /// straight: pins a thousand times softer let them go with the shafts.
     #[test]
     fn discs_lean_with_the_crankshafts_as_far_as_pins_let_them() {
-        for machine in [tao2024(), crate::templates::design("rv-80e").unwrap().machine()] {
+        // Crankshafts that hardly bend.
+        const STOUT: &str = include_str!("../../../../tests/designs/rv-80e-two-crankshafts.toml");
+        let stout = crate::design::Design::parse(STOUT, "stout").unwrap().machine();
+        for machine in [tao2024(), stout] {
             let leans = |stiffness: f64| {
                 let mut machine = machine.clone();
                 machine.contact_law = ContactLaw::Linear { stiffness };

@@ -22,6 +22,7 @@ pub(super) use torsion::Torsion;
 
 use super::Cause;
 use super::assembly::{Element, Part, Sink, Split};
+use crate::contact::ContactSpring;
 use crate::dynamics::ForceSummary;
 use crate::machine::{Friction, OutputForces, PartWear};
 use crate::wear::PartLoads;
@@ -52,10 +53,10 @@ impl<'a> Nominal<'a> {
 /// What a joint lets bodies do while nothing presses, to first order in their displacement.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Limit<'a> {
-    /// A gap that does not close any further than to nothing.
-    Gap(Distance<'a>, Pressed),
+    /// A gap that does not close any further than to nothing, with the law by which it presses.
+    Gap(Distance<'a>, ContactSpring),
     /// The same between a pin and a flank, which a relief of the flank widens.
-    Pin(Distance<'a>, Pressed),
+    Pin(Distance<'a>, ContactSpring),
     /// A distance that stays at nothing.
     Bond(Distance<'a>),
     /// A coordinate that stays at nothing.
@@ -72,13 +73,6 @@ pub(super) struct Distance<'a> {
     pub stiffness: f64,
 }
 
-/// How a gap presses where it is closed: force in N and tangent stiffness in N/m.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Pressed {
-    pub force: f64,
-    pub stiffness: f64,
-}
-
 /// A joint: what it does to the bodies it connects, and under which names its compliance and its play go.
 ///
 /// Springs derive from energies; [`Joint::visit`] hands them on with gradient and Hessian, so that forces,
@@ -90,6 +84,15 @@ pub(super) trait Joint: Debug + Send + Sync {
     /// Hands on what the joint lets the bodies do while nothing presses; of its gaps at least those nearer than
     /// `reach` (m).
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>));
+
+    /// Hands on the contacts of the joint that press or are nearer than `reach` (m), each with its law.
+    fn contacts(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Distance<'_>, ContactSpring)) {
+        self.limits(q, reach, &mut |limit| {
+            if let Limit::Gap(distance, spring) | Limit::Pin(distance, spring) = limit {
+                add(distance, spring);
+            }
+        });
+    }
 
     /// Tangent compliance along a motion g of all coordinates, by part: gᵀ K g.
     fn split(&self, at: State<'_>, motion: &[f64], add: &mut dyn FnMut(Part, f64)) {

@@ -6,7 +6,7 @@ mod slices;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Pressed, Sink, State};
+use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Sink, State};
 use crate::contact::{
     DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Reaction, Sliding, slice_height,
 };
@@ -356,8 +356,8 @@ impl Joint for PinRing {
         let seen = self.moves.then(|| self.seen(pose, q));
         self.contacts.visit_moved(pose, DiscVelocity::REST, false, moved, |contact| {
             let mut pin = |index: &[usize], gradient: &[f64]| {
-                let pressed = Pressed { force: contact.force, stiffness: contact.stiffness };
-                add(Limit::Pin(Distance { index, gradient, value: contact.gap, stiffness: PIN }, pressed));
+                let distance = Distance { index, gradient, value: contact.gap, stiffness: PIN };
+                add(Limit::Pin(distance, self.contacts.spring(contact)));
             };
             match &seen {
                 None => pin(&self.place[..3], &contact.gradient),

@@ -1,4 +1,5 @@
-use super::{Cause, Distance, Joint, Limit, Nominal, Part, Pressed, Sink, State, damp};
+use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
+use crate::contact::ContactSpring;
 use crate::dynamics::bearing_joints::Arm;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn, unit};
@@ -91,12 +92,11 @@ impl Joint for Support {
         }
         let here = u.try_normalize(0.0).unwrap_or(Vec2::new(1.0, 0.0));
         let around = (0..TANGENTS).map(|i| unit(std::f64::consts::TAU * i as f64 / TANGENTS as f64));
-        let force = stiffness * (u.norm() - self.clearance).max(0.0);
-        for (n, force) in around.map(|n| (n, 0.0)).chain([(here, force)]) {
+        for n in around.chain([here]) {
             let value = self.clearance - n.dot(&u);
-            let pressed = Pressed { force, stiffness };
             if value < reach {
-                add(Limit::Gap(Distance { index, gradient: &gradient(-n), value, stiffness }, pressed));
+                let distance = Distance { index, gradient: &gradient(-n), value, stiffness };
+                add(Limit::Gap(distance, ContactSpring::Linear { stiffness }));
             }
         }
     }
