@@ -3,6 +3,7 @@
 use arcmin::analyses::{ALL, Analysis};
 use arcmin::design::{Key, Kind, Presence};
 use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::commands;
@@ -236,4 +237,72 @@ mod tests {
         assert_eq!(all, ["1", "-2", "1.0", "0.5", "100000.0", "nan", "-inf", "\"1_0\""]);
         assert_eq!(toml_text("a\"\u{1b}\\"), "\"a\\\"\\u001B\\\\\"");
     }
+}
+
+/// clap proposes the nearest word in place of an option that a command does not have, fitting or not. Here an option
+/// that other commands have is said to be theirs, a word too many to be a place for results, and what begins
+/// otherwise is not proposed.
+pub fn with_fitting_tip(mut error: clap::Error, typed: &[String]) -> clap::Error {
+    let Some(ContextValue::String(unknown)) = error.get(ContextKind::InvalidArg).cloned() else {
+        return error;
+    };
+    if error.kind() != ErrorKind::UnknownArgument {
+        return error;
+    }
+    let proposed = match error.get(ContextKind::SuggestedArg) {
+        Some(ContextValue::String(word)) => Some(word.clone()),
+        _ => None,
+    };
+    if proposed.as_ref().is_some_and(|word| word.starts_with(&format!("{unknown}-"))) {
+        return error;
+    }
+    let root = command();
+    let (mut here, mut path) = (&root, "arcmin".to_owned());
+    for word in typed {
+        if let Some(inner) = here.find_subcommand(word) {
+            here = inner;
+            path.push_str(&format!(" {word}"));
+        }
+    }
+    let tip = match unknown.strip_prefix("--") {
+        Some(name) => owners(&root, name),
+        None => (!unknown.starts_with('-') && has(here, "out"))
+            .then(|| format!("'--out {unknown}' is how to say where results go")),
+    };
+    let alike = proposed.is_some_and(|word| word.chars().nth(2) == unknown.chars().nth(2));
+    if tip.is_none() && alike {
+        return error;
+    }
+    error.remove(ContextKind::SuggestedArg);
+    error.remove(ContextKind::Suggested);
+    error.insert(ContextKind::Usage, ContextValue::StyledStr(here.clone().bin_name(path).render_usage()));
+    if let Some(tip) = tip {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
+}
+
+fn has(command: &Command, long: &str) -> bool {
+    command.get_arguments().any(|argument| argument.get_long() == Some(long))
+}
+
+/// Which commands have an option of this name, or of this name with its unit behind it.
+fn owners(root: &Command, name: &str) -> Option<String> {
+    let mut commands: Vec<(String, &Command)> = Vec::new();
+    for command in root.get_subcommands() {
+        commands.push((command.get_name().to_owned(), command));
+        let inner = command
+            .get_subcommands()
+            .map(|inner| (format!("{} {}", command.get_name(), inner.get_name()), inner));
+        commands.extend(inner);
+    }
+    let longs = || commands.iter().flat_map(|(_, command)| command.get_arguments()).filter_map(Arg::get_long);
+    let long = longs()
+        .find(|long| *long == name)
+        .or_else(|| longs().find(|long| long.strip_prefix(name).is_some_and(|rest| rest.starts_with('-'))))?;
+    let names: Vec<&str> =
+        commands.iter().filter(|(_, command)| has(command, long)).map(|(path, _)| path.as_str()).collect();
+    const MOST_NAMED: usize = 8;
+    let of = if names.len() > MOST_NAMED { "most other commands".to_owned() } else { names.join(", ") };
+    Some(format!("'--{long}' is an option of {of}"))
 }

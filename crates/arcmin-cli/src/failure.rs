@@ -23,7 +23,12 @@ pub enum Failure {
         finding: Option<Box<Finding>>,
     },
     #[error("cannot read {}: {cause}", .path.display())]
-    Read { path: PathBuf, cause: std::io::Error },
+    Read {
+        path: PathBuf,
+        cause: std::io::Error,
+        /// What writes such a file, where it is not there.
+        start: Start,
+    },
     #[error("cannot write {}: {cause}", .path.display())]
     Write { path: PathBuf, cause: std::io::Error },
     #[error("{} exists already", .path.display())]
@@ -99,6 +104,24 @@ fn as_typed(text: &str, options: Option<&SectionSchema>) -> String {
         }
     }
     typed
+}
+
+/// Where a file that is not there comes from.
+#[derive(Debug, Clone, Copy)]
+pub enum Start {
+    Design,
+    Study,
+    Elsewhere,
+}
+
+impl Start {
+    fn help(self) -> &'static str {
+        match self {
+            Start::Design => "`arcmin new FILE` writes a design file to start from",
+            Start::Study => "`arcmin study new FILE` writes a study file to start from",
+            Start::Elsewhere => "check its name and place",
+        }
+    }
 }
 
 impl Failure {
@@ -194,8 +217,8 @@ impl Diagnostic for Failure {
             Failure::Analysis { error, options, .. } => {
                 return error.help().map(|help| Box::new(as_typed(&help, *options)) as _);
             }
-            Failure::Read { cause, .. } if cause.kind() == std::io::ErrorKind::NotFound => {
-                "`arcmin new FILE` writes a design file to start from".to_owned()
+            Failure::Read { cause, start, .. } if cause.kind() == std::io::ErrorKind::NotFound => {
+                start.help().to_owned()
             }
             Failure::Write { cause, .. } => match cause.kind() {
                 std::io::ErrorKind::StorageFull

@@ -35,6 +35,7 @@ pub fn run_command(arguments: Vec<OsString>) -> u8 {
     let matches = match arguments::command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
         Err(error) => {
+            let error = arguments::with_fitting_tip(error, typed());
             return match error.print() {
                 // A reader who left early has read enough.
                 Err(cause) if cause.kind() != std::io::ErrorKind::BrokenPipe && !error.use_stderr() => {

@@ -17,7 +17,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use super::fmu::pack;
-use crate::failure::Failure;
+use crate::failure::{Failure, Start};
 use crate::run::{Cache, LARGEST_TABLE, Terminal, read_bounded, read_design, say, write_file};
 
 pub fn export() -> Command {
@@ -335,7 +335,11 @@ pub fn run_import(matches: &ArgMatches) -> Result<Ending, Failure> {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    read_bounded(path, LARGEST_TABLE).map_err(|cause| Failure::Read { path: path.to_owned(), cause })
+    read_bounded(path, LARGEST_TABLE).map_err(|cause| Failure::Read {
+        path: path.to_owned(),
+        cause,
+        start: Start::Elsewhere,
+    })
 }
 
 fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {

@@ -13,7 +13,7 @@ use zip::write::SimpleFileOptions;
 use super::Ending;
 use super::exchange::{Given, choice, directory, number, out, path};
 use super::joint::{ages, failed, fidelity, fidelity_args};
-use crate::failure::Failure;
+use crate::failure::{Failure, Start};
 use crate::run::{Cache, Terminal, say, write_file};
 
 /// Name of the library in the unit, without its ending.
@@ -77,7 +77,11 @@ fn platform() -> Option<(&'static str, &'static str, &'static str)> {
 /// The shared library: the one named, or the one that cargo put beside this program.
 fn library(given: Option<&PathBuf>) -> Result<Vec<u8>, Failure> {
     if let Some(path) = given {
-        return std::fs::read(path).map_err(|cause| Failure::Read { path: path.clone(), cause });
+        return std::fs::read(path).map_err(|cause| Failure::Read {
+            path: path.clone(),
+            cause,
+            start: Start::Elsewhere,
+        });
     }
     let name = format!("{}{IDENTIFIER}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let beside = std::env::current_exe().ok().and_then(|exe| exe.parent().map(Path::to_owned));
@@ -213,7 +217,11 @@ fn unit(
             });
         }
         let place = path.parent().unwrap_or(Path::new(".")).join(&name);
-        let bytes = std::fs::read(&place).map_err(|cause| Failure::Read { path: place, cause })?;
+        let bytes = std::fs::read(&place).map_err(|cause| Failure::Read {
+            path: place,
+            cause,
+            start: Start::Elsewhere,
+        })?;
         files.push((name, bytes));
     }
     let load_flange =

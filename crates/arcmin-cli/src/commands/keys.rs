@@ -11,8 +11,8 @@ pub fn command() -> Command {
             "Prints every key of the design file with its unit, range, default and meaning, in Markdown; with \
              --results every table, column and figure that the analyses write.",
         )
-        .after_help("Examples:\n  arcmin keys | less\n  arcmin keys clearance\n  arcmin keys --results lost_motion\n  arcmin keys --json-schema > arcmin.schema.json")
-        .arg(Arg::new("FILTER").help("Only lines that hold this text, under their headings"))
+        .after_help("Examples:\n  arcmin keys | less\n  arcmin keys clearance\n  arcmin keys crankshafts.count\n  arcmin keys --results lost_motion\n  arcmin keys --json-schema > arcmin.schema.json")
+        .arg(Arg::new("FILTER").help("Only lines that hold this text, under their headings; or a key by its path"))
         .arg(
             Arg::new("results")
                 .long("results")
@@ -45,7 +45,11 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
             let found = filtered(&text, filter);
             if found.is_empty() {
                 let message = format!("nothing here is called \"{filter}\"");
-                let help = "try a part of the word, or no filter".to_owned();
+                let part = filter.rsplit('.').next().filter(|part| *part != filter && !part.is_empty());
+                let help = match part.filter(|part| !filtered(&text, part).is_empty()) {
+                    Some(part) => format!("try its last part: `arcmin keys {part}`"),
+                    None => "try a part of the word, or no filter".to_owned(),
+                };
                 return Err(Failure::Usage { message, help });
             }
             say(found.trim_end())?;
@@ -54,9 +58,12 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// Rows of tables that hold the text, and whole sections whose heading does, each under its heading.
+/// Rows of tables that hold the text, and whole sections whose heading does, each under its heading. A key by
+/// its path, such as `crankshafts.count` or `duty[0].torque_n_m`, is the row of that section.
 fn filtered(text: &str, filter: &str) -> String {
     let wanted = filter.to_lowercase();
+    let path = wanted.split(']').map(|part| part.split('[').next().unwrap_or_default()).collect::<String>();
+    let path = path.rsplit_once('.').map(|(section, key)| (format!("[{section}]"), format!("| `{key}` |")));
     let mut found = String::new();
     let (mut heading, mut shown, mut whole) = ("", false, false);
     for line in text.lines() {
@@ -64,7 +71,10 @@ fn filtered(text: &str, filter: &str) -> String {
             (heading, shown, whole) = (line, false, line.to_lowercase().contains(&wanted));
             continue;
         }
-        let row = line.starts_with("| `") && line.to_lowercase().contains(&wanted);
+        let by_path = path.as_ref().is_some_and(|(section, key)| {
+            heading.to_lowercase().contains(section.as_str()) && line.to_lowercase().starts_with(key.as_str())
+        });
+        let row = line.starts_with("| `") && (by_path || line.to_lowercase().contains(&wanted));
         if row || (whole && !line.is_empty()) {
             if !shown {
                 found.push_str(&format!("\n{heading}\n\n"));

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use arcmin::design::Design;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Start};
 pub use cache::Cache;
 pub use output::{Results, write_file};
 pub use parts::{Parts, SampleBar};
@@ -44,8 +44,11 @@ pub fn text_of(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
 
 /// Reads and parses a design file.
 pub fn read_design(path: &Path) -> Result<Design, Failure> {
-    let bytes =
-        read_bounded(path, LARGEST_DESIGN).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
+    let bytes = read_bounded(path, LARGEST_DESIGN).map_err(|cause| Failure::Read {
+        path: path.to_owned(),
+        cause,
+        start: Start::Design,
+    })?;
     let text = text_of(path, &bytes)?;
     Design::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
 }

@@ -174,6 +174,62 @@ fn keys_explain_the_design_and_the_results() {
 }
 
 #[test]
+fn keys_are_found_by_their_paths() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    for (path, section, key) in [
+        ("crankshafts.count", "## `[crankshafts]`", "| `count` |"),
+        ("duty[0].torque_n_m", "## `[[duty]]`", "| `torque_n_m` |"),
+        ("Bearings.turning_arm.clearance_um", "## `[bearings.turning_arm]`", "| `clearance_um` |"),
+        ("disc.holes.count", "## `[[disc.holes]]`", "| `count` |"),
+    ] {
+        let found = good(d, &["keys", path]);
+        assert!(found.contains(section) && found.contains(key), "{path}: {found}");
+        assert_eq!(found.lines().filter(|line| line.starts_with("| `")).count(), 1, "{path}: {found}");
+    }
+    assert!(refused(d, &["keys", "crankshaft.count"]).contains("try its last part: `arcmin keys count`"));
+}
+
+#[test]
+fn words_too_many_are_answered_with_what_fits() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    let answer = |arguments: &[&str]| refused(d, arguments);
+    let hours = answer(&["life", "d.toml", "--hours", "100"]);
+    assert!(hours.contains("tip: '--hours' is an option of contact, wear, simulate, rig"), "{hours}");
+    assert!(hours.contains("Usage: arcmin life [OPTIONS] <DESIGN>") && !hours.contains("bores"), "{hours}");
+    let out = answer(&["new", "--out", "x"]);
+    assert!(out.contains("tip: '--out' is an option of most other commands") && !out.contains("outer-diameter"), "{out}");
+    let place = answer(&["life", "d.toml", "results"]);
+    assert!(place.contains("tip: '--out results' is how to say where results go"), "{place}");
+    let torque = answer(&["life", "d.toml", "--torque", "5"]);
+    assert!(
+        torque.contains("'--torque-nm' is an option of new, contact") && !torque.contains("force"),
+        "{torque}"
+    );
+    assert!(
+        answer(&["contact", "d.toml", "--torque", "5"]).contains("similar argument exists: '--torque-nm'")
+    );
+    assert!(
+        answer(&["contact", "d.toml", "--jonts", "ideal"]).contains("similar argument exists: '--joints'")
+    );
+    assert!(!answer(&["export", "profile", "d.toml", "-x"]).contains("tip:"));
+}
+
+#[test]
+fn files_that_are_not_there_are_answered_with_what_writes_them() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    good(d, &["new", "d.toml"]);
+    good(d, &["study", "new", "s.toml", "--design", "d.toml"]);
+    assert!(refused(d, &["check", "none.toml"]).contains("`arcmin new FILE` writes a design file"));
+    assert!(refused(d, &["study", "none.toml"]).contains("`arcmin study new FILE` writes a study file"));
+    assert!(refused(d, &["import", "duty", "d.toml", "none.csv"]).contains("check its name and place"));
+    let elsewhere = refused(d, &["study", "collect", "s.toml"]).replace("\n        ", " ");
+    assert!(elsewhere.contains("if they lie elsewhere, --out says where"), "{elsewhere}");
+}
+
+#[test]
 fn keys_are_also_a_schema_for_editors() {
     let directory = tempfile::tempdir().unwrap();
     let text = good(directory.path(), &["keys", "--json-schema"]);

@@ -14,7 +14,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::{Ending, Job, broken};
-use crate::failure::Failure;
+use crate::failure::{Failure, Start};
 use crate::run::{is_stopped, say, write_file};
 
 /// Shards where nobody says how many: enough for any cluster, each of them a minute or more of most studies.
@@ -188,8 +188,11 @@ impl Words {
         std::fs::create_dir_all(&job.out).map_err(|cause| Failure::Write { path: job.out.clone(), cause })?;
         // Scripts run elsewhere, so that names must not depend on where one stands.
         let whole = |path: &Path| -> Result<String, Failure> {
-            let full = std::fs::canonicalize(path)
-                .map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
+            let full = std::fs::canonicalize(path).map_err(|cause| Failure::Read {
+                path: path.to_owned(),
+                cause,
+                start: Start::Study,
+            })?;
             Ok(full.display().to_string())
         };
         let program: PathBuf = crate::program().map_err(broken)?;

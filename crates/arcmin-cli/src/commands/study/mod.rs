@@ -19,7 +19,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::{Map, Value, json};
 
 use super::Ending;
-use crate::failure::Failure;
+use crate::failure::{Failure, Start};
 use crate::run::{
     Cache, Parts, Results, SampleBar, Terminal, read_design, say, terminal_text, text_of, write_file,
 };
@@ -247,8 +247,11 @@ impl Job {
         std::fs::create_dir_all(&self.out)
             .map_err(|cause| Failure::Write { path: self.out.clone(), cause })?;
         write_file(&self.out.join("plan.csv"), plan.to_csv().as_bytes())?;
-        let study = std::fs::canonicalize(&self.path)
-            .map_err(|cause| Failure::Read { path: self.path.clone(), cause })?;
+        let study = std::fs::canonicalize(&self.path).map_err(|cause| Failure::Read {
+            path: self.path.clone(),
+            cause,
+            start: Start::Study,
+        })?;
         let manifest = json!({
             "arcmin_version": env!("CARGO_PKG_VERSION"),
             "study": study, "identity": plan.identity(),
@@ -279,7 +282,11 @@ impl Job {
     fn nothing(&self) -> Failure {
         Failure::Usage {
             message: format!("there are no samples in {}", self.out.join("parts").display()),
-            help: format!("`arcmin study run {}` computes them", self.path.display()),
+            help: format!(
+                "`arcmin study run {} --shard 1/1 --out {}` computes them; if they lie elsewhere, --out says where",
+                self.path.display(),
+                self.out.display()
+            ),
         }
     }
 
@@ -358,7 +365,11 @@ fn broken(cause: impl ToString) -> Failure {
 
 /// Reads a study and its design.
 fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
-    let bytes = std::fs::read(path).map_err(|cause| Failure::Read { path: path.to_owned(), cause })?;
+    let bytes = std::fs::read(path).map_err(|cause| Failure::Read {
+        path: path.to_owned(),
+        cause,
+        start: Start::Study,
+    })?;
     let text = text_of(path, &bytes)?;
     let file = StudyFile::parse(&text, &path.display().to_string())
         .map_err(|error| Failure::design(error, &text))?;

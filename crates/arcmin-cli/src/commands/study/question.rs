@@ -6,7 +6,7 @@ use arcmin::study::templates::{TEMPLATES, Template};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::{Ending, Job, common, use_threads};
-use crate::failure::Failure;
+use crate::failure::{Failure, Start};
 use crate::run::{say, write_file};
 
 /// The study file that is left beside the results.
@@ -47,8 +47,11 @@ pub fn run(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
         Path::new("out").join(design.file_stem().unwrap_or(design.as_os_str())).join(name)
     });
     // The file names its design from where it lies.
-    let whole =
-        std::fs::canonicalize(design).map_err(|cause| Failure::Read { path: design.clone(), cause })?;
+    let whole = std::fs::canonicalize(design).map_err(|cause| Failure::Read {
+        path: design.clone(),
+        cause,
+        start: Start::Design,
+    })?;
     std::fs::create_dir_all(&out).map_err(|cause| Failure::Write { path: out.clone(), cause })?;
     let path = out.join(FILE);
     write_file(&path, template.about(&whole.display().to_string()).as_bytes())?;
