@@ -1,6 +1,6 @@
 //! What a measured flank deviates by: run-out, pitch, modification, profile.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,11 +22,17 @@ pub struct FlankSplit {
     pub rest: f64,
     /// Points that were split.
     pub points: usize,
+    /// Unknowns that they were split into, less what smoothness takes of them.
+    pub freedom: f64,
 }
 
 /// Harmonics of the meshing angle in what all lobes have in common: at most, and at least where points allow.
 const MOST: usize = 40;
 const LEAST: usize = 2;
+/// Least weight of the bend against all points (10⁻³ of the wave of order 10 is lost to it, a fifth of that of
+/// order 40, where the points resolve it), and how many weights are tried, each √10 times the one before.
+const LEAST_SMOOTHNESS: f64 = 5e-8;
+const SMOOTHNESSES: usize = 11;
 /// Orders of radial deviation and pitch around the disc.
 const ORDERS: usize = 3;
 /// Orders of the profile around the disc.
@@ -72,7 +78,7 @@ impl FlankSplit {
 
     /// Standard deviation of the depth that all lobes have in common, in m, by the noise of the points.
     pub fn common_noise(&self) -> f64 {
-        self.rest * (self.modification.len() as f64 / self.points as f64).sqrt()
+        self.rest * (self.freedom / self.points as f64).sqrt()
     }
 
     /// Total cumulative pitch deviation F_p, largest single pitch deviation f_p, and radial run-out F_r, in
@@ -93,8 +99,10 @@ impl FlankSplit {
 /// deviation and pitch (orders 1 to 3 around the disc), and profile (orders 4 to 8); then the pitch and the
 /// radial deviation of every lobe from what is common to all. `None` if there are too few points.
 ///
-/// As many harmonics are common as the points of all lobes resolve together and stand out of the noise, forty
-/// at most: at roots a flank may change within some degrees.
+/// Forty harmonics are common, fewer where points are few: at roots a flank may change within some degrees. The
+/// curve is held smooth by a penalty on the square of its bend, whose weight generalised cross-validation finds
+/// (Golub, Heath, Wahba, Technometrics 21, 1979), so that it follows the points as closely as their noise lets it
+/// and does not ring between points that lie far apart on every lobe.
 ///
 /// Radial and pitch are told apart by the flank's normal, which leans to either side of a lobe; of lower
 /// orders the profile cannot be told from both together.
@@ -103,28 +111,12 @@ pub(super) fn split(profile: &Profile, depths: &[(f64, f64)]) -> Option<FlankSpl
     if depths.len() < 4 * lobes {
         return None;
     }
-    let mut places: Vec<f64> = depths.iter().map(|(tau, _)| profile.meshing_angle(*tau)).collect();
-    places.sort_by(f64::total_cmp);
-    let around = places[0] + TAU - places[places.len() - 1];
-    let gap = places.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
     // Three unknowns need nine points; those around the disc are twenty-two at most.
     let affordable = (depths.len() / 3).saturating_sub(1 + 4 * ORDERS + 2 * PROFILE.count()) / 2;
-    let resolved = ((0.8 * PI / gap) as usize).min(affordable).min(MOST);
+    let resolved = affordable.min(MOST);
     if resolved < LEAST {
         return None;
     }
-    let all = split_with(profile, depths, resolved)?;
-    let noise = 3.0 * all.rest * (2.0 / depths.len() as f64).sqrt();
-    let size = |k: usize| all.modification[2 * k - 1].hypot(all.modification[2 * k]);
-    let needed = (LEAST..=resolved).rev().find(|k| size(*k) > noise.max(NOTHING)).unwrap_or(LEAST);
-    if needed == resolved { Some(all) } else { split_with(profile, depths, needed) }
-}
-
-/// Amplitude in m of which nobody takes notice.
-const NOTHING: f64 = 5e-9;
-
-fn split_with(profile: &Profile, depths: &[(f64, f64)], resolved: usize) -> Option<FlankSplit> {
-    let lobes = profile.lobe_count();
     let orders = ORDERS.min((lobes - 1) / 2);
     let profile_orders: Vec<usize> = PROFILE.filter(|order| 2 * order < lobes).collect();
     let width = 1 + 2 * resolved + 4 * orders + 2 * profile_orders.len();
@@ -157,7 +149,27 @@ fn split_with(profile: &Profile, depths: &[(f64, f64)], resolved: usize) -> Opti
         matrix.ger(1.0, &row, &row, 1.0);
         load.axpy(*depth, &row, 1.0);
     }
-    let solution = matrix.cholesky()?.solve(&load);
+    let square: f64 = depths.iter().map(|(_, depth)| depth * depth).sum();
+    let count = depths.len() as f64;
+    let mut best: Option<(f64, f64, DVector<f64>)> = None;
+    for step in 0..SMOOTHNESSES {
+        let smoothness = LEAST_SMOOTHNESS * 10f64.powf(0.5 * step as f64);
+        let mut stiff = matrix.clone();
+        for k in 1..=resolved {
+            let bend = smoothness * count * (k as f64).powi(4);
+            stiff[(2 * k - 1, 2 * k - 1)] += bend;
+            stiff[(2 * k, 2 * k)] += bend;
+        }
+        let Some(factors) = stiff.cholesky() else { continue };
+        let solution = factors.solve(&load);
+        let freedom = factors.solve(&matrix).trace();
+        let off = square - 2.0 * solution.dot(&load) + solution.dot(&(&matrix * &solution));
+        let score = off.max(0.0) / (1.0 - freedom / count).powi(2);
+        if best.as_ref().is_none_or(|(least, _, _)| score < *least) {
+            best = Some((score, freedom, solution));
+        }
+    }
+    let (_, freedom, solution) = best?;
     let common = 1 + 2 * resolved;
     let mut harmonics = Vec::new();
     let mut harmonic = |order: usize, at: usize, direction| {
@@ -172,13 +184,13 @@ fn split_with(profile: &Profile, depths: &[(f64, f64)], resolved: usize) -> Opti
     for (index, order) in profile_orders.iter().enumerate() {
         harmonic(*order, common + 4 * orders + 2 * index, FlankDirection::Normal);
     }
-    let mut square = 0.0;
+    let mut off = 0.0;
     // Per lobe: depth − common = −(radial n·e + pitch n·e′), by its own two-by-two least squares.
     let mut sums = vec![[0.0_f64; 5]; lobes];
     for (tau, depth) in depths {
         let row = row(*tau);
         let fitted: f64 = row.iter().zip(solution.iter()).map(|(a, b)| a * b).sum();
-        square += (depth - fitted).powi(2);
+        off += (depth - fitted).powi(2);
         let shared: f64 = row[..common].iter().zip(solution.iter()).map(|(a, b)| a * b).sum();
         let normal = profile.outward_normal(*tau);
         let (radial, around) = (normal.dot(&unit(*tau)), cross(unit(*tau), normal));
@@ -204,7 +216,7 @@ fn split_with(profile: &Profile, depths: &[(f64, f64)], resolved: usize) -> Opti
     }
     let mean = pitch.iter().sum::<f64>() / lobes as f64;
     pitch.iter_mut().for_each(|p| *p -= mean);
-    let rest = (square / (depths.len() - width) as f64).sqrt();
+    let rest = (off / (count - freedom)).sqrt();
     Some(FlankSplit {
         harmonics,
         modification: solution.iter().take(common).copied().collect(),
@@ -212,5 +224,6 @@ fn split_with(profile: &Profile, depths: &[(f64, f64)], resolved: usize) -> Opti
         radial,
         rest,
         points: depths.len(),
+        freedom,
     })
 }
