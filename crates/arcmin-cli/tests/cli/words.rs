@@ -109,7 +109,7 @@ fn new_does_not_overwrite_unless_told_so() {
 
 #[test]
 fn an_error_finding_exits_with_one_and_says_what_to_change() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     edit(directory.path(), "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
     let output = arcmin(directory.path(), &["check", "d.toml"]);
     assert_eq!(output.status.code(), Some(1));
@@ -131,7 +131,7 @@ fn an_error_finding_exits_with_one_and_says_what_to_change() {
 
 #[test]
 fn check_as_json_is_the_summary_and_writes_no_file() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     edit(d, "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
     let output = arcmin(d, &["check", "d.toml", "--json"]);
