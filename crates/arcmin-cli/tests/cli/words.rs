@@ -199,7 +199,10 @@ fn words_too_many_are_answered_with_what_fits() {
     assert!(hours.contains("tip: '--hours' is an option of contact, wear, simulate, rig"), "{hours}");
     assert!(hours.contains("Usage: arcmin life [OPTIONS] <DESIGN>") && !hours.contains("bores"), "{hours}");
     let out = answer(&["new", "--out", "x"]);
-    assert!(out.contains("tip: '--out' is an option of most other commands") && !out.contains("outer-diameter"), "{out}");
+    assert!(
+        out.contains("tip: '--out' is an option of most other commands") && !out.contains("outer-diameter"),
+        "{out}"
+    );
     let place = answer(&["life", "d.toml", "results"]);
     assert!(place.contains("tip: '--out results' is how to say where results go"), "{place}");
     let torque = answer(&["life", "d.toml", "--torque", "5"]);
