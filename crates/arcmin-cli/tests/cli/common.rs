@@ -41,6 +41,13 @@ pub fn with_design() -> TempDir {
     directory
 }
 
+/// The theoretical machine of Tao2024, whose lines and figures tests may pin.
+pub fn with_machine_of_paper() -> TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    good(directory.path(), &["new", "tao2024", "d.toml"]);
+    directory
+}
+
 pub fn write(directory: &Path, file: &str, text: &str) {
     std::fs::write(directory.join(file), text).unwrap();
 }

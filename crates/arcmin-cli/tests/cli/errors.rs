@@ -39,7 +39,7 @@ fn errors_of_zero_change_no_byte() {
 /// Pin 8 stands 4 µm too far in.
 #[test]
 fn a_displaced_pin_stands_out_among_the_others() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     write(d, "d.toml", &(read(d, "d.toml") + "\n[[errors.pins]]\npin = 8\nradial_um = -4\n"));
     good(d, &["contact", "d.toml", "--joints", "bearings", "--positions", "8", "--out", "o"]);

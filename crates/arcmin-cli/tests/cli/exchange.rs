@@ -7,7 +7,7 @@ const SHORT: [&str; 4] = ["--positions", "1", "--te-positions", "64"];
 
 #[test]
 fn a_joint_is_written_for_every_tool_and_repeats_to_the_byte() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     let said = good(d, &[&["export", "joint", "d.toml", "--out", "a"][..], &SHORT].concat());
     assert!(said.contains("lost motion") && said.contains("friction is assumed"), "{said}");
@@ -37,7 +37,7 @@ fn a_joint_is_written_for_every_tool_and_repeats_to_the_byte() {
 /// Every format repeats to the byte; one disc is a contour of its own; a disc that is not there is refused.
 #[test]
 fn profiles_repeat_to_the_byte_and_hold_the_disc_asked_for() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     for format in ["dxf", "step", "stl", "3mf", "csv", "svg"] {
         let file = |out: &str| {
@@ -149,7 +149,7 @@ fn imports_show_what_they_found() {
 /// the flank itself: the missing metal is not lost on the way.
 #[test]
 fn the_design_takes_what_an_import_writes() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     let fine = ["--tolerance-um", "0.1"];
     good(d, &[&["export", "profile", "d.toml", "--format", "csv", "--out", "flank"][..], &fine].concat());

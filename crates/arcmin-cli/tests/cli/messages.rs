@@ -54,7 +54,7 @@ const NO_TOML: &str = "  × this is not valid TOML: unclosed table, expected `]`
 
 #[test]
 fn design_errors_show_the_line_and_the_remedy() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     edit(d, "pin_radius_mm = 3 ", "pin_radius = 3 ");
     assert_eq!(refused(d, &["check", "d.toml"]), LENGTH_WITHOUT_UNIT);

@@ -30,7 +30,7 @@ fn the_elastic_disc_is_written_for_paraview() {
 /// spider are refused before anything is meshed.
 #[test]
 fn elastic_discs_run_in_bearings() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     let elastic = ["--discs", "elastic", "--joints", "bearings", "--cache", "cache", "--quiet"];
     refused(d, &[&["simulate", "d.toml", "--bores", "common"][..], &elastic].concat());

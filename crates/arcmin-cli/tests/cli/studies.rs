@@ -33,7 +33,7 @@ high = 2000
 "#;
 
 fn with_study() -> tempfile::TempDir {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     write(directory.path(), "s.toml", STUDY);
     directory
 }
@@ -249,7 +249,7 @@ fn scripts_of_engines_are_written() {
 /// offset makes more of both, so the best is no offset; two shards a generation give the same.
 #[test]
 fn a_search_writes_the_best_design() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     edit(d, "equidistant_offset_um = 0", "equidistant_offset_um = 10");
     let study = r#"design = "d.toml"

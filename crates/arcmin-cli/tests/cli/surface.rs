@@ -4,7 +4,7 @@ use crate::common::*;
 
 #[test]
 fn profile_writes_the_flank_with_its_closed_forms() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     good(d, &["profile", "d.toml", "--points", "50"]);
     let out = "out/d/profile";
@@ -70,7 +70,7 @@ fn contact_in_both_methods() {
 
 #[test]
 fn wear_in_both_modes() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     good(d, &["wear", "d.toml", "--hours", "100", "--points", "1", "--out", "w"]);
     assert_eq!(summary(d, "w")["joints"], "bearings", "wear is that of the machine as it is");
@@ -305,7 +305,7 @@ fn the_same_bytes_on_any_number_of_threads() {
 /// The bench says of which age its verdict is, and names a bearing that does not last as planned.
 #[test]
 fn the_verdict_of_the_bench_has_its_hours() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     let few = ["--positions", "1", "--te-positions", "64"];
     good(d, &[&["rig", "d.toml", "--hours", "100", "--out", "worn"][..], &few].concat());

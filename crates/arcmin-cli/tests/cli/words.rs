@@ -109,7 +109,7 @@ fn new_does_not_overwrite_unless_told_so() {
 
 #[test]
 fn an_error_finding_exits_with_one_and_says_what_to_change() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     edit(directory.path(), "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
     let output = arcmin(directory.path(), &["check", "d.toml"]);
     assert_eq!(output.status.code(), Some(1));
@@ -131,7 +131,7 @@ fn an_error_finding_exits_with_one_and_says_what_to_change() {
 
 #[test]
 fn check_as_json_is_the_summary_and_writes_no_file() {
-    let directory = with_design();
+    let directory = with_machine_of_paper();
     let d = directory.path();
     edit(d, "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
     let output = arcmin(d, &["check", "d.toml", "--json"]);
@@ -199,7 +199,10 @@ fn words_too_many_are_answered_with_what_fits() {
     assert!(hours.contains("tip: '--hours' is an option of contact, wear, simulate, rig"), "{hours}");
     assert!(hours.contains("Usage: arcmin life [OPTIONS] <DESIGN>") && !hours.contains("bores"), "{hours}");
     let out = answer(&["new", "--out", "x"]);
-    assert!(out.contains("tip: '--out' is an option of most other commands") && !out.contains("outer-diameter"), "{out}");
+    assert!(
+        out.contains("tip: '--out' is an option of most other commands") && !out.contains("outer-diameter"),
+        "{out}"
+    );
     let place = answer(&["life", "d.toml", "results"]);
     assert!(place.contains("tip: '--out results' is how to say where results go"), "{place}");
     let torque = answer(&["life", "d.toml", "--torque", "5"]);
