@@ -111,7 +111,7 @@ fn results_of_another_design_are_not_written_over() {
     let before = names(&d.join("o")).iter().map(|name| read(d, &format!("o/{name}"))).collect::<Vec<_>>();
     assert_eq!(
         refused(d, &["profile", "e.toml", "--points", "4", "--out", "o"]),
-        "  × o holds results of another design, \"RV-40E-81\"\n  \
+        "  × o holds results of another design, \"RV-40E-81 of Tao2024\"\n  \
          help: choose another place with --out, or write over them with --force\n"
     );
     assert_eq!(

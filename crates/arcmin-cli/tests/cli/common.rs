@@ -34,10 +34,10 @@ pub fn refused(directory: &Path, arguments: &[&str]) -> String {
     complaint
 }
 
-/// A directory with the default design as d.toml.
+/// A directory with the theoretical machine of Tao2024, whose numbers are pinned, as d.toml.
 pub fn with_design() -> TempDir {
     let directory = tempfile::tempdir().unwrap();
-    good(directory.path(), &["new", "d.toml"]);
+    good(directory.path(), &["new", "tao2024", "d.toml"]);
     directory
 }
 

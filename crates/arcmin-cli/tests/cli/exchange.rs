@@ -244,7 +244,7 @@ fn hostile_imports_are_refused_with_line_and_remedy() {
 fn names_do_no_harm_in_other_programs() {
     let directory = with_design();
     let d = directory.path();
-    edit(d, "name = \"RV-40E-81\"", "name = \"a\\u001B[2J---b\\nsystem('x')\\u202Ec\"");
+    edit(d, "name = \"RV-40E-81 of Tao2024\"", "name = \"a\\u001B[2J---b\\nsystem('x')\\u202Ec\"");
     good(d, &["export", "joint", "d.toml", "--hours", "0", "--out", "j"]);
     for name in names(&d.join("j")) {
         let text = read(d, &format!("j/{name}"));

@@ -204,7 +204,7 @@ fn combinations_that_mean_nothing_say_why() {
 fn names_with_control_characters_reach_no_terminal() {
     let directory = with_design();
     let d = directory.path();
-    edit(d, "name = \"RV-40E-81\"", "name = \"\\u001B[2J\\u0007evil<script>\"");
+    edit(d, "name = \"RV-40E-81 of Tao2024\"", "name = \"\\u001B[2J\\u0007evil<script>\"");
     std::fs::rename(d.join("d.toml"), d.join("\u{1b}[31md.toml")).unwrap();
     let hostile = "\u{1b}[31md.toml";
     let output = arcmin(d, &["contact", hostile, "--positions", "8", "--out", "o"]);

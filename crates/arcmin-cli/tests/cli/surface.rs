@@ -250,7 +250,7 @@ fn every_summary_says_what_made_it() {
     assert_eq!(told["arcmin_version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(told["command"], "profile");
     assert_eq!(told["command_line"], serde_json::json!(["profile", "d.toml", "--points", "4", "--out", "p"]));
-    assert_eq!(told["design"]["name"], "RV-40E-81");
+    assert_eq!(told["design"]["name"], "RV-40E-81 of Tao2024");
     assert_eq!(told["design"]["hash"].as_str().unwrap().len(), 64);
     let mut files: Vec<String> = serde_json::from_value(told["files"].clone()).unwrap();
     files.sort();
