@@ -110,13 +110,14 @@ impl Writer<'_> {
     }
 
     fn verdict(&mut self, verdict: &Verdict) {
-        let _ = writeln!(
+        let _ = write!(
             self.out,
             "<section id=\"verdict\" class=\"verdict\" aria-labelledby=\"verdict-head\">\
-             <h2 id=\"verdict-head\" class=\"tone-{}\">{}</h2>",
-            tone_name(verdict.tone),
-            escaped(&verdict.headline)
+             <h2 id=\"verdict-head\" class=\"tone-{}\">",
+            tone_name(verdict.tone)
         );
+        self.inline(&verdict.headline);
+        self.out.push_str("</h2>\n");
         if !verdict.figures.is_empty() {
             self.out.push_str("<div class=\"key-figures\">\n");
         }

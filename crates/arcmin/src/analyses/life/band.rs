@@ -110,6 +110,8 @@ impl Effect {
 #[derive(Debug, Clone)]
 struct Input {
     unknown: Unknown,
+    /// Whether the design counts it: values between are drawn as whole ones.
+    is_counted: bool,
     ends: [Effect; 2],
 }
 
@@ -119,7 +121,9 @@ impl Input {
         let [low, high] = self.unknown.distribution.bounds();
         let logarithmic = matches!(self.unknown.distribution, Distribution::LogUniform { .. });
         let on = |value: f64| if logarithmic { value.ln() } else { value };
-        let (value, nominal) = (on(self.unknown.distribution.quantile(share)), on(self.unknown.nominal));
+        let drawn = self.unknown.distribution.quantile(share);
+        let drawn = if self.is_counted { drawn.round() } else { drawn };
+        let (value, nominal) = (on(drawn), on(self.unknown.nominal));
         let (end, effect) =
             if value < nominal { (on(low), &self.ends[0]) } else { (on(high), &self.ends[1]) };
         if end != nominal {
@@ -197,6 +201,7 @@ impl Inputs {
         let inputs = ends.chunks(2).zip(effects.chunks(2));
         let inputs = inputs
             .map(|(ends, effects)| Input {
+                is_counted: matches!(free.get(&ends[0].0.path), Ok(crate::design::Value::Count(_))),
                 unknown: ends[0].0.clone(),
                 ends: [effects[0].clone(), effects[1].clone()],
             })
