@@ -3,6 +3,7 @@
 mod like;
 mod lines;
 mod rules;
+mod teeth;
 
 pub use like::{DataSheet, ScaleError, Scaled, Tuning};
 

@@ -13,6 +13,7 @@
 use super::Template;
 use super::lines::{Line, lines, number};
 use super::rules::{Rule, rule};
+use super::teeth::teeth;
 
 /// What a data sheet says.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -78,6 +79,8 @@ const STRETCH: (f64, f64) = (0.7, 1.6);
 const OUTER: (f64, f64) = (1.48, 1.28);
 /// Seats of the main bearings over pin circle radius, as for designs that leave them out.
 const SEAT: f64 = 1.12;
+/// What the faces of the bolts leave of the flange's width, in pin circle radii, as for designs that leave them out.
+const FACE_LAND: f64 = 0.05;
 
 /// A template with everything scaled; what a calibration sets is still open.
 #[derive(Debug, Clone, PartialEq)]
@@ -270,10 +273,10 @@ impl Scaled {
             }
             "housing.solid" => {
                 if let Some((diameter, outer)) = self.slim_housing() {
-                    let face = 0.8 * (outer - Scaled::slim_ring(outer)) * self.pin_circle_mm;
+                    let face = (outer - Scaled::slim_ring(outer) - FACE_LAND) * self.pin_circle_mm;
                     out.push_str(&format!(
-                        "flange_diameter_mm = {}  # data sheet\nbolt_face_diameter_mm = {}  # scaled: 0.8 of the flange's \
-                         width\n",
+                        "flange_diameter_mm = {}  # data sheet\nbolt_face_diameter_mm = {}  # scaled: the flange's \
+                         width less 0.05 R_p\n",
                         plain(diameter),
                         plain(thousandths(face))
                     ));
@@ -408,7 +411,9 @@ impl Scaled {
         let Some(path) = line.key.map(|key| key.trim_matches('"').replace("[0]", "")) else {
             return unchanged;
         };
-        if path == "crankshafts.count" && self.sheet.crankshafts.is_some() {
+        // What the data sheet gives, or holds between the bearings' seats and its outer diameter, is known.
+        let counted = path == "crankshafts.count" && self.sheet.crankshafts.is_some();
+        if counted || (path == "housing.solid.body_diameter_mm" && self.slim_housing().is_some()) {
             return String::new();
         }
         let (section, key) = path.rsplit_once('.').unwrap_or(("", path.as_str()));
@@ -454,45 +459,6 @@ const ASSUMED_FRICTION: [(&str, f64); 4] = [
 ];
 
 const PRELOAD: &str = "calibrated: gives the moment stiffness of the data sheet";
-
-/// Teeth of sun and planet that give a ratio with so many pins: planets that pass each other, a sun whose teeth
-/// divide by their number where there is one, and a sum near the template's.
-fn teeth(ratio: f64, pins: f64, sum: f64, cranks: f64) -> Result<(u32, u32), ScaleError> {
-    /// Room between the tips of neighbouring planets, as a part of their distance.
-    const APART: f64 = 0.985;
-    let wanted = (ratio - 1.0) / pins;
-    let mut best: Option<((u32, u32), f64)> = None;
-    let (mut nearest, mut touching) = ((f64::INFINITY, 0.0), false);
-    for sun in 8..=60_u32 {
-        let planet = (wanted * f64::from(sun)).round();
-        if !(8.0..=400.0).contains(&planet) {
-            continue;
-        }
-        let found = 1.0 + pins * planet / f64::from(sun);
-        let error = (found / ratio - 1.0).abs();
-        if error < nearest.0 {
-            nearest = (error, found);
-        }
-        // Ratios are printed with few digits; a design file accepts the same.
-        if !(error < 4e-4) {
-            continue;
-        }
-        if (planet + 2.0) / (f64::from(sun) + planet) > APART * (std::f64::consts::PI / cranks).sin() {
-            touching = true;
-            continue;
-        }
-        let matched = if f64::from(sun) % cranks == 0.0 { 0.0 } else { 40.0 };
-        let cost = (f64::from(sun) + planet - sum).abs() + matched;
-        if best.is_none_or(|(_, least)| cost < least) {
-            best = Some(((sun, planet as u32), cost));
-        }
-    }
-    match best {
-        Some((pair, _)) => Ok(pair),
-        None if touching => Err(ScaleError::Planets { ratio, cranks }),
-        None => Err(ScaleError::Teeth { ratio, pins, nearest: nearest.1 }),
-    }
-}
 
 #[cfg(test)]
 #[path = "like_tests.rs"]
