@@ -209,36 +209,6 @@ fn number_text(word: &str) -> String {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_command_is_consistent() {
-        command().debug_assert();
-    }
-
-    #[test]
-    fn every_analysis_reads_its_own_defaults() {
-        for analysis in ALL {
-            let required =
-                (analysis.options)().keys.iter().any(|key| key.rule.presence == Presence::Required);
-            let arguments: Vec<&str> =
-                ["arcmin", analysis.name, "d.toml"].into_iter().chain(required.then_some("x")).collect();
-            let matches = command().try_get_matches_from(arguments).unwrap();
-            let (_, matches) = matches.subcommand().unwrap();
-            analysis.normal_options(&options_text(analysis, matches), "test").unwrap();
-        }
-    }
-
-    #[test]
-    fn numbers_reach_the_reader_as_written() {
-        let all = ["1", "-2", "1.", ".5", "1e5", "nan", "-inf", "1_0"].map(number_text);
-        assert_eq!(all, ["1", "-2", "1.0", "0.5", "100000.0", "nan", "-inf", "\"1_0\""]);
-        assert_eq!(toml_text("a\"\u{1b}\\"), "\"a\\\"\\u001B\\\\\"");
-    }
-}
-
 /// clap proposes the nearest word in place of an option that a command does not have, fitting or not. Here an option
 /// that other commands have is said to be theirs, a word too many to be a place for results, and what begins
 /// otherwise is not proposed.
@@ -305,4 +275,34 @@ fn owners(root: &Command, name: &str) -> Option<String> {
     const MOST_NAMED: usize = 8;
     let of = if names.len() > MOST_NAMED { "most other commands".to_owned() } else { names.join(", ") };
     Some(format!("'--{long}' is an option of {of}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_is_consistent() {
+        command().debug_assert();
+    }
+
+    #[test]
+    fn every_analysis_reads_its_own_defaults() {
+        for analysis in ALL {
+            let required =
+                (analysis.options)().keys.iter().any(|key| key.rule.presence == Presence::Required);
+            let arguments: Vec<&str> =
+                ["arcmin", analysis.name, "d.toml"].into_iter().chain(required.then_some("x")).collect();
+            let matches = command().try_get_matches_from(arguments).unwrap();
+            let (_, matches) = matches.subcommand().unwrap();
+            analysis.normal_options(&options_text(analysis, matches), "test").unwrap();
+        }
+    }
+
+    #[test]
+    fn numbers_reach_the_reader_as_written() {
+        let all = ["1", "-2", "1.", ".5", "1e5", "nan", "-inf", "1_0"].map(number_text);
+        assert_eq!(all, ["1", "-2", "1.0", "0.5", "100000.0", "nan", "-inf", "\"1_0\""]);
+        assert_eq!(toml_text("a\"\u{1b}\\"), "\"a\\\"\\u001B\\\\\"");
+    }
 }

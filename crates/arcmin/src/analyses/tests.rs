@@ -56,7 +56,8 @@ fn a_result_asked_for_alone_is_the_same() {
         ),
         (
             "life",
-            "points = 4\nquasi_static = true",
+            // With both kinds of bodies the verdict asks for both.
+            "points = 4\nquasi_static = true\nbodies = \"rigid\"",
             &["lost_motion_arcmin", "verdict.ok", "max_pressure_mpa"],
         ),
         ("tao2024", "quasi_static = true", &["play_arcmin"]),

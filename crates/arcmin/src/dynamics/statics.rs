@@ -23,7 +23,7 @@ const SHRINK: f64 = 0.25;
 /// Finds q with Q(q, 0, t) = 0 from `start`.
 ///
 /// 1. Evaluate forces Q, tangent K and contacts (gap g, gradient G, law F) at q.
-/// 2. Minimise the model of [`Model`] in d without looking at the geometry again: Q(q + d) ≈ Q − K_s d + Σ G (F(−g − G d)
+/// 2. Minimise the model (`model.rs`) in d without looking at the geometry again: Q(q + d) ≈ Q − K_s d + Σ G (F(−g − G d)
 ///    − F(−g)) − P d, where K_s is K without the stiffness of the contacts along their gaps. With convex laws and K_s ≥ 0
 ///    this is the gradient of a convex function.
 /// 3. Go to q + d if the work of the true forces along d, by the trapezoidal rule, is at least a tenth of what the

@@ -125,7 +125,7 @@ fn largest(spots: &[Spot], measure: fn(&Spot) -> f64) -> Spot {
 /// The hardest loaded contacts of a machine under a torque, of which `cycle` holds positions over everything
 /// that repeats. A position between without balance tells nothing of the others.
 pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle) -> Extremes {
-    let (profile, contact) = (meshing.contacts().profile().clone(), meshing.contacts().contact().clone());
+    let (profile, contact) = (meshing.contacts().profile().clone(), *meshing.contacts().contact());
     let curvatures = Curvatures::of(cycle, &profile, &contact, meshing.discs_alike());
     let spots: Vec<Vec<Spot>> = cycle.positions.iter().map(|position| curvatures.spots(position)).collect();
     let mut hardest = |measure: fn(&Spot) -> f64| {

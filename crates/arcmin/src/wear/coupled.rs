@@ -38,6 +38,9 @@ pub struct CoupledOptions {
     /// sees few of the places, and larger ones leave waves on the flank (their least curvature and the need of more
     /// positions are tested).
     pub few_places: [f64; 2],
+    /// The same as a share of the approach of the hardest loaded contact, which is small where little load meets wide
+    /// flanks: waves that are a part of what contacts give way decide which pins carry.
+    pub approach_share: f64,
 }
 
 impl Default for CoupledOptions {
@@ -50,6 +53,7 @@ impl Default for CoupledOptions {
             increment_share: 0.01,
             tolerance: 0.06 * UM,
             few_places: [0.08 * UM, 0.02],
+            approach_share: 0.15,
         }
     }
 }
@@ -77,9 +81,7 @@ const LEAST_LIMIT: f64 = crate::units::ARCMIN;
 const RUN_AWAY: f64 = 0.02;
 /// The tolerance as a share of the depth reached, which takes over beyond 30 µm.
 const TOLERANCE_SHARE: f64 = 2e-3;
-/// The same as a share of the approach of the hardest loaded contact, which is small where little load meets wide flanks;
-/// but never less than this share of the depth reached.
-const LIGHT_SHARE: f64 = 0.15;
+/// An increment is never less than this share of the depth reached for the sake of lightly loaded contacts.
 const LIGHT_DEPTH_SHARE: f64 = 2e-3;
 /// The first update takes off this much at most, in m: no error of a step is known yet.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
@@ -369,8 +371,9 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         let most = self.options.depth_increment.max(self.options.increment_share * depth);
         if self.meshing.pitches() > 1 {
             let [increment, share] = self.options.few_places;
-            // Waves that are a part of what contacts give way decide which pins carry.
-            let light = (LIGHT_SHARE * self.approach).max(LIGHT_DEPTH_SHARE * depth).max(LEAST_INCREMENT);
+            let light = (self.options.approach_share * self.approach)
+                .max(LIGHT_DEPTH_SHARE * depth)
+                .max(LEAST_INCREMENT);
             most.min(increment.max(share * depth)).min(light)
         } else {
             most

@@ -21,6 +21,7 @@ const COARSE: CoupledOptions = CoupledOptions {
     increment_share: 0.01,
     tolerance: 0.01e-6,
     few_places: [0.08 * UM, 0.02],
+    approach_share: 0.15,
 };
 
 fn worn(

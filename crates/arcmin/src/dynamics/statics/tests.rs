@@ -98,7 +98,7 @@ fn balances_are_those_of_the_present_solver() {
     counts.sort_unstable();
     let (median, worst) = (counts[counts.len() / 2], counts[counts.len() - 1]);
     assert!(
-        compared > 50 && median <= 5 && worst <= 20,
+        compared > 50 && median <= 6 && worst <= 20,
         "{compared} compared, {median} to {worst} evaluations"
     );
 }

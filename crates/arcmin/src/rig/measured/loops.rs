@@ -68,7 +68,7 @@ const COVERAGE: f64 = 2.0;
 ///
 /// Branches are found from the order of the torque. What is before the first whole branch and behind the last
 /// one is left out; whole branches are taken in pairs, each a loop. Where torque or angle go to and fro
-/// within a branch, straight lines are laid through their rows ([`Lines`]) and the loop is read from these.
+/// within a branch, straight lines are laid through their rows (`Lines`) and the loop is read from these.
 ///
 /// # Errors
 /// [`Unusable`]: rows without a falling and a rising branch between ± rated torque.

@@ -275,7 +275,7 @@ fn no_pin_out_of_reach_would_touch() {
         };
         let mut all = model.clone();
         for ring in &mut all.rings {
-            let law = ring.contacts.contact().clone();
+            let law = *ring.contacts.contact();
             ring.contacts.set_elastic(law, 1.0);
         }
         let ((few, touching), (every, touching_of_all)) = (forces(&model), forces(&all));

@@ -67,7 +67,9 @@ impl Joint for Gears {
         for (overlap, slope) in self.law.overlaps(&self.index.map(|i| q[i])).into_iter().flatten() {
             let gradient = &slope.map(|s| -s);
             let stiffness = self.law.stiffness_at(&self.index.map(|i| q[i]));
-            let distance = Distance { index: &self.index, gradient, value: -overlap, stiffness };
+            // Weights of limits stay as they are while the teeth turn.
+            let mean = self.law.stiffness;
+            let distance = Distance { index: &self.index, gradient, value: -overlap, stiffness: mean };
             add(Limit::Gap(distance, ContactSpring::Linear { stiffness }));
         }
     }
