@@ -8,7 +8,7 @@ from dask.distributed import Client, LocalCluster
 
 import arcmin
 
-design = arcmin.Design.template("rv-40e")
+design = arcmin.Design.template("tao2024")
 eccentricities = [1.2, 1.25, 1.3, 1.35]
 designs = [design.replace({"crankshafts.eccentricity_mm": value}) for value in eccentricities]
 

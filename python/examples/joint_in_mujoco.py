@@ -17,7 +17,7 @@ import numpy as np
 import arcmin
 
 folder = Path(tempfile.mkdtemp())
-(folder / "design.toml").write_text(arcmin.Design.template("rv-40e").to_toml())
+(folder / "design.toml").write_text(arcmin.Design.template("tao2024").to_toml())
 export = [sys.executable, "-m", "arcmin", "export", "joint", "design.toml", "--hours", "0,6000", "--out", "."]
 subprocess.run(export, cwd=folder, check=True, capture_output=True)
 model = mujoco.MjModel.from_xml_path(str(folder / "joint.mjcf.xml"))

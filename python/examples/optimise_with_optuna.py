@@ -23,7 +23,7 @@ import arcmin
 import optuna
 
 optuna.logging.set_verbosity(optuna.logging.WARNING)
-design = arcmin.Design.template("rv-40e")
+design = arcmin.Design.template("tao2024")
 
 def goals(trial):
     machine = design.replace({

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 
 import arcmin
 
-design = arcmin.Design.template("rv-40e")
+design = arcmin.Design.template("tao2024")
 result = arcmin.contact(design, torque_nm=412, positions=36)
 contact = result.tables["contact"]
 

@@ -10,7 +10,7 @@ from SALib.analyze import sobol
 
 import arcmin
 
-design = arcmin.Design.template("rv-40e")
+design = arcmin.Design.template("tao2024")
 factors = {
     "disc.width_mm": {"low": 8.0, "high": 9.5},
     "ring.pin_radius_mm": {"low": 2.98, "high": 3.02},

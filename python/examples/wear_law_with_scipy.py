@@ -11,7 +11,7 @@ from scipy.stats import t as student
 
 import arcmin
 
-design = arcmin.Design.template("rv-40e")
+design = arcmin.Design.template("tao2024")
 hours = np.array([300.0, 600.0, 900.0, 1200.0, 1500.0])
 
 

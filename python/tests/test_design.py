@@ -121,7 +121,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(arcmin.DesignError, match="rv-80e"):
         arcmin.Design.template("no such")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(UnicodeError):
+    with pytest.raises(arcmin.DesignError, match="lacks the key `name`"):
         arcmin.Design.read(tmp_path / "bytes.toml")
 
 
