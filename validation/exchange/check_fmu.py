@@ -7,6 +7,7 @@ figure; the exit status is 1 if one is not kept.
 import ctypes
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -22,7 +23,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 ARCMIN = math.pi / 180 / 60
-SPEED, RISE = 1500 * math.pi / 30, 0.1
+RISE = 0.1
 failures = 0
 
 
@@ -33,11 +34,18 @@ def check(what, value, limit):
     print(f"{'ok  ' if kept else 'FAIL'} {what}: {value:.3g} (limit {limit:.3g})")
 
 
+def rated_speed(design):
+    """Rated speed of the input in rad/s."""
+    text = Path(design).read_text(encoding="utf-8")
+    return float(re.search(r"^\[load\].*?^input_speed_rpm = (\S+)", text, re.DOTALL | re.MULTILINE)[1]) * math.pi / 30
+
+
 def motor(t):
     """The speed law of `arcmin simulate`: rad, rad/s, rad/s2."""
     x = np.clip(t / RISE, 0, 1)
     integral = np.where(t < RISE, RISE * x**3 * (1 - 0.5 * x), t - 0.5 * RISE)
-    return SPEED * integral, SPEED * x * x * (3 - 2 * x), SPEED * 6 * x * (1 - x) / RISE
+    speed = motor.speed
+    return speed * integral, speed * x * x * (3 - 2 * x), speed * 6 * x * (1 - x) / RISE
 
 
 def signals(end, interval, torque, acceleration=True):
@@ -217,6 +225,7 @@ def check_symbols(unit, version):
 
 def main():
     place, arcmin, design = Path(sys.argv[1]).resolve(), str(Path(sys.argv[2]).resolve()), str(Path(sys.argv[3]).resolve())
+    motor.speed = rated_speed(design)
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     few = ["--positions", "2", "--te-positions", "256"]
