@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::bearings::{self, lives_in_friction};
-use super::verdict::{LifeVerdict, Limit, LimitKind};
+use super::verdict::{LifeVerdict, Limit, LimitKind, about};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
 use crate::fidelity::{Fidelity, MachineMeshing};
@@ -213,7 +213,7 @@ fn kind_sign(kind: LimitKind) -> f64 {
 
 fn sentence(lever: &Lever, from: f64, to: f64, kind: LimitKind, before: f64, after: f64) -> String {
     let amount = |value: f64| match kind {
-        LimitKind::BearingLife => format!("{value:.0}"),
+        LimitKind::BearingLife => about(value),
         LimitKind::ContactPressure | LimitKind::ContactFatigue => significant(value, 4),
         _ => significant(value, 3),
     };

@@ -36,7 +36,7 @@ fn lasts(limit: &Limit, life: &Life) -> String {
 fn columns(life: &Life) -> Vec<(&'static str, bool)> {
     let mut columns = vec![("limit", true), ("found", false), ("allowed", false), ("lasts", false)];
     if life.verdict.limits.iter().any(|limit| limit.band.is_some()) {
-        columns.push(("90 % of what may be", false));
+        columns.push(("90 % band", false));
     }
     if life.with_elastic_bodies.judged().is_some() {
         columns.extend([("with elastic bodies", false), ("lasts", false)]);

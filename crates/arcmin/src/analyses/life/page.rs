@@ -131,7 +131,7 @@ fn verdict(life: &Life) -> Verdict {
     verdict.figures = vec![
         match judged.limited_by() {
             Some(limit) => {
-                let band = judged.band.as_ref().filter(|band| !band.is_point());
+                let band = limit.band.as_ref().filter(|band| !band.is_point());
                 let band = band.map_or_else(String::new, |band| format!("{}; ", band.words()));
                 let note = match limit.kind {
                     LimitKind::BearingLife => {
