@@ -12,7 +12,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use arcmin::dynamics::{
-    Balance, BearingJoints, Contact, EquilibriumControl, Gap, JointSettings, System, solve_equilibrium, statics,
+    Balance, BearingJoints, Contact, EquilibriumControl, Gap, JointSettings, System, solve_equilibrium,
+    statics,
 };
 use arcmin::geometry::Relief;
 use arcmin::machine::{Machine, ManufacturingErrors};
@@ -129,7 +130,8 @@ fn main() {
                             if start == "before" && way.is_none() {
                                 continue;
                             }
-                            let moved = |way: &Vec<f64>| nominal.iter().zip(way).map(|(q, d)| q + d).collect();
+                            let moved =
+                                |way: &Vec<f64>| nominal.iter().zip(way).map(|(q, d)| q + d).collect();
                             let from = way.map_or_else(|| nominal.clone(), moved);
                             let counted = Counted(&model, Cell::new(0));
                             let found = match solver {
@@ -153,14 +155,17 @@ fn main() {
             }
         }
     }
-    println!("state share start: evaluations in the median and at most, failed; the same of statics");
+    println!(
+        "state share start, balances: evaluations in the median and at most, failed; the same of statics"
+    );
     for ((state, share, start), both) in &mut tallies {
+        let balances = both[0].evaluations.len();
         let told = both.iter_mut().map(|tally| {
             tally.evaluations.sort_unstable();
             let (count, all) = (tally.evaluations.len(), &tally.evaluations);
             format!("{} {} {}", all[count / 2], all[count - 1], tally.failed)
         });
-        println!("{state:6} {share:6} {start:8} {:3}: {}", both.len(), told.collect::<Vec<_>>().join("; "));
+        println!("{state:6} {share:6} {start:8} {balances:3}: {}", told.collect::<Vec<_>>().join("; "));
     }
     println!("balances of both differ by {apart:.1e}' at most");
 }
