@@ -1,4 +1,5 @@
 use super::facets::{Facets, MeshContact};
+use super::rolling::Steering;
 use super::sliding::Sliding;
 use super::spring::ContactSpring;
 use super::{Damping, LineContact, Moved};
@@ -401,25 +402,45 @@ impl PinContacts {
 
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
+        self.react_within(pose, velocity, Moved::default(), |_, _| ())
+    }
+
+    /// As [`PinContacts::react`], with every contact that presses or is nearer than [`Moved::lift`] shown to `see`, and
+    /// with the gradient by which its force changes: dF = −k Ĝ·dq.
+    pub(crate) fn react_within(
+        &self,
+        pose: DiscPose,
+        velocity: DiscVelocity,
+        moved: Moved<'_>,
+        mut see: impl FnMut(&PinContact, [f64; 3]),
+    ) -> Reaction {
         let mut reaction = Reaction::default();
-        let rolls = self.contact.energy_by_log_radius(1.0) > 0.0 || self.flank_error.is_some();
-        self.visit(pose, velocity, false, |contact| {
+        let rolls = self.rolls();
+        self.visit_moved(pose, velocity, false, moved, |contact| {
             let radius = self.pins[contact.pin].radius;
-            reaction.add(contact, velocity, radius, self.sliding.as_ref());
-            if self.conservative && contact.elastic > 0.0 && rolls {
-                // Its tangents are left out: it is 1e-4 of the contact force.
-                let rolling = self.rolling_force(contact);
+            let mut gradient = contact.gradient;
+            if rolls && contact.elastic > 0.0 {
+                let Steering { force, by_place } = self.steering(contact);
                 for i in 0..3 {
-                    reaction.force[i] += rolling[i];
+                    reaction.force[i] += force[i];
+                    gradient[i] += by_place[i];
                 }
             }
+            reaction.add(contact, gradient, velocity, radius, self.sliding.as_ref());
+            see(contact, gradient);
         });
         reaction
     }
 
-    /// Elastic law of one contact with its place held.
-    pub(crate) fn spring(&self, contact: &PinContact) -> ContactSpring {
-        ContactSpring::Line { law: self.contact, radius: 1.0 / contact.designed_curvature }
+    /// Whether forces depend on where a contact stands on its flank.
+    pub(crate) fn rolls(&self) -> bool {
+        self.conservative
+            && (self.contact.energy_by_log_radius(1.0) > 0.0 || self.flank_error.is_some())
+    }
+
+    /// Elastic law of a share of one contact with its place held.
+    pub(crate) fn spring(&self, contact: &PinContact, share: f64) -> ContactSpring {
+        ContactSpring::Line { law: self.contact, radius: 1.0 / contact.designed_curvature, share }
     }
 
     /// State of every pin, touching or not, in the order of the pins.
@@ -437,11 +458,13 @@ impl PinContacts {
 }
 
 impl Reaction {
-    /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included.
+    /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included: `gradient` is Ĝ with dF = −k Ĝ·dq, along
+    /// which the force changes as well.
     #[inline]
     fn add(
         &mut self,
         contact: &PinContact,
+        gradient: [f64; 3],
         velocity: DiscVelocity,
         pin_radius: f64,
         sliding: Option<&Sliding>,
@@ -460,7 +483,7 @@ impl Reaction {
         let g = contact.gradient;
         let hessian = contact.gap_hessian(pin_radius);
         // −∂F/∂q along g: the gap closes, and its rate changes as the normal turns.
-        let mut fall = [contact.stiffness * g[0], contact.stiffness * g[1], contact.stiffness * g[2]];
+        let mut fall = gradient.map(|g| contact.stiffness * g);
         if contact.damping != 0.0 {
             let v = velocity.as_array();
             for i in 0..3 {
@@ -474,7 +497,7 @@ impl Reaction {
         for i in 0..3 {
             self.force[i] += contact.force * g[i];
             for j in 0..3 {
-                self.stiffness[i][j] += g[i] * fall[j] - contact.force * hessian[i][j];
+                self.stiffness[i][j] += gradient[i] * fall[j] - contact.force * hessian[i][j];
             }
         }
         self.stored += contact.stored;
@@ -487,7 +510,7 @@ impl Reaction {
             for i in 0..3 {
                 self.force[i] += contact.friction * along[i];
                 for j in 0..3 {
-                    self.stiffness[i][j] -= share * contact.stiffness * along[i] * g[j];
+                    self.stiffness[i][j] -= share * contact.stiffness * along[i] * gradient[j];
                     self.damping[i][j] +=
                         along[i] * (contact.force * slope * along[j] - share * contact.damping * g[j]);
                 }

@@ -18,6 +18,12 @@ pub struct Rolling {
     pub gap_slope: [f64; 3],
 }
 
+/// Force (N, N, N·m) on the disc that the stored energy asks for beyond F ∂g/∂q, and what Ĝ has beyond ∂g/∂q.
+pub(crate) struct Steering {
+    pub force: [f64; 3],
+    pub by_place: [f64; 3],
+}
+
 impl Rolling {
     /// Change of the relative curvature 1/R_eq in 1/m with a motion (x, y, θ) of the disc.
     pub(crate) fn relative_curvature_change(&self, contact: &PinContact, motion: [f64; 3]) -> f64 {
@@ -61,11 +67,18 @@ impl PinContacts {
         Rolling { by_pose, log_radius_slope, gap_slope }
     }
 
-    /// Generalised force (N, N, N·m) on the disc that the stored energy asks for beyond F ∂g/∂q.
-    pub(crate) fn rolling_force(&self, contact: &PinContact) -> [f64; 3] {
+    /// What the place of a pressed contact on its flank adds.
+    ///
+    /// With U(δ, R) and δ = −g, Q = −∂U/∂q = F (∇g + e′ ∇τ) − U_R ∇ln R, and dF = −k Ĝ·dq with Ĝ = ∇g + e′ ∇τ −
+    /// (∂δ/∂ln R at constant force) ∇ln R; for δ = F (α − β ln F R) U_R = ½ β F², and that derivative is −β F, so that
+    /// Ĝ = ∇g + e′ ∇τ − (2 U_R/F) ∇ln R.
+    pub(crate) fn steering(&self, contact: &PinContact) -> Steering {
         let rolling = self.rolling(contact);
         let energy_rate = self.contact().energy_by_log_radius(contact.elastic) * rolling.log_radius_slope;
-        let force = |i: usize| contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i];
-        [force(0), force(1), force(2)]
+        let force =
+            std::array::from_fn(|i| contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i]);
+        let per_force = 2.0 * energy_rate / contact.elastic;
+        let by_place = std::array::from_fn(|i| rolling.gap_slope[i] - per_force * rolling.by_pose[i]);
+        Steering { force, by_place }
     }
 }

@@ -10,11 +10,18 @@ pub enum ContactSpring {
     },
     /// F = c K (c δ)^n: a rolling element that presses at an angle to the radius, c its cosine.
     Power { stiffness: f64, exponent: f64, cosine: f64 },
-    /// A pin on a flank, with the equivalent radius in m.
-    Line { law: LineContact, radius: f64 },
+    /// A share of the length of a pin on a flank, with the equivalent radius in m.
+    Line { law: LineContact, radius: f64, share: f64 },
+    /// Regularised Coulomb friction F = L δ/√(δ² + r²) against a slip −δ: it acts in both senses.
+    Slip {
+        /// L in N.
+        limit: f64,
+        /// r in m.
+        presliding: f64,
+    },
 }
 
-/// Force in N and tangent stiffness in N/m of a contact; both zero while it is open.
+/// Force in N and tangent stiffness in N/m of a contact; both zero while it is open. Friction is never open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pressed {
     pub force: f64,
@@ -25,19 +32,25 @@ impl ContactSpring {
     /// At the approach δ in m, negative while the contact is open.
     #[inline]
     pub fn at(&self, approach: f64) -> Pressed {
+        if let ContactSpring::Slip { limit, presliding } = *self {
+            let reach = 1.0 / approach.hypot(presliding);
+            let stiffness = limit * presliding * presliding * reach.powi(3);
+            return Pressed { force: limit * approach * reach, stiffness };
+        }
         if !(approach > 0.0) {
             return Pressed::default();
         }
         match *self {
+            ContactSpring::Slip { .. } => Pressed::default(),
             ContactSpring::Linear { stiffness } => Pressed { force: stiffness * approach, stiffness },
             ContactSpring::Power { stiffness, exponent, cosine } => {
                 let approach = cosine * approach;
                 let force = cosine * stiffness * approach.powf(exponent);
                 Pressed { force, stiffness: cosine * exponent * force / approach }
             }
-            ContactSpring::Line { ref law, radius } => {
+            ContactSpring::Line { ref law, radius, share } => {
                 let (force, stiffness) = law.force(approach, radius);
-                Pressed { force, stiffness }
+                Pressed { force: share * force, stiffness: share * stiffness }
             }
         }
     }

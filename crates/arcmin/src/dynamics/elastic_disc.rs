@@ -11,8 +11,10 @@ use reaction::Products;
 pub(super) use split::DiscSplit;
 
 use super::{DynamicsError, ElasticHousing};
-use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
-use crate::fem::{DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
+use super::bearing_joints::{Shown, Wanted};
+use super::system::FlankPlace;
+use crate::contact::{ContactSpring, DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
+use crate::fem::{CoupledContact, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::Machine;
 
@@ -270,7 +272,7 @@ impl ElasticDiscs {
         ring: &PinContacts,
         motion: DiscMotion<'_>,
     ) -> Vec<PinContact> {
-        let state = self.contacts(disc, ring, motion);
+        let state = self.contacts(disc, ring, motion, 0.0);
         let shifts = motion.housing.map_or_else(Vec::new, |pins| pins.housing.ways(disc, pins.modes));
         let mut all = ring.contacts_moved(motion.pose, motion.velocity, &shifts);
         for contact in &mut all {
@@ -293,17 +295,40 @@ impl ElasticDiscs {
         all
     }
 
-    /// Everything that pins and elasticity do to a disc; the matrices are empty where no `tangents` are asked for.
+    /// ω² of the modes of a disc in 1/s²: their stiffness, as their mass is one.
+    pub(super) fn mode_stiffness(&self, disc: usize) -> &[f64] {
+        &self.bodies[disc].modes.eigenvalues
+    }
+
+    /// Displacement (m) of one place of a flank under a force (N) at another, beyond that of the modes, in m/N.
+    pub(super) fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
+        if of.disc != force.disc {
+            return 0.0;
+        }
+        let residual = &self.bodies[of.disc].residual;
+        if of.stencil == force.stencil {
+            residual.own(&of.stencil)
+        } else {
+            residual.cross(&of.stencil, &force.stencil)
+        }
+    }
+
+    /// Everything that pins and elasticity do to a disc; the matrices are empty where no `tangents` are asked for. Where
+    /// single contacts are wanted they go to the list, and the stiffness is that of (x, y, θ) without theirs along their
+    /// gaps.
     pub(super) fn react(
         &self,
         disc: usize,
         ring: &PinContacts,
         motion: DiscMotion<'_>,
         tangents: bool,
+        mut wanted: Option<(Wanted, &mut Vec<Shown>)>,
     ) -> ElasticReaction {
         let count = motion.modes.len();
         let (first, width) = (3 + count, motion.width());
-        let state = self.contacts(disc, ring, motion);
+        let reach = wanted.as_ref().map_or(0.0, |(wanted, _)| wanted.reach);
+        let interval = wanted.as_ref().and_then(|(wanted, _)| wanted.slip_interval);
+        let state = self.contacts(disc, ring, motion, reach);
         let n = state.contacts.len();
         let matrix = || vec![0.0; if tangents { width * width } else { 0 }];
         let mut reaction = ElasticReaction {
@@ -344,11 +369,23 @@ impl ElasticDiscs {
             reaction.force.iter_mut().zip(&*push).for_each(|(sum, push)| *sum += here.force * push);
             let hessian = || contact.gap_hessian(ring.pins()[contact.pin].radius);
             if let Some(lean) = motion.lean {
-                reaction.add_couple(lean, line.couple(local), contact.gradient);
+                let (couple, across) = line.couple(local);
+                // Single contacts bring their own stiffness.
+                let across = if wanted.is_some() { 0.0 } else { across };
+                reaction.add_couple(lean, (couple, across), contact.gradient);
                 // The normal, by which the lean presses, turns as the disc moves.
                 let by_pose = lean.by_pose(line.couple(local).0, &hessian());
                 motion.spread(disc, contact.pin, by_pose, &mut along_pose);
                 reaction.force.iter_mut().zip(&along_pose).for_each(|(sum, along)| *sum += along);
+            }
+            if wanted.is_some() {
+                let hessian = hessian();
+                for a in 0..3 {
+                    for b in 0..3 {
+                        reaction.stiffness[a * width + b] -= here.force * hessian[a][b];
+                    }
+                }
+                continue;
             }
             if !tangents {
                 continue;
@@ -365,10 +402,14 @@ impl ElasticDiscs {
                 );
             }
         }
-        let wanted = tangents.then_some(&mut products);
+        let whole = tangents && wanted.is_none();
         let matrices = (&mut rows[..], &mut pushes[..]);
-        self.add_rolling(disc, ring, &state, motion, matrices, (&mut reaction.force, wanted));
-        if tangents {
+        let summed = whole.then_some(&mut products);
+        self.add_rolling(disc, ring, &state, motion, matrices, (&mut reaction.force, summed));
+        if let Some((_, shown)) = &mut wanted {
+            self.show(disc, ring, &state, motion, (&rows, &pushes), interval, shown);
+        }
+        if whole {
             // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
             state.forces.respond_to_all(&mut rows, width);
             for (row, gain) in rows.chunks_exact_mut(width).zip(&gain) {
@@ -379,6 +420,63 @@ impl ElasticDiscs {
         }
         self.add_modal_forces(disc, motion, &mut reaction);
         reaction
+    }
+
+    /// Hands on all contacts one by one, those of a disc that leans as two slices.
+    fn show(
+        &self,
+        disc: usize,
+        ring: &PinContacts,
+        state: &DiscContacts,
+        motion: DiscMotion<'_>,
+        (rows, pushes): (&[f64], &[f64]),
+        interval: Option<f64>,
+        shown: &mut Vec<Shown>,
+    ) {
+        let (count, width) = (motion.modes.len(), motion.width());
+        let law = *ring.contact();
+        let mut show = |contact: &PinContact, coupled: &CoupledContact, local: f64, row: &[f64], push: Option<&[f64]>| {
+            let place = Some(FlankPlace { disc, stencil: coupled.place });
+            let radius = coupled.equivalent_radius;
+            let Some(lean) = motion.lean else {
+                let spring = ContactSpring::Line { law, radius, share: 1.0 };
+                let (gradient, push) = (row.to_vec(), push.map(<[f64]>::to_vec));
+                return shown.push(Shown { gap: -local, gradient, push, spring, place });
+            };
+            for side in [1.0, -1.0] {
+                let spring = ContactSpring::Line { law, radius, share: 0.5 };
+                let leaned = |row: &[f64]| {
+                    let mut row = row.to_vec();
+                    (0..2).for_each(|a| row[width - 2 + a] += side * lean.reach * contact.gradient[a]);
+                    row
+                };
+                let (gradient, push) = (leaned(row), push.map(leaned));
+                shown.push(Shown { gap: -(local + side * coupled.skew), gradient, push, spring, place });
+            }
+        };
+        for (i, contact) in state.contacts.iter().enumerate() {
+            let (row, push) = (&rows[i * width..][..width], &pushes[i * width..][..width]);
+            let push = (state.forces.force[i] > 0.0).then_some(push);
+            show(contact, &state.coupled[i], state.forces.local[i], row, push);
+        }
+        let mut row = vec![0.0; width];
+        for (i, contact) in state.waiting.iter().enumerate() {
+            row.fill(0.0);
+            motion.spread(disc, contact.pin, contact.gradient, &mut row);
+            row[3..3 + count].copy_from_slice(&state.waiting_shape[i * count..][..count]);
+            let coupled = &state.waiting_coupled[i];
+            show(contact, coupled, coupled.approach - state.bent_at(&self.bodies[disc].residual, coupled), &row, None);
+        }
+        if let (Some(sliding), Some(interval)) = (ring.sliding(), interval) {
+            for (contact, force) in state.contacts.iter().zip(&state.forces.force).filter(|(_, force)| **force > 0.0) {
+                let widened = |along: [f64; 3]| {
+                    let mut row = vec![0.0; width];
+                    row[..3].copy_from_slice(&along);
+                    row
+                };
+                shown.push(Shown::slip(sliding, contact, *force, widened, interval));
+            }
+        }
     }
 
     fn add_modal_forces(&self, disc: usize, motion: DiscMotion<'_>, reaction: &mut ElasticReaction) {

@@ -265,8 +265,6 @@ impl IdealJoints {
 }
 
 impl System for IdealJoints {
-    type Linearisation = DenseLinearisation;
-
     fn linearisation(&self) -> DenseLinearisation {
         DenseLinearisation::new(self.members.len())
     }

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::{Balance, DenseLinearisation, DynamicsError, Linearisation};
+use super::{Balance, DenseLinearisation, DynamicsError};
 
 /// A torque set from outside at an instant: torque + rate × (t − since).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

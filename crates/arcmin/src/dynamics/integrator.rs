@@ -1,4 +1,4 @@
-use super::{Balance, DynamicsError, Linearisation, System, Weights};
+use super::{Balance, DenseLinearisation, DynamicsError, System, Weights};
 
 mod control;
 mod state;
@@ -58,7 +58,7 @@ pub struct Integrator<S: System> {
     control: StepControl,
     coefficients: Coefficients,
     state: IntegratorState,
-    lin: S::Linearisation,
+    lin: DenseLinearisation,
     trial: Node,
     force: Vec<f64>,
     correction: Vec<f64>,

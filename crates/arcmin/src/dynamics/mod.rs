@@ -2,16 +2,12 @@
 
 mod bearing_drag;
 mod bearing_joints;
-mod descent;
 mod drive;
 mod elastic_carrier;
 mod elastic_disc;
 mod elastic_housing;
-mod equilibrium;
 mod error;
-mod foresight;
 mod gear_mesh;
-mod haste;
 mod ideal_joints;
 mod inputs;
 mod integrator;
@@ -22,23 +18,20 @@ mod ring_bearing;
 mod run;
 mod simulation;
 mod spectrum;
-pub mod statics;
+mod statics;
 mod statistics;
 mod study;
 mod system;
 mod table;
 
 pub use bearing_drag::BearingDrag;
-pub(crate) use bearing_joints::JUMP;
 pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, Lean, LostMotionSplit, Part, RadialBearing,
 };
-pub(crate) use descent::JUMP_WIDTH;
 pub use drive::{Drive, InputMotion};
 pub use elastic_carrier::{ElasticCarrier, ElasticRims};
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use elastic_housing::ElasticHousing;
-pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use error::DynamicsError;
 pub use gear_mesh::{GearMesh, MeshForce};
 pub use ideal_joints::{FlexibleJoints, IdealJoints};
@@ -51,10 +44,15 @@ pub use ring_bearing::{ElementLoad, Five, MainBalance, MainBearings, RingBearing
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
+pub(crate) use bearing_joints::Wanted;
+pub(crate) use statics::by_larger_loads;
+pub use statics::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use statistics::{ErrorIntegrals, ErrorStatistics};
 pub use study::{
     StartSpread, StudyPoint, StudySettings, TransmissionErrorStudy, flexible_transmission_error_study,
     simulate_rigid, spread_over_starts, transmission_error_study,
 };
-pub use system::{Balance, Contact, DenseLinearisation, Gap, Linearisation, Singular, System, Weights};
+pub use system::{
+    Balance, Contact, Contacts, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, Singular, System, Weights,
+};
 pub use table::TimeTable;

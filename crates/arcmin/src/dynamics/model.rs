@@ -55,8 +55,6 @@ impl Model {
 }
 
 impl System for Model {
-    type Linearisation = DenseLinearisation;
-
     fn linearisation(&self) -> DenseLinearisation {
         each!(self, model => model.linearisation())
     }

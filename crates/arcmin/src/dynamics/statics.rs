@@ -1,14 +1,41 @@
 //! States of rest by a prox-linear method: gaps to first order, force laws exact.
-//!
-//! It runs beside [`solve_equilibrium`](super::solve_equilibrium), which the analyses still use; the example
-//! `states_of_rest` compares both on random machines.
 
 mod model;
 
-use super::{DynamicsError, Equilibrium, EquilibriumControl, System};
+use super::system::Look;
+use super::{DynamicsError, System};
 use model::Model;
 
-/// Evaluations of the machine after which the search gives up; from anywhere in the clearances it needs about five.
+/// A state of rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// Coordinates in m or rad.
+    pub position: Vec<f64>,
+    /// Largest |Q_i| left, in N or N·m; what the model of the last step leaves, where that step was within the
+    /// tolerance.
+    pub residual: f64,
+    /// Places at which the system was evaluated.
+    pub iterations: usize,
+}
+
+/// When a search for a state of rest ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EquilibriumControl {
+    /// A step that moves no coordinate by more than this multiple of its scale is the last…
+    pub tolerance: f64,
+    /// …and a place is a state of rest where the largest force is below this, in N or N·m.
+    pub force_tolerance: f64,
+    /// A coordinate that does not move, whatever pulls at it.
+    pub held: Option<usize>,
+}
+
+impl Default for EquilibriumControl {
+    fn default() -> Self {
+        EquilibriumControl { tolerance: 1e-10, force_tolerance: 1e-9, held: None }
+    }
+}
+
+/// Evaluations of the system after which the search gives up; from anywhere in the clearances it needs about five.
 const EVALUATIONS: usize = 60;
 /// Largest displacement, in units of scale, for which a gap is taken as linear: 4' at the output. The gaps of an
 /// RV reducer depart from their tangents by 1 % of the displacement there.
@@ -22,23 +49,36 @@ const SHRINK: f64 = 0.25;
 
 /// Finds q with Q(q, 0, t) = 0 from `start`.
 ///
-/// 1. Evaluate forces Q, tangent K and contacts (gap g, gradient G, law F) at q.
-/// 2. Minimise the model (`model.rs`) in d without looking at the geometry again: Q(q + d) ≈ Q − K_s d + Σ G (F(−g − G d)
-///    − F(−g)) − P d, where K_s is K without the stiffness of the contacts along their gaps. With convex laws and K_s ≥ 0
-///    this is the gradient of a convex function.
+/// 1. Evaluate forces Q, the tangent K_s without the stiffness of contacts along their gaps, and the contacts (gap g,
+///    gradient G, law F) at q.
+/// 2. Minimise the model (`statics/model.rs`) in d without looking at the geometry again: Q(q + d) ≈ Q − K_s d +
+///    Σ G (F(−g − G d) − F(−g)) − P d. With convex laws and K_s ≥ 0 this is the gradient of a convex function.
 /// 3. Go to q + d if the work of the true forces along d, by the trapezoidal rule, is at least a tenth of what the
 ///    model promises; else shorten the reach of the model. What the model left out along a poor step is added to it by a
 ///    symmetric rank-one update.
 ///
-/// A search ends when a whole step is below the tolerance, or when the forces are. Coordinates that nothing holds are
+/// A search ends with a step that is below the tolerance, or when the forces are. Coordinates that nothing holds are
 /// kept near their place by the proximal term P.
 ///
 /// Source of the method: Burke 1985 (Math. Programming 33, 260); Drusvyatskiy and Paquette 2019 (Math. Programming 178,
 /// 503).
 ///
 /// # Errors
-/// [`DynamicsError::NoEquilibrium`] with the residual reached, [`DynamicsError::Cancelled`].
-pub fn rest<S: System>(
+/// [`DynamicsError::NoEquilibrium`] with the residual reached.
+pub fn solve_equilibrium<S: System>(
+    system: &S,
+    time: f64,
+    start: &[f64],
+    control: EquilibriumControl,
+) -> Result<Equilibrium, DynamicsError> {
+    solve_equilibrium_unless(system, time, start, control, &|| false)
+}
+
+/// [`solve_equilibrium`] that asks before every iteration whether it is still wanted.
+///
+/// # Errors
+/// As there, and [`DynamicsError::Cancelled`].
+pub fn solve_equilibrium_unless<S: System>(
     system: &S,
     time: f64,
     start: &[f64],
@@ -46,58 +86,55 @@ pub fn rest<S: System>(
     cancelled: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, DynamicsError> {
     let (n, scale) = (system.size(), system.scale());
-    let zero = vec![0.0; n];
     let largest = |f: &[f64]| f.iter().fold(0.0, |m: f64, x| if x.abs() <= m { m } else { x.abs() });
     let length_of = |d: &[f64]| d.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
-    let evaluate = |position: &[f64], force: &mut [f64], tangent: &mut S::Linearisation| {
-        system.evaluate(time, position, &zero, force, tangent);
+    let unit = scale.iter().copied().fold(f64::INFINITY, f64::min);
+    let evaluate = |position: &[f64], reach: f64, look: &mut Look| {
+        // A gap moves by the displacements of two bodies.
+        system.look(time, position, 2.0 * reach * unit, look);
         if let Some(held) = control.held {
-            force[held] = 0.0;
+            look.force[held] = 0.0;
         }
     };
     let mut model = Model::new(system, control.held);
-    let (mut position, mut force, mut tangent) =
-        (start.to_vec(), vec![0.0; n], system.linearisation_at_rest());
-    let (mut trial, mut trial_force, mut trial_tangent) =
-        (vec![0.0; n], vec![0.0; n], system.linearisation_at_rest());
+    let (mut position, mut trial) = (start.to_vec(), vec![0.0; n]);
+    let (mut here, mut there) = (Look::new(n), Look::new(n));
     let mut step = vec![0.0; n];
-    evaluate(&position, &mut force, &mut tangent);
-    model.take(system, time, &position, &force, &tangent, REACH);
     let mut reach = REACH;
+    evaluate(&position, reach, &mut here);
+    model.take(system, &here);
     for iterations in 1..EVALUATIONS {
         if cancelled() {
             return Err(DynamicsError::Cancelled { time });
         }
-        if largest(&force) <= control.force_tolerance {
-            return Ok(Equilibrium { residual: largest(&force), position, iterations });
+        if largest(&here.force) <= control.force_tolerance {
+            return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
         }
-        let Some(is_whole) = model.solve(system, reach, &mut step) else { break };
+        let Some(solution) = model.solve(system, reach, &mut step) else { break };
         let length = length_of(&step);
         if !length.is_finite() {
             break;
         }
-        let is_last = is_whole && length <= control.tolerance;
         trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, d))| *t = q + d);
-        evaluate(&trial, &mut trial_force, &mut trial_tangent);
-        let before: f64 = force.iter().zip(&step).map(|(f, d)| f * d).sum();
-        let behind: f64 = trial_force.iter().zip(&step).map(|(f, d)| f * d).sum();
+        if solution.is_whole && length <= control.tolerance {
+            return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
+        }
+        evaluate(&trial, reach, &mut there);
+        let before: f64 = here.force.iter().zip(&step).map(|(f, d)| f * d).sum();
+        let behind: f64 = there.force.iter().zip(&step).map(|(f, d)| f * d).sum();
         // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
         let gain = if before > 0.0 { (before + behind) / before } else { f64::NAN };
-        let misfit = if gain >= GOOD_GAIN && is_whole { None } else { model.misfit(&step, &trial_force) };
+        let misfit =
+            if gain >= GOOD_GAIN && solution.is_whole { None } else { model.misfit(&step, &there.force) };
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
-            std::mem::swap(&mut force, &mut trial_force);
-            std::mem::swap(&mut tangent, &mut trial_tangent);
+            std::mem::swap(&mut here, &mut there);
             if gain >= GOOD_GAIN {
                 reach = reach.max((2.0 * length).min(REACH));
             }
-            model.take(system, time, &position, &force, &tangent, REACH);
+            model.take(system, &here);
         } else {
             reach = SHRINK * reach.min(length);
-        }
-        if is_last {
-            // A last step that does no work is hidden by rounding.
-            return Ok(Equilibrium { residual: largest(&force), position, iterations });
         }
         if let Some((misfit, work)) = misfit {
             model.correct(&misfit, work);
@@ -109,10 +146,34 @@ pub fn rest<S: System>(
     Err(DynamicsError::NoEquilibrium {
         time,
         crank_angle_deg: system.crank_angle(&position) / crate::units::DEG,
-        residual: largest(&force),
+        residual: largest(&here.force),
         iterations: EVALUATIONS,
     })
 }
+
+/// The state of rest under a load by way of larger ones, under which more contacts hold the bodies: the continuation for
+/// where the search from a start does not end. `solve` finds the state under a load near a start.
+///
+/// # Errors
+/// That of `solve` where it finds none on the way.
+pub(crate) fn by_larger_loads<E>(
+    load: f64,
+    rated: f64,
+    mut solve: impl FnMut(f64, Option<&[f64]>) -> Result<Vec<f64>, E>,
+) -> Result<Vec<f64>, E> {
+    let mut larger = rated.max(FALL * load.abs());
+    let mut place = None;
+    while larger > FALL * load.abs().max(LEAST_LOAD * rated) {
+        place = Some(solve(larger.copysign(load), place.as_deref())?);
+        larger /= FALL;
+    }
+    solve(load, place.as_deref())
+}
+
+/// From one load of a continuation to the next.
+const FALL: f64 = 3.0;
+/// Share of the rated load that is as good as none.
+const LEAST_LOAD: f64 = 1e-4;
 
 #[cfg(test)]
 mod tests;

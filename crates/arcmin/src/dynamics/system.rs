@@ -1,24 +1,23 @@
+use std::ops::Range;
+
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactSpring;
+use crate::fem::Stencil;
 use crate::kernels::cleared;
 
 /// A mechanical system in second-order form, M q̈ = Q(q, q̇, t) with a constant diagonal mass matrix M.
 ///
 /// All force laws of a model live behind this trait; the time [`Integrator`](super::Integrator) and the
-/// static solver ([`solve_equilibrium`](super::solve_equilibrium), q̇ = 0) use the very same ones.
+/// static solver ([`solve_equilibrium`](super::statics::solve_equilibrium), q̇ = 0) use the very same ones.
 /// Coordinates may mix metres and radians.
 pub trait System {
-    /// Holder of −∂Q/∂q and −∂Q/∂q̇ with the linear solver that suits their structure; [`DenseLinearisation`]
-    /// for small systems.
-    type Linearisation: Linearisation;
-
     /// A linearisation of the right size, zero.
-    fn linearisation(&self) -> Self::Linearisation;
+    fn linearisation(&self) -> DenseLinearisation;
 
     /// One for a search at rest, which asks for no damping: systems that can leave it out do.
-    fn linearisation_at_rest(&self) -> Self::Linearisation {
+    fn linearisation_at_rest(&self) -> DenseLinearisation {
         self.linearisation()
     }
 
@@ -36,7 +35,7 @@ pub trait System {
         position: &[f64],
         velocity: &[f64],
         force: &mut [f64],
-        linearisation: &mut Self::Linearisation,
+        linearisation: &mut DenseLinearisation,
     ) -> Balance;
 
     /// The forces alone, for a search that knows the tangent well enough; the balance is that of
@@ -45,13 +44,23 @@ pub trait System {
         self.evaluate(time, position, velocity, force, &mut self.linearisation_at_rest())
     }
 
-    /// Shows the gaps that open and close between bodies, at least those nearer than `reach` (m); none where steps
-    /// are not to be told by them.
-    fn gaps(&self, _time: f64, _position: &[f64], _reach: f64, _see: &mut dyn FnMut(&Gap<'_>)) {}
+    /// Forces, tangent and single contacts at one place at rest: what the static solver asks for. By default a system
+    /// without contacts.
+    fn look(&self, time: f64, position: &[f64], _reach: f64, look: &mut Look) {
+        look.contacts.clear();
+        let rest = vec![0.0; position.len()];
+        self.evaluate(time, position, &rest, &mut look.force, &mut look.smooth);
+    }
 
-    /// Shows all contacts that press or are nearer than `reach` (m), each with its law; none where these are not
-    /// told apart from other forces.
-    fn contacts(&self, _time: f64, _position: &[f64], _reach: f64, _see: &mut dyn FnMut(&Contact<'_>)) {}
+    /// Coordinates that have a constant stiffness of their own and act on nothing but through contacts, if any.
+    fn elastic(&self) -> Option<&ElasticCoordinates> {
+        None
+    }
+
+    /// Displacement (m) of one contact on an elastic flank against another one's force (N) on it, in m/N.
+    fn flank_compliance(&self, _of: &FlankPlace, _force: &FlankPlace) -> f64 {
+        0.0
+    }
 
     /// The first time after `time` at which the prescribed motion or load has a jump or a kink. Steps end
     /// there.
@@ -67,62 +76,133 @@ pub trait System {
     }
 }
 
-/// −∂Q/∂q (stiffness K) and −∂Q/∂q̇ (damping C) at one state, and the solution of the systems built from
-/// them.
-pub trait Linearisation {
-    /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.
-    ///
-    /// # Errors
-    /// [`Singular`] if the matrix has no inverse or holds a value that is not finite.
-    fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular>;
-
-    /// Solves the system of the last [`Linearisation::solve`] for another right-hand side, whatever has become of the
-    /// matrices since.
-    ///
-    /// # Errors
-    /// As there.
-    fn solve_again(&self, rhs: &mut [f64]) -> Result<(), Singular>;
-
-    /// Takes over the stiffness of another, and no damping.
-    fn copy_stiffness(&mut self, from: &Self);
-
-    /// Adds a spring of stiffness k (N/m) along a gradient g by the coordinates listed, k g gᵀ; coordinates from
-    /// [`System::size`] on do not move.
-    fn add_spring(&mut self, index: &[usize], gradient: &[f64], stiffness: f64);
-
-    /// K x.
-    fn multiply(&self, x: &[f64], product: &mut [f64]);
-
-    /// K_ii.
-    fn diagonal(&self, coordinate: usize) -> f64;
-
-    /// Holds a coordinate: no force moves it, and it moves nothing.
-    fn hold(&mut self, coordinate: usize);
-}
-
-/// A gap between two bodies, to first order in the displacement.
-#[derive(Debug, Clone, Copy)]
-pub struct Gap<'a> {
-    /// Coordinates that it depends on, those held or prescribed included, and its gradient by them.
-    pub index: &'a [usize],
-    pub gradient: &'a [f64],
-    /// m; negative where the bodies press.
-    pub width: f64,
-    /// How the bodies press, in N; nothing where the gap is open.
-    pub force: f64,
-    /// Tangent stiffness in N/m; where the gap is open, about what it will be.
-    pub stiffness: f64,
-}
-
 /// A contact between two bodies: its gap to first order in the displacement, and its law.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<'a> {
     /// Coordinates that the gap depends on, those held or prescribed included, and its gradient by them.
     pub index: &'a [usize],
     pub gradient: &'a [f64],
-    /// m; negative where the bodies press.
+    /// What a unit of its force does to the same coordinates: the gradient, and the friction that goes with it.
+    pub push: &'a [f64],
+    /// m; negative where the bodies press. On an elastic flank what is left after the flank has given way.
     pub gap: f64,
     pub spring: ContactSpring,
+    /// Where it stands on an elastic flank, whose contacts make each other give way.
+    pub place: Option<FlankPlace>,
+}
+
+/// Where a contact stands on an elastic flank.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlankPlace {
+    pub disc: usize,
+    pub stencil: Stencil,
+}
+
+/// What the static solver sees of a system at one place.
+#[derive(Debug, Clone)]
+pub struct Look {
+    /// Q in N or N·m.
+    pub force: Vec<f64>,
+    /// −∂Q/∂q without the stiffness of the contacts along their gaps; rows and columns of
+    /// [elastic coordinates](System::elastic) are not looked at.
+    pub smooth: DenseLinearisation,
+    pub contacts: Contacts,
+}
+
+impl Look {
+    pub fn new(size: usize) -> Look {
+        Look {
+            force: vec![0.0; size],
+            smooth: DenseLinearisation::at_rest(size),
+            contacts: Contacts::default(),
+        }
+    }
+}
+
+/// Contacts at one place.
+#[derive(Debug, Clone, Default)]
+pub struct Contacts {
+    index: Vec<usize>,
+    gradient: Vec<f64>,
+    push: Vec<f64>,
+    list: Vec<(Range<usize>, f64, ContactSpring, Option<FlankPlace>)>,
+}
+
+impl Contacts {
+    pub fn clear(&mut self) {
+        self.index.clear();
+        self.gradient.clear();
+        self.push.clear();
+        self.list.clear();
+    }
+
+    pub fn push(&mut self, contact: &Contact<'_>) {
+        let start = self.index.len();
+        self.index.extend_from_slice(contact.index);
+        self.gradient.extend_from_slice(contact.gradient);
+        self.push.extend_from_slice(contact.push);
+        self.list.push((start..self.index.len(), contact.gap, contact.spring, contact.place));
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Contact<'_>> {
+        self.list.iter().map(|(range, gap, spring, place)| Contact {
+            index: &self.index[range.clone()],
+            gradient: &self.gradient[range.clone()],
+            push: &self.push[range.clone()],
+            gap: *gap,
+            spring: *spring,
+            place: *place,
+        })
+    }
+}
+
+/// Coordinates of elastic bodies: groups whose stiffness matrix K is constant, kept as K⁻¹.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ElasticCoordinates {
+    /// Group of every coordinate and its number in it.
+    member: Vec<Option<(usize, usize)>>,
+    groups: Vec<ElasticGroup>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct ElasticGroup {
+    index: Vec<usize>,
+    /// K⁻¹ row by row.
+    compliance: Vec<f64>,
+}
+
+impl ElasticCoordinates {
+    pub fn new(size: usize) -> ElasticCoordinates {
+        ElasticCoordinates { member: vec![None; size], groups: Vec::new() }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// Adds a group with its stiffness row by row. A matrix that is not positive definite leaves its coordinates to be
+    /// searched like any other.
+    pub fn add(&mut self, index: &[usize], stiffness: &[f64]) {
+        let matrix = nalgebra::DMatrix::from_row_slice(index.len(), index.len(), stiffness);
+        let Some(factor) = matrix.cholesky() else { return };
+        for (place, coordinate) in index.iter().enumerate() {
+            self.member[*coordinate] = Some((self.groups.len(), place));
+        }
+        let compliance = factor.inverse().as_slice().to_vec();
+        self.groups.push(ElasticGroup { index: index.to_vec(), compliance });
+    }
+
+    pub fn has(&self, coordinate: usize) -> bool {
+        matches!(self.member.get(coordinate), Some(Some(_)))
+    }
+
+    /// Adds K⁻¹ f for a force on one coordinate to displacements of all of them.
+    pub fn yield_to(&self, coordinate: usize, force: f64, displacement: &mut [f64]) {
+        let Some(Some((group, place))) = self.member.get(coordinate) else { return };
+        let ElasticGroup { index, compliance } = &self.groups[*group];
+        let column = &compliance[place * index.len()..][..index.len()];
+        index.iter().zip(column).for_each(|(i, c)| displacement[*i] += c * force);
+    }
 }
 
 /// Factors of mass, damping and stiffness in the matrix of an implicit step.
@@ -221,6 +301,11 @@ impl DenseLinearisation {
         &mut self.stiffness[row * self.size..][..self.size]
     }
 
+    /// The same to read.
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.stiffness[row * self.size..][..self.size]
+    }
+
     /// −∂Q_row/∂q̇ of all coordinates.
     #[inline]
     pub fn damping_row(&mut self, row: usize) -> &mut [f64] {
@@ -246,35 +331,29 @@ impl DenseLinearisation {
     }
 }
 
-impl Linearisation for DenseLinearisation {
-    fn copy_stiffness(&mut self, from: &Self) {
+impl DenseLinearisation {
+    /// Takes over the stiffness of another, and no damping.
+    pub fn copy_stiffness(&mut self, from: &DenseLinearisation) {
         self.stiffness.copy_from_slice(&from.stiffness);
         self.damping.fill(0.0);
     }
 
-    fn add_spring(&mut self, index: &[usize], gradient: &[f64], stiffness: f64) {
-        for (row, g) in index.iter().zip(gradient).filter(|(row, _)| **row < self.size) {
+    /// Adds k a bᵀ to the stiffness (k in N/m) for two vectors over the coordinates listed; coordinates from the size
+    /// on do not move.
+    pub fn add_outer(&mut self, index: &[usize], a: &[f64], b: &[f64], stiffness: f64) {
+        for (row, a) in index.iter().zip(a).filter(|(row, _)| **row < self.size) {
             let line = &mut self.stiffness[row * self.size..][..self.size];
-            let force = stiffness * g;
+            let force = stiffness * a;
             for i in 0..index.len() {
                 if let Some(entry) = line.get_mut(index[i]) {
-                    *entry += force * gradient[i];
+                    *entry += force * b[i];
                 }
             }
         }
     }
 
-    fn multiply(&self, x: &[f64], product: &mut [f64]) {
-        for (entry, row) in product.iter_mut().zip(self.stiffness.chunks_exact(self.size)) {
-            *entry = dot(row, x);
-        }
-    }
-
-    fn diagonal(&self, coordinate: usize) -> f64 {
-        self.stiffness[coordinate * (self.size + 1)]
-    }
-
-    fn hold(&mut self, coordinate: usize) {
+    /// Holds a coordinate: no force moves it, and it moves nothing.
+    pub fn hold(&mut self, coordinate: usize) {
         let n = self.size;
         for i in 0..n {
             for entry in [coordinate * n + i, i * n + coordinate] {
@@ -285,7 +364,18 @@ impl Linearisation for DenseLinearisation {
         self.stiffness[coordinate * n + coordinate] = 1.0;
     }
 
-    fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular> {
+    /// K x.
+    pub fn multiply(&self, x: &[f64], product: &mut [f64]) {
+        for (entry, row) in product.iter_mut().zip(self.stiffness.chunks_exact(self.size)) {
+            *entry = dot(row, x);
+        }
+    }
+
+    /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.
+    ///
+    /// # Errors
+    /// [`Singular`] if the matrix has no inverse or holds a value that is not finite.
+    pub fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular> {
         let n = self.size;
         let a = &mut self.work;
         if weights.damping == 0.0 && weights.stiffness == 1.0 {
@@ -309,7 +399,12 @@ impl Linearisation for DenseLinearisation {
         self.solve_again(rhs)
     }
 
-    fn solve_again(&self, rhs: &mut [f64]) -> Result<(), Singular> {
+    /// Solves the system of the last [`DenseLinearisation::solve`] for another right-hand side, whatever has become of
+    /// the matrices since.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn solve_again(&self, rhs: &mut [f64]) -> Result<(), Singular> {
         let (n, a) = (self.size, &self.work);
         if let Some(factor) = &self.blocks {
             cleared(|| factor.solve_in_place(faer::MatMut::from_column_major_slice_mut(rhs, n, 1)));

@@ -2,10 +2,10 @@ use std::borrow::Cow;
 
 use super::RigError;
 use crate::dynamics::{
-    Balance, BearingJoints, DenseLinearisation, EquilibriumControl, Gap, JUMP, System, solve_equilibrium,
+    Balance, BearingJoints, DenseLinearisation, ElasticCoordinates, EquilibriumControl, FlankPlace, Look, System,
+    Wanted, by_larger_loads, solve_equilibrium,
 };
 use crate::load::LOST_MOTION_SHARE;
-use crate::units::ARCMIN;
 
 /// What the friction sees while the machine is in balance without inertia.
 enum Motion<'a> {
@@ -45,18 +45,8 @@ const TOLERANCE: f64 = 1e-6;
 const FORCE_TOLERANCE: f64 = 2e-5;
 
 impl System for Slow<'_> {
-    type Linearisation = DenseLinearisation;
-
     fn linearisation(&self) -> DenseLinearisation {
         self.model.linearisation()
-    }
-
-    fn linearisation_at_rest(&self) -> DenseLinearisation {
-        match self.motion {
-            Motion::Running(_) => self.model.linearisation_at_rest(),
-            // Velocities follow the coordinates.
-            Motion::Creeping { .. } => self.linearisation(),
-        }
     }
 
     fn mass(&self) -> &[f64] {
@@ -75,19 +65,24 @@ impl System for Slow<'_> {
         force: &mut [f64],
         linearisation: &mut DenseLinearisation,
     ) -> Balance {
-        let balance = self.model.evaluate(time, position, &self.velocity(position), force, linearisation);
-        if let Motion::Creeping { interval, .. } = self.motion {
-            linearisation.fold_damping(1.0 / interval);
-        }
-        balance
+        self.model.evaluate(time, position, &self.velocity(position), force, linearisation)
     }
 
-    fn evaluate_forces(&self, time: f64, position: &[f64], _: &[f64], force: &mut [f64]) -> Balance {
-        self.model.evaluate_forces(time, position, &self.velocity(position), force)
+    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
+        let slip_interval = match self.motion {
+            Motion::Running(_) => None,
+            Motion::Creeping { interval, .. } => Some(interval),
+        };
+        let wanted = Wanted { reach, slip_interval };
+        self.model.look_in_motion(time, position, &self.velocity(position), wanted, look);
     }
 
-    fn gaps(&self, time: f64, position: &[f64], reach: f64, see: &mut dyn FnMut(&Gap<'_>)) {
-        self.model.gaps(time, position, reach, see);
+    fn elastic(&self) -> Option<&ElasticCoordinates> {
+        self.model.elastic()
+    }
+
+    fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
+        self.model.flank_compliance(of, force)
     }
 
     fn crank_angle(&self, position: &[f64]) -> f64 {
@@ -95,94 +90,29 @@ impl System for Slow<'_> {
     }
 }
 
-/// What a balance must meet; `jump` is the share of the rated torque that a jump may leave.
-fn control(model: &BearingJoints, jump: f64) -> EquilibriumControl {
-    EquilibriumControl {
-        tolerance: TOLERANCE,
-        force_tolerance: FORCE_TOLERANCE,
-        jump_tolerance: jump * model.rated_torque() * ARCMIN,
-        ..EquilibriumControl::default()
-    }
-}
-
-/// Shares of the friction by way of which it is brought in.
-const FRICTION: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
-/// Share of the rated torque that is as good as none.
-const NO_LOAD: f64 = 2e-3;
-/// From a larger torque to the next, at first and at least.
-const FALL: (f64, f64) = (3.0, 1.1);
-
-/// The balance of one motion near `start`; where none is found that is met exactly, one at which contact forces
-/// jump.
+/// The balance of one motion near `start`; where none is found from there, by way of larger torques.
 fn settle<'a>(
     model: &BearingJoints,
     start: &[f64],
     motion: impl Fn() -> Motion<'a>,
 ) -> Result<Vec<f64>, RigError> {
-    let within = |jump| Settling { motion: &motion, jump }.settle(model, start);
-    within(0.0).or_else(|failure| within(JUMP).map_err(|_| failure))
-}
-
-/// A search for a balance.
-struct Settling<'m, M> {
-    motion: &'m M,
-    /// Share of the rated torque that a jump may leave.
-    jump: f64,
-}
-
-impl<'a, M: Fn() -> Motion<'a>> Settling<'_, M> {
-    fn solve(&self, model: &BearingJoints, start: &[f64]) -> Result<Vec<f64>, RigError> {
-        let slow = Slow { model, motion: (self.motion)() };
-        // Places of a turn that follow each other lie far apart; loads that change slowly do not.
-        let from_afar = matches!(slow.motion, Motion::Running(_));
-        let control = EquilibriumControl { from_afar, ..control(model, self.jump) };
-        Ok(solve_equilibrium(&slow, 0.0, start, control)?.position)
-    }
-
-    /// Where the balance is not found at once, the frictionless machine is solved first, whose forces derive from an
-    /// energy; then friction comes in by and by. Where that leads nowhere either, by way of larger torques, under
-    /// which more contacts hold the bodies. Bodies that hardly anything presses may hang by friction so that nothing
-    /// balances them: then the balance under the least torque that leaves one, if that is as good as none.
-    fn settle(&self, model: &BearingJoints, start: &[f64]) -> Result<Vec<f64>, RigError> {
-        let failure = match self.solve(model, start) {
-            Ok(found) => return Ok(found),
-            Err(failure) => failure,
+    let solve = |model: &BearingJoints, start: &[f64]| -> Result<Vec<f64>, RigError> {
+        let control = EquilibriumControl {
+            tolerance: TOLERANCE,
+            force_tolerance: FORCE_TOLERANCE,
+            ..EquilibriumControl::default()
         };
-        let smooth = model.with_friction(FRICTION[0]);
-        self.solve(&smooth, start)
-            .or_else(|_| self.by_larger_torques(&smooth, start))
-            .and_then(|place| {
-                let mut rougher = FRICTION[1..].iter().map(|share| model.with_friction(*share));
-                rougher.try_fold(place, |place, model| self.solve(&model, &place))
-            })
-            .or_else(|_| self.by_larger_torques(model, start))
-            .map_err(|_| failure)
-    }
-
-    /// From the balance under rated torque down to the one that is asked for.
-    fn by_larger_torques(&self, model: &BearingJoints, start: &[f64]) -> Result<Vec<f64>, RigError> {
-        let torque = model.constant_load();
-        let mut larger = model.clone();
-        let mut load = model.rated_torque().max(FALL.0 * torque.abs());
-        larger.set_load(load.copysign(torque));
-        let mut place = self.solve(&larger, start)?;
-        let mut fall = FALL.0;
-        while load > torque.abs() {
-            let next = (load / fall).max(torque.abs());
-            larger.set_load(next.copysign(torque));
-            match self.solve(&larger, &place) {
-                Ok(found) => (place, load) = (found, next),
-                Err(_) if fall > FALL.1 => fall = fall.sqrt(),
-                Err(_) if load <= NO_LOAD * model.rated_torque() => return Ok(place),
-                Err(failure) => return Err(failure),
-            }
-            // At no load the way down would not end.
-            if next <= 1e-9 * model.rated_torque() {
-                break;
-            }
-        }
-        Ok(place)
-    }
+        let slow = Slow { model, motion: motion() };
+        Ok(solve_equilibrium(&slow, 0.0, start, control)?.position)
+    };
+    solve(model, start).or_else(|failure| {
+        let mut loaded = model.clone();
+        by_larger_loads(model.constant_load(), model.rated_torque(), |load, place| {
+            loaded.set_load(load);
+            solve(&loaded, place.unwrap_or(start))
+        })
+        .map_err(|_: RigError| failure)
+    })
 }
 
 /// Balance after a slow change of load from the balance `from`; friction opposes the change.
@@ -247,7 +177,7 @@ impl SlowLoad {
         let goes_on = (presses && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
             let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
             let motion = || Motion::Creeping { from, interval };
-            let found = Settling { motion: &motion, jump: 0.0 }.solve(&self.model, &ahead).ok()?;
+            let found = settle(&self.model, &ahead, motion).ok()?;
             // Bodies that hang in their clearances have several balances: the one that is reached lies on the way.
             let way = |a: &[f64], b: &[f64]| {
                 let ways = a.iter().zip(b).zip(self.model.scale());

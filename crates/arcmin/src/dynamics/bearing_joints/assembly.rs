@@ -1,4 +1,5 @@
-use crate::dynamics::{Balance, DenseLinearisation};
+use crate::contact::ContactSpring;
+use crate::dynamics::{Balance, Contact, Contacts, DenseLinearisation};
 
 /// Where compliance sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -83,6 +84,26 @@ pub trait Sink {
 
     /// Rate (1/s) at which open contacts are about to close.
     fn onset(&mut self, _rate: f64) {}
+
+    /// What is wanted of single contacts: then [`Sink::contact`] gets each that presses or is near.
+    fn wants_contacts(&self) -> Option<Wanted> {
+        None
+    }
+
+    /// A contact, whose force is part of an element or damper as well. The Hessians of elements hold the stiffness of
+    /// contacts along their gaps, but for those on an elastic flank; the matrices of dampers do not hold that of
+    /// friction where its [interval](Wanted::slip_interval) is given.
+    fn contact(&mut self, _contact: &Contact<'_>) {}
+}
+
+/// Which contacts a search for a state of rest asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    /// Gaps in m up to which open contacts are wanted.
+    pub reach: f64,
+    /// Time in s over which displacements since the last state of rest make the velocities that friction sees; `None`
+    /// where these are given.
+    pub slip_interval: Option<f64>,
 }
 
 /// Sums forces, and tangents where there is somewhere to put them. Coordinates from number `size` on are held or
@@ -95,6 +116,8 @@ pub struct Assembly<'a> {
     /// Torque of the machine on a prescribed input in N·m.
     pub prescribed_torque: f64,
     pub balance: Balance,
+    /// Where contacts go one by one, where they are wanted.
+    pub look: Option<(Wanted, &'a mut Contacts)>,
 }
 
 impl Assembly<'_> {
@@ -143,8 +166,31 @@ impl Sink for Assembly<'_> {
         for (i, row) in index.iter().enumerate() {
             self.add_force(*row, force[i]);
         }
-        self.scatter(index, matrix, DenseLinearisation::damping_row);
+        match self.look.as_ref().map(|(wanted, _)| wanted.slip_interval) {
+            None => self.scatter(index, matrix, DenseLinearisation::damping_row),
+            Some(None) => {}
+            Some(Some(interval)) => {
+                let per_displacement: Vec<f64> = matrix.iter().map(|c| c / interval).collect();
+                self.scatter(index, &per_displacement, DenseLinearisation::stiffness_row);
+            }
+        }
         self.balance.dissipation += dissipation;
+    }
+
+    fn wants_contacts(&self) -> Option<Wanted> {
+        self.look.as_ref().map(|(wanted, _)| *wanted)
+    }
+
+    fn contact(&mut self, contact: &Contact<'_>) {
+        let Some((_, contacts)) = &mut self.look else { return };
+        contacts.push(contact);
+        let is_in_an_element = contact.place.is_none() && !matches!(contact.spring, ContactSpring::Slip { .. });
+        if is_in_an_element && let Some(linearisation) = self.linearisation.as_deref_mut() {
+            let stiffness = contact.spring.at(-contact.gap).stiffness;
+            if stiffness > 0.0 {
+                linearisation.add_outer(contact.index, contact.push, contact.gradient, -stiffness);
+            }
+        }
     }
 
     fn takes_stiffness(&self) -> bool {
@@ -152,7 +198,10 @@ impl Sink for Assembly<'_> {
     }
 
     fn takes_damping(&self) -> bool {
-        self.linearisation.as_ref().is_some_and(|linearisation| linearisation.takes_damping())
+        match &self.look {
+            Some((wanted, _)) => wanted.slip_interval.is_some(),
+            None => self.linearisation.as_ref().is_some_and(|linearisation| linearisation.takes_damping()),
+        }
     }
 
     fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {

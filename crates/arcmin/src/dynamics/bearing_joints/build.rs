@@ -13,7 +13,7 @@ use super::rim::{RIM, Rim};
 use super::shaft::Shaft;
 use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
 use crate::contact::{PinContacts, Sliding};
-use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
+use crate::dynamics::{DynamicsError, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
@@ -103,11 +103,15 @@ impl BearingJoints {
             drag_speed: (0.01 * machine.rated.input_speed / kinematics.ratio()).abs().max(1e-6),
             oil_drag: machine.friction.oil_drag,
             has_errors: !settings.errors.is_zero(),
+            elastic: ElasticCoordinates::new(layout.size()),
             rated: machine.rated.torque.abs(),
             layout,
             kinematics,
         };
         model.set_part_wear(settings.part_wear);
+        let mut elastic = std::mem::take(&mut model.elastic);
+        model.elements().for_each(|joint| joint.elastic(&mut |index, stiffness| elastic.add(index, stiffness)));
+        model.elastic = elastic;
         Ok(model)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::BearingJoints;
 use super::joints::{Nominal, State};
-use crate::dynamics::{JUMP_WIDTH, System};
+use crate::dynamics::System;
 use crate::load::LOST_MOTION_SHARE;
 use crate::units::ARCMIN;
 use crate::wear::PartLoads;
@@ -86,6 +86,8 @@ impl Cause {
 
 /// rad; work that is left of a balance and would turn the lightly loaded output by less is not looked at.
 const UNSEEN: f64 = 1e-3 * ARCMIN;
+/// Half of the width of a jump, in units of scale: 1e-3' of angles, some 0.01 µm of places.
+const JUMP_WIDTH: f64 = 1e-3;
 /// Where a jump is looked for, as shares of [`JUMP_WIDTH`], some 0.01 µm, and halvings of the way until both its
 /// sides are known. Where contacts jump, a balance may lie a micrometre further along an edge than the search went.
 const REACHES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];

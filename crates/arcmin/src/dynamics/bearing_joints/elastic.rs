@@ -1,6 +1,7 @@
 //! What elastic discs change in the bearings: their modes move the bores.
 
-use super::assembly::{Element, Sink};
+use super::assembly::{Element, Sink, Wanted};
+use crate::dynamics::Contact;
 use crate::geometry::{Vec2, quarter_turn};
 
 /// A mode that moves one end of a bearing.
@@ -112,6 +113,16 @@ impl Sink for WithModes<'_> {
 
     fn takes_damping(&self) -> bool {
         self.sink.takes_damping()
+    }
+
+    fn wants_contacts(&self) -> Option<Wanted> {
+        self.sink.wants_contacts()
+    }
+
+    fn contact(&mut self, contact: &Contact<'_>) {
+        let (gradient, push) = (self.vector(contact.gradient), self.vector(contact.push));
+        let index = &self.index(contact.index);
+        self.sink.contact(&Contact { index, gradient: &gradient, push: &push, ..*contact });
     }
 
     fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {

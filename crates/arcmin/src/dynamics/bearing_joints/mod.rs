@@ -24,6 +24,8 @@ mod tangent;
 mod tests;
 
 pub use assembly::Part;
+pub(crate) use assembly::Wanted;
+pub(super) use joints::Shown;
 pub use causes::Cause;
 pub(super) use roller::element_stiffness;
 pub use roller::{BearingState, RadialBearing};
@@ -35,14 +37,11 @@ use joints::{Joint, PinRing, State};
 use layout::Layout;
 
 use super::{
-    Drive, DynamicsError, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, MainBearings, OutputLoad,
+    Drive, DynamicsError, ElasticCarrier, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims,
+    MainBearings, OutputLoad,
 };
 use crate::geometry::{Relief, Vec2, unit};
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, PartWear};
-
-/// Share of the rated torque that a jump of contact forces may leave unbalanced: it winds the machine up by some
-/// 2e-4'.
-pub(crate) const JUMP: f64 = 1e-4;
 
 /// An output that leans in its main bearings.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,6 +171,7 @@ pub struct BearingJoints {
     /// N·m·s/rad at the sun.
     oil_drag: f64,
     has_errors: bool,
+    elastic: ElasticCoordinates,
     mass: Vec<f64>,
     scale: Vec<f64>,
     /// Size of the rated torque in N·m.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{BearingState, RadialBearing};
+use crate::contact::ContactSpring;
 use crate::fem::carrier::{RIM_ORDER, SEAT_COORDINATES};
 use crate::geometry::{Vec2, turned, unit};
 
@@ -206,6 +207,30 @@ impl RadialBearing {
             add(SLOPE + 1, CAGE, by_tilt * e.x);
         }
         state
+    }
+
+    /// Every element, slice by slice where rings lean: its gap in m, what of the [`VARIABLES`] closes it, and its law.
+    pub(super) fn slices_at(
+        &self,
+        stand: &Stand,
+        mut see: impl FnMut(f64, &[f64; VARIABLES], ContactSpring),
+    ) {
+        let (u, rim, slope) = (stand.shift, stand.rim.unwrap_or_default(), stand.slope.unwrap_or_default());
+        let on_body = unit(-rim.angle);
+        for (e, along, across) in self.elements(u, stand.cage) {
+            let [shape, bend, _] = OutOfRound::shapes(turned(e, on_body));
+            let turn_of_rim = rim.sum(&bend);
+            let mut way = [0.0; VARIABLES];
+            (0..RIM).for_each(|r| way[WAYS + r] = -shape[r]);
+            let [tilt, turn_of_tilt] = [slope[0] * e.x + slope[1] * e.y, slope[1] * e.x - slope[0] * e.y];
+            for (share, side) in stand.slices() {
+                let z = side * self.reach;
+                way[..4].copy_from_slice(&[e.x, e.y, across + z * turn_of_tilt - turn_of_rim, turn_of_rim]);
+                (way[SLOPE], way[SLOPE + 1]) = (z * e.x, z * e.y);
+                let gap = self.half_clearance + rim.sum(&shape) - along - z * tilt;
+                see(gap, &way, self.element_spring(*share));
+            }
+        }
     }
 
     /// Q_i of all elements, whole ones, with the angles (rad) where they stand.

@@ -159,10 +159,10 @@ impl RadialBearing {
         })
     }
 
-    /// How an element presses outwards beyond the clearance.
-    pub(super) fn element_spring(&self) -> ContactSpring {
+    /// How a share of an element presses outwards beyond the clearance.
+    pub(super) fn element_spring(&self, share: f64) -> ContactSpring {
         let RadialBearing { stiffness, exponent, contact_cosine: cosine, .. } = *self;
-        ContactSpring::Power { stiffness, exponent, cosine }
+        ContactSpring::Power { stiffness: share * stiffness, exponent, cosine }
     }
 
     /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.

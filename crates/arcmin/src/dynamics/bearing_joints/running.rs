@@ -1,7 +1,8 @@
 //! The machine in steady running, without inertia: friction sees the nominal velocities.
 
 use super::BearingJoints;
-use crate::dynamics::{Balance, DenseLinearisation, System};
+use super::assembly::Wanted;
+use crate::dynamics::{Balance, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, System};
 
 /// A model whose friction sees given velocities, whatever the solver moves.
 pub(super) struct Running<'a> {
@@ -17,8 +18,6 @@ impl<'a> Running<'a> {
 }
 
 impl System for Running<'_> {
-    type Linearisation = DenseLinearisation;
-
     fn linearisation(&self) -> DenseLinearisation {
         self.model.linearisation()
     }
@@ -48,6 +47,19 @@ impl System for Running<'_> {
 
     fn evaluate_forces(&self, time: f64, position: &[f64], _: &[f64], force: &mut [f64]) -> Balance {
         self.model.evaluate_forces(time, position, &self.velocity, force)
+    }
+
+    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
+        let wanted = Wanted { reach, slip_interval: None };
+        self.model.look_in_motion(time, position, &self.velocity, wanted, look);
+    }
+
+    fn elastic(&self) -> Option<&ElasticCoordinates> {
+        self.model.elastic()
+    }
+
+    fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
+        self.model.flank_compliance(of, force)
     }
 
     fn crank_angle(&self, position: &[f64]) -> f64 {

@@ -25,8 +25,6 @@ pub struct BearingMeshing {
     /// Turns of the crankshafts after which everything repeats.
     crank_turns: usize,
     discs_alike: bool,
-    /// Whether the machine has manufacturing errors: only then may jumps leave something.
-    has_errors: bool,
     /// Deviations of the last balances at no load, lag and lead: where the next ones start.
     loose: [Option<Vec<f64>>; 2],
     /// Speed of the sun in rad/s that friction sees; `None` with friction aside.
@@ -100,12 +98,10 @@ impl BearingMeshing {
         let leans = settings.lean.is_some() && machine.duty_tilts();
         let crank_turns = if leans { machine.ring.pin_count } else { errors.crank_turns(machine) };
         let discs_alike = !leans && errors.discs_alike();
-        let has_errors = !errors.is_zero();
         Ok(BearingMeshing {
             model,
             crank_turns,
             discs_alike,
-            has_errors,
             loose: [None, None],
             running,
             tolerance: balance::TOLERANCE,
@@ -406,7 +402,7 @@ impl ShareLoad for BearingMeshing {
                 Some((position, _)) => Some(self.deviation(crank, position)),
                 None => self.loose[side].take(),
             };
-            let (position, _) = self.end_of_travel(crank, sign * small, start.as_deref())?;
+            let (position, _) = self.balance_again(crank, sign * small, start.as_deref())?;
             ends[side] = self.model.output_error(&position);
             deviations[side] = self.deviation(crank, &position);
         }

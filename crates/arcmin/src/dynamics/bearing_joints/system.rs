@@ -1,8 +1,10 @@
-use super::assembly::{Assembly, Sink};
-use super::joints::{Distance, Limit, State};
+use super::assembly::{Assembly, Sink, Wanted};
+use super::joints::State;
 use super::{BearingJoints, Input};
+use crate::contact::ContactSpring;
 use crate::dynamics::{
-    Balance, Contact, DenseLinearisation, Drive, ForceSummary, Gap, OutputLoad, Reducer, System,
+    Balance, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace, ForceSummary, Look,
+    OutputLoad, Reducer, System,
 };
 
 impl BearingJoints {
@@ -43,8 +45,22 @@ impl BearingJoints {
         position: &[f64],
         velocity: &[f64],
         force: &mut [f64],
-        mut linearisation: Option<&mut DenseLinearisation>,
+        linearisation: Option<&mut DenseLinearisation>,
     ) -> (Balance, f64) {
+        self.evaluate_for(time, position, velocity, force, linearisation, None)
+    }
+
+    /// As [`BearingJoints::evaluate_with_input`], with single contacts where they are looked for.
+    fn evaluate_for(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+        force: &mut [f64],
+        mut linearisation: Option<&mut DenseLinearisation>,
+        look: Option<(Wanted, &mut Contacts)>,
+    ) -> (Balance, f64) {
+        let interval = look.as_ref().and_then(|(wanted, _)| wanted.slip_interval);
         let (q, v) = self.full(time, position, velocity);
         if let Some(linearisation) = linearisation.as_deref_mut() {
             linearisation.clear();
@@ -58,6 +74,7 @@ impl BearingJoints {
             input,
             prescribed_torque: 0.0,
             balance: Balance::default(),
+            look,
         };
         self.visit(&q, &v, &mut assembly);
         let output = self.layout.output();
@@ -68,7 +85,23 @@ impl BearingJoints {
         if self.drag > 0.0 {
             let reach = 1.0 / v[output].hypot(self.drag_speed);
             let torque = self.drag * v[output] * reach;
-            let slope = self.drag * self.drag_speed.powi(2) * reach.powi(3);
+            let slope = match interval {
+                None => self.drag * self.drag_speed.powi(2) * reach.powi(3),
+                Some(interval) => {
+                    let presliding = self.drag_speed * interval;
+                    let spring = ContactSpring::Slip { limit: self.drag, presliding };
+                    let (gradient, gap) = (&[1.0], v[output] * interval);
+                    assembly.contact(&Contact {
+                        index: &[output],
+                        gradient,
+                        push: gradient,
+                        gap,
+                        spring,
+                        place: None,
+                    });
+                    0.0
+                }
+            };
             assembly.damper(&[output], &[-torque], &[slope], torque * v[output]);
         }
         let oil = self.oil_drag;
@@ -94,9 +127,23 @@ impl BearingJoints {
     }
 }
 
-impl System for BearingJoints {
-    type Linearisation = DenseLinearisation;
+impl BearingJoints {
+    /// What the static solver sees where friction sees velocities, given or as displacements over an interval.
+    pub(crate) fn look_in_motion(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+        wanted: Wanted,
+        look: &mut Look,
+    ) {
+        look.contacts.clear();
+        let contacts = Some((wanted, &mut look.contacts));
+        self.evaluate_for(time, position, velocity, &mut look.force, Some(&mut look.smooth), contacts);
+    }
+}
 
+impl System for BearingJoints {
     fn linearisation(&self) -> DenseLinearisation {
         DenseLinearisation::new(self.layout.size())
     }
@@ -128,35 +175,18 @@ impl System for BearingJoints {
         self.evaluate_with_input(time, position, velocity, force, None).0
     }
 
-    /// None where discs are elastic: gaps to their pins depend on more than where the discs stand.
-    fn gaps(&self, time: f64, position: &[f64], reach: f64, see: &mut dyn FnMut(&Gap<'_>)) {
-        if self.rings.iter().any(|ring| ring.elastic.is_some()) {
-            return;
-        }
-        let (q, _) = self.full(time, position, &vec![0.0; position.len()]);
-        for joint in self.elements() {
-            joint.limits(&q, reach, &mut |limit| {
-                if let Limit::Gap(at, spring) | Limit::Pin(at, spring) = limit {
-                    let Distance { index, gradient, value: width, .. } = at;
-                    let pressed = spring.at(-width);
-                    let stiffness = if pressed.force > 0.0 { pressed.stiffness } else { at.stiffness };
-                    see(&Gap { index, gradient, width, force: pressed.force, stiffness });
-                }
-            });
-        }
+    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
+        let rest = vec![0.0; position.len()];
+        self.look_in_motion(time, position, &rest, Wanted { reach, slip_interval: None }, look);
     }
 
-    /// None where discs are elastic, for the same reason.
-    fn contacts(&self, time: f64, position: &[f64], reach: f64, see: &mut dyn FnMut(&Contact<'_>)) {
-        if self.rings.iter().any(|ring| ring.elastic.is_some()) {
-            return;
-        }
-        let (q, _) = self.full(time, position, &vec![0.0; position.len()]);
-        for joint in self.elements() {
-            joint.contacts(&q, reach, &mut |Distance { index, gradient, value: gap, .. }, spring| {
-                see(&Contact { index, gradient, gap, spring });
-            });
-        }
+    fn elastic(&self) -> Option<&ElasticCoordinates> {
+        (!self.elastic.is_empty()).then_some(&self.elastic)
+    }
+
+    fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
+        let elastic = self.rings.first().and_then(|ring| ring.elastic.as_ref());
+        elastic.map_or(0.0, |modes| modes.body.flank_compliance(of, force))
     }
 
     fn next_breakpoint(&self, time: f64) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use super::BearingJoints;
 use super::joints::Joint;
-use crate::dynamics::{DenseLinearisation, Linearisation, System, Weights};
+use crate::dynamics::{DenseLinearisation, System, Weights};
 
 /// Squares of 10 and 100 rad/s: inertia of a body at such a pace is some 1e-6 and 1e-4 of any contact's stiffness.
 const SLOW: [f64; 2] = [1e2, 1e4];

@@ -1,7 +1,7 @@
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
-    EquilibriumControl, IdealJoints, Linearisation, Model, Reducer, Run, RunPlan, RunResult, StepControl,
+    EquilibriumControl, IdealJoints, Model, Reducer, Run, RunPlan, RunResult, StepControl,
     System, solve_equilibrium,
 };
 use crate::machine::{FixedMember, RunOut};

@@ -15,6 +15,10 @@ pub(in crate::dynamics) struct DiscContacts {
     pub shape: Vec<f64>,
     pub coupled: Vec<CoupledContact>,
     pub forces: CoupledForces,
+    /// Open contacts that are not among these but nearer than was asked for, with their shapes.
+    pub waiting: Vec<PinContact>,
+    pub waiting_shape: Vec<f64>,
+    pub waiting_coupled: Vec<CoupledContact>,
 }
 
 impl DiscContacts {
@@ -25,9 +29,25 @@ impl DiscContacts {
         self.coupled.push(coupled);
     }
 
+    fn keep_waiting(&mut self, waiting: DiscContacts, reach: f64) {
+        for (i, contact) in waiting.contacts.iter().enumerate() {
+            let is_among = self.contacts.iter().any(|c| c.pin == contact.pin);
+            if -waiting.coupled[i].deepest() < reach && !is_among {
+                self.waiting.push(*contact);
+                self.waiting_shape.extend_from_slice(waiting.shape_of(i));
+                self.waiting_coupled.push(waiting.coupled[i]);
+            }
+        }
+    }
+
     fn shape_of(&self, contact: usize) -> &[f64] {
         let count = self.shape.len() / self.contacts.len();
         &self.shape[contact * count..(contact + 1) * count]
+    }
+
+    /// Displacement (m) of a place that is none of the contacts.
+    pub fn bent_at(&self, compliance: &FlankCompliance, at: &CoupledContact) -> f64 {
+        self.bent(compliance, self.contacts.len(), at)
     }
 
     /// Displacement (m) of a place under the forces of the first `count` contacts.
@@ -52,12 +72,13 @@ impl ElasticDiscs {
         disc: usize,
         ring: &PinContacts,
         motion: DiscMotion<'_>,
+        reach: f64,
     ) -> DiscContacts {
         let body = &self.bodies[disc];
         let by_modes: f64 = motion.modes.iter().zip(&body.peaks).map(|(q, peak)| q.abs() * peak).sum();
         let mut by_forces = 0.0;
         loop {
-            let state = self.contacts_within(disc, ring, motion, by_modes + by_forces);
+            let state = self.contacts_within(disc, ring, motion, by_modes + by_forces, reach);
             let needed = body.largest_lift * state.forces.force.iter().sum::<f64>();
             // Forces that are no numbers are for the caller to reject.
             if !(needed > by_forces + ring.reach()) {
@@ -74,13 +95,14 @@ impl ElasticDiscs {
         ring: &PinContacts,
         motion: DiscMotion<'_>,
         lift: f64,
+        reach: f64,
     ) -> DiscContacts {
         let body = &self.bodies[disc];
         let (mut state, mut waiting) = (DiscContacts::default(), DiscContacts::default());
         let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
             (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
         });
-        let moved = Moved { shifts: &shifts, lift };
+        let moved = Moved { shifts: &shifts, lift: lift.max(reach) };
         let mut shape = vec![0.0; motion.modes.len()];
         ring.visit_moved(motion.pose, motion.velocity, false, moved, |contact| {
             let place = self.discs.stencil(disc, contact.tau);
@@ -115,6 +137,9 @@ impl ElasticDiscs {
                 }
             }
             if state.contacts.len() == before {
+                if reach > 0.0 {
+                    state.keep_waiting(waiting, reach);
+                }
                 return state;
             }
         }

@@ -18,8 +18,7 @@ impl ElasticDiscs {
     /// contacts, −∂U/∂τ_i = F_i φ′_i·q + ½ ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′. It acts along the flank: the
     /// slope of the deformed flank under the contact force, and the work of rolling to another curvature. It
     /// is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc:
-    /// the tangents that go with φ′ are a per cent there. Those of the curvature are left out, as on the
-    /// rigid disc.
+    /// the tangents that go with φ′ are a per cent there.
     ///
     /// `rows` and `pushes` of all contacts change with the places; what else the tangent gets goes into `products`,
     /// where there are any.
@@ -37,15 +36,22 @@ impl ElasticDiscs {
         for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| state.forces.force[*i] > 0.0) {
             let Travel { rolling, bent, pull, turns } = self.travel(disc, ring, state, motion.modes, i);
             let own = state.forces.force[i];
+            // As in `PinContacts::steering`: how the force changes with the curvature and the flank's error.
+            let by_curvature =
+                2.0 * ring.contact().energy_by_log_radius(own) / own * rolling.log_radius_slope;
+            let steered: [f64; 3] = std::array::from_fn(|a| {
+                (bent - by_curvature) * rolling.by_pose[a] + rolling.gap_slope[a]
+            });
             let push: [f64; 3] =
                 std::array::from_fn(|a| pull * rolling.by_pose[a] + own * rolling.gap_slope[a]);
             motion.spread(disc, contact.pin, rolling.by_pose, &mut by_place);
             motion.spread(disc, contact.pin, push, &mut pushed);
             force.iter_mut().zip(&pushed).for_each(|(sum, push)| *sum += push);
             // The approach changes with the place as well.
+            motion.spread(disc, contact.pin, steered, &mut pushed);
             for all in [&mut *rows, &mut *pushes] {
                 let row = all[i * width..][..width].iter_mut();
-                row.zip(&by_place).for_each(|(entry, by_place)| *entry += bent * by_place);
+                row.zip(&pushed).for_each(|(entry, steered)| *entry += steered);
             }
             let Some(products) = products.as_deref_mut() else { continue };
             let turn = |row: &mut [f64]| {
@@ -79,7 +85,7 @@ impl ElasticDiscs {
         ring: &PinContacts,
         motion: DiscMotion<'_>,
     ) -> Vec<(usize, Vec2)> {
-        let state = self.contacts(disc, ring, motion);
+        let state = self.contacts(disc, ring, motion, 0.0);
         let loaded = (0..state.contacts.len()).filter(|i| state.forces.force[*i] > 0.0);
         loaded
             .map(|i| {

@@ -21,10 +21,10 @@ impl ElasticDiscs {
         g: &[f64],
     ) -> DiscSplit {
         let (count, width) = (motion.modes.len(), g.len());
-        let stiffness = self.react(disc, ring, motion, true).stiffness;
+        let stiffness = self.react(disc, ring, motion, true, None).stiffness;
         let whole: f64 =
             (0..width).map(|a| (0..width).map(|b| g[a] * stiffness[a * width + b] * g[b]).sum::<f64>()).sum();
-        let state = self.contacts(disc, ring, motion);
+        let state = self.contacts(disc, ring, motion, 0.0);
         let change: Vec<f64> = state
             .contacts
             .iter()

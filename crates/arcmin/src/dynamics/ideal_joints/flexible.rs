@@ -159,7 +159,7 @@ impl FlexibleJoints {
         let (pose, rate) = self.rigid.disc_state(disc, angle, speed);
         let motion =
             DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None, lean: None };
-        let reaction = self.discs.react(disc, &self.rigid.rings[disc], motion, true);
+        let reaction = self.discs.react(disc, &self.rigid.rings[disc], motion, true, None);
         balance.stored += reaction.stored;
         balance.dissipation += reaction.dissipation;
         balance.onset_rate = balance.onset_rate.max(reaction.onset_rate);
@@ -208,8 +208,6 @@ impl FlexibleJoints {
 }
 
 impl System for FlexibleJoints {
-    type Linearisation = DenseLinearisation;
-
     fn linearisation(&self) -> DenseLinearisation {
         DenseLinearisation::new(self.mass.len())
     }
@@ -318,7 +316,7 @@ impl Reducer for FlexibleJoints {
             let motion =
                 DiscMotion { pose, velocity, modes: &modes, rates: &rates, housing: None, lean: None };
             let ring = &self.rigid.rings[disc];
-            let state = self.discs.contacts(disc, ring, motion);
+            let state = self.discs.contacts(disc, ring, motion, 0.0);
             for (force, coupled) in state.forces.force.iter().zip(&state.coupled) {
                 summary.add_pin(*force, ring.contact().pressure(*force, coupled.equivalent_radius));
             }

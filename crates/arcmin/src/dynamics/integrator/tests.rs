@@ -12,8 +12,6 @@ struct Ball {
 }
 
 impl System for Ball {
-    type Linearisation = DenseLinearisation;
-
     fn linearisation(&self) -> DenseLinearisation {
         DenseLinearisation::new(1)
     }

@@ -13,13 +13,11 @@ struct Counted<'a> {
 }
 
 impl System for Counted<'_> {
-    type Linearisation = <BearingJoints as System>::Linearisation;
-
-    fn linearisation(&self) -> Self::Linearisation {
+    fn linearisation(&self) -> DenseLinearisation {
         self.model.linearisation()
     }
 
-    fn linearisation_at_rest(&self) -> Self::Linearisation {
+    fn linearisation_at_rest(&self) -> DenseLinearisation {
         self.model.linearisation_at_rest()
     }
 
@@ -37,7 +35,7 @@ impl System for Counted<'_> {
         position: &[f64],
         velocity: &[f64],
         force: &mut [f64],
-        linearisation: &mut Self::Linearisation,
+        linearisation: &mut DenseLinearisation,
     ) -> Balance {
         self.evaluations.set(self.evaluations.get() + 1);
         self.model.evaluate(time, position, velocity, force, linearisation)
@@ -107,16 +105,14 @@ fn balances_are_those_of_the_present_solver() {
 #[test]
 fn linear_contacts_need_one_step() {
     use crate::contact::ContactSpring;
-    use crate::dynamics::{DenseLinearisation, Linearisation};
+    use crate::dynamics::{DenseLinearisation};
 
     struct Bead;
     const WALLS: [([f64; 2], f64); 3] = [([1.0, 0.0], 2e-6), ([0.6, 0.8], 3e-6), ([-1.0, 0.0], 1e-6)];
     const WALL: ContactSpring = ContactSpring::Linear { stiffness: 1e8 };
 
     impl System for Bead {
-        type Linearisation = DenseLinearisation;
-
-        fn linearisation(&self) -> DenseLinearisation {
+            fn linearisation(&self) -> DenseLinearisation {
             DenseLinearisation::new(2)
         }
 

@@ -3,7 +3,7 @@ use super::super::{BearingJoints, JointSettings, Part};
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
-    Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, Linearisation, OutputLoad,
+    Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, OutputLoad,
     Reducer, Run, RunPlan, RunResult, StepControl, System, TimeTable, solve_equilibrium,
 };
 use crate::fem::tests::{discs, reduced};

@@ -90,8 +90,8 @@ impl<'a> Search<'a> {
             joint.limits(&q, WINDOW, &mut |limit| match limit {
                 Limit::Held(_) => {}
                 Limit::Bond(distance) => self.row(&distance, &mut held),
-                Limit::Gap(distance, _) => self.row(&distance, &mut gaps),
-                Limit::Pin(distance, _) => {
+                Limit::Gap(distance) => self.row(&distance, &mut gaps),
+                Limit::Pin(distance) => {
                     self.row(&distance, &mut pins);
                     // The relief is the last column.
                     if let Some(last) = pins.slopes.last_mut() {

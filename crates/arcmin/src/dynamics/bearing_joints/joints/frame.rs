@@ -32,6 +32,10 @@ impl Joint for Frame {
         self.index.iter().for_each(|at| add(Limit::Held(*at)));
     }
 
+    fn elastic(&self, add: &mut dyn FnMut(&[usize], &[f64])) {
+        add(&self.index, &self.stiffness);
+    }
+
     fn boxed(&self) -> Box<dyn Joint> {
         Box::new(self.clone())
     }

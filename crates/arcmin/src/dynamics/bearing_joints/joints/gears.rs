@@ -1,6 +1,6 @@
-use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, Wanted};
 use crate::contact::ContactSpring;
-use crate::dynamics::ForceSummary;
+use crate::dynamics::{Contact, ForceSummary};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::planar_mesh::{MESH_COORDINATES, MeshState, PlanarMesh};
 use crate::machine::PartWear;
@@ -24,6 +24,20 @@ impl Gears {
     }
 }
 
+impl Gears {
+    fn show_teeth(&self, q: &[f64], wanted: Wanted, sink: &mut dyn Sink) {
+        let place = self.index.map(|i| q[i]);
+        let spring = ContactSpring::Linear { stiffness: self.law.stiffness_at(&place) };
+        for (overlap, slope) in self.law.overlaps(&place).into_iter().flatten() {
+            if -overlap < wanted.reach {
+                let gradient = &slope.map(|s| -s);
+                let index = &self.index;
+                sink.contact(&Contact { index, gradient, push: gradient, gap: -overlap, spring, place: None });
+            }
+        }
+    }
+}
+
 impl Joint for Gears {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let index = self.index;
@@ -36,6 +50,9 @@ impl Joint for Gears {
             hessian: mesh.hessian.as_flattened(),
             stored: mesh.stored,
         });
+        if let Some(wanted) = sink.wants_contacts() {
+            self.show_teeth(at.q, wanted, sink);
+        }
         let mut force = mesh.damping_force;
         let mut damping = mesh.damping;
         let mut dissipation = mesh.dissipation;
@@ -47,9 +64,22 @@ impl Joint for Gears {
             let torque = friction * mesh.force.abs() * self.sliding;
             force[2] -= torque * share;
             force[5] += torque * share;
-            let c = torque * slope * self.sliding;
-            for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
-                damping[i][j] += sign * c;
+            if let Some(interval) = sink.wants_contacts().and_then(|wanted| wanted.slip_interval) {
+                let spring = self.losses.slip(friction * mesh.force.abs(), interval);
+                let gradient = &[self.sliding, -self.sliding];
+                sink.contact(&Contact {
+                    index: &[index[2], index[5]],
+                    gradient,
+                    push: gradient,
+                    gap: speed * self.sliding * interval,
+                    spring,
+                    place: None,
+                });
+            } else {
+                let c = torque * slope * self.sliding;
+                for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
+                    damping[i][j] += sign * c;
+                }
             }
             dissipation += torque * share * speed;
             let factor = friction * self.sliding * share * mesh.force.signum();
@@ -66,11 +96,9 @@ impl Joint for Gears {
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         for (overlap, slope) in self.law.overlaps(&self.index.map(|i| q[i])).into_iter().flatten() {
             let gradient = &slope.map(|s| -s);
-            let stiffness = self.law.stiffness_at(&self.index.map(|i| q[i]));
             // Weights of limits stay as they are while the teeth turn.
-            let mean = self.law.stiffness;
-            let distance = Distance { index: &self.index, gradient, value: -overlap, stiffness: mean };
-            add(Limit::Gap(distance, ContactSpring::Linear { stiffness }));
+            let stiffness = self.law.stiffness;
+            add(Limit::Gap(Distance { index: &self.index, gradient, value: -overlap, stiffness }));
         }
     }
 

@@ -1,5 +1,5 @@
 use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, damp};
-use crate::contact::ContactSpring;
+use crate::dynamics::Contact;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
 use crate::dynamics::bearing_joints::rim::{
@@ -85,6 +85,22 @@ struct Arms {
     bore: Vec2,
     /// What else moves the bore, and stands in space while the body turns.
     aside: Vec2,
+}
+
+const WIDEST: usize = 6 + RIM + SLOPES;
+
+/// Coordinates of a bearing, and which of the [`VARIABLES`] each moves by how much.
+struct Moves {
+    index: [usize; WIDEST],
+    moves: [[(usize, f64); 4]; WIDEST],
+    width: usize,
+}
+
+impl Moves {
+    /// How many variables a coordinate moves.
+    fn reach(coordinate: usize) -> usize {
+        if coordinate < 6 { 4 } else { 2 }
+    }
 }
 
 impl Journal {
@@ -180,17 +196,9 @@ impl Journal {
         self.radial_element_forces(q).iter().map(|(angle, force)| force * rim.at(*angle)).sum()
     }
 
-    /// Hands on the bearing in its rim or with rings that lean: coordinates of shaft and body, then those of the rim,
-    /// then what leans.
-    fn visit_whole(
-        &self,
-        state: &StandState,
-        jacobian: &[[f64; 6]; 3],
-        Arms { inner, bore, .. }: Arms,
-        sink: &mut dyn Sink,
-    ) {
-        const WIDEST: usize = 6 + RIM + SLOPES;
-        // What each coordinate moves, and by how much.
+    /// What each coordinate of a bearing in its rim or with rings that lean moves: those of shaft and body, then those
+    /// of the rim, then what leans.
+    fn moves(&self, jacobian: &[[f64; 6]; 3]) -> Moves {
         let mut index = [0; WIDEST];
         let mut moves = [[(0, 0.0); 4]; WIDEST];
         for (i, at) in self.index.iter().enumerate() {
@@ -208,7 +216,36 @@ impl Journal {
         ways.for_each(|(way, at)| push(at, [(WAYS + way, 1.0), (0, 0.0)]));
         let slopes = self.slopes.iter().flatten();
         slopes.for_each(|(at, by)| push(*at, [(SLOPE, by.x), (SLOPE + 1, by.y)]));
-        let reach = |i: usize| if i < 6 { 4 } else { 2 };
+        Moves { index, moves, width }
+    }
+
+    /// Hands on every rolling element, or slice of one, that presses or is nearer than `reach` (m).
+    fn show_elements(&self, stand: &Stand, jacobian: &[[f64; 6]; 3], reach: f64, sink: &mut dyn Sink) {
+        let Moves { index, moves, width } = self.moves(jacobian);
+        let mut gradient = [0.0; WIDEST];
+        self.law.slices_at(stand, |gap, way, spring| {
+            if gap >= reach {
+                return;
+            }
+            for i in 0..width {
+                gradient[i] = moves[i][..Moves::reach(i)].iter().map(|(c, by)| -way[*c] * by).sum();
+            }
+            let (index, gradient) = (&index[..width], &gradient[..width]);
+            sink.contact(&Contact { index, gradient, push: gradient, gap, spring, place: None });
+        });
+    }
+
+    /// Hands on the bearing in its rim or with rings that lean: coordinates of shaft and body, then those of the rim,
+    /// then what leans.
+    fn visit_whole(
+        &self,
+        state: &StandState,
+        jacobian: &[[f64; 6]; 3],
+        Arms { inner, bore, .. }: Arms,
+        sink: &mut dyn Sink,
+    ) {
+        let Moves { index, moves, width } = self.moves(jacobian);
+        let reach = Moves::reach;
         let mut slope = [0.0; WIDEST];
         let mut matrix = [0.0; WIDEST * WIDEST];
         for i in 0..width {
@@ -252,7 +289,7 @@ impl Joint for Journal {
     /// A gap at every rolling element; without clearance the elements hold the shaft in the middle.
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let arms = self.arms(q, &self.modes_at(q));
-        let (u, _) = self.displacement(q, arms);
+        let (u, cage) = self.displacement(q, arms);
         let [x, y, _] = self.jacobian(arms);
         let index = &self.index;
         if self.law.half_clearance <= 0.0 {
@@ -261,23 +298,15 @@ impl Joint for Journal {
             add(Limit::Bond(Distance { index, gradient: &y, value: u[1], stiffness }));
             return;
         }
-        self.contacts(q, reach, &mut |distance, spring| add(Limit::Gap(distance, spring)));
-    }
-
-    /// A contact at every rolling element.
-    fn contacts(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Distance<'_>, ContactSpring)) {
-        let arms = self.arms(q, &self.modes_at(q));
-        let (u, cage) = self.displacement(q, arms);
-        let [x, y, turn] = self.jacobian(arms);
-        let (index, stiffness) = (&self.index, self.law.stiffness_of_an_element());
+        let [_, _, turn] = self.jacobian(arms);
+        let stiffness = self.law.stiffness_of_an_element();
         for (e, along, across) in self.law.elements(u, cage) {
             let value = self.law.half_clearance - along;
-            if value >= reach {
-                continue;
+            if value < reach {
+                let slope = |i: usize| -(e.x * x[i] + e.y * y[i] + across * turn[i]);
+                let gradient = &std::array::from_fn::<f64, 6, _>(slope);
+                add(Limit::Gap(Distance { index, gradient, value, stiffness }));
             }
-            let gradient =
-                &std::array::from_fn::<f64, 6, _>(|i| -(e.x * x[i] + e.y * y[i] + across * turn[i]));
-            add(Distance { index, gradient, value, stiffness }, self.law.element_spring());
         }
     }
 
@@ -288,14 +317,17 @@ impl Joint for Journal {
         let tangents = sink.takes_stiffness() || self.losses.time > 0.0;
         let (plain, whole) = self.state(&self.stand_at(at.q, (u, cage)), tangents);
         let BearingState { stored, gradient, hessian, .. } = plain;
+        let jacobian = self.jacobian(arms);
+        let mut sink = WithModes { sink, modes: &modes };
+        if let Some(wanted) = sink.wants_contacts() {
+            self.show_elements(&self.stand_at(at.q, (u, cage)), &jacobian, wanted.reach, &mut sink);
+        }
         if stored == 0.0 {
             return;
         }
         if let Some(state) = &whole {
-            self.damp_lean(state, at, sink);
+            self.damp_lean(state, at, sink.sink);
         }
-        let mut sink = WithModes { sink, modes: &modes };
-        let jacobian = self.jacobian(arms);
         let mut slope = [0.0; 6];
         let mut matrix = [0.0; 36];
         let mut damping = [0.0; 36];
@@ -356,9 +388,21 @@ impl Joint for Journal {
             let torque = friction.bearing * load * radius;
             force[2] -= torque * share;
             force[5] += torque * share;
-            let c = torque * slope * radius;
-            for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
-                damping[i * 6 + j] += sign * c;
+            if let Some(interval) = sink.wants_contacts().and_then(|wanted| wanted.slip_interval) {
+                let gradient = &[radius, -radius];
+                sink.sink.contact(&Contact {
+                    index: &[self.index[2], self.index[5]],
+                    gradient,
+                    push: gradient,
+                    gap: speed * radius * interval,
+                    spring: self.losses.slip(friction.bearing * load, interval),
+                    place: None,
+                });
+            } else {
+                let c = torque * slope * radius;
+                for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
+                    damping[i * 6 + j] += sign * c;
+                }
             }
             dissipation += torque * share * speed;
             // ∂F/∂(u_x, u_y, ψ), which lead on to the coordinates.

@@ -17,11 +17,12 @@ pub(super) use gears::Gears;
 pub(super) use journal::{Journal, Place, SLOPES};
 pub(super) use main_pair::{MainPair, OutsideForces};
 pub(super) use pin_ring::{Designed, Modes, PIN, PinRing};
+pub(in crate::dynamics) use pin_ring::Shown;
 pub(super) use support::Support;
 pub(super) use torsion::Torsion;
 
 use super::Cause;
-use super::assembly::{Element, Part, Sink, Split};
+use super::assembly::{Element, Part, Sink, Split, Wanted};
 use crate::contact::ContactSpring;
 use crate::dynamics::ForceSummary;
 use crate::machine::{Friction, OutputForces, PartWear};
@@ -53,10 +54,10 @@ impl<'a> Nominal<'a> {
 /// What a joint lets bodies do while nothing presses, to first order in their displacement.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Limit<'a> {
-    /// A gap that does not close any further than to nothing, with the law by which it presses.
-    Gap(Distance<'a>, ContactSpring),
+    /// A gap that does not close any further than to nothing.
+    Gap(Distance<'a>),
     /// The same between a pin and a flank, which a relief of the flank widens.
-    Pin(Distance<'a>, ContactSpring),
+    Pin(Distance<'a>),
     /// A distance that stays at nothing.
     Bond(Distance<'a>),
     /// A coordinate that stays at nothing.
@@ -85,14 +86,9 @@ pub(super) trait Joint: Debug + Send + Sync {
     /// `reach` (m).
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>));
 
-    /// Hands on the contacts of the joint that press or are nearer than `reach` (m), each with its law.
-    fn contacts(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Distance<'_>, ContactSpring)) {
-        self.limits(q, reach, &mut |limit| {
-            if let Limit::Gap(distance, spring) | Limit::Pin(distance, spring) = limit {
-                add(distance, spring);
-            }
-        });
-    }
+    /// Hands on the groups of coordinates that have a constant stiffness (row by row) of their own and act on nothing
+    /// but through contacts.
+    fn elastic(&self, _add: &mut dyn FnMut(&[usize], &[f64])) {}
 
     /// Tangent compliance along a motion g of all coordinates, by part: gᵀ K g.
     fn split(&self, at: State<'_>, motion: &[f64], add: &mut dyn FnMut(Part, f64)) {
@@ -207,6 +203,11 @@ impl Losses {
     fn scale_friction(&mut self, share: f64) {
         self.friction.bearing *= share;
         self.friction.gear_mesh *= share;
+    }
+
+    /// Friction of at most `limit` (N) on what has slid over the interval (s).
+    fn slip(&self, limit: f64, interval: f64) -> ContactSpring {
+        ContactSpring::Slip { limit, presliding: self.friction.regularisation_speed * interval }
     }
 
     /// v/√(v² + v_r²) and its derivative: regularised Coulomb friction.

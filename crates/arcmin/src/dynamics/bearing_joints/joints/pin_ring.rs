@@ -6,12 +6,12 @@ mod slices;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Sink, State};
+use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Sink, State, Wanted};
 use crate::contact::{
-    DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Reaction, Sliding, slice_height,
+    ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Sliding, slice_height,
 };
 use crate::dynamics::elastic_disc::{DiscLean, DiscMotion, DiscSplit, HousingMotion};
-use crate::dynamics::{ElasticDiscs, ElasticHousing, ForceSummary};
+use crate::dynamics::{Contact, ElasticDiscs, ElasticHousing, FlankPlace, ForceSummary};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
 pub(in super::super) use gaps::Designed;
@@ -64,6 +64,16 @@ impl Motion {
     fn list(&self) -> &[(usize, f64)] {
         &self.moves[..self.count]
     }
+}
+
+/// A contact over (x, y, θ in the ring, modes of disc and housing, slopes in the ring).
+pub(in crate::dynamics) struct Shown {
+    pub gap: f64,
+    pub gradient: Vec<f64>,
+    /// What its force does, where that is not along the gradient.
+    pub push: Option<Vec<f64>>,
+    pub spring: ContactSpring,
+    pub place: Option<FlankPlace>,
 }
 
 /// Forces on (x, y, θ in the ring, modes of disc and housing, slopes in the ring) with −∂Q/∂q and −∂Q/∂q̇, row by
@@ -162,7 +172,7 @@ impl PinRing {
         for Slice { share, pose, velocity, .. } in self.slices(at) {
             self.contacts.visit(pose, velocity, false, |contact| {
                 if contact.force > 0.0 {
-                    let rolling = self.contacts.rolling_force(contact);
+                    let rolling = self.contacts.steering(contact).force;
                     let on_disc = |a: usize| share * (contact.force * contact.gradient[a] + rolling[a]);
                     forces.push((contact.pin, -Vec2::new(on_disc(0), on_disc(1))));
                 }
@@ -218,7 +228,7 @@ impl PinRing {
             }
             return;
         };
-        let state = body.contacts(self.disc, &self.contacts, self.motion(at));
+        let state = body.contacts(self.disc, &self.contacts, self.motion(at), 0.0);
         for (i, (contact, coupled)) in state.contacts.iter().zip(&state.coupled).enumerate() {
             let (force, local) = (state.forces.force[i], state.forces.local[i]);
             if force > 0.0 {
@@ -243,26 +253,58 @@ impl PinRing {
         sink.damper(&index, &vec![0.0; force.len()], damping, dissipation);
     }
 
-    /// Q = Gᵀ f with G from [`Self::seen`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f where that is
-    /// asked for.
-    fn hand_on_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
-        let Forces { force, stiffness, damping, powers: [stored, dissipation, _] } = *forces;
+    /// What the coordinates, (x, y, θ) of disc and housing, then the others, move of the `own` ones in a moving ring.
+    fn motions(&self, pose: DiscPose, q: &[f64], own: usize) -> Vec<Motion> {
         let seen = self.seen(pose, q);
-        let (own, width) = (force.len(), force.len() + 3);
         let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
         let places = (0..6).map(|i| Motion::of(&[(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]));
         let modes = (3..slopes.start).map(|m| Motion::of(&[(m, 1.0)]));
         let mut motions: Vec<Motion> = places.chain(modes).collect();
-        let slope = self.slope(q).unwrap_or_default();
         if !slopes.is_empty() {
             let (x, y) = (slopes.start, slopes.start + 1);
             let (sin, cos) = q[self.place[5]].sin_cos();
             motions.extend([Motion::of(&[(x, cos), (y, -sin)]), Motion::of(&[(x, sin), (y, cos)])]);
             // Seen from a ring that turns a slope turns back.
-            let back = -quarter_turn(slope);
+            let back = -quarter_turn(self.slope(q).unwrap_or_default());
             let [a, b, c] = [0, 1, 2].map(|a| (a, seen[a][5]));
             motions[5] = Motion::of(&[a, b, c, (x, back.x), (y, back.y)]);
         }
+        motions
+    }
+
+    /// Hands on contacts given over (x, y, θ in the ring, modes, slopes).
+    fn show(&self, shown: &[Shown], pose: DiscPose, q: &[f64], sink: &mut dyn Sink) {
+        let Some(first) = shown.first() else { return };
+        let own = first.gradient.len();
+        let others = self.others();
+        let index: Vec<usize> = if self.moves {
+            self.place.iter().copied().chain(others).collect()
+        } else {
+            self.place[..3].iter().copied().chain(others).collect()
+        };
+        let motions = if self.moves { self.motions(pose, q, own) } else { Vec::new() };
+        let on_coordinates = |row: &[f64]| -> Vec<f64> {
+            if !self.moves {
+                return row.to_vec();
+            }
+            motions.iter().map(|motion| motion.list().iter().map(|(a, g)| g * row[*a]).sum()).collect()
+        };
+        for Shown { gap, gradient, push, spring, place } in shown {
+            let gradient = on_coordinates(gradient);
+            let push = push.as_ref().map_or_else(|| gradient.clone(), |push| on_coordinates(push));
+            let (gap, spring, place) = (*gap, *spring, *place);
+            sink.contact(&Contact { index: &index, gradient: &gradient, push: &push, gap, spring, place });
+        }
+    }
+
+    /// Q = Gᵀ f with G from [`Self::seen`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f where that is
+    /// asked for.
+    fn hand_on_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
+        let Forces { force, stiffness, damping, powers: [stored, dissipation, _] } = *forces;
+        let (own, width) = (force.len(), force.len() + 3);
+        let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
+        let slope = self.slope(q).unwrap_or_default();
+        let motions = self.motions(pose, q, own);
         let through = |m: &[f64]| -> Vec<f64> {
             if m.is_empty() {
                 return Vec::new();
@@ -311,30 +353,18 @@ impl PinRing {
 impl Joint for PinRing {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let motion = self.motion(at);
+        let wanted = sink.wants_contacts();
+        let mut shown = Vec::new();
         match &self.elastic {
-            None if self.slopes.is_none() => {
-                let Reaction { force, stiffness, damping, stored, dissipation, onset_rate } =
-                    self.contacts.react(motion.pose, motion.velocity);
-                let forces = Forces {
-                    force: &force,
-                    stiffness: stiffness.as_flattened(),
-                    damping: damping.as_flattened(),
-                    powers: [stored, dissipation, onset_rate],
-                };
-                self.hand_on(motion.pose, at.q, &forces, sink);
-            }
             None => {
-                let leaning = self.react_of_slices(at);
-                let forces = Forces {
-                    force: &leaning.force,
-                    stiffness: leaning.stiffness.as_flattened(),
-                    damping: leaning.damping.as_flattened(),
-                    powers: leaning.powers,
-                };
-                self.hand_on(motion.pose, at.q, &forces, sink);
+                let sum = self.react_of_slices(at, wanted, &mut shown);
+                let width = if self.slopes.is_some() { 5 } else { 3 };
+                self.hand_on(motion.pose, at.q, &sum.forces(width), sink);
             }
             Some(Modes { body, .. }) => {
-                let reaction = body.react(self.disc, &self.contacts, motion, sink.takes_stiffness());
+                let tangents = sink.takes_stiffness();
+                let reaction =
+                    body.react(self.disc, &self.contacts, motion, tangents, wanted.map(|w| (w, &mut shown)));
                 let forces = Forces {
                     force: &reaction.force,
                     stiffness: &reaction.stiffness,
@@ -344,6 +374,7 @@ impl Joint for PinRing {
                 self.hand_on(motion.pose, at.q, &forces, sink);
             }
         }
+        self.show(&shown, motion.pose, at.q, sink);
     }
 
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
@@ -356,8 +387,7 @@ impl Joint for PinRing {
         let seen = self.moves.then(|| self.seen(pose, q));
         self.contacts.visit_moved(pose, DiscVelocity::REST, false, moved, |contact| {
             let mut pin = |index: &[usize], gradient: &[f64]| {
-                let distance = Distance { index, gradient, value: contact.gap, stiffness: PIN };
-                add(Limit::Pin(distance, self.contacts.spring(contact)));
+                add(Limit::Pin(Distance { index, gradient, value: contact.gap, stiffness: PIN }));
             };
             match &seen {
                 None => pin(&self.place[..3], &contact.gradient),
@@ -392,6 +422,11 @@ impl Joint for PinRing {
             add(Cause::Elastic, body.modal_work(self.disc, &at.q[modes.clone()]));
         }
         self.work_of_gaps(at, nominal, add);
+    }
+
+    fn elastic(&self, add: &mut dyn FnMut(&[usize], &[f64])) {
+        let Some(Modes { body, at }) = &self.elastic else { return };
+        at.clone().zip(body.mode_stiffness(self.disc)).for_each(|(at, stiffness)| add(&[at], &[*stiffness]));
     }
 
     fn scale_friction(&mut self, share: f64) {

@@ -1,6 +1,7 @@
 use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
 use crate::contact::ContactSpring;
 use crate::dynamics::bearing_joints::Arm;
+use crate::dynamics::Contact;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn, unit};
 
@@ -43,6 +44,14 @@ impl Joint for Support {
         let seat = self.seat_at(at.q);
         let u = self.displacement(at.q);
         let distance = u.norm();
+        if let Some(wanted) = sink.wants_contacts().filter(|_| clearance > 0.0) {
+            self.limits(at.q, wanted.reach, &mut |limit| {
+                if let Limit::Gap(Distance { index, gradient, value: gap, .. }) = limit {
+                    let spring = ContactSpring::Linear { stiffness };
+                    sink.contact(&Contact { index, gradient, push: gradient, gap, spring, place: None });
+                }
+            });
+        }
         if distance < clearance {
             return;
         }
@@ -95,8 +104,7 @@ impl Joint for Support {
         for n in around.chain([here]) {
             let value = self.clearance - n.dot(&u);
             if value < reach {
-                let distance = Distance { index, gradient: &gradient(-n), value, stiffness };
-                add(Limit::Gap(distance, ContactSpring::Linear { stiffness }));
+                add(Limit::Gap(Distance { index, gradient: &gradient(-n), value, stiffness }));
             }
         }
     }

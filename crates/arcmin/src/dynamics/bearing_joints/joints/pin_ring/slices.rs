@@ -1,7 +1,7 @@
 //! A rigid disc against its pins: as a whole where it stands straight, as two slices where it leans.
 
-use super::{PinRing, State};
-use crate::contact::{DiscPose, DiscVelocity};
+use super::{Forces, PinRing, Shown, State, Wanted};
+use crate::contact::{ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, Sliding};
 
 /// One slice of a rigid disc.
 #[derive(Clone, Copy)]
@@ -14,14 +14,49 @@ pub(super) struct Slice {
     pub velocity: DiscVelocity,
 }
 
-/// What pins do to a rigid disc that leans: on (x, y, θ) and the slopes.
+/// What pins do to a rigid disc: on (x, y, θ), and on the slopes if it leans.
 #[derive(Default)]
-pub(super) struct LeaningReaction {
+pub(super) struct RigidReaction {
     pub force: [f64; 5],
-    pub stiffness: [[f64; 5]; 5],
-    pub damping: [[f64; 5]; 5],
+    /// Row by row over the first three of them, or all.
+    pub stiffness: [f64; 25],
+    pub damping: [f64; 25],
     /// Stored energy in J, dissipation in W, rate in 1/s at which contacts close.
     pub powers: [f64; 3],
+}
+
+impl RigidReaction {
+    /// Over the first `width` of (x, y, θ, slopes).
+    pub fn forces(&self, width: usize) -> Forces<'_> {
+        Forces {
+            force: &self.force[..width],
+            stiffness: &self.stiffness[..width * width],
+            damping: &self.damping[..width * width],
+            powers: self.powers,
+        }
+    }
+}
+
+impl Shown {
+    /// Friction of a pressed contact on what has slid over an interval (s).
+    pub fn slip(
+        sliding: &Sliding,
+        contact: &PinContact,
+        force: f64,
+        widened: impl Fn([f64; 3]) -> Vec<f64>,
+        interval: f64,
+    ) -> Shown {
+        Shown {
+            gap: contact.sliding_speed * interval,
+            gradient: widened(contact.along),
+            push: None,
+            spring: ContactSpring::Slip {
+                limit: sliding.coefficient * force,
+                presliding: sliding.regularisation_speed * interval,
+            },
+            place: None,
+        }
+    }
 }
 
 /// What moves with (x, y, θ, slopes) of a disc at a height: (which of x, y, θ of the slice, by how much).
@@ -47,16 +82,43 @@ impl PinRing {
         [self.reach(), -self.reach()].map(slice).to_vec()
     }
 
-    pub(super) fn react_of_slices(&self, at: State<'_>) -> LeaningReaction {
-        let mut sum = LeaningReaction::default();
+    /// What the pins do to a rigid disc, with its contacts one by one where they are wanted.
+    pub(super) fn react_of_slices(
+        &self,
+        at: State<'_>,
+        wanted: Option<Wanted>,
+        shown: &mut Vec<Shown>,
+    ) -> RigidReaction {
+        let mut sum = RigidReaction::default();
+        let lift = wanted.map_or(0.0, |wanted| wanted.reach);
+        let interval = wanted.and_then(|wanted| wanted.slip_interval);
+        let width = if self.slopes.is_some() { 5 } else { 3 };
         for Slice { share, height, pose, velocity } in self.slices(at) {
-            let slice = self.contacts.react(pose, velocity);
-            let moves = of_slice(height);
+            let moves = &of_slice(height)[..width];
+            let widened = |row: [f64; 3]| moves.iter().map(|(i, by)| by * row[*i]).collect::<Vec<f64>>();
+            let moved = Moved { shifts: &[], lift };
+            let slice = self.contacts.react_within(pose, velocity, moved, |contact, gradient| {
+                if wanted.is_none() {
+                    return;
+                }
+                let sliding = self.contacts.sliding().filter(|_| contact.force > 0.0);
+                let push = sliding.map(|sliding| {
+                    let (rubs, along) = (sliding.share(contact.sliding_speed).0, contact.along);
+                    widened(std::array::from_fn(|a| gradient[a] - rubs * along[a]))
+                });
+                let spring = self.contacts.spring(contact, share);
+                shown.push(Shown { gap: contact.gap, gradient: widened(gradient), push, spring, place: None });
+                if let (Some(sliding), Some(interval)) = (sliding, interval) {
+                    shown.push(Shown::slip(sliding, contact, share * contact.force, widened, interval));
+                }
+            });
             for (a, (i, by)) in moves.iter().enumerate() {
                 sum.force[a] += share * by * slice.force[*i];
                 for (b, (j, of)) in moves.iter().enumerate() {
-                    sum.stiffness[a][b] += share * by * of * slice.stiffness[*i][*j];
-                    sum.damping[a][b] += share * by * of * slice.damping[*i][*j];
+                    sum.stiffness[a * width + b] += share * by * of * slice.stiffness[*i][*j];
+                    if interval.is_none() {
+                        sum.damping[a * width + b] += share * by * of * slice.damping[*i][*j];
+                    }
                 }
             }
             sum.powers[0] += share * slice.stored;
