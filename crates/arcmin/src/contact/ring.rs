@@ -420,10 +420,11 @@ impl PinContacts {
             let radius = self.pins[contact.pin].radius;
             let mut gradient = contact.gradient;
             if rolls && contact.elastic > 0.0 {
-                let Steering { force, by_place } = self.steering(contact);
+                let Steering { force, by_place, stiffness } = self.steering(contact);
                 for i in 0..3 {
                     reaction.force[i] += force[i];
                     gradient[i] += by_place[i];
+                    (0..3).for_each(|j| reaction.stiffness[i][j] += stiffness[i][j]);
                 }
             }
             reaction.add(contact, gradient, velocity, radius, self.sliding.as_ref());

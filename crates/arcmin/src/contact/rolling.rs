@@ -22,6 +22,8 @@ pub struct Rolling {
 pub(crate) struct Steering {
     pub force: [f64; 3],
     pub by_place: [f64; 3],
+    /// −∂(force)/∂(x, y, θ) at constant contact force.
+    pub stiffness: [[f64; 3]; 3],
 }
 
 impl Rolling {
@@ -79,6 +81,44 @@ impl PinContacts {
             std::array::from_fn(|i| contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i]);
         let per_force = 2.0 * energy_rate / contact.elastic;
         let by_place = std::array::from_fn(|i| rolling.gap_slope[i] - per_force * rolling.by_pose[i]);
-        Steering { force, by_place }
+        let stiffness = if energy_rate == 0.0 { [[0.0; 3]; 3] } else { self.bend_of_radius(contact, &rolling) };
+        Steering { force, by_place, stiffness }
+    }
+
+    /// U_R ∇²ln R with ∇²ln R = (ln R)″ ∇τ ∇τᵀ + (ln R)′ ∇²τ.
+    ///
+    /// With the motion w = −dC − dθ J a of the pin centre against the disc (a from the disc's centre), T and n tangent
+    /// and normal of the trace, κ its curvature, D the distance of the pin centre and v = |c′|, dτ = T·w/(v (1 − κ D));
+    /// differentiated once more, with dn = −κ T ds, dT = κ n ds and dD = n·w,
+    /// ∇²τ = −(v′/v − κ′ D/(1 − κ D)) ∇τ ∇τᵀ + κ/(1 − κ D) (∇τ Nᵀ + N ∇τᵀ) + (n dθᵀ + dθ nᵀ + (n·J a) dθ dθᵀ)/(v (1 − κ D)),
+    /// N = ∂(n·w).
+    fn bend_of_radius(&self, contact: &PinContact, rolling: &Rolling) -> [[f64; 3]; 3] {
+        let profile = self.profile();
+        let PinContact { trace_curvature: curvature, foot_distance: distance, foot_normal: n, arm, .. } = *contact;
+        let meshing = contact.meshing_unit;
+        let factor = profile.speed_factor(meshing.x);
+        let bend = profile.designed_curvature_bend(meshing, factor, curvature) / contact.designed_curvature;
+        let slope = rolling.log_radius_slope;
+        let log_radius_bend = slope * slope - bend;
+        let reach = 1.0 - curvature * distance;
+        let curvature_rate = profile.trace_curvature_rate(meshing.y, factor, curvature);
+        let speed_rate = profile.speed_factor_rate(meshing.y, factor) / factor;
+        let along = log_radius_bend - slope * (speed_rate - curvature_rate * distance / reach);
+        let mixed = slope * curvature / reach;
+        let turned = slope / (profile.pin_circle_radius * factor * reach);
+        let lever = n.dot(&quarter_turn(arm));
+        let across = [-n.x, -n.y, -lever];
+        let place = rolling.by_pose;
+        let energy = self.contact().energy_by_log_radius(contact.elastic);
+        let turn = [n.x, n.y, 0.5 * lever];
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let unit = |i: usize| if i == 2 { 1.0 } else { 0.0 };
+                energy
+                    * (along * place[i] * place[j]
+                        + mixed * (place[i] * across[j] + across[i] * place[j])
+                        + turned * (turn[i] * unit(j) + unit(i) * turn[j]))
+            })
+        })
     }
 }

@@ -44,6 +44,8 @@ const REACH: f64 = 4.0;
 const LEAST_GAIN: f64 = 0.1;
 /// …and the share from which on the model is trusted further.
 const GOOD_GAIN: f64 = 0.7;
+/// Reach of the correction of a poor step, as a share of that step: it leaves a hundredth of what second order did.
+const CORRECTION: f64 = 0.1;
 /// Factor on the reach after a step that is not accepted.
 const SHRINK: f64 = 0.25;
 
@@ -97,19 +99,20 @@ pub fn solve_equilibrium_unless<S: System>(
         }
     };
     let mut model = Model::new(system, control.held);
-    let (mut position, mut trial) = (start.to_vec(), vec![0.0; n]);
+    let (mut position, mut trial, mut step) = (start.to_vec(), vec![0.0; n], vec![0.0; n]);
     let (mut here, mut there) = (Look::new(n), Look::new(n));
-    let mut step = vec![0.0; n];
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut reach = REACH;
     evaluate(&position, reach, &mut here);
-    model.take(system, &here);
-    for iterations in 1..EVALUATIONS {
+    let mut iterations = 1;
+    while iterations < EVALUATIONS {
         if cancelled() {
             return Err(DynamicsError::Cancelled { time });
         }
         if largest(&here.force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
         }
+        model.take(system, &here);
         let Some(solution) = model.solve(system, reach, &mut step) else { break };
         let length = length_of(&step);
         if !length.is_finite() {
@@ -120,24 +123,34 @@ pub fn solve_equilibrium_unless<S: System>(
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
         evaluate(&trial, reach, &mut there);
-        let before: f64 = here.force.iter().zip(&step).map(|(f, d)| f * d).sum();
-        let behind: f64 = there.force.iter().zip(&step).map(|(f, d)| f * d).sum();
+        iterations += 1;
         // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
-        let gain = if before > 0.0 { (before + behind) / before } else { f64::NAN };
-        let misfit =
-            if gain >= GOOD_GAIN && solution.is_whole { None } else { model.misfit(&step, &there.force) };
+        let before = dot(&here.force, &step);
+        let mut gain = (before + dot(&there.force, &step)) / before;
+        if !(gain >= LEAST_GAIN) {
+            // Contacts are led along curves: what the step went off them is made up for before it is judged.
+            model.take(system, &there);
+            let mut correction = vec![0.0; n];
+            if model.solve(system, CORRECTION * length, &mut correction).is_some() {
+                step.iter_mut().zip(&correction).for_each(|(d, more)| *d += more);
+                trial.iter_mut().zip(&correction).for_each(|(t, more)| *t += more);
+                evaluate(&trial, reach, &mut there);
+                iterations += 1;
+                let before = dot(&here.force, &step);
+                gain = (before + dot(&there.force, &step)) / before;
+            }
+        }
+        if std::env::var("TRACE").is_ok() {
+            println!("{iterations}: force {:.2e} length {length:.2e} reach {reach:.1e} whole {} before {before:.2e} gain {gain:.3} left by model {:.2e} true {:.2e}", largest(&here.force), solution.is_whole, solution.residual, largest(&there.force));
+        }
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
             std::mem::swap(&mut here, &mut there);
             if gain >= GOOD_GAIN {
                 reach = reach.max((2.0 * length).min(REACH));
             }
-            model.take(system, &here);
         } else {
             reach = SHRINK * reach.min(length);
-        }
-        if let Some((misfit, work)) = misfit {
-            model.correct(&misfit, work);
         }
         if reach < control.tolerance {
             break;
@@ -147,7 +160,7 @@ pub fn solve_equilibrium_unless<S: System>(
         time,
         crank_angle_deg: system.crank_angle(&position) / crate::units::DEG,
         residual: largest(&here.force),
-        iterations: EVALUATIONS,
+        iterations,
     })
 }
 

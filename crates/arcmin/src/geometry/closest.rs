@@ -140,9 +140,30 @@ impl Profile {
         -self.trace_curvature_rate(sin_meshing, factor, trace_curvature) / (stretch * stretch)
     }
 
+    /// The second derivative by τ, in 1/(m rad²), from e(φ), the speed factor and the curvature of the trace.
+    pub(crate) fn designed_curvature_bend(&self, meshing: Vec2, factor: f64, trace_curvature: f64) -> f64 {
+        let (z, lobes, k1) = (self.pin_count as f64, self.lobe_count() as f64, self.short_width_coefficient());
+        let (cos, sin) = (meshing.x, meshing.y);
+        let rate = self.trace_curvature_rate(sin, factor, trace_curvature);
+        let factor_rate = self.speed_factor_rate(sin, factor);
+        let shape = (1.0 + z) / (self.pin_circle_radius * factor);
+        let turning = shape + 3.0 * trace_curvature;
+        let turning_rate = -shape * factor_rate / factor + 3.0 * rate;
+        let bend = lobes * k1 / (factor * factor)
+            * (sin * (turning_rate - 2.0 * turning * factor_rate / factor) - lobes * cos * turning);
+        let stretch = 1.0 + self.pin_radius * trace_curvature;
+        (2.0 * self.pin_radius * rate * rate / stretch - bend) / (stretch * stretch)
+    }
+
+    /// dS/dτ, from sin φ and S.
+    #[inline]
+    pub(crate) fn speed_factor_rate(&self, sin_meshing: f64, factor: f64) -> f64 {
+        -(self.lobe_count() as f64) * self.short_width_coefficient() * sin_meshing / factor
+    }
+
     /// Derivative by τ of the trace's curvature in 1/(m rad), where that and the speed factor are those given.
     #[inline]
-    fn trace_curvature_rate(&self, sin_meshing: f64, factor: f64, curvature: f64) -> f64 {
+    pub(crate) fn trace_curvature_rate(&self, sin_meshing: f64, factor: f64, curvature: f64) -> f64 {
         let (z, lobes) = (self.pin_count as f64, self.lobe_count() as f64);
         let turning = (1.0 + z) / (self.pin_circle_radius * factor) + 3.0 * curvature;
         lobes * self.short_width_coefficient() * sin_meshing * turning / (factor * factor)

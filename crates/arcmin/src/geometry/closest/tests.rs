@@ -63,17 +63,21 @@ fn designed_curvature_has_its_rate() {
     let at = |phi: f64| {
         let trace = profile.trace_curvature(phi.cos());
         let rate = profile.designed_curvature_rate(phi.sin(), profile.speed_factor(phi.cos()), trace);
-        (profile.designed_curvature(trace, 3.001e-3), rate)
+        let bend =
+            profile.designed_curvature_bend(crate::geometry::unit(phi), profile.speed_factor(phi.cos()), trace);
+        (profile.designed_curvature(trace, 3.001e-3), rate, bend)
     };
     for i in 0..90 {
         let phi = -3.1 + 0.07 * f64::from(i);
-        let (value, rate) = at(phi);
+        let (value, rate, bend) = at(phi);
         let exact = profile.relative_curvature(phi.cos(), 3.001e-3);
         assert!((value / exact - 1.0).abs() < 1e-12, "{phi}");
         let h = 1e-5;
         // φ falls with τ.
         let difference = -39.0 * (at(phi + h).0 - at(phi - h).0) / (2.0 * h);
         assert!((rate - difference).abs() < 1e-6 * (rate.abs() + 1e4), "{phi}: {rate} {difference}");
+        let difference = -39.0 * (at(phi + h).1 - at(phi - h).1) / (2.0 * h);
+        assert!((bend - difference).abs() < 1e-6 * (bend.abs() + 1e6), "{phi}: {bend} {difference}");
     }
 }
 
