@@ -435,8 +435,7 @@ impl PinContacts {
 
     /// Whether forces depend on where a contact stands on its flank.
     pub(crate) fn rolls(&self) -> bool {
-        self.conservative
-            && (self.contact.energy_by_log_radius(1.0) > 0.0 || self.flank_error.is_some())
+        self.conservative && (self.contact.energy_by_log_radius(1.0) > 0.0 || self.flank_error.is_some())
     }
 
     /// Elastic law of a share of one contact with its place held.

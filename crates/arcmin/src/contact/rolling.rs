@@ -77,11 +77,13 @@ impl PinContacts {
     pub(crate) fn steering(&self, contact: &PinContact) -> Steering {
         let rolling = self.rolling(contact);
         let energy_rate = self.contact().energy_by_log_radius(contact.elastic) * rolling.log_radius_slope;
-        let force =
-            std::array::from_fn(|i| contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i]);
+        let force = std::array::from_fn(|i| {
+            contact.elastic * rolling.gap_slope[i] - energy_rate * rolling.by_pose[i]
+        });
         let per_force = 2.0 * energy_rate / contact.elastic;
         let by_place = std::array::from_fn(|i| rolling.gap_slope[i] - per_force * rolling.by_pose[i]);
-        let stiffness = if energy_rate == 0.0 { [[0.0; 3]; 3] } else { self.bend_of_radius(contact, &rolling) };
+        let stiffness =
+            if energy_rate == 0.0 { [[0.0; 3]; 3] } else { self.bend_of_radius(contact, &rolling) };
         Steering { force, by_place, stiffness }
     }
 
@@ -94,7 +96,8 @@ impl PinContacts {
     /// N = ∂(n·w).
     fn bend_of_radius(&self, contact: &PinContact, rolling: &Rolling) -> [[f64; 3]; 3] {
         let profile = self.profile();
-        let PinContact { trace_curvature: curvature, foot_distance: distance, foot_normal: n, arm, .. } = *contact;
+        let PinContact { trace_curvature: curvature, foot_distance: distance, foot_normal: n, arm, .. } =
+            *contact;
         let meshing = contact.meshing_unit;
         let factor = profile.speed_factor(meshing.x);
         let bend = profile.designed_curvature_bend(meshing, factor, curvature) / contact.designed_curvature;

@@ -10,9 +10,9 @@ pub(super) use reaction::ElasticReaction;
 use reaction::Products;
 pub(super) use split::DiscSplit;
 
-use super::{DynamicsError, ElasticHousing};
 use super::bearing_joints::{Shown, Wanted};
 use super::system::FlankPlace;
+use super::{DynamicsError, ElasticHousing};
 use crate::contact::{ContactSpring, DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
 use crate::fem::{CoupledContact, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
 use crate::geometry::{Vec2, turned, unit};
@@ -435,7 +435,11 @@ impl ElasticDiscs {
     ) {
         let (count, width) = (motion.modes.len(), motion.width());
         let law = *ring.contact();
-        let mut show = |contact: &PinContact, coupled: &CoupledContact, local: f64, row: &[f64], push: Option<&[f64]>| {
+        let mut show = |contact: &PinContact,
+                        coupled: &CoupledContact,
+                        local: f64,
+                        row: &[f64],
+                        push: Option<&[f64]>| {
             let place = Some(FlankPlace { disc, stencil: coupled.place });
             let radius = coupled.equivalent_radius;
             let Some(lean) = motion.lean else {
@@ -465,10 +469,18 @@ impl ElasticDiscs {
             motion.spread(disc, contact.pin, contact.gradient, &mut row);
             row[3..3 + count].copy_from_slice(&state.waiting_shape[i * count..][..count]);
             let coupled = &state.waiting_coupled[i];
-            show(contact, coupled, coupled.approach - state.bent_at(&self.bodies[disc].residual, coupled), &row, None);
+            show(
+                contact,
+                coupled,
+                coupled.approach - state.bent_at(&self.bodies[disc].residual, coupled),
+                &row,
+                None,
+            );
         }
         if let (Some(sliding), Some(interval)) = (ring.sliding(), interval) {
-            for (contact, force) in state.contacts.iter().zip(&state.forces.force).filter(|(_, force)| **force > 0.0) {
+            for (contact, force) in
+                state.contacts.iter().zip(&state.forces.force).filter(|(_, force)| **force > 0.0)
+            {
                 let widened = |along: [f64; 3]| {
                     let mut row = vec![0.0; width];
                     row[..3].copy_from_slice(&along);

@@ -25,6 +25,7 @@ mod system;
 mod table;
 
 pub use bearing_drag::BearingDrag;
+pub(crate) use bearing_joints::Wanted;
 pub use bearing_joints::{
     BearingJoints, BearingMeshing, Cause, JointSettings, Lean, LostMotionSplit, Part, RadialBearing,
 };
@@ -44,7 +45,6 @@ pub use ring_bearing::{ElementLoad, Five, MainBalance, MainBearings, RingBearing
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
-pub(crate) use bearing_joints::Wanted;
 pub(crate) use statics::by_larger_loads;
 pub use statics::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use statistics::{ErrorIntegrals, ErrorStatistics};
@@ -53,6 +53,7 @@ pub use study::{
     simulate_rigid, spread_over_starts, transmission_error_study,
 };
 pub use system::{
-    Balance, Contact, Contacts, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, Singular, System, Weights,
+    Balance, Contact, Contacts, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, RoundSupport,
+    Singular, System, Weights,
 };
 pub use table::TimeTable;

@@ -123,6 +123,7 @@ pub fn solve_equilibrium_unless<S: System>(
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
         evaluate(&trial, reach, &mut there);
+        let first_step = step.clone();
         iterations += 1;
         // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
         let before = dot(&here.force, &step);
@@ -141,7 +142,23 @@ pub fn solve_equilibrium_unless<S: System>(
             }
         }
         if std::env::var("TRACE").is_ok() {
-            println!("{iterations}: force {:.2e} length {length:.2e} reach {reach:.1e} whole {} before {before:.2e} gain {gain:.3} left by model {:.2e} true {:.2e}", largest(&here.force), solution.is_whole, solution.residual, largest(&there.force));
+            if !(gain >= LEAST_GAIN) {
+                let mut look = Look::new(n);
+                let trial: Vec<f64> = position.iter().zip(&first_step).map(|(q, d)| q + d).collect();
+                evaluate(&trial, reach, &mut look);
+                print!(
+                    "   first {:.2e} correction {:.2e} ",
+                    largest(&look.force),
+                    length_of(&step.iter().zip(&first_step).map(|(a, b)| a - b).collect::<Vec<f64>>())
+                );
+            }
+            println!(
+                "{iterations}: force {:.2e} length {length:.2e} reach {reach:.1e} whole {} before {before:.2e} gain {gain:.3} left by model {:.2e} true {:.2e}",
+                largest(&here.force),
+                solution.is_whole,
+                solution.residual,
+                largest(&there.force)
+            );
         }
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::ContactSpring;
 use crate::fem::Stencil;
+use crate::geometry::Vec2;
 use crate::kernels::cleared;
 
 /// A mechanical system in second-order form, M q̈ = Q(q, q̇, t) with a constant diagonal mass matrix M.
@@ -125,6 +126,7 @@ pub struct Contacts {
     index: Vec<usize>,
     gradient: Vec<f64>,
     push: Vec<f64>,
+    pub(crate) supports: Vec<RoundSupport>,
     list: Vec<(Range<usize>, f64, ContactSpring, Option<FlankPlace>)>,
 }
 
@@ -133,6 +135,7 @@ impl Contacts {
         self.index.clear();
         self.gradient.clear();
         self.push.clear();
+        self.supports.clear();
         self.list.clear();
     }
 
@@ -153,6 +156,40 @@ impl Contacts {
             spring: *spring,
             place: *place,
         })
+    }
+}
+
+/// A shaft in a round hole with clearance: F = k (|u| − c) u/|u| beyond the clearance, convex in u but as sharply bent as
+/// the clearance is small, so that it is a law of two components rather than a gap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoundSupport {
+    pub index: Vec<usize>,
+    /// ∂u/∂(coordinate).
+    pub gradient: Vec<[f64; 2]>,
+    /// u in m.
+    pub shift: [f64; 2],
+    /// k in N/m and c in m.
+    pub stiffness: f64,
+    pub clearance: f64,
+}
+
+impl RoundSupport {
+    /// F in N.
+    pub fn force(&self, shift: [f64; 2]) -> [f64; 2] {
+        let distance = shift[0].hypot(shift[1]);
+        let share =
+            if distance > self.clearance { self.stiffness * (1.0 - self.clearance / distance) } else { 0.0 };
+        shift.map(|u| share * u)
+    }
+
+    /// ∂F/∂u by its two directions, along and across the displacement; in N/m.
+    pub fn stiffness(&self, shift: [f64; 2]) -> impl Iterator<Item = (f64, Vec2)> {
+        let distance = shift[0].hypot(shift[1]);
+        let presses = distance > self.clearance;
+        let along = Vec2::new(shift[0], shift[1]) / distance.max(f64::MIN_POSITIVE);
+        let across = self.stiffness * (1.0 - self.clearance / distance.max(f64::MIN_POSITIVE));
+        let both = [(self.stiffness, along), (across, crate::geometry::quarter_turn(along))];
+        both.into_iter().filter(move |_| presses)
     }
 }
 
@@ -369,6 +406,30 @@ impl DenseLinearisation {
         for (entry, row) in product.iter_mut().zip(self.stiffness.chunks_exact(self.size)) {
             *entry = dot(row, x);
         }
+    }
+
+    /// Whether the symmetric part of K is positive definite: by Cholesky's factorisation.
+    pub fn is_positive(&mut self) -> bool {
+        let (n, a) = (self.size, &mut self.work);
+        for i in 0..n {
+            for j in 0..=i {
+                a[i * n + j] = 0.5 * (self.stiffness[i * n + j] + self.stiffness[j * n + i]);
+            }
+        }
+        for i in 0..n {
+            let (above, below) = a.split_at_mut(i * n);
+            let row = &mut below[..n];
+            for j in 0..i {
+                let other = &above[j * n..][..=j];
+                row[j] = (row[j] - dot(&other[..j], &row[..j])) / other[j];
+            }
+            let pivot = row[i] - dot(&row[..i], &row[..i]);
+            if !(pivot > 0.0) {
+                return false;
+            }
+            row[i] = pivot.sqrt();
+        }
+        true
     }
 
     /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.

@@ -142,7 +142,8 @@ impl Profile {
 
     /// The second derivative by τ, in 1/(m rad²), from e(φ), the speed factor and the curvature of the trace.
     pub(crate) fn designed_curvature_bend(&self, meshing: Vec2, factor: f64, trace_curvature: f64) -> f64 {
-        let (z, lobes, k1) = (self.pin_count as f64, self.lobe_count() as f64, self.short_width_coefficient());
+        let (z, lobes, k1) =
+            (self.pin_count as f64, self.lobe_count() as f64, self.short_width_coefficient());
         let (cos, sin) = (meshing.x, meshing.y);
         let rate = self.trace_curvature_rate(sin, factor, trace_curvature);
         let factor_rate = self.speed_factor_rate(sin, factor);

@@ -2,8 +2,8 @@ use std::borrow::Cow;
 
 use super::RigError;
 use crate::dynamics::{
-    Balance, BearingJoints, DenseLinearisation, ElasticCoordinates, EquilibriumControl, FlankPlace, Look, System,
-    Wanted, by_larger_loads, solve_equilibrium,
+    Balance, BearingJoints, DenseLinearisation, ElasticCoordinates, EquilibriumControl, FlankPlace, Look,
+    System, Wanted, by_larger_loads, solve_equilibrium,
 };
 use crate::load::LOST_MOTION_SHARE;
 

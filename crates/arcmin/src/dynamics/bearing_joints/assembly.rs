@@ -1,5 +1,5 @@
 use crate::contact::ContactSpring;
-use crate::dynamics::{Balance, Contact, Contacts, DenseLinearisation};
+use crate::dynamics::{Balance, Contact, Contacts, DenseLinearisation, RoundSupport};
 
 /// Where compliance sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -94,6 +94,9 @@ pub trait Sink {
     /// contacts along their gaps, but for those on an elastic flank; the matrices of dampers do not hold that of
     /// friction where its [interval](Wanted::slip_interval) is given.
     fn contact(&mut self, _contact: &Contact<'_>) {}
+
+    /// A shaft in a hole with clearance, whose force and stiffness are in an element as well.
+    fn round_support(&mut self, _support: RoundSupport) {}
 }
 
 /// Which contacts a search for a state of rest asks for.
@@ -184,13 +187,26 @@ impl Sink for Assembly<'_> {
     fn contact(&mut self, contact: &Contact<'_>) {
         let Some((_, contacts)) = &mut self.look else { return };
         contacts.push(contact);
-        let is_in_an_element = contact.place.is_none() && !matches!(contact.spring, ContactSpring::Slip { .. });
+        let is_in_an_element =
+            contact.place.is_none() && !matches!(contact.spring, ContactSpring::Slip { .. });
         if is_in_an_element && let Some(linearisation) = self.linearisation.as_deref_mut() {
             let stiffness = contact.spring.at(-contact.gap).stiffness;
             if stiffness > 0.0 {
                 linearisation.add_outer(contact.index, contact.push, contact.gradient, -stiffness);
             }
         }
+    }
+
+    fn round_support(&mut self, support: RoundSupport) {
+        let Some((_, contacts)) = &mut self.look else { return };
+        if let Some(linearisation) = self.linearisation.as_deref_mut() {
+            for (stiffness, way) in support.stiffness(support.shift) {
+                let along: Vec<f64> =
+                    support.gradient.iter().map(|row| way.x * row[0] + way.y * row[1]).collect();
+                linearisation.add_outer(&support.index, &along, &along, -stiffness);
+            }
+        }
+        contacts.supports.push(support);
     }
 
     fn takes_stiffness(&self) -> bool {

@@ -13,7 +13,9 @@ use super::rim::{RIM, Rim};
 use super::shaft::Shaft;
 use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
 use crate::contact::{PinContacts, Sliding};
-use crate::dynamics::{DynamicsError, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
+use crate::dynamics::{
+    DynamicsError, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad,
+};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
@@ -110,7 +112,9 @@ impl BearingJoints {
         };
         model.set_part_wear(settings.part_wear);
         let mut elastic = std::mem::take(&mut model.elastic);
-        model.elements().for_each(|joint| joint.elastic(&mut |index, stiffness| elastic.add(index, stiffness)));
+        model
+            .elements()
+            .for_each(|joint| joint.elastic(&mut |index, stiffness| elastic.add(index, stiffness)));
         model.elastic = elastic;
         Ok(model)
     }

@@ -25,8 +25,8 @@ mod tests;
 
 pub use assembly::Part;
 pub(crate) use assembly::Wanted;
-pub(super) use joints::Shown;
 pub use causes::Cause;
+pub(super) use joints::Shown;
 pub(super) use roller::element_stiffness;
 pub use roller::{BearingState, RadialBearing};
 pub use sharing::{BearingMeshing, LostMotionSplit};

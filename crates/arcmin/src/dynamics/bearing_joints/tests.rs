@@ -1,8 +1,8 @@
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
-    EquilibriumControl, IdealJoints, Model, Reducer, Run, RunPlan, RunResult, StepControl,
-    System, solve_equilibrium,
+    EquilibriumControl, IdealJoints, Model, Reducer, Run, RunPlan, RunResult, StepControl, System,
+    solve_equilibrium,
 };
 use crate::machine::{FixedMember, RunOut};
 use crate::progress::Silent;

@@ -39,9 +39,8 @@ impl ElasticDiscs {
             // As in `PinContacts::steering`: how the force changes with the curvature and the flank's error.
             let by_curvature =
                 2.0 * ring.contact().energy_by_log_radius(own) / own * rolling.log_radius_slope;
-            let steered: [f64; 3] = std::array::from_fn(|a| {
-                (bent - by_curvature) * rolling.by_pose[a] + rolling.gap_slope[a]
-            });
+            let steered: [f64; 3] =
+                std::array::from_fn(|a| (bent - by_curvature) * rolling.by_pose[a] + rolling.gap_slope[a]);
             let push: [f64; 3] =
                 std::array::from_fn(|a| pull * rolling.by_pose[a] + own * rolling.gap_slope[a]);
             motion.spread(disc, contact.pin, rolling.by_pose, &mut by_place);

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use crate::contact::{ContactSpring, Pressed};
-use crate::dynamics::system::{ElasticCoordinates, FlankPlace, Look};
+use crate::dynamics::system::{ElasticCoordinates, FlankPlace, Look, RoundSupport};
 use crate::dynamics::{DenseLinearisation, System, Weights};
 
 /// Newton steps on one model. A model with n contacts that open or close needs fewer than n.
@@ -19,9 +19,9 @@ const PROXIMAL: f64 = 1e-5;
 /// The least of it against the largest stiffness: the rounding of the factors.
 const ROUNDING: f64 = 1e-13;
 /// Growth of the proximal term where the model is not convex, and how often.
-const GROWTH: (f64, usize) = (30.0, 12);
-/// Stiffness of the fence at the reach, against the largest work of the forces along one unit of scale.
-const FENCE: f64 = 1e2;
+const GROWTH: (f64, usize) = (4.0, 30);
+/// Stiffness of the fence against what takes up the largest force within the reach: steps go a tenth of it beyond.
+const FENCE: f64 = 10.0;
 
 /// Forces left after a step d from a place: R(d) = Q − K_s d + Σ P_i (F_i − F_i⁰) − (proximal term) d.
 ///
@@ -46,6 +46,7 @@ pub(super) struct Model {
     gradient: Vec<f64>,
     push: Vec<f64>,
     contacts: Vec<Linearised>,
+    supports: Vec<Support>,
     /// Parts of the gradients by elastic coordinates.
     elastic_index: Vec<usize>,
     elastic_gradient: Vec<f64>,
@@ -72,6 +73,26 @@ struct Linearised {
     now: Pressed,
     /// Change of x along the present Newton step.
     change: f64,
+}
+
+/// A round support with its part of the gradients.
+struct Support {
+    index: Vec<usize>,
+    gradient: Vec<[f64; 2]>,
+    at: RoundSupport,
+    begin: [f64; 2],
+}
+
+impl Support {
+    /// Displacement in m after a step.
+    fn shift(&self, step: &[f64]) -> [f64; 2] {
+        let mut shift = self.at.shift;
+        for (i, row) in self.index.iter().zip(&self.gradient) {
+            shift[0] += step[*i] * row[0];
+            shift[1] += step[*i] * row[1];
+        }
+        shift
+    }
 }
 
 /// What holds steps back: a stiffness on every coordinate, and beyond the reach another.
@@ -126,6 +147,7 @@ impl Model {
             gradient: Vec::new(),
             push: Vec::new(),
             contacts: Vec::new(),
+            supports: Vec::new(),
             elastic_index: Vec::new(),
             elastic_gradient: Vec::new(),
             coupled: Vec::new(),
@@ -150,7 +172,23 @@ impl Model {
         self.elastic_index.clear();
         self.elastic_gradient.clear();
         self.contacts.clear();
+        self.supports.clear();
         self.coupled.clear();
+        for support in &look.contacts.supports {
+            let rows = support.gradient.iter();
+            let free = support
+                .index
+                .iter()
+                .zip(rows)
+                .filter_map(|(i, row)| Some((*self.columns.get(*i)?.as_ref()?, *row)));
+            let (index, gradient) = free.unzip();
+            self.supports.push(Support {
+                index,
+                gradient,
+                at: support.clone(),
+                begin: support.force(support.shift),
+            });
+        }
         let elastic = system.elastic();
         for contact in look.contacts.iter() {
             let (start, elastic_start) = (self.index.len(), self.elastic_index.len());
@@ -195,7 +233,8 @@ impl Model {
     fn take_elastic<S: System>(&mut self, system: &S, elastic: &ElasticCoordinates, look: &Look) {
         let Model { elastic_index, elastic_gradient, contacts, coupled, compliance, given_way, .. } = self;
         let along = |contact: &Linearised, way: &[f64]| -> f64 {
-            let terms = elastic_index[contact.elastic.clone()].iter().zip(&elastic_gradient[contact.elastic.clone()]);
+            let terms =
+                elastic_index[contact.elastic.clone()].iter().zip(&elastic_gradient[contact.elastic.clone()]);
             terms.map(|(i, g)| g * way[*i]).sum()
         };
         given_way.clear();
@@ -231,7 +270,11 @@ impl Model {
         }
     }
 
-    fn terms<'a>(&'a self, contact: &Linearised, vector: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    fn terms<'a>(
+        &'a self,
+        contact: &Linearised,
+        vector: &'a [f64],
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
         let range = contact.range.clone();
         self.index[range.clone()].iter().copied().zip(vector[range].iter().copied())
     }
@@ -250,36 +293,30 @@ impl Model {
             }
         }
         self.contacts = contacts;
+        for support in &self.supports {
+            let now = support.at.force(support.shift(step));
+            let push = [now[0] - support.begin[0], now[1] - support.begin[1]];
+            for (i, row) in support.index.iter().zip(&support.gradient) {
+                bare[*i] -= push[0] * row[0] + push[1] * row[1];
+            }
+        }
         for (i, left) in self.left.iter_mut().enumerate() {
             *left = bare[i] - bounds.force(self.scale[i], step[i]);
         }
         self.bare = bare;
     }
 
-    /// What the model leaves out along the step that it was solved for: the forces that it has there less the true
-    /// ones, with their work along the step. `None` where the machine is softer than the model.
-    pub fn misfit(&self, step: &[f64], force: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let misfit: Vec<f64> =
-            self.bare.iter().zip(&self.searched).map(|(left, i)| left - force[*i]).collect();
-        let work = misfit.iter().zip(&self.searched).map(|(misfit, i)| misfit * step[*i]).sum::<f64>();
-        (work > 0.0).then_some((misfit, work))
-    }
-
-    /// Symmetric rank-one update K_s + e eᵀ/(e·d): a model at the place of the misfit e then leaves along d what was
-    /// found behind it.
-    pub fn correct(&mut self, misfit: &[f64], work: f64) {
-        let all: Vec<usize> = (0..misfit.len()).collect();
-        self.smooth.add_outer(&all, misfit, misfit, 1.0 / work);
-    }
-
     /// Fills `step`, over all coordinates, with the minimum of the model within the reach. `None` where no proximal term
     /// makes the model convex.
     pub fn solve<S: System>(&mut self, system: &S, reach: f64, step: &mut [f64]) -> Option<Solution> {
         let unit_work = work(&self.force, &self.scale).max(self.elastic_work);
-        let stiffest =
-            self.scale.iter().enumerate().fold(0.0, |m: f64, (i, s)| m.max(self.smooth.stiffness(i, i) * s * s));
+        let stiffest = self
+            .scale
+            .iter()
+            .enumerate()
+            .fold(0.0, |m: f64, (i, s)| m.max(self.smooth.stiffness(i, i) * s * s));
         let least = PROXIMAL * unit_work + ROUNDING * stiffest;
-        let mut bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work };
+        let mut bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work / reach };
         for _ in 0..GROWTH.1 {
             let mut moved = vec![0.0; self.searched.len()];
             if self.minimise(&mut moved, &bounds, unit_work).is_some() {
@@ -313,7 +350,7 @@ impl Model {
     }
 
     /// Semismooth Newton method with an exact line search: the slope along a step falls steadily where the model is
-    /// convex, so that its zero lies in a bracket. `None` where a Newton step leads uphill.
+    /// convex, so that its zero lies in a bracket. `None` where it is not: its matrix is not positive definite.
     fn minimise(&mut self, step: &mut [f64], bounds: &Bounds, unit_work: f64) -> Option<()> {
         for contact in &mut self.contacts {
             (contact.gap, contact.change) = (contact.begin_gap, 0.0);
@@ -396,14 +433,24 @@ impl Model {
                 matrix.add_outer(&self.index[range], push, gradient, contact.now.stiffness);
             }
         }
+        for support in &self.supports {
+            for (stiffness, way) in support.at.stiffness(support.shift(step)) {
+                let along: Vec<f64> =
+                    support.gradient.iter().map(|row| way.x * row[0] + way.y * row[1]).collect();
+                matrix.add_outer(&support.index, &along, &along, stiffness);
+            }
+        }
         let coupling = Coupling::new(self, unbalanced);
         coupling.condense(self, &mut matrix, newton);
-        let held: Vec<f64> =
-            step.iter().zip(&self.scale).map(|(d, scale)| bounds.stiffness(*scale, *d)).collect();
-        let weights = Weights { mass: 1.0, damping: 0.0, stiffness: 1.0 };
-        let solved = matrix.solve(&held, weights, newton);
+        for (i, (d, scale)) in step.iter().zip(&self.scale).enumerate() {
+            matrix.add_stiffness(i, i, bounds.stiffness(*scale, *d));
+        }
+        let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
+        let solved = matrix.is_positive() && matrix.solve(&self.scale, weights, newton).is_ok();
         self.matrix = matrix;
-        solved.ok()?;
+        if !solved {
+            return None;
+        }
         let response = coupling.response(self, newton);
         let by_others = self.elastic_slope(&response);
         let mut contacts = std::mem::take(&mut self.contacts);

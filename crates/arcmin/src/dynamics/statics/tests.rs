@@ -105,14 +105,14 @@ fn balances_are_those_of_the_present_solver() {
 #[test]
 fn linear_contacts_need_one_step() {
     use crate::contact::ContactSpring;
-    use crate::dynamics::{DenseLinearisation};
+    use crate::dynamics::DenseLinearisation;
 
     struct Bead;
     const WALLS: [([f64; 2], f64); 3] = [([1.0, 0.0], 2e-6), ([0.6, 0.8], 3e-6), ([-1.0, 0.0], 1e-6)];
     const WALL: ContactSpring = ContactSpring::Linear { stiffness: 1e8 };
 
     impl System for Bead {
-            fn linearisation(&self) -> DenseLinearisation {
+        fn linearisation(&self) -> DenseLinearisation {
             DenseLinearisation::new(2)
         }
 

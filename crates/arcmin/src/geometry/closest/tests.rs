@@ -63,8 +63,11 @@ fn designed_curvature_has_its_rate() {
     let at = |phi: f64| {
         let trace = profile.trace_curvature(phi.cos());
         let rate = profile.designed_curvature_rate(phi.sin(), profile.speed_factor(phi.cos()), trace);
-        let bend =
-            profile.designed_curvature_bend(crate::geometry::unit(phi), profile.speed_factor(phi.cos()), trace);
+        let bend = profile.designed_curvature_bend(
+            crate::geometry::unit(phi),
+            profile.speed_factor(phi.cos()),
+            trace,
+        );
         (profile.designed_curvature(trace, 3.001e-3), rate, bend)
     };
     for i in 0..90 {

@@ -3,8 +3,8 @@ use super::super::{BearingJoints, JointSettings, Part};
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
-    Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, OutputLoad,
-    Reducer, Run, RunPlan, RunResult, StepControl, System, TimeTable, solve_equilibrium,
+    Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, OutputLoad, Reducer, Run,
+    RunPlan, RunResult, StepControl, System, TimeTable, solve_equilibrium,
 };
 use crate::fem::tests::{discs, reduced};
 use crate::fem::{FemError, FlexibleDiscs};

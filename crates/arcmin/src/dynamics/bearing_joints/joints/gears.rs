@@ -1,8 +1,8 @@
 use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, Wanted};
 use crate::contact::ContactSpring;
-use crate::dynamics::{Contact, ForceSummary};
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::planar_mesh::{MESH_COORDINATES, MeshState, PlanarMesh};
+use crate::dynamics::{Contact, ForceSummary};
 use crate::machine::PartWear;
 use crate::wear::PartLoads;
 
@@ -32,7 +32,14 @@ impl Gears {
             if -overlap < wanted.reach {
                 let gradient = &slope.map(|s| -s);
                 let index = &self.index;
-                sink.contact(&Contact { index, gradient, push: gradient, gap: -overlap, spring, place: None });
+                sink.contact(&Contact {
+                    index,
+                    gradient,
+                    push: gradient,
+                    gap: -overlap,
+                    spring,
+                    place: None,
+                });
             }
         }
     }

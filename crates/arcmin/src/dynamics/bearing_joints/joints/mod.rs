@@ -16,8 +16,8 @@ pub(super) use frame::Frame;
 pub(super) use gears::Gears;
 pub(super) use journal::{Journal, Place, SLOPES};
 pub(super) use main_pair::{MainPair, OutsideForces};
-pub(super) use pin_ring::{Designed, Modes, PIN, PinRing};
 pub(in crate::dynamics) use pin_ring::Shown;
+pub(super) use pin_ring::{Designed, Modes, PIN, PinRing};
 pub(super) use support::Support;
 pub(super) use torsion::Torsion;
 

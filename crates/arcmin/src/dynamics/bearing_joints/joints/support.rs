@@ -1,7 +1,6 @@
 use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
-use crate::contact::ContactSpring;
+use crate::dynamics::RoundSupport;
 use crate::dynamics::bearing_joints::Arm;
-use crate::dynamics::Contact;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn, unit};
 
@@ -44,13 +43,11 @@ impl Joint for Support {
         let seat = self.seat_at(at.q);
         let u = self.displacement(at.q);
         let distance = u.norm();
-        if let Some(wanted) = sink.wants_contacts().filter(|_| clearance > 0.0) {
-            self.limits(at.q, wanted.reach, &mut |limit| {
-                if let Limit::Gap(Distance { index, gradient, value: gap, .. }) = limit {
-                    let spring = ContactSpring::Linear { stiffness };
-                    sink.contact(&Contact { index, gradient, push: gradient, gap, spring, place: None });
-                }
-            });
+        if sink.wants_contacts().is_some() && clearance > 0.0 {
+            let along = quarter_turn(seat);
+            let gradient = vec![[1.0, 0.0], [0.0, 1.0], [along.x, along.y], [-1.0, 0.0], [0.0, -1.0]];
+            let (index, shift) = (index.to_vec(), [u.x, u.y]);
+            sink.round_support(RoundSupport { index, gradient, shift, stiffness, clearance });
         }
         if distance < clearance {
             return;

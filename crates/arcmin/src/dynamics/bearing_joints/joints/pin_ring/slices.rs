@@ -107,7 +107,13 @@ impl PinRing {
                     widened(std::array::from_fn(|a| gradient[a] - rubs * along[a]))
                 });
                 let spring = self.contacts.spring(contact, share);
-                shown.push(Shown { gap: contact.gap, gradient: widened(gradient), push, spring, place: None });
+                shown.push(Shown {
+                    gap: contact.gap,
+                    gradient: widened(gradient),
+                    push,
+                    spring,
+                    place: None,
+                });
                 if let (Some(sliding), Some(interval)) = (sliding, interval) {
                     shown.push(Shown::slip(sliding, contact, share * contact.force, widened, interval));
                 }
