@@ -70,50 +70,6 @@ fn main() {
                         let begin = Instant::now();
                         let found = solve_equilibrium(&model, 0.0, &from, control);
                         tally.time += begin.elapsed();
-                        if found.is_err() && std::env::var("TRACED").is_ok_and(|n| name.ends_with(&n)) {
-                            unsafe { std::env::set_var("TRACE", "1") };
-                            let _ = solve_equilibrium(&model, 0.0, &from, control);
-                            let at = match solve_equilibrium(
-                                &model,
-                                0.0,
-                                &from,
-                                EquilibriumControl { tolerance: 1e-2, ..control },
-                            ) {
-                                Ok(f) => f.position,
-                                Err(_) => from.clone(),
-                            };
-                            use arcmin::dynamics::System;
-                            let n = at.len();
-                            let rest = vec![0.0; n];
-                            let mut lin = model.linearisation_at_rest();
-                            let mut f = vec![0.0; n];
-                            model.evaluate(0.0, &at, &rest, &mut f, &mut lin);
-                            println!("scale {:?}", model.scale());
-                            let mut scratch = model.linearisation_at_rest();
-                            for j in 0..n {
-                                let h = 1e-4 * model.scale()[j];
-                                let mut up = at.clone();
-                                up[j] += h;
-                                let mut down = at.clone();
-                                down[j] -= h;
-                                let (mut fu, mut fd) = (vec![0.0; n], vec![0.0; n]);
-                                model.evaluate(0.0, &up, &rest, &mut fu, &mut scratch);
-                                model.evaluate(0.0, &down, &rest, &mut fd, &mut scratch);
-                                for i in 0..n {
-                                    let k = (fd[i] - fu[i]) / (2.0 * h);
-                                    let unit = model.scale()[i] * model.scale()[j];
-                                    let off = (lin.stiffness(i, j) - k) * unit;
-                                    if off.abs() > 3e-6 {
-                                        println!(
-                                            "K[{i}][{j}] {:.6e} differences {:.6e} off {off:.2e} J",
-                                            lin.stiffness(i, j) * unit,
-                                            k * unit
-                                        );
-                                    }
-                                }
-                            }
-                            std::process::exit(0);
-                        }
                         match found {
                             Ok(found) => {
                                 tally.evaluations.push(found.iterations);

@@ -37,8 +37,8 @@ impl Default for EquilibriumControl {
 
 /// Evaluations of the system after which the search gives up; from anywhere in the clearances it needs about five.
 const EVALUATIONS: usize = 60;
-/// Largest displacement, in units of scale, for which a gap is taken as linear: 4' at the output. The gaps of an
-/// RV reducer depart from their tangents by 1 % of the displacement there.
+/// Displacement, in units of scale, within which gaps are taken as linear at first: 4' at the output. The gaps of an RV
+/// reducer depart from their tangents by 1 % of the displacement there.
 const REACH: f64 = 4.0;
 /// Share of the work promised by the model that a step must do, as in any trust-region method…
 const LEAST_GAIN: f64 = 0.1;
@@ -123,7 +123,6 @@ pub fn solve_equilibrium_unless<S: System>(
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
         evaluate(&trial, reach, &mut there);
-        let first_step = step.clone();
         iterations += 1;
         // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
         let before = dot(&here.force, &step);
@@ -141,30 +140,11 @@ pub fn solve_equilibrium_unless<S: System>(
                 gain = (before + dot(&there.force, &step)) / before;
             }
         }
-        if std::env::var("TRACE").is_ok() {
-            if !(gain >= LEAST_GAIN) {
-                let mut look = Look::new(n);
-                let trial: Vec<f64> = position.iter().zip(&first_step).map(|(q, d)| q + d).collect();
-                evaluate(&trial, reach, &mut look);
-                print!(
-                    "   first {:.2e} correction {:.2e} ",
-                    largest(&look.force),
-                    length_of(&step.iter().zip(&first_step).map(|(a, b)| a - b).collect::<Vec<f64>>())
-                );
-            }
-            println!(
-                "{iterations}: force {:.2e} length {length:.2e} reach {reach:.1e} whole {} before {before:.2e} gain {gain:.3} left by model {:.2e} true {:.2e}",
-                largest(&here.force),
-                solution.is_whole,
-                solution.residual,
-                largest(&there.force)
-            );
-        }
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
             std::mem::swap(&mut here, &mut there);
             if gain >= GOOD_GAIN {
-                reach = reach.max((2.0 * length).min(REACH));
+                reach = reach.max(2.0 * length);
             }
         } else {
             reach = SHRINK * reach.min(length);

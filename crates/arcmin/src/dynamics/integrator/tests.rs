@@ -153,13 +153,7 @@ fn forces_without_a_number_stop_the_run_and_keep_the_state() {
 fn equilibrium_crosses_the_clearance_and_rests_against_the_wall() {
     for pull in [5.0, -5.0, 1e5] {
         let ball = Ball { pull, ..FREE };
-        let found = solve_equilibrium(
-            &ball,
-            0.0,
-            &[0.2],
-            EquilibriumControl { trust: 100.0, ..EquilibriumControl::default() },
-        )
-        .unwrap();
+        let found = solve_equilibrium(&ball, 0.0, &[0.2], EquilibriumControl::default()).unwrap();
         let expected = pull.signum() * (1.0 + pull.abs() / 1e8);
         assert!((found.position[0] - expected).abs() < 1e-12, "{pull}: {found:?}");
     }
