@@ -37,10 +37,11 @@ const SAFETY: f64 = 0.9;
 const CHANGE: f64 = 5.0;
 /// The estimate of the largest λ costs one rate at least, so it is made once in so many steps.
 const STEPS_PER_LOOK: usize = 10;
-/// The estimate is at its end where it rises by less than this share.
-const STILL_RISING: f64 = 0.1;
-/// Over the estimate of the largest λ, which comes from below.
-const STIFFNESS_SAFETY: f64 = 1.2;
+/// The estimate of the largest λ comes from below and ends where it rises by less than so many times.
+const STILL_RISING: f64 = 1.2;
+/// Over the estimate of the largest λ: at half of its reach a step of two rates halves every wave, at the end it leaves
+/// them as they are.
+const STIFFNESS_SAFETY: f64 = 2.0;
 /// Rates of one step at most, a step 54 times as long as two rates would allow: they all are in memory.
 const MOST_RATES: usize = 10;
 
@@ -243,7 +244,7 @@ impl Integrator {
             let changes: Vec<f64> = rates.iter().zip(&now.rates).map(|(there, here)| there - here).collect();
             self.stiffness = length(&changes) / (share * length(&self.stiffest));
             self.stiffest = changes;
-            if self.stiffness <= (1.0 + STILL_RISING) * known {
+            if self.stiffness <= STILL_RISING * known {
                 self.stiffness = self.stiffness.max(known);
                 return;
             }
