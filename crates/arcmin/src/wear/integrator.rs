@@ -39,9 +39,9 @@ const CHANGE: f64 = 5.0;
 const STEPS_PER_LOOK: usize = 10;
 /// The estimate of the largest λ comes from below and ends where it rises by less than so many times.
 const STILL_RISING: f64 = 1.2;
-/// Over the estimate of the largest λ: at half of its reach a step of two rates halves every wave, at the end it leaves
-/// them as they are.
-const STIFFNESS_SAFETY: f64 = 2.0;
+/// Over the estimate of the largest λ for the number of rates: a step of two rates leaves waves as they are at the end
+/// of its reach and halves them in the middle, and λ differs by half from one selection of positions to another.
+const STIFFNESS_SAFETY: f64 = 3.0;
 /// Rates of one step at most, a step 54 times as long as two rates would allow: they all are in memory.
 const MOST_RATES: usize = 10;
 
@@ -141,7 +141,7 @@ impl Integrator {
                 self.look_for_stiffness(wearing, tolerance);
             }
             if self.stiffness > 0.0 {
-                step = step.min(reach(MOST_RATES) / (STIFFNESS_SAFETY * self.stiffness));
+                step = step.min(reach(MOST_RATES) / (STILL_RISING * self.stiffness));
             }
             let error = match self.attempt(wearing, step) {
                 Ok((end, changes)) => {
