@@ -40,7 +40,6 @@ pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use elastic_housing::ElasticHousing;
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use error::DynamicsError;
-pub use gear_mesh::{GearMesh, MeshForce};
 pub use ideal_joints::{FlexibleJoints, IdealJoints};
 pub use inputs::{GivenMotion, GivenTorque, LoadInput, MotorInput};
 pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepControl, StepCounts};

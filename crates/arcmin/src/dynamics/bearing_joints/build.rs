@@ -8,11 +8,11 @@ use super::joints::{
     SLOPES, Support, Torsion,
 };
 use super::layout::{Degrees, Layout};
-use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
 use super::rim::{RIM, Rim};
 use super::shaft::Shaft;
 use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
 use crate::contact::{PinContacts, Sliding};
+use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES};
 use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
@@ -356,7 +356,7 @@ impl Parts<'_> {
 
     fn gears(&self, k: usize, torsion: f64) -> Gears {
         let (layout, errors, stage) = (self.layout, self.errors(), &self.machine.gear_stage);
-        let mut law = PlanarMesh::new(self.machine, k, torsion);
+        let mut law = GearMesh::new(self.machine, k, torsion);
         if !self.settings.damped {
             law.damping = 0.0;
         }

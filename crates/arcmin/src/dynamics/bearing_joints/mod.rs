@@ -10,7 +10,6 @@ mod freeing;
 mod interface;
 mod joints;
 mod layout;
-mod planar_mesh;
 mod preload;
 mod registry;
 mod rim;
