@@ -102,7 +102,9 @@ impl IdealJoints {
         debug_assert!(mass.iter().all(|inertia| *inertia > 0.0), "moments of inertia {mass:?}");
         Ok(IdealJoints {
             rings: vec![ring; machine.disc_count],
-            meshes: (0..machine.crankshafts.count).map(|k| GearMesh::new(machine, k, f64::INFINITY)).collect(),
+            meshes: (0..machine.crankshafts.count)
+                .map(|k| GearMesh::new(machine, k, f64::INFINITY))
+                .collect(),
             drive,
             load,
             drag: drag + friction.seal_drag,
@@ -194,8 +196,8 @@ impl IdealJoints {
     /// All meshes over the first three angles.
     fn mesh_at(&self, angle: &[f64; 4], speed: &[f64; 4]) -> MeshState<3> {
         let mut state = MeshState::default();
-        let [of_angle, of_speed] = [angle, speed].map(|x| [x[SUN], x[CARRIER], x[CRANK]]);
-        self.meshes.iter().for_each(|mesh| mesh.turn(&of_angle, &of_speed, &mut state));
+        let turns = |x: &[f64; 4]| [x[SUN], x[CARRIER], x[CRANK]];
+        self.meshes.iter().for_each(|mesh| mesh.turn(&turns(angle), &turns(speed), &mut state));
         state
     }
 

@@ -31,7 +31,8 @@ mod table;
 pub use bearing_drag::BearingDrag;
 pub(crate) use bearing_joints::JUMP;
 pub use bearing_joints::{
-    BearingJoints, BearingMeshing, Cause, JointSettings, Lean, LostMotionSplit, Part, RadialBearing,
+    BearingJoints, BearingMeshing, Cause, ElementLoad, JointSettings, Lean, LostMotionSplit, Part,
+    RollingBearing,
 };
 pub(crate) use descent::JUMP_WIDTH;
 pub use drive::{Drive, InputMotion};
@@ -46,7 +47,7 @@ pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepContr
 pub use load::OutputLoad;
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};
-pub use ring_bearing::{ElementLoad, Five, MainBalance, MainBearings, RingBearing, RingState};
+pub use ring_bearing::{Five, MainBalance, MainBearings, RingState};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
