@@ -11,7 +11,7 @@ use crate::machine::{Kinematics, Machine};
 /// angle θ_c, D does not change, and e_s = s (r_b1 (θ_s − θ_c) + r_b2 (θ_p − θ_c)) − j/2 − h_s.
 ///
 /// Either side is a spring U = ½ k(σ) e² with k = k₀ (1 + ε cos z_1 (σ + γ)) over the mesh phase σ = θ_s − θ_c, and a
-/// damper c(e) ė that sets in with the overlap and never pulls.
+/// damper c(e) ė that sets in with the overlap and never pulls, as long as teeth can part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GearMesh {
     pub sun_base_radius: f64,
@@ -21,6 +21,9 @@ pub struct GearMesh {
     variation: f64,
     pub damping: f64,
     pub half_backlash: f64,
+    /// Whether teeth can part. They cannot without backlash on centres that only go round: as one flank leaves, the other
+    /// comes, and the damper acts whole and both ways.
+    parts: bool,
     /// Metal lost along the line of action by the teeth of either side, m: where the sun drives
     /// counter-clockwise, and the other.
     pub flank_loss: [f64; 2],
@@ -132,8 +135,7 @@ impl Centres {
 const DAMPING_RAMP: f64 = 1e-6;
 
 impl GearMesh {
-    /// `torsion` is the torsional stiffness of the shaft behind the planet in N·m/rad, `scale` multiplies the
-    /// shaft only.
+    /// `torsion` is the torsional stiffness of the shaft behind the planet in N·m/rad.
     pub fn new(machine: &Machine, crankshaft: usize, torsion: f64) -> GearMesh {
         let stage = &machine.gear_stage;
         let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
@@ -145,6 +147,7 @@ impl GearMesh {
             variation: stage.mesh_stiffness_variation,
             damping: stage.mesh_damping,
             half_backlash: 0.5 * stage.backlash,
+            parts: true,
             flank_loss: [0.0; 2],
             sun_teeth: stage.sun_teeth as f64,
             place: Kinematics::crankshaft_angle(
@@ -156,6 +159,12 @@ impl GearMesh {
             planet_run_out: (0.0, 0.0),
             sun_run_out: (0.0, 0.0),
         }
+    }
+
+    /// A mesh on a rigid carrier, with a rigid shaft.
+    pub fn turning(machine: &Machine, crankshaft: usize) -> GearMesh {
+        let parts = machine.gear_stage.backlash > 0.0;
+        GearMesh { parts, ..GearMesh::new(machine, crankshaft, f64::INFINITY) }
     }
 
     /// How the centres stand to each other; `None` where base circles overlap, so that no involute mesh exists.
@@ -288,11 +297,11 @@ impl GearMesh {
         let [k, k1, k2] = self.stiffness_by_phase(phase);
         let elastic = k * depth;
         state.stored += 0.5 * elastic * depth;
-        let x = (depth / DAMPING_RAMP).min(1.0);
+        let x = if self.parts { (depth / DAMPING_RAMP).min(1.0) } else { 1.0 };
         let c = self.damping * x * x * (3.0 - 2.0 * x);
         let along = |way: &[f64; N]| way.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
         let rate = along(slope);
-        if elastic + c * rate <= 0.0 {
+        if self.parts && elastic + c * rate <= 0.0 {
             // Teeth part faster than they spring back: no force, for damping must not pull, and the energy they
             // held is lost.
             state.dissipation -= elastic * rate;
@@ -463,7 +472,7 @@ mod tests {
     fn backlash_is_free_and_damping_never_pulls() {
         let mut machine = crate::templates::tao2024();
         machine.gear_stage.backlash = 20e-6;
-        let mesh = GearMesh::new(&machine, 0, f64::INFINITY);
+        let mesh = GearMesh::turning(&machine, 0);
         let force = |twist: f64, rate: f64| {
             let mut state = MeshState::default();
             let turn = |x: f64| [x / mesh.sun_base_radius, 0.0, 0.0];
@@ -474,6 +483,15 @@ mod tests {
         assert!((force(12e-6, 0.0) - 2e8 * 2e-6).abs() < 1e-6);
         assert!((force(-12e-6, 0.0) + 2e8 * 2e-6).abs() < 1e-6);
         assert_eq!([force(12e-6, -10.0), force(-12e-6, 10.0)], [0.0; 2]);
+        // Without backlash, on centres that only go round, one flank comes as the other leaves.
+        let tight = GearMesh { half_backlash: 0.0, parts: false, ..mesh.clone() };
+        let mut state = MeshState::default();
+        tight.turn(
+            &[1e-9 / tight.sun_base_radius, 0.0, 0.0],
+            &[-1.0 / tight.sun_base_radius, 0.0, 0.0],
+            &mut state,
+        );
+        assert!((state.force / (0.2 - tight.damping) - 1.0).abs() < 1e-9, "{}", state.force);
     }
 
     /// A carrier that turns with fixed sun and planet angles closes the mesh by (r_b1 + r_b2) per radian, and

@@ -102,9 +102,7 @@ impl IdealJoints {
         debug_assert!(mass.iter().all(|inertia| *inertia > 0.0), "moments of inertia {mass:?}");
         Ok(IdealJoints {
             rings: vec![ring; machine.disc_count],
-            meshes: (0..machine.crankshafts.count)
-                .map(|k| GearMesh::new(machine, k, f64::INFINITY))
-                .collect(),
+            meshes: (0..machine.crankshafts.count).map(|k| GearMesh::turning(machine, k)).collect(),
             drive,
             load,
             drag: drag + friction.seal_drag,

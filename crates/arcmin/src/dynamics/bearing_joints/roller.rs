@@ -40,7 +40,8 @@ pub struct RollingBearing {
     pub(super) inner_share: f64,
     /// R in m, on which friction acts.
     pub(in crate::dynamics) pitch_radius: f64,
-    /// Where the two slices of a roller that stand for its length sit from its middle: l/√12 in m, 0 of a ball.
+    /// Where the two slices of a roller that stand for its length sit from its middle, in m: t = l/√12 where the ring bears
+    /// along its axis, that times cos α where it gives way there; 0 of a ball.
     pub(in crate::dynamics) reach: f64,
     height: f64,
     facing: f64,
@@ -178,7 +179,9 @@ impl RollingBearing {
             pitch_radius: 0.5 * bearing.pitch_diameter,
             reach: match bearing.kind {
                 RollerKind::Ball => 0.0,
-                RollerKind::Cylindrical | RollerKind::Tapered => slice_height(bearing.roller_length),
+                RollerKind::Cylindrical | RollerKind::Tapered => {
+                    contact.x * slice_height(bearing.roller_length)
+                }
             },
             height: 0.0,
             facing: 0.0,
@@ -193,7 +196,8 @@ impl RollingBearing {
             (row.kind == RollerKind::Ball).then_some((2.0 * GROOVE - 1.0) * row.roller_diameter);
         let facing = facing.signum();
         let radial = RollingBearing::radial(&RollerBearing { clearance: 0.0, ..row.clone() }, 1.0);
-        RollingBearing { groove_distance, height, facing, preload, ..radial }
+        let reach = radial.reach / radial.contact.x;
+        RollingBearing { groove_distance, reach, height, facing, preload, ..radial }
     }
 
     /// Adds to the diametral clearance (m), such as a bore that is too large.
@@ -514,7 +518,7 @@ mod tests {
     fn two_and_forty(bearing: &RollingBearing, shift: [f64; 2], slope: [f64; 2]) -> [[f64; 4]; 2] {
         let stand = Stand { shift, cage: 0.4, slope: Some(slope), ..Stand::default() };
         let two = bearing.react_at::<LEANING>(&stand, false).gradient;
-        let length = bearing.reach * 12.0_f64.sqrt();
+        let length = bearing.reach / bearing.contact.x * 12.0_f64.sqrt();
         let mut forty = [0.0; 4];
         for i in 0..40 {
             let z = length * ((f64::from(i) + 0.5) / 40.0 - 0.5);
