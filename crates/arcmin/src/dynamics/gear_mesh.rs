@@ -296,6 +296,7 @@ impl GearMesh {
         }
         let [k, k1, k2] = self.stiffness_by_phase(phase);
         let elastic = k * depth;
+        let half_square = 0.5 * depth * depth;
         state.stored += 0.5 * elastic * depth;
         let x = if self.parts { (depth / DAMPING_RAMP).min(1.0) } else { 1.0 };
         let c = self.damping * x * x * (3.0 - 2.0 * x);
@@ -303,13 +304,18 @@ impl GearMesh {
         let rate = along(slope);
         if self.parts && elastic + c * rate <= 0.0 {
             // Teeth part faster than they spring back: no force, for damping must not pull, and the energy they
-            // held is lost.
+            // held is lost. It still changes with the mesh phase.
             state.dissipation -= elastic * rate;
+            for i in 0..N {
+                state.gradient[i] += k1 * half_square * sigma[i];
+                for j in 0..N {
+                    state.hessian[i][j] += sigma[i] * (k1 * depth * slope[j] + k2 * half_square * sigma[j]);
+                }
+            }
             return;
         }
         state.force += SIDES[side] * (elastic + c * rate);
         state.side_force[side] += elastic;
-        let half_square = 0.5 * depth * depth;
         for i in 0..N {
             state.gradient[i] += elastic * slope[i] + k1 * half_square * sigma[i];
             state.elastic_slope[i] += SIDES[side] * (k * slope[i] + k1 * depth * sigma[i]);
