@@ -8,8 +8,8 @@ pub enum ContactSpring {
         /// k in N/m.
         stiffness: f64,
     },
-    /// F = c K (c δ)^n: a rolling element that presses at an angle to the radius, c its cosine.
-    Power { stiffness: f64, exponent: f64, cosine: f64 },
+    /// F = K δ^n: a rolling element.
+    Power { stiffness: f64, exponent: f64 },
     /// A share of the length of a pin on a flank, with the equivalent radius in m.
     Line { law: LineContact, radius: f64, share: f64 },
     /// Regularised Coulomb friction F = L δ/√(δ² + r²) against a slip −δ: it acts in both senses.
@@ -43,10 +43,9 @@ impl ContactSpring {
         match *self {
             ContactSpring::Slip { .. } => Pressed::default(),
             ContactSpring::Linear { stiffness } => Pressed { force: stiffness * approach, stiffness },
-            ContactSpring::Power { stiffness, exponent, cosine } => {
-                let approach = cosine * approach;
-                let force = cosine * stiffness * approach.powf(exponent);
-                Pressed { force, stiffness: cosine * exponent * force / approach }
+            ContactSpring::Power { stiffness, exponent } => {
+                let force = stiffness * approach.powf(exponent);
+                Pressed { force, stiffness: exponent * force / approach }
             }
             ContactSpring::Line { ref law, radius, share } => {
                 let (force, stiffness) = law.force(approach, radius);

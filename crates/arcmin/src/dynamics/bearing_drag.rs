@@ -55,7 +55,7 @@ impl BearingDrag {
             .elements
             .iter()
             .map(|elements| {
-                let axial: f64 = elements.iter().map(|e| e.force * e.contact_angle.sin()).sum();
+                let axial: f64 = elements.iter().map(|e| e.force * e.contact.y).sum();
                 let loaded = elements.iter().filter(|e| e.force > 0.0).count();
                 lubricant(row, output)
                     + pressed * factor * preload_moment(row, axial, row.contact_angle, loaded)

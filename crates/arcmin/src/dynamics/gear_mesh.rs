@@ -1,132 +1,347 @@
-use crate::contact::Damping;
-use crate::geometry::{Vec2, unit};
-use crate::machine::Machine;
+use crate::geometry::{Vec2, quarter_turn, unit};
+use crate::machine::{Kinematics, Machine};
 
-/// Involute meshes of the sun with all planets, which share one deflection as the planets' centres sit on a
-/// rigid carrier.
+/// One involute mesh of sun and planet.
 ///
-/// Deflection along the line of action: e = r_b1 (θ_s − θ_c) + r_b2 (θ_k − θ_c). Each mesh is a spring
-/// k (1 + ε cos(z_1 (θ_s − θ_c) + z_1 γ_p)) with damper and backlash j: free while |e| < j/2.
-#[derive(Debug, Clone)]
+/// On the flank s = ±1 the teeth overlap by e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) − (r_b1 +
+/// r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the direction and D the distance of the centres, cos α' =
+/// (r_b1 + r_b2)/D, γ the planet's place on the carrier, j the backlash and h_s what that side has worn. Its
+/// gradient is the unit normal of the contact, so a planet that moves in its bearings changes the mesh, and
+/// teeth pressed together wedge on both flanks. Planets on a rigid carrier only turn: then ψ − γ is the carrier's
+/// angle θ_c, D does not change, and e_s = s (r_b1 (θ_s − θ_c) + r_b2 (θ_p − θ_c)) − j/2 − h_s.
+///
+/// Either side is a spring U = ½ k(σ) e² with k = k₀ (1 + ε cos z_1 (σ + γ)) over the mesh phase σ = θ_s − θ_c, and a
+/// damper c(e) ė that sets in with the overlap and never pulls, as long as teeth can part.
+#[derive(Debug, Clone, PartialEq)]
 pub struct GearMesh {
-    planets: f64,
-    stiffness: f64,
-    variation: f64,
-    damping: f64,
-    half_backlash: f64,
-    sun_teeth: f64,
-    /// Σ e(z_1 γ_p): how the stiffness variations of the meshes add up.
-    phase_sum: Vec2,
     pub sun_base_radius: f64,
     pub planet_base_radius: f64,
-}
-
-/// Force along the line of action of all meshes together, with tangents and energy.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MeshForce {
-    /// N, positive where the sun's tooth drives.
-    pub force: f64,
-    /// ∂F/∂e in N/m and ∂F/∂ė in N·s/m.
+    /// N/m, shaft torsion in series.
     pub stiffness: f64,
+    variation: f64,
     pub damping: f64,
-    /// J.
-    pub stored: f64,
-    /// W.
-    pub dissipation: f64,
-    /// ∂F/∂σ in N/rad, ∂U/∂σ in N·m and ∂²U/∂σ² in N·m/rad for the mesh phase σ = θ_s − θ_c.
-    pub force_by_phase: f64,
-    pub torque: f64,
-    pub torque_by_phase: f64,
+    pub half_backlash: f64,
+    /// Whether teeth can part. They cannot without backlash on centres that only go round: as one flank leaves, the other
+    /// comes, and the damper acts whole and both ways.
+    parts: bool,
+    /// Metal lost along the line of action by the teeth of either side, m: where the sun drives
+    /// counter-clockwise, and the other.
+    pub flank_loss: [f64; 2],
+    sun_teeth: f64,
+    /// γ of this planet in rad.
+    place: f64,
+    nominal_involute: f64,
+    /// Run-out of the planet: the centre of its base circle lies at this distance (m) and angle (rad) from
+    /// its axis of rotation.
+    pub planet_run_out: (f64, f64),
+    pub sun_run_out: (f64, f64),
 }
 
-/// Depth over which damping sets in behind a backlash, m. Without it the force would jump on contact.
+/// Coordinates of a mesh in the order (x_s, y_s, θ_s, x_p, y_p, θ_p, θ_c).
+pub const MESH_COORDINATES: usize = 7;
+type Row = [f64; MESH_COORDINATES];
+
+/// Energy of meshes with gradient and Hessian over N coordinates, and their damping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshState<const N: usize> {
+    pub stored: f64,
+    pub gradient: [f64; N],
+    pub hessian: [[f64; N]; N],
+    /// Generalised damping forces, −∂/∂q̇ and −∂/∂q of them.
+    pub damping_force: [f64; N],
+    pub damping: [[f64; N]; N],
+    pub damping_slope: [[f64; N]; N],
+    pub dissipation: f64,
+    /// Force on the line of action in N, positive where the sun's tooth drives.
+    pub force: f64,
+    /// ∂/∂q of its elastic part.
+    pub elastic_slope: [f64; N],
+    /// Sizes of the elastic forces on either side, as in [`GearMesh::flank_loss`], in N.
+    pub side_force: [f64; 2],
+}
+
+impl<const N: usize> Default for MeshState<N> {
+    fn default() -> Self {
+        MeshState {
+            stored: 0.0,
+            gradient: [0.0; N],
+            hessian: [[0.0; N]; N],
+            damping_force: [0.0; N],
+            damping: [[0.0; N]; N],
+            damping_slope: [[0.0; N]; N],
+            dissipation: 0.0,
+            force: 0.0,
+            elastic_slope: [0.0; N],
+            side_force: [0.0; 2],
+        }
+    }
+}
+
+impl<const N: usize> MeshState<N> {
+    /// Elastic force on the line of action in N, positive where the sun's tooth drives.
+    pub fn elastic_force(&self) -> f64 {
+        self.side_force[0] - self.side_force[1]
+    }
+}
+
+/// How the teeth of one side overlap: e in m with ∂e/∂q and ∂²e/∂q² = diag(arm) − turning across acrossᵀ, and the mesh
+/// phase σ + γ in rad with ∂σ/∂q.
+struct Overlap<const N: usize> {
+    side: usize,
+    depth: f64,
+    slope: [f64; N],
+    arm: [f64; N],
+    across: [f64; N],
+    turning: f64,
+    phase: f64,
+    phase_slope: [f64; N],
+}
+
+/// The flanks on which the sun drives counter-clockwise, and the others.
+const SIDES: [f64; 2] = [1.0, -1.0];
+
+/// How sun and planet stand to each other.
+struct Centres {
+    /// Run-outs of their base circles in m.
+    planet_arm: Vec2,
+    sun_arm: Vec2,
+    distance: f64,
+    /// From sun to planet, and a quarter turn on.
+    radial: Vec2,
+    tangential: Vec2,
+    /// Of the pressure angle as they run.
+    cos: f64,
+    sin: f64,
+    /// inv α'.
+    involute: f64,
+    /// r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ) in m.
+    twist: f64,
+}
+
+impl Centres {
+    /// Of the flank of the planet.
+    fn normal(&self, side: f64) -> Vec2 {
+        side * self.cos * self.tangential + self.sin * self.radial
+    }
+
+    /// What each coordinate moves the planet against the sun along a direction.
+    fn along(&self, way: Vec2) -> Row {
+        let turn = |arm: Vec2| way.dot(&quarter_turn(arm));
+        [-way.x, -way.y, -turn(self.sun_arm), way.x, way.y, turn(self.planet_arm), 0.0]
+    }
+}
+
+/// Depth in m over which the damping sets in.
 const DAMPING_RAMP: f64 = 1e-6;
 
 impl GearMesh {
-    pub fn new(machine: &Machine) -> GearMesh {
+    /// `torsion` is the torsional stiffness of the shaft behind the planet in N·m/rad.
+    pub fn new(machine: &Machine, crankshaft: usize, torsion: f64) -> GearMesh {
         let stage = &machine.gear_stage;
-        let count = machine.crankshafts.count;
-        let teeth = stage.sun_teeth as f64;
+        let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
+        let alpha = stage.pressure_angle;
         GearMesh {
-            planets: count as f64,
-            stiffness: stage.mesh_stiffness,
+            sun_base_radius: r1,
+            planet_base_radius: r2,
+            stiffness: 1.0 / (1.0 / stage.mesh_stiffness + r2 * r2 / torsion),
             variation: stage.mesh_stiffness_variation,
             damping: stage.mesh_damping,
             half_backlash: 0.5 * stage.backlash,
-            sun_teeth: teeth,
-            phase_sum: (0..count)
-                .map(|k| {
-                    unit(
-                        teeth
-                            * crate::machine::Kinematics::crankshaft_angle(
-                                machine.crankshafts.first_angle,
-                                k,
-                                count,
-                            ),
-                    )
-                })
-                .sum(),
-            sun_base_radius: stage.sun_base_radius(),
-            planet_base_radius: stage.planet_base_radius(),
+            parts: true,
+            flank_loss: [0.0; 2],
+            sun_teeth: stage.sun_teeth as f64,
+            place: Kinematics::crankshaft_angle(
+                machine.crankshafts.first_angle,
+                crankshaft,
+                machine.crankshafts.count,
+            ),
+            nominal_involute: alpha.tan() - alpha,
+            planet_run_out: (0.0, 0.0),
+            sun_run_out: (0.0, 0.0),
         }
     }
 
-    /// Forces at deflection e (m), its rate ė (m/s) and mesh phase σ (rad).
-    pub fn react(&self, deflection: f64, rate: f64, phase: f64) -> MeshForce {
-        // Signed deflection beyond the backlash.
-        let overlap = if deflection.abs() <= self.half_backlash {
-            return MeshForce::default();
-        } else {
-            deflection - self.half_backlash.copysign(deflection)
+    /// A mesh on a rigid carrier, with a rigid shaft.
+    pub fn turning(machine: &Machine, crankshaft: usize) -> GearMesh {
+        let parts = machine.gear_stage.backlash > 0.0;
+        GearMesh { parts, ..GearMesh::new(machine, crankshaft, f64::INFINITY) }
+    }
+
+    /// How the centres stand to each other; `None` where base circles overlap, so that no involute mesh exists.
+    fn centres(&self, q: &Row) -> Option<Centres> {
+        let base = self.sun_base_radius + self.planet_base_radius;
+        let planet_arm = self.planet_run_out.0 * unit(q[5] + self.planet_run_out.1);
+        let sun_arm = self.sun_run_out.0 * unit(q[2] + self.sun_run_out.1);
+        let d = Vec2::new(q[3] - q[0], q[4] - q[1]) + planet_arm - sun_arm;
+        let distance = d.norm();
+        if !(distance > base) {
+            return None;
+        }
+        let radial = d / distance;
+        let tangential = quarter_turn(radial);
+        let reference = unit(q[6] + self.place);
+        let turn = (reference.x * d.y - reference.y * d.x).atan2(reference.dot(&d));
+        // ψ − γ, without the jumps of atan2.
+        let psi = q[6] + turn;
+        let (cos, sin) = (base / distance, (1.0 - (base / distance).powi(2)).sqrt());
+        let involute = sin / cos - sin.atan2(cos);
+        let twist = self.sun_base_radius * q[2] + self.planet_base_radius * q[5] - base * psi;
+        Some(Centres { planet_arm, sun_arm, distance, radial, tangential, cos, sin, involute, twist })
+    }
+
+    /// e_s of one of the two sides.
+    fn overlap_of(&self, centres: &Centres, number: usize) -> f64 {
+        let base = self.sun_base_radius + self.planet_base_radius;
+        SIDES[number] * centres.twist
+            - base * (centres.involute - self.nominal_involute)
+            - self.half_backlash
+            - self.flank_loss[number]
+    }
+
+    /// ∂e_s/∂q.
+    fn slope(&self, centres: &Centres, side: f64) -> Row {
+        let mut slope = centres.along(-centres.normal(side));
+        slope[2] += side * self.sun_base_radius;
+        slope[5] += side * self.planet_base_radius;
+        slope
+    }
+
+    /// e_s and its gradient for both sides; `None` where base circles overlap.
+    pub fn overlaps(&self, q: &Row) -> Option<[(f64, Row); 2]> {
+        let centres = self.centres(q)?;
+        let of = |number: usize| (self.overlap_of(&centres, number), self.slope(&centres, SIDES[number]));
+        Some([of(0), of(1)])
+    }
+
+    /// By how much the teeth of either side would overlap without backlash and wear, in m: in the nominal place, what
+    /// run-outs make of it.
+    pub fn made_overlap(&self, q: &Row) -> Option<[f64; 2]> {
+        let centres = self.centres(q)?;
+        let made = |side: usize| self.overlap_of(&centres, side) + self.half_backlash + self.flank_loss[side];
+        Some([made(0), made(1)])
+    }
+
+    /// k in N/m, k' and k'' at the mesh phase σ + γ.
+    fn stiffness_by_phase(&self, phase: f64) -> [f64; 3] {
+        if self.variation == 0.0 {
+            return [self.stiffness, 0.0, 0.0];
+        }
+        let (sin, cos) = (self.sun_teeth * phase).sin_cos();
+        let amplitude = self.stiffness * self.variation;
+        [
+            self.stiffness + amplitude * cos,
+            -amplitude * self.sun_teeth * sin,
+            -amplitude * self.sun_teeth * self.sun_teeth * cos,
+        ]
+    }
+
+    /// Mesh stiffness in N/m where the teeth stand.
+    pub fn stiffness_at(&self, q: &Row) -> f64 {
+        self.stiffness_by_phase(q[2] - q[6] + self.place)[0]
+    }
+
+    /// Sun and planet whose centres may move; the energy is NaN where base circles overlap.
+    pub fn react(&self, q: &Row, v: &Row) -> MeshState<MESH_COORDINATES> {
+        let mut state = MeshState::default();
+        let Some(centres) = self.centres(q) else {
+            // The caller's Newton step was absurd and is refused by its residual.
+            state.stored = f64::NAN;
+            return state;
         };
-        // Sum of the stiffnesses and its first two derivatives with respect to σ.
-        let (mut k, mut k1, mut k2) = (self.planets * self.stiffness, 0.0, 0.0);
-        if self.variation != 0.0 {
-            let wave = unit(self.sun_teeth * phase);
-            let amplitude = self.stiffness * self.variation;
-            let (cos, sin) = (
-                wave.x * self.phase_sum.x - wave.y * self.phase_sum.y,
-                wave.y * self.phase_sum.x + wave.x * self.phase_sum.y,
-            );
-            k += amplitude * cos;
-            k1 = -amplitude * self.sun_teeth * sin;
-            k2 = -amplitude * self.sun_teeth * self.sun_teeth * cos;
-        }
-        let (mut damping, mut damping_slope) = (self.planets * self.damping, 0.0);
-        if self.half_backlash > 0.0 {
-            let ramp = Damping { coefficient: damping, ramp_depth: DAMPING_RAMP };
-            let x = (overlap.abs() / ramp.ramp_depth).min(1.0);
-            damping = ramp.coefficient * x * x * (3.0 - 2.0 * x);
-            damping_slope = if x < 1.0 {
-                ramp.coefficient * 6.0 * x * (1.0 - x) / ramp.ramp_depth * overlap.signum()
-            } else {
-                0.0
+        for (number, side) in SIDES.into_iter().enumerate() {
+            let normal = centres.normal(side);
+            let mut arm = [0.0; MESH_COORDINATES];
+            (arm[2], arm[5]) = (-normal.dot(&centres.sun_arm), normal.dot(&centres.planet_arm));
+            let overlap = Overlap {
+                side: number,
+                depth: self.overlap_of(&centres, number),
+                slope: self.slope(&centres, side),
+                arm,
+                across: centres.along(quarter_turn(normal)),
+                // Of the normal per displacement of the planet across it.
+                turning: 1.0 / (centres.distance * centres.sin),
+                phase: q[2] - q[6] + self.place,
+                phase_slope: [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0],
             };
+            self.press(&overlap, v, &mut state);
         }
-        let elastic = k * overlap;
-        let stored = 0.5 * k * overlap * overlap;
-        let force = elastic + damping * rate;
-        let (torque, torque_by_phase) = (0.5 * k1 * overlap * overlap, 0.5 * k2 * overlap * overlap);
-        if self.half_backlash > 0.0 && force * overlap <= 0.0 {
-            // Oil between parting flanks does not pull them together.
-            return MeshForce {
-                stored,
-                dissipation: -elastic * rate,
-                torque,
-                torque_by_phase,
-                ..MeshForce::default()
+        state
+    }
+
+    /// Adds a sun and a planet that only turn, as does the carrier: coordinates (θ_s, θ_c, θ_p).
+    pub fn turn(&self, q: &[f64; 3], v: &[f64; 3], state: &mut MeshState<3>) {
+        let (r1, r2) = (self.sun_base_radius, self.planet_base_radius);
+        for (number, side) in SIDES.into_iter().enumerate() {
+            let twist = r1 * (q[0] - q[1]) + r2 * (q[2] - q[1]);
+            let overlap = Overlap {
+                side: number,
+                depth: side * twist - self.half_backlash - self.flank_loss[number],
+                slope: [side * r1, -side * (r1 + r2), side * r2],
+                arm: [0.0; 3],
+                across: [0.0; 3],
+                turning: 0.0,
+                phase: q[0] - q[1] + self.place,
+                phase_slope: [1.0, -1.0, 0.0],
             };
+            self.press(&overlap, v, state);
         }
-        MeshForce {
-            force,
-            stiffness: k + damping_slope * rate,
-            damping,
-            stored,
-            dissipation: damping * rate * rate,
-            force_by_phase: k1 * overlap,
-            torque,
-            torque_by_phase,
+    }
+
+    /// Adds the force of the teeth of one side.
+    fn press<const N: usize>(&self, overlap: &Overlap<N>, v: &[f64; N], state: &mut MeshState<N>) {
+        let Overlap { side, depth, ref slope, ref arm, ref across, turning, phase, phase_slope: ref sigma } =
+            *overlap;
+        if depth <= 0.0 {
+            return;
         }
+        let [k, k1, k2] = self.stiffness_by_phase(phase);
+        let elastic = k * depth;
+        let half_square = 0.5 * depth * depth;
+        state.stored += 0.5 * elastic * depth;
+        let x = if self.parts { (depth / DAMPING_RAMP).min(1.0) } else { 1.0 };
+        let c = self.damping * x * x * (3.0 - 2.0 * x);
+        let along = |way: &[f64; N]| way.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+        let rate = along(slope);
+        if self.parts && elastic + c * rate <= 0.0 {
+            // Teeth part faster than they spring back: no force, for damping must not pull, and the energy they
+            // held is lost. It still changes with the mesh phase.
+            state.dissipation -= elastic * rate;
+            for i in 0..N {
+                state.gradient[i] += k1 * half_square * sigma[i];
+                for j in 0..N {
+                    state.hessian[i][j] += sigma[i] * (k1 * depth * slope[j] + k2 * half_square * sigma[j]);
+                }
+            }
+            return;
+        }
+        state.force += SIDES[side] * (elastic + c * rate);
+        state.side_force[side] += elastic;
+        for i in 0..N {
+            state.gradient[i] += elastic * slope[i] + k1 * half_square * sigma[i];
+            state.elastic_slope[i] += SIDES[side] * (k * slope[i] + k1 * depth * sigma[i]);
+            state.hessian[i][i] += elastic * arm[i];
+            for j in 0..N {
+                state.hessian[i][j] += k * slope[i] * slope[j] - elastic * turning * across[i] * across[j]
+                    + k1 * depth * (slope[i] * sigma[j] + sigma[i] * slope[j])
+                    + k2 * half_square * sigma[i] * sigma[j];
+            }
+        }
+        if !(c > 0.0) {
+            return;
+        }
+        let (steepness, turned) =
+            (6.0 * self.damping * x * (1.0 - x) / DAMPING_RAMP, turning * along(across));
+        for i in 0..N {
+            state.damping_force[i] -= c * rate * slope[i];
+            state.damping_slope[i][i] += c * rate * arm[i];
+            for j in 0..N {
+                state.damping[i][j] += c * slope[i] * slope[j];
+                let rate_slope = arm[j] * v[j] - turned * across[j];
+                state.damping_slope[i][j] += slope[i] * (steepness * rate * slope[j] + c * rate_slope)
+                    - c * rate * turning * across[i] * across[j];
+            }
+        }
+        state.dissipation += c * rate * rate;
     }
 }
 
@@ -134,45 +349,172 @@ impl GearMesh {
 mod tests {
     use super::*;
 
-    fn mesh(backlash: f64, variation: f64) -> GearMesh {
+    fn state() -> (GearMesh, Row) {
         let mut machine = crate::templates::tao2024();
-        machine.gear_stage.backlash = backlash;
-        machine.gear_stage.mesh_stiffness_variation = variation;
-        GearMesh::new(&machine)
+        machine.gear_stage.mesh_stiffness_variation = 0.1;
+        let mut mesh = GearMesh::new(&machine, 1, 1e5);
+        mesh.planet_run_out = (20e-6, 0.4);
+        mesh.sun_run_out = (10e-6, 1.1);
+        let carrier = 0.3;
+        let place = 0.0405 * unit(carrier + mesh.place);
+        (
+            mesh,
+            [
+                1e-6,
+                -2e-6,
+                0.9,
+                place.x + 3e-6,
+                place.y - 1e-6,
+                carrier - 0.5 * (0.9 - carrier) + 3e-3,
+                carrier,
+            ],
+        )
     }
 
+    #[test]
+    fn gradient_and_hessian_derive_from_the_energy() {
+        let (mesh, q) = state();
+        let rest = [0.0; MESH_COORDINATES];
+        let here = mesh.react(&q, &rest);
+        assert!(here.force > 100.0, "{}", here.force);
+        let stiffness = mesh.stiffness;
+        for i in 0..MESH_COORDINATES {
+            let h = if [2, 5, 6].contains(&i) { 1e-8 } else { 1e-10 };
+            let shifted = |s: f64| {
+                let mut y = q;
+                y[i] += s * h;
+                mesh.react(&y, &rest)
+            };
+            let (up, down) = (shifted(1.0), shifted(-1.0));
+            let slope = (up.stored - down.stored) / (2.0 * h);
+            assert!(
+                (slope - here.gradient[i]).abs() < 1e-5 * here.force,
+                "{i}: {slope} {}",
+                here.gradient[i]
+            );
+            let slope = (up.force - down.force) / (2.0 * h);
+            assert!((slope - here.elastic_slope[i]).abs() < 1e-4 * stiffness, "{i}: {slope}");
+            for j in 0..MESH_COORDINATES {
+                let slope = (up.gradient[j] - down.gradient[j]) / (2.0 * h);
+                let size = (here.hessian[i][i] * here.hessian[j][j]).abs().sqrt().max(1.0);
+                assert!(
+                    (slope - here.hessian[i][j]).abs() < 1e-4 * size,
+                    "{i} {j}: {slope} {}",
+                    here.hessian[i][j]
+                );
+            }
+        }
+    }
+
+    /// Tangents of damping are differences of its forces, where it sets in and where it is whole.
+    #[test]
+    fn tangents_of_damping_are_differences() {
+        let (mut mesh, mut q) = state();
+        let touch = mesh.overlaps(&q).unwrap()[0].0;
+        mesh.half_backlash += touch - 0.6e-6;
+        let mut v = [0.01, -0.02, 3.0, 0.005, 0.01, -1.4, 0.02];
+        for depth in [0.0, 5e-6] {
+            mesh.half_backlash -= depth;
+            let here = mesh.react(&q, &v);
+            let size = here.damping_force.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+            assert!(size > 1e-3 && here.side_force[1] == 0.0, "{here:?}");
+            for j in 0..MESH_COORDINATES {
+                for (speed, step) in [(false, 1e-10), (true, 1e-5)] {
+                    let at = if speed { &mut v } else { &mut q };
+                    let kept = at[j];
+                    let [up, down] = [step, -step].map(|way| {
+                        let at = if speed { &mut v } else { &mut q };
+                        at[j] = kept + way;
+                        mesh.react(&q, &v).damping_force
+                    });
+                    if speed {
+                        v[j] = kept
+                    } else {
+                        q[j] = kept
+                    }
+                    let given = if speed { &here.damping } else { &here.damping_slope };
+                    for i in 0..MESH_COORDINATES {
+                        let slope = (down[i] - up[i]) / (2.0 * step);
+                        let scale = given.as_flattened().iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+                        assert!(
+                            (slope - given[i][j]).abs() < 1e-4 * scale,
+                            "{i} {j}: {slope} {}",
+                            given[i][j]
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// A planet on a rigid carrier is the mesh whose centres may move, held in place.
+    #[test]
+    fn a_planet_that_only_turns_is_the_same_mesh_held_in_place() {
+        let machine = crate::templates::tao2024();
+        let (mut mesh, _) = state();
+        (mesh.planet_run_out, mesh.sun_run_out, mesh.half_backlash) = ((0.0, 0.0), (0.0, 0.0), 3e-6);
+        for twist in [-6e-6, -2e-6, 3.4e-6, 9e-6] {
+            let (sun, carrier, speed) = (0.9, 0.3, [0.5, 0.2, -0.1]);
+            let planet = carrier + (twist - mesh.sun_base_radius * (sun - carrier)) / mesh.planet_base_radius;
+            let mut held = MeshState::default();
+            mesh.turn(&[sun, carrier, planet], &speed, &mut held);
+            let arm =
+                (mesh.sun_base_radius + mesh.planet_base_radius) / machine.gear_stage.pressure_angle.cos();
+            let (place, along) =
+                (arm * unit(carrier + mesh.place), speed[1] * arm * quarter_turn(unit(carrier + mesh.place)));
+            let free = mesh.react(
+                &[0.0, 0.0, sun, place.x, place.y, planet, carrier],
+                &[0.0, 0.0, speed[0], along.x, along.y, speed[2], speed[1]],
+            );
+            assert!((held.stored - free.stored).abs() < 1e-9 * free.stored.max(1e-9), "{held:?} {free:?}");
+            assert!((held.force - free.force).abs() <= 1e-6 * free.force.abs());
+            assert!((held.gradient[0] - free.gradient[2]).abs() <= 1e-6 * free.gradient[2].abs());
+            assert!((held.dissipation - free.dissipation).abs() <= 1e-6 * free.dissipation);
+        }
+    }
+
+    /// Teeth within the backlash touch nowhere, and damping never pulls.
     #[test]
     fn backlash_is_free_and_damping_never_pulls() {
-        let mesh = mesh(20e-6, 0.0);
-        assert_eq!(mesh.react(9e-6, 1.0, 0.0), MeshForce::default());
-        assert!((mesh.react(12e-6, 0.0, 0.0).force - 2.0 * 2e8 * 2e-6).abs() < 1e-6);
-        assert!((mesh.react(-12e-6, 0.0, 0.0).force + 2.0 * 2e8 * 2e-6).abs() < 1e-6);
-        assert_eq!(mesh.react(12e-6, -10.0, 0.0).force, 0.0);
-        assert_eq!(mesh.react(-12e-6, 10.0, 0.0).force, 0.0);
+        let mut machine = crate::templates::tao2024();
+        machine.gear_stage.backlash = 20e-6;
+        let mesh = GearMesh::turning(&machine, 0);
+        let force = |twist: f64, rate: f64| {
+            let mut state = MeshState::default();
+            let turn = |x: f64| [x / mesh.sun_base_radius, 0.0, 0.0];
+            mesh.turn(&turn(twist), &turn(rate), &mut state);
+            state.force
+        };
+        assert_eq!(force(9e-6, 1.0), 0.0);
+        assert!((force(12e-6, 0.0) - 2e8 * 2e-6).abs() < 1e-6);
+        assert!((force(-12e-6, 0.0) + 2e8 * 2e-6).abs() < 1e-6);
+        assert_eq!([force(12e-6, -10.0), force(-12e-6, 10.0)], [0.0; 2]);
+        // Without backlash, on centres that only go round, one flank comes as the other leaves.
+        let tight = GearMesh { half_backlash: 0.0, parts: false, ..mesh.clone() };
+        let mut state = MeshState::default();
+        tight.turn(
+            &[1e-9 / tight.sun_base_radius, 0.0, 0.0],
+            &[-1.0 / tight.sun_base_radius, 0.0, 0.0],
+            &mut state,
+        );
+        assert!((state.force / (0.2 - tight.damping) - 1.0).abs() < 1e-9, "{}", state.force);
     }
 
-    /// Force and phase torque are the two derivatives of one energy, and the tangents are theirs.
+    /// A carrier that turns with fixed sun and planet angles closes the mesh by (r_b1 + r_b2) per radian, and
+    /// pulling the centres apart by dD opens it by sin α dD.
     #[test]
-    fn force_and_torque_derive_from_the_energy() {
-        let mesh = mesh(4e-6, 0.2);
-        let h = 1e-9;
-        for (deflection, phase) in [(5e-6, 0.1), (-6e-6, 0.33), (9e-6, 1.234)] {
-            let here = mesh.react(deflection, 0.0, phase);
-            let by_deflection = |f: fn(&MeshForce) -> f64| {
-                (f(&mesh.react(deflection + h, 0.0, phase)) - f(&mesh.react(deflection - h, 0.0, phase)))
-                    / (2.0 * h)
-            };
-            let g = 1e-6;
-            let by_phase = |f: fn(&MeshForce) -> f64| {
-                (f(&mesh.react(deflection, 0.0, phase + g)) - f(&mesh.react(deflection, 0.0, phase - g)))
-                    / (2.0 * g)
-            };
-            let close = |a: f64, b: f64, scale: f64| assert!((a - b).abs() < 1e-5 * scale, "{a} {b}");
-            close(by_deflection(|m| m.stored), here.force, 1e3);
-            close(by_deflection(|m| m.force), here.stiffness, 4e8);
-            close(by_deflection(|m| m.torque), here.force_by_phase, 1e4);
-            close(by_phase(|m| m.stored), here.torque, 1e-2);
-            close(by_phase(|m| m.torque), here.torque_by_phase, 1.0);
-        }
+    fn centre_distance_opens_the_mesh() {
+        let machine = crate::templates::tao2024();
+        let mesh = GearMesh::new(&machine, 0, 1e30);
+        let rest = [0.0; MESH_COORDINATES];
+        let force = |extra: f64, twist: f64| {
+            let place = (0.0405 + extra) * unit(mesh.place);
+            mesh.react(&[0.0, 0.0, twist / mesh.sun_base_radius, place.x, place.y, 0.0, 0.0], &rest).force
+        };
+        let k = 2e8;
+        assert!((force(0.0, 2e-6) - k * 2e-6).abs() < 1e-3);
+        let alpha = machine.gear_stage.pressure_angle;
+        assert!((force(1e-7, 2e-6) - k * (2e-6 - alpha.sin() * 1e-7)).abs() < 1e-2);
+        assert!((force(0.0, -2e-6) + k * 2e-6).abs() < 1e-3);
     }
 }

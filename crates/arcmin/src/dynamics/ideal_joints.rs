@@ -1,4 +1,4 @@
-use super::gear_mesh::{GearMesh, MeshForce};
+use super::gear_mesh::{GearMesh, MeshState};
 use super::{Balance, DenseLinearisation, Drive, DynamicsError, ForceSummary, OutputLoad, Reducer, System};
 use crate::contact::{DiscVelocity, MeshContact, PinContact, PinContacts, Reaction, Sliding};
 use crate::geometry::{Relief, quarter_turn};
@@ -22,7 +22,7 @@ use crate::units::ARCMIN;
 pub struct IdealJoints {
     kinematics: Kinematics,
     rings: Vec<PinContacts>,
-    mesh: GearMesh,
+    meshes: Vec<GearMesh>,
     drive: Drive,
     load: OutputLoad,
     drag: f64,
@@ -102,7 +102,7 @@ impl IdealJoints {
         debug_assert!(mass.iter().all(|inertia| *inertia > 0.0), "moments of inertia {mass:?}");
         Ok(IdealJoints {
             rings: vec![ring; machine.disc_count],
-            mesh: GearMesh::new(machine),
+            meshes: (0..machine.crankshafts.count).map(|k| GearMesh::turning(machine, k)).collect(),
             drive,
             load,
             drag: drag + friction.seal_drag,
@@ -185,32 +185,27 @@ impl IdealJoints {
         self.rings.len()
     }
 
-    /// Force of all sun–planet meshes together.
-    pub fn mesh_force(&self, time: f64, position: &[f64], velocity: &[f64]) -> MeshForce {
+    /// Force of all sun–planet meshes together on the line of action, in N.
+    pub fn mesh_force(&self, time: f64, position: &[f64], velocity: &[f64]) -> f64 {
         let (angle, speed) = self.angles(time, position, velocity);
-        self.mesh_at(&angle, &speed)
+        self.mesh_at(&angle, &speed).force
     }
 
-    fn mesh_at(&self, angle: &[f64; 4], speed: &[f64; 4]) -> MeshForce {
-        let along = |x: &[f64; 4]| {
-            self.mesh.sun_base_radius * (x[SUN] - x[CARRIER])
-                + self.mesh.planet_base_radius * (x[CRANK] - x[CARRIER])
-        };
-        self.mesh.react(along(angle), along(speed), angle[SUN] - angle[CARRIER])
+    /// All meshes over the first three angles.
+    fn mesh_at(&self, angle: &[f64; 4], speed: &[f64; 4]) -> MeshState<3> {
+        let mut state = MeshState::default();
+        let turns = |x: &[f64; 4]| [x[SUN], x[CARRIER], x[CRANK]];
+        self.meshes.iter().for_each(|mesh| mesh.turn(&turns(angle), &turns(speed), &mut state));
+        state
     }
 
     fn add_mesh(&self, angle: &[f64; 4], speed: &[f64; 4], total: &mut Torques) {
         let mesh = self.mesh_at(angle, speed);
-        let (r1, r2) = (self.mesh.sun_base_radius, self.mesh.planet_base_radius);
-        let by_angle = [r1, -(r1 + r2), r2];
-        let phase = [1.0, -1.0, 0.0];
         for i in 0..3 {
-            total.torque[i] -= mesh.force * by_angle[i] + mesh.torque * phase[i];
+            total.torque[i] += mesh.damping_force[i] - mesh.gradient[i];
             for j in 0..3 {
-                total.stiffness[i][j] += mesh.stiffness * by_angle[i] * by_angle[j]
-                    + mesh.force_by_phase * (by_angle[i] * phase[j] + phase[i] * by_angle[j])
-                    + mesh.torque_by_phase * phase[i] * phase[j];
-                total.damping[i][j] += mesh.damping * by_angle[i] * by_angle[j];
+                total.stiffness[i][j] += mesh.hessian[i][j] + mesh.damping_slope[i][j];
+                total.damping[i][j] += mesh.damping[i][j];
             }
         }
         total.balance.stored += mesh.stored;

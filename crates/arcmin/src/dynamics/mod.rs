@@ -27,21 +27,21 @@ mod table;
 pub use bearing_drag::BearingDrag;
 pub(crate) use bearing_joints::Wanted;
 pub use bearing_joints::{
-    BearingJoints, BearingMeshing, Cause, JointSettings, Lean, LostMotionSplit, Part, RadialBearing,
+    BearingJoints, BearingMeshing, Cause, ElementLoad, JointSettings, Lean, LostMotionSplit, Part,
+    RollingBearing,
 };
 pub use drive::{Drive, InputMotion};
 pub use elastic_carrier::{ElasticCarrier, ElasticRims};
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use elastic_housing::ElasticHousing;
 pub use error::DynamicsError;
-pub use gear_mesh::{GearMesh, MeshForce};
 pub use ideal_joints::{FlexibleJoints, IdealJoints};
 pub use inputs::{GivenMotion, GivenTorque, LoadInput, MotorInput};
 pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepControl, StepCounts};
 pub use load::OutputLoad;
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};
-pub use ring_bearing::{ElementLoad, Five, MainBalance, MainBearings, RingBearing, RingState};
+pub use ring_bearing::{Five, MainBalance, MainBearings, RingState};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};

@@ -1,46 +1,14 @@
 //! Rows of balls or rollers with five degrees of freedom, and the pair of main bearings made of two.
 
-use std::f64::consts::TAU;
-
 use nalgebra::{SMatrix, SVector};
 
 use super::DynamicsError;
-use super::bearing_joints::element_stiffness;
-use crate::geometry::{Vec2, turned, unit};
-use crate::machine::{Machine, MainRows, RollerBearing, RollerKind};
+use super::bearing_joints::{AXIAL, ElementLoad, ROW, RollingBearing, SLOPE, Stand};
+use crate::machine::{Machine, MainRows};
 
 /// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner against the outer ring, or the load on the inner
 /// ring that goes with it (N, N·m), all about the middle of the pair.
 pub type Five = SVector<f64, 5>;
-
-/// Groove radii of ball bearings over the ball's diameter, both raceways.
-const GROOVE: f64 = 0.52;
-
-/// One row: Q = K δ^n per element, summed over the elements at their angles.
-///
-/// At the angle ψ the inner ring moves by u_r = x cos ψ + y sin ψ + h (φ_y cos ψ − φ_x sin ψ) radially and by
-/// u_a = z + R (φ_x sin ψ − φ_y cos ψ) along the axis, h the height of the row over the middle of the pair and
-/// R its pitch radius; a = s u_a + preload with s = ±1, the way its contacts face. Balls run in grooves whose
-/// centres stand A = (f_i + f_o − 1) d apart at the contact angle α₀ (Jones 1960; Harris, Rolling Bearing
-/// Analysis, ch. 7): δ = √((A sin α₀ + a)² + (A cos α₀ + u_r)²) − A, and the contact angle turns under
-/// load. Rollers keep theirs: δ = u_r cos α + a sin α. All derives from the energy Σ K δ^(n+1)/(n + 1).
-///
-/// Not modelled: centrifugal force and gyroscopic moment (speeds of the output), tilt of a roller along its
-/// length, rings that deform.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RingBearing {
-    count: usize,
-    /// K in N/m^n.
-    stiffness: f64,
-    exponent: f64,
-    pitch_radius: f64,
-    contact_angle: f64,
-    /// A in m; none of rollers.
-    groove_distance: Option<f64>,
-    height: f64,
-    facing: f64,
-    preload: f64,
-}
 
 /// Energy of a bearing with gradient (the load on the inner ring) and Hessian (the stiffness).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,107 +19,31 @@ pub struct RingState {
     pub stiffness: SMatrix<f64, 5, 5>,
 }
 
-/// One loaded element.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ElementLoad {
-    /// N, normal to the raceway.
-    pub force: f64,
-    /// rad.
-    pub contact_angle: f64,
-}
+/// The five coordinates among the variables of a bearing, each with its sign: the slope is (φ_y, −φ_x).
+const VARIABLES: [(usize, f64); 5] = [(0, 1.0), (1, 1.0), (AXIAL, 1.0), (SLOPE + 1, -1.0), (SLOPE, 1.0)];
 
-impl RingBearing {
-    /// A row at a height (m) whose contacts stop the inner ring from moving along `facing` (±1), pressed
-    /// together by an axial approach `preload` (m; negative is play).
-    pub fn new(row: &RollerBearing, height: f64, facing: f64, preload: f64) -> RingBearing {
-        let (stiffness, exponent) = element_stiffness(row);
-        RingBearing {
-            count: row.roller_count,
-            stiffness,
-            exponent,
-            pitch_radius: 0.5 * row.pitch_diameter,
-            contact_angle: row.contact_angle,
-            groove_distance: (row.kind == RollerKind::Ball)
-                .then_some((2.0 * GROOVE - 1.0) * row.roller_diameter),
-            height,
-            facing: facing.signum(),
-            preload,
-        }
+impl RollingBearing {
+    fn stand(displacement: &Five) -> Stand {
+        let [x, y, axial, about_x, about_y] = displacement.data.0[0];
+        Stand { shift: [x, y], slope: Some([about_y, -about_x]), axial, ..Stand::default() }
     }
 
-    /// δ, its derivatives by u_r and a, which are cosine and sine of the contact angle, and the curvature 1/s of the
-    /// groove centres' distance; `straight` is e(α).
-    fn approach(&self, straight: Vec2, radial: f64, axial: f64) -> (f64, [f64; 2], f64) {
-        let (cos, sin) = (straight.x, straight.y);
-        match self.groove_distance {
-            None => (radial * cos + axial * sin, [cos, sin], 0.0),
-            Some(apart) => {
-                let (r, a) = (apart * cos + radial, apart * sin + axial);
-                let distance = (r * r + a * a).sqrt();
-                (distance - apart, [r / distance, a / distance], 1.0 / distance)
-            }
-        }
-    }
-
-    /// Directions of u_r and a in the five coordinates.
-    fn ways(&self, index: usize) -> (Five, Five) {
-        let (sin, cos) = (TAU * index as f64 / self.count as f64).sin_cos();
-        let (h, r, s) = (self.height, self.pitch_radius, self.facing);
-        (Five::from([cos, sin, 0.0, -h * sin, h * cos]), s * Five::from([0.0, 0.0, 1.0, r * sin, -r * cos]))
-    }
-
-    /// Energy, load and stiffness at a displacement.
+    /// Energy, load and stiffness of a row at a displacement.
     pub fn react(&self, displacement: &Five) -> RingState {
-        let [x, y, z, about_x, about_y] = displacement.data.0[0];
-        let (h, r, s) = (self.height, self.pitch_radius, self.facing);
-        let (step, straight) = (unit(TAU / self.count as f64), unit(self.contact_angle));
-        let mut next = unit(0.0);
-        let (mut stored, mut load, mut stiffness) = (0.0, [0.0; 5], [[0.0; 5]; 5]);
-        for _ in 0..self.count {
-            let e = next;
-            next = turned(e, step);
-            let tilt = about_y * e.x - about_x * e.y;
-            let (radial, axial) = (x * e.x + y * e.y + h * tilt, s * (z - r * tilt) + self.preload);
-            let (approach, [by_radial, by_axial], curvature) = self.approach(straight, radial, axial);
-            if approach <= 0.0 {
-                continue;
-            }
-            let force = self.stiffness * approach.powf(self.exponent);
-            stored += force * approach / (self.exponent + 1.0);
-            // The way of the inner ring that presses, in the five coordinates, and the one across it.
-            let way = |radial: f64, axial: f64| {
-                let lever = s * r * axial - h * radial;
-                [radial * e.x, radial * e.y, s * axial, lever * e.y, -lever * e.x]
-            };
-            let along = way(by_radial, by_axial);
-            (0..5).for_each(|i| load[i] += force * along[i]);
-            let mut add = |k: f64, way: [f64; 5]| {
-                for i in 0..5 {
-                    for j in 0..5 {
-                        stiffness[i][j] += k * way[i] * way[j];
-                    }
-                }
-            };
-            add(self.exponent * force / approach, along);
-            if curvature > 0.0 {
-                add(force * curvature, way(by_axial, -by_radial));
-            }
+        let state = self.react_at::<ROW>(&RollingBearing::stand(displacement), true);
+        RingState {
+            stored: state.stored,
+            load: Five::from(VARIABLES.map(|(at, sign)| sign * state.gradient[at])),
+            stiffness: SMatrix::from_fn(|i, j| {
+                let [(row, of_row), (column, of_column)] = [VARIABLES[i], VARIABLES[j]];
+                of_row * of_column * state.hessian[row][column]
+            }),
         }
-        RingState { stored, load: Five::from(load), stiffness: SMatrix::from(stiffness) }
     }
 
-    /// Every element at a displacement.
+    /// Every element of a row at a displacement.
     pub fn elements(&self, displacement: &Five) -> Vec<ElementLoad> {
-        let straight = unit(self.contact_angle);
-        (0..self.count)
-            .map(|index| {
-                let (radial, axial) = self.ways(index);
-                let (approach, [cos, sin], _) =
-                    self.approach(straight, radial.dot(displacement), axial.dot(displacement) + self.preload);
-                let force = self.stiffness * approach.max(0.0).powf(self.exponent);
-                ElementLoad { force, contact_angle: sin.atan2(cos) }
-            })
-            .collect()
+        self.loads(RollingBearing::stand(displacement)).collect()
     }
 }
 
@@ -159,7 +51,7 @@ impl RingBearing {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainBearings {
     /// At the output and at the input end.
-    pub rows: [RingBearing; 2],
+    pub rows: [RollingBearing; 2],
 }
 
 /// How the pair stands under a load.
@@ -193,7 +85,7 @@ impl MainBearings {
         let height = 0.5 * pair.spacing;
         // Back to back, contact lines spread: the row above stops the inner ring from going down.
         let facing = if pair.back_to_back { -1.0 } else { 1.0 };
-        let row = |side: f64| RingBearing::new(&pair.row, side * height, side * facing, pair.preload);
+        let row = |side: f64| RollingBearing::row(&pair.row, side * height, side * facing, pair.preload);
         MainBearings { rows: [row(1.0), row(-1.0)] }
     }
 
@@ -275,6 +167,7 @@ impl MainBalance {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::{RollerBearing, RollerKind};
 
     fn row(kind: RollerKind, count: usize, angle_deg: f64) -> RollerBearing {
         RollerBearing {
@@ -329,14 +222,14 @@ mod tests {
     #[test]
     fn val_thrust_turns_the_contact_angle_as_harris_says() {
         let given = row(RollerKind::Ball, 30, 30.0);
-        let single = RingBearing::new(&given, 0.0, 1.0, 0.0);
+        let single = RollingBearing::row(&given, 0.0, 1.0, 0.0);
         let apart = 0.04 * given.roller_diameter;
         for axial in [2e-6, 20e-6, 60e-6] {
             let at = Five::from([0.0, 0.0, axial, 0.0, 0.0]);
             let load = single.react(&at).load;
-            let angle = single.elements(&at)[7].contact_angle;
-            let shape = given.contact_angle.cos() / angle.cos() - 1.0;
-            let expected = 30.0 * single.stiffness * apart.powf(1.5) * angle.sin() * shape.powf(1.5);
+            let contact = single.elements(&at)[7].contact;
+            let shape = given.contact_angle.cos() / contact.x - 1.0;
+            let expected = 30.0 * single.stiffness * apart.powf(1.5) * contact.y * shape.powf(1.5);
             assert!((load[2] / expected - 1.0).abs() < 1e-9, "{} {expected}", load[2]);
             assert!(load[0].abs() < 1e-9 * load[2] && load[3].abs() < 1e-9 * load[2]);
         }
@@ -347,7 +240,7 @@ mod tests {
     #[test]
     fn val_radial_load_as_stribeck_says() {
         for (kind, integral) in [(RollerKind::Ball, 0.2288), (RollerKind::Cylindrical, 0.2453)] {
-            let single = RingBearing::new(&row(kind, 200, 0.0), 0.0, 1.0, 0.0);
+            let single = RollingBearing::row(&row(kind, 200, 0.0), 0.0, 1.0, 0.0);
             let at = Five::from([1e-6, 0.0, 0.0, 0.0, 0.0]);
             let force = single.react(&at).load[0];
             let most = single.elements(&at).iter().fold(0.0_f64, |most, e| most.max(e.force));
@@ -360,8 +253,8 @@ mod tests {
         }
     }
 
-    /// A moment on a preloaded pair: K = 2 · ½ Z k (R sin α ± h cos α)², back to back with +, k the slope of
-    /// one contact, rollers exactly; radial K = Z k cos²α, axial 2 Z k sin²α. Tilt under a moment is moment
+    /// A moment on a preloaded pair: K = 2 · ½ Z k ((R sin α ± h cos α)² + l²/12), back to back with +, k the slope of
+    /// one contact, rollers of the length l exactly; radial K = Z k cos²α, axial 2 Z k sin²α. Tilt under a moment is moment
     /// over stiffness while all elements stay in contact.
     #[test]
     fn val_moment_stiffness_of_a_preloaded_pair() {
@@ -369,12 +262,12 @@ mod tests {
             let pair = pair(RollerKind::Tapered, back_to_back);
             let balance = pair.balance(&Five::zeros()).unwrap();
             let one = &pair.rows[0];
-            let (sin, cos) = one.contact_angle.sin_cos();
+            let (cos, sin) = (one.contact.x, one.contact.y);
             let k = one.exponent * one.stiffness * (one.preload * sin).powf(one.exponent - 1.0);
             let lever = one.pitch_radius * sin + sign * 20e-3 * cos;
             let z = one.count as f64;
             for (found, expected) in [
-                (balance.state.stiffness[(3, 3)], z * k * lever * lever),
+                (balance.state.stiffness[(3, 3)], z * k * (lever * lever + one.reach * one.reach)),
                 (balance.state.stiffness[(0, 0)], z * k * cos * cos),
                 (balance.state.stiffness[(2, 2)], 2.0 * z * k * sin * sin),
             ] {

@@ -102,7 +102,7 @@ fn row_life(row: &RollerBearing, elements: &[ElementLoad]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dynamics::RingBearing;
+    use crate::dynamics::RollingBearing;
     use crate::templates::tao2024;
     use crate::units::ARCMIN;
 
@@ -122,7 +122,7 @@ mod tests {
                 clearance: 0.0,
                 dynamic_load_rating: Some(20e3),
             };
-            let single = RingBearing::new(&row, 0.0, 1.0, 0.0);
+            let single = RollingBearing::row(&row, 0.0, 1.0, 0.0);
             let at = Five::from([8e-6, 0.0, 0.0, 0.0, 0.0]);
             let force = single.react(&at).load[0];
             let life = row_life(&row, &single.elements(&at));

@@ -79,7 +79,7 @@ pub trait Sink {
         true
     }
 
-    /// How friction changes with the loads: −∂(force)/∂(coordinate) row by row.
+    /// How friction and damping change with the place: −∂(force)/∂(coordinate) row by row.
     fn friction_slope(&mut self, _index: &[usize], _matrix: &[f64]) {}
 
     /// Rate (1/s) at which open contacts are about to close.

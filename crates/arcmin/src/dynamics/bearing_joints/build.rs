@@ -8,11 +8,11 @@ use super::joints::{
     SLOPES, Support, Torsion,
 };
 use super::layout::{Degrees, Layout};
-use super::planar_mesh::{MESH_COORDINATES, PlanarMesh};
 use super::rim::{RIM, Rim};
 use super::shaft::Shaft;
-use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RadialBearing};
+use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RollingBearing};
 use crate::contact::{PinContacts, Sliding};
+use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES};
 use crate::dynamics::{
     DynamicsError, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad,
 };
@@ -266,7 +266,8 @@ impl Parts<'_> {
     fn crank_support(&self, k: usize, end: usize) -> Journal {
         let (layout, errors) = (self.layout, self.errors());
         let (at, [cx, cy, carrier]) = (layout.support(k, end), layout.carrier());
-        let mut law = RadialBearing::new(&self.machine.bearings.crank_support, self.settings.stiffness_scale);
+        let mut law =
+            RollingBearing::radial(&self.machine.bearings.crank_support, self.settings.stiffness_scale);
         law.widen(errors.carrier_bores.get(k).map_or(0.0, |bore| bore.diameter));
         let RunOut { amplitude, phase } = run_out(&errors.journals, k);
         Journal {
@@ -323,7 +324,8 @@ impl Parts<'_> {
         let (layout, errors) = (self.layout, self.errors());
         let (at, disc) = (layout.disc_station(k, j), layout.disc(j));
         let error = errors.discs.get(j).and_then(|disc| disc.bores.get(k));
-        let mut law = RadialBearing::new(&self.machine.bearings.turning_arm, self.settings.stiffness_scale);
+        let mut law =
+            RollingBearing::radial(&self.machine.bearings.turning_arm, self.settings.stiffness_scale);
         law.widen(error.map_or(0.0, |bore| bore.diameter));
         let EccentricError { eccentricity, phase } =
             errors.eccentrics.get(k).and_then(|list| list.get(j)).copied().unwrap_or_default();
@@ -364,7 +366,7 @@ impl Parts<'_> {
 
     fn gears(&self, k: usize, torsion: f64) -> Gears {
         let (layout, errors, stage) = (self.layout, self.errors(), &self.machine.gear_stage);
-        let mut law = PlanarMesh::new(self.machine, k, torsion);
+        let mut law = GearMesh::new(self.machine, k, torsion);
         if !self.settings.damped {
             law.damping = 0.0;
         }

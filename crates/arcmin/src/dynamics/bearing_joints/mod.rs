@@ -10,7 +10,6 @@ mod freeing;
 mod interface;
 mod joints;
 mod layout;
-mod planar_mesh;
 mod preload;
 mod registry;
 mod rim;
@@ -27,14 +26,15 @@ pub use assembly::Part;
 pub(crate) use assembly::Wanted;
 pub use causes::Cause;
 pub(super) use joints::Shown;
-pub(super) use roller::element_stiffness;
-pub use roller::{BearingState, RadialBearing};
+pub(super) use roller::{AXIAL, ROW, SLOPE, Stand};
+pub use roller::{BearingState, ElementLoad, RollingBearing};
 pub use sharing::{BearingMeshing, LostMotionSplit};
 
 use assembly::Sink;
 use build::Bearings;
 use joints::{Joint, PinRing, State};
 use layout::Layout;
+use roller::VARIABLES;
 
 use super::{
     Drive, DynamicsError, ElasticCarrier, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims,
@@ -289,7 +289,7 @@ impl BearingJoints {
     }
 
     /// Force (N) on the inner ring and rolling element forces of a bearing.
-    fn bearing_load(&self, joint: usize, position: &[f64]) -> (BearingState, Vec<f64>) {
+    fn bearing_load(&self, joint: usize, position: &[f64]) -> (BearingState<VARIABLES>, Vec<f64>) {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.joints[joint].bearing().map(|bearing| bearing.load(&q)).unwrap_or_default()
     }
@@ -300,12 +300,17 @@ impl BearingJoints {
         crankshaft: usize,
         disc: usize,
         position: &[f64],
-    ) -> (BearingState, Vec<f64>) {
+    ) -> (BearingState<VARIABLES>, Vec<f64>) {
         self.bearing_load(self.bearings.turning_arms[crankshaft][disc], position)
     }
 
     /// The same of a crank support; `end` is 0 (planet side) or 1.
-    pub fn support_load(&self, crankshaft: usize, end: usize, position: &[f64]) -> (BearingState, Vec<f64>) {
+    pub fn support_load(
+        &self,
+        crankshaft: usize,
+        end: usize,
+        position: &[f64],
+    ) -> (BearingState<VARIABLES>, Vec<f64>) {
         self.bearing_load(self.bearings.supports[crankshaft][end], position)
     }
 

@@ -307,7 +307,7 @@ impl Reducer for FlexibleJoints {
         let (angle, speed) = self.rigid.angles(time, position, velocity);
         let members = self.rigid.members.len();
         let mut summary = ForceSummary {
-            mesh_force: self.rigid.mesh_force(time, &position[..members], &velocity[..members]).force,
+            mesh_force: self.rigid.mesh_force(time, &position[..members], &velocity[..members]),
             ..ForceSummary::default()
         };
         for disc in 0..self.discs.count() {

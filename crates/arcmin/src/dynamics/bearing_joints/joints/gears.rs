@@ -1,7 +1,7 @@
 use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, Wanted};
 use crate::contact::ContactSpring;
 use crate::dynamics::bearing_joints::assembly::Element;
-use crate::dynamics::bearing_joints::planar_mesh::{MESH_COORDINATES, MeshState, PlanarMesh};
+use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES, MeshState};
 use crate::dynamics::{Contact, ForceSummary};
 use crate::machine::PartWear;
 use crate::wear::PartLoads;
@@ -9,7 +9,7 @@ use crate::wear::PartLoads;
 /// A mesh of sun and planet.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Gears {
-    pub law: PlanarMesh,
+    pub law: GearMesh,
     pub index: [usize; MESH_COORDINATES],
     pub losses: Losses,
     /// Mean distance of the contact from the pitch point, m.
@@ -19,7 +19,7 @@ pub(in super::super) struct Gears {
 }
 
 impl Gears {
-    fn state(&self, State { q, v }: State<'_>) -> MeshState {
+    fn state(&self, State { q, v }: State<'_>) -> MeshState<MESH_COORDINATES> {
         self.law.react(&self.index.map(|i| q[i]), &self.index.map(|i| v[i]))
     }
 }
@@ -61,18 +61,18 @@ impl Joint for Gears {
             self.show_teeth(at.q, wanted, sink);
         }
         let mut force = mesh.damping_force;
-        let mut damping = mesh.damping;
+        let (mut damping, mut by_place) = (mesh.damping, mesh.damping_slope);
         let mut dissipation = mesh.dissipation;
         let friction = self.losses.friction.gear_mesh;
         if friction > 0.0 {
             // Sliding in the mean over the path of contact, against the relative turn of the two gears.
             let speed = rate[2] - rate[5];
             let (share, slope) = self.losses.coulomb(speed * self.sliding);
-            let torque = friction * mesh.force.abs() * self.sliding;
+            let torque = friction * mesh.elastic_force().abs() * self.sliding;
             force[2] -= torque * share;
             force[5] += torque * share;
             if let Some(interval) = sink.wants_contacts().and_then(|wanted| wanted.slip_interval) {
-                let spring = self.losses.slip(friction * mesh.force.abs(), interval);
+                let spring = self.losses.slip(friction * mesh.elastic_force().abs(), interval);
                 let gradient = &[self.sliding, -self.sliding];
                 sink.contact(&Contact {
                     index: &[index[2], index[5]],
@@ -89,13 +89,14 @@ impl Joint for Gears {
                 }
             }
             dissipation += torque * share * speed;
-            let factor = friction * self.sliding * share * mesh.force.signum();
-            let mut by_place = [0.0; MESH_COORDINATES * MESH_COORDINATES];
-            for (j, slope) in mesh.force_slope.iter().enumerate() {
-                by_place[2 * MESH_COORDINATES + j] = factor * slope;
-                by_place[5 * MESH_COORDINATES + j] = -factor * slope;
+            let factor = friction * self.sliding * share * mesh.elastic_force().signum();
+            for (j, slope) in mesh.elastic_slope.iter().enumerate() {
+                by_place[2][j] += factor * slope;
+                by_place[5][j] -= factor * slope;
             }
-            sink.friction_slope(&index, &by_place);
+        }
+        if friction > 0.0 || self.law.damping > 0.0 {
+            sink.friction_slope(&index, by_place.as_flattened());
         }
         sink.damper(&index, &force, damping.as_flattened(), dissipation);
     }
@@ -112,7 +113,7 @@ impl Joint for Gears {
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let mesh = self.state(at);
         add(Cause::Elastic, 2.0 * mesh.stored);
-        let made = nominal.of_errors().map(|nominal| self.law.overlap(&self.index.map(|i| nominal[i])));
+        let made = nominal.of_errors().and_then(|q| self.law.made_overlap(&self.index.map(|i| q[i])));
         for side in 0..2 {
             let force = mesh.side_force[side];
             add(Cause::GearBacklash, force * self.law.half_backlash);

@@ -2,10 +2,9 @@ use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, d
 use crate::dynamics::Contact;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
-use crate::dynamics::bearing_joints::rim::{
-    BODY, CAGE, OutOfRound, RIM, Rim, SLOPE, Stand, StandState, VARIABLES, WAYS,
-};
-use crate::dynamics::bearing_joints::{Arm, BearingState, RadialBearing};
+use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM, Rim};
+use crate::dynamics::bearing_joints::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, Stand, VARIABLES, WAYS};
+use crate::dynamics::bearing_joints::{Arm, BearingState, RollingBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::PartWear;
 use crate::wear::PartLoads;
@@ -48,6 +47,8 @@ impl Place {
     }
 }
 
+/// Coordinates that place shaft and body: (x, y, θ) of either.
+const PLACES: usize = 6;
 /// Coordinates that lean the rings of a bearing: two of the shaft, two of the body.
 pub(in super::super) const SLOPES: usize = 4;
 
@@ -55,7 +56,7 @@ pub(in super::super) const SLOPES: usize = 4;
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Journal {
     pub place: Place,
-    pub law: RadialBearing,
+    pub law: RollingBearing,
     /// (x, y, θ) of the shaft, (x, y, θ) of the body.
     pub index: [usize; 6],
     /// Centre of the inner ring from the shaft's axis.
@@ -85,22 +86,6 @@ struct Arms {
     bore: Vec2,
     /// What else moves the bore, and stands in space while the body turns.
     aside: Vec2,
-}
-
-const WIDEST: usize = 6 + RIM + SLOPES;
-
-/// Coordinates of a bearing, and which of the [`VARIABLES`] each moves by how much.
-struct Moves {
-    index: [usize; WIDEST],
-    moves: [[(usize, f64); 4]; WIDEST],
-    width: usize,
-}
-
-impl Moves {
-    /// How many variables a coordinate moves.
-    fn reach(coordinate: usize) -> usize {
-        if coordinate < 6 { 4 } else { 2 }
-    }
 }
 
 impl Journal {
@@ -161,7 +146,7 @@ impl Journal {
             let slope: Vec2 = slopes.iter().map(|(at, by)| q[*at] * by).sum();
             [slope.x, slope.y]
         });
-        Stand { shift, cage, rim: self.rim_at(q), slope }
+        Stand { shift, cage, slope, rim: self.rim_at(q), ..Stand::default() }
     }
 
     fn stand(&self, q: &[f64]) -> Stand {
@@ -170,24 +155,16 @@ impl Journal {
 
     /// Radial force (N) of every rolling element on the bore with the angle (rad) where it stands.
     pub fn radial_element_forces(&self, q: &[f64]) -> Vec<(f64, f64)> {
-        let forces = self.law.element_forces_at(self.stand(q));
-        forces.map(|(angle, force)| (angle, self.law.contact_cosine * force)).collect()
+        self.law
+            .loads(self.stand(q))
+            .map(|element| (element.angle, element.contact.x * element.force))
+            .collect()
     }
 
     /// Force (N) on the inner ring and forces of the rolling elements.
-    pub fn load(&self, q: &[f64]) -> (BearingState, Vec<f64>) {
+    pub fn load(&self, q: &[f64]) -> (BearingState<VARIABLES>, Vec<f64>) {
         let stand = self.stand(q);
-        let forces = self.law.element_forces_at(stand).map(|(_, force)| force).collect();
-        (self.state(&stand, true).0, forces)
-    }
-
-    /// The bearing's energy with its derivatives, and those by rim and slopes where it has any.
-    fn state(&self, stand: &Stand, tangents: bool) -> (BearingState, Option<StandState>) {
-        if stand.rim.is_none() && stand.slope.is_none() {
-            return (self.law.react(stand.shift, stand.cage), None);
-        }
-        let state = self.law.react_at(stand, tangents);
-        (state.plain(), Some(state))
+        (self.law.react_at(&stand, false), self.law.loads(stand).map(|element| element.force).collect())
     }
 
     /// Work Σ Q_i w(ψ_i) (N·m) of the rollers on their rim, 0 for a round one.
@@ -196,85 +173,137 @@ impl Journal {
         self.radial_element_forces(q).iter().map(|(angle, force)| force * rim.at(*angle)).sum()
     }
 
-    /// What each coordinate of a bearing in its rim or with rings that lean moves: those of shaft and body, then those
-    /// of the rim, then what leans.
-    fn moves(&self, jacobian: &[[f64; 6]; 3]) -> Moves {
-        let mut index = [0; WIDEST];
-        let mut moves = [[(0, 0.0); 4]; WIDEST];
-        for (i, at) in self.index.iter().enumerate() {
-            index[i] = *at;
-            let [x, y, cage] = jacobian.map(|row| row[i]);
-            moves[i] = [(0, x), (1, y), (CAGE, cage), (BODY, if i == 5 { 1.0 } else { 0.0 })];
-        }
-        let mut width = 6;
-        let mut push = |at: usize, by: [(usize, f64); 2]| {
-            index[width] = at;
-            moves[width][..2].copy_from_slice(&by);
-            width += 1;
-        };
-        let ways = self.rim.iter().flat_map(|rim| rim.coordinates).enumerate();
-        ways.for_each(|(way, at)| push(at, [(WAYS + way, 1.0), (0, 0.0)]));
-        let slopes = self.slopes.iter().flatten();
-        slopes.for_each(|(at, by)| push(*at, [(SLOPE, by.x), (SLOPE + 1, by.y)]));
-        Moves { index, moves, width }
-    }
-
-    /// Hands on every rolling element, or slice of one, that presses or is nearer than `reach` (m).
-    fn show_elements(&self, stand: &Stand, jacobian: &[[f64; 6]; 3], reach: f64, sink: &mut dyn Sink) {
-        let Moves { index, moves, width } = self.moves(jacobian);
-        let mut gradient = [0.0; WIDEST];
-        self.law.slices_at(stand, |gap, way, spring| {
-            if gap >= reach {
-                return;
-            }
-            for i in 0..width {
-                gradient[i] = moves[i][..Moves::reach(i)].iter().map(|(c, by)| -way[*c] * by).sum();
-            }
-            let (index, gradient) = (&index[..width], &gradient[..width]);
-            sink.contact(&Contact { index, gradient, push: gradient, gap, spring, place: None });
-        });
-    }
-
-    /// Hands on the bearing in its rim or with rings that lean: coordinates of shaft and body, then those of the rim,
+    /// Hands on the bearing with N of its variables, over W coordinates: those of shaft and body, then those of the rim,
     /// then what leans.
-    fn visit_whole(
-        &self,
-        state: &StandState,
-        jacobian: &[[f64; 6]; 3],
-        Arms { inner, bore, .. }: Arms,
-        sink: &mut dyn Sink,
-    ) {
-        let Moves { index, moves, width } = self.moves(jacobian);
-        let reach = Moves::reach;
-        let mut slope = [0.0; WIDEST];
-        let mut matrix = [0.0; WIDEST * WIDEST];
-        for i in 0..width {
-            let moves_i = &moves[i][..reach(i)];
-            slope[i] = moves_i.iter().map(|(c, by)| state.gradient[*c] * by).sum();
-            if !sink.takes_stiffness() {
-                continue;
+    fn hand_on<const N: usize, const W: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
+        let modes = self.modes_at(at.q);
+        let arms = self.arms(at.q, &modes);
+        let displacement = self.displacement(at.q, arms);
+        let tangents = sink.takes_stiffness() || self.losses.time > 0.0;
+        let jacobian = self.jacobian(arms);
+        // From the variables to the coordinates.
+        let by_coordinates = |by: &[f64; N]| -> [f64; W] {
+            let mut into = [0.0; W];
+            for i in 0..PLACES {
+                into[i] = by[0] * jacobian[0][i] + by[1] * jacobian[1][i] + by[CAGE] * jacobian[2][i];
             }
-            let mut column = [0.0; VARIABLES];
-            for (c, by) in moves_i {
-                (0..VARIABLES).for_each(|d| column[d] += by * state.hessian[*c][d]);
+            if N > BODY {
+                into[5] += by[BODY];
+                into[PLACES..][..RIM].copy_from_slice(&by[WAYS..]);
             }
-            for j in 0..width {
-                matrix[j * width + i] = moves[j][..reach(j)].iter().map(|(d, by)| by * column[*d]).sum();
+            for (into, (_, way)) in into.iter_mut().rev().zip(self.slopes.iter().flatten().rev()) {
+                *into = by[SLOPE] * way.x + by[SLOPE + 1] * way.y;
+            }
+            into
+        };
+        let mut index = [0; W];
+        let places = self.index.iter().chain(self.rim.iter().flat_map(|rim| &rim.coordinates));
+        let coordinates = places.chain(self.slopes.iter().flatten().map(|(at, _)| at));
+        index.iter_mut().zip(coordinates).for_each(|(into, at)| *into = *at);
+        let stand = self.stand_at(at.q, displacement);
+        let wanted = sink.wants_contacts();
+        let state = match wanted {
+            None => self.law.react_at::<N>(&stand, tangents),
+            Some(wanted) => {
+                let mut sink = WithModes { sink: &mut *sink, modes: &modes };
+                self.law.react_within::<N>(&stand, tangents, wanted.reach, |approach, way, spring| {
+                    let gradient = &by_coordinates(way).map(|by| -by);
+                    let (index, gap) = (&index, -approach);
+                    sink.contact(&Contact { index, gradient, push: gradient, gap, spring, place: None });
+                })
+            }
+        };
+        let BearingState { stored, ref gradient, ref hessian, .. } = state;
+        if stored == 0.0 {
+            return;
+        }
+        self.damp_lean(&state, at, sink);
+        let mut sink = WithModes { sink, modes: &modes };
+        let mut matrix = [[0.0; W]; W];
+        if sink.takes_stiffness() {
+            // `array::map` would not be inlined.
+            let mut rows = [[0.0; W]; N];
+            (0..N).for_each(|a| rows[a] = by_coordinates(&hessian[a]));
+            for i in 0..W {
+                let mut column = [0.0; N];
+                (0..N).for_each(|a| column[a] = rows[a][i]);
+                matrix[i] = by_coordinates(&column);
             }
         }
-        matrix[2 * width + 2] -= state.gradient[0] * inner.x + state.gradient[1] * inner.y;
-        matrix[5 * width + 5] += state.gradient[0] * bore.x + state.gradient[1] * bore.y;
+        matrix[2][2] -= gradient[0] * arms.inner.x + gradient[1] * arms.inner.y;
+        matrix[5][5] += gradient[0] * arms.bore.x + gradient[1] * arms.bore.y;
         sink.element(&Element {
             part: self.place.part(),
-            index: &index[..width],
-            gradient: &slope[..width],
-            hessian: &matrix[..width * width],
-            stored: state.stored,
+            index: &index,
+            gradient: &by_coordinates(gradient),
+            hessian: matrix.as_flattened(),
+            stored,
         });
+        let mut rate = self.index.map(|i| at.v[i]);
+        for BoreMode { at: mode, by, .. } in &modes {
+            rate[3] += at.v[*mode] * by.x;
+            rate[4] += at.v[*mode] * by.y;
+        }
+        let Losses { time: loss_time, friction } = self.losses;
+        let (mut force, mut damping, mut dissipation) = ([0.0; PLACES], [0.0; PLACES * PLACES], 0.0);
+        if loss_time > 0.0 {
+            let spread = |row: usize| jacobian[row].iter().zip(&rate).map(|(j, v)| j * v).sum::<f64>();
+            let u = [spread(0), spread(1)];
+            for i in 0..6 {
+                let pull = [0, 1]
+                    .map(|c| loss_time * (hessian[c][0] * jacobian[0][i] + hessian[c][1] * jacobian[1][i]));
+                force[i] -= pull[0] * u[0] + pull[1] * u[1];
+                for j in 0..6 {
+                    damping[i * 6 + j] += pull[0] * jacobian[0][j] + pull[1] * jacobian[1][j];
+                }
+            }
+            for c in 0..2 {
+                dissipation += loss_time * u[c] * (hessian[c][0] * u[0] + hessian[c][1] * u[1]);
+            }
+        }
+        if friction.bearing > 0.0 {
+            // Rolling friction: μ F r_m against the relative turn.
+            let load = gradient[0].hypot(gradient[1]);
+            let speed = rate[2] - rate[5];
+            let radius = self.law.pitch_radius;
+            let (share, slope) = self.losses.coulomb(speed * radius);
+            let torque = friction.bearing * load * radius;
+            force[2] -= torque * share;
+            force[5] += torque * share;
+            if let Some(interval) = wanted.and_then(|wanted| wanted.slip_interval) {
+                let gradient = &[radius, -radius];
+                sink.sink.contact(&Contact {
+                    index: &[self.index[2], self.index[5]],
+                    gradient,
+                    push: gradient,
+                    gap: speed * radius * interval,
+                    spring: self.losses.slip(friction.bearing * load, interval),
+                    place: None,
+                });
+            } else {
+                let c = torque * slope * radius;
+                for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
+                    damping[i * 6 + j] += sign * c;
+                }
+            }
+            dissipation += torque * share * speed;
+            if load > 0.0 && sink.takes_stiffness() {
+                let factor = friction.bearing * radius * share / load;
+                let by_load = by_coordinates(&std::array::from_fn(|d| {
+                    factor * (gradient[0] * hessian[0][d] + gradient[1] * hessian[1][d])
+                }));
+                let mut by_place = [[0.0; W]; W];
+                (by_place[2], by_place[5]) = (by_load, by_load.map(|by| -by));
+                sink.friction_slope(&index, by_place.as_flattened());
+            }
+        }
+        if loss_time > 0.0 || friction.bearing > 0.0 {
+            sink.damper(&self.index, &force, &damping, dissipation);
+        }
     }
 
     /// Damping of the lean in proportion to its stiffness, as if it were apart from that of the shift.
-    fn damp_lean(&self, state: &StandState, at: State<'_>, sink: &mut dyn Sink) {
+    fn damp_lean<const N: usize>(&self, state: &BearingState<N>, at: State<'_>, sink: &mut dyn Sink) {
         let Some(slopes) = &self.slopes else { return };
         let stiffness: [f64; SLOPES * SLOPES] = std::array::from_fn(|k| {
             let [a, b] = [k / SLOPES, k % SLOPES].map(|i| [slopes[i].1.x, slopes[i].1.y]);
@@ -300,9 +329,10 @@ impl Joint for Journal {
         }
         let [_, _, turn] = self.jacobian(arms);
         let stiffness = self.law.stiffness_of_an_element();
-        for (e, along, across) in self.law.elements(u, cage) {
-            let value = self.law.half_clearance - along;
+        for e in self.law.directions(cage) {
+            let value = self.law.half_clearance - (u[0] * e.x + u[1] * e.y);
             if value < reach {
+                let across = u[1] * e.x - u[0] * e.y;
                 let slope = |i: usize| -(e.x * x[i] + e.y * y[i] + across * turn[i]);
                 let gradient = &std::array::from_fn::<f64, 6, _>(slope);
                 add(Limit::Gap(Distance { index, gradient, value, stiffness }));
@@ -311,119 +341,11 @@ impl Joint for Journal {
     }
 
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
-        let modes = self.modes_at(at.q);
-        let arms = self.arms(at.q, &modes);
-        let (u, cage) = self.displacement(at.q, arms);
-        let tangents = sink.takes_stiffness() || self.losses.time > 0.0;
-        let (plain, whole) = self.state(&self.stand_at(at.q, (u, cage)), tangents);
-        let BearingState { stored, gradient, hessian, .. } = plain;
-        let jacobian = self.jacobian(arms);
-        let mut sink = WithModes { sink, modes: &modes };
-        if let Some(wanted) = sink.wants_contacts() {
-            self.show_elements(&self.stand_at(at.q, (u, cage)), &jacobian, wanted.reach, &mut sink);
-        }
-        if stored == 0.0 {
-            return;
-        }
-        if let Some(state) = &whole {
-            self.damp_lean(state, at, sink.sink);
-        }
-        let mut slope = [0.0; 6];
-        let mut matrix = [0.0; 36];
-        let mut damping = [0.0; 36];
-        if let Some(state) = &whole {
-            self.visit_whole(state, &jacobian, arms, &mut sink);
-        }
-        for i in 0..if whole.is_some() { 0 } else { 6 } {
-            let mut column = [0.0; 3];
-            for c in 0..3 {
-                slope[i] += gradient[c] * jacobian[c][i];
-                column[c] = (0..3).map(|d| hessian[c][d] * jacobian[d][i]).sum();
-            }
-            for j in 0..6 {
-                matrix[j * 6 + i] =
-                    jacobian[0][j] * column[0] + jacobian[1][j] * column[1] + jacobian[2][j] * column[2];
-            }
-        }
-        matrix[2 * 6 + 2] -= gradient[0] * arms.inner.x + gradient[1] * arms.inner.y;
-        matrix[5 * 6 + 5] += gradient[0] * arms.bore.x + gradient[1] * arms.bore.y;
-        if whole.is_none() {
-            sink.element(&Element {
-                part: self.place.part(),
-                index: &self.index,
-                gradient: &slope,
-                hessian: &matrix,
-                stored,
-            });
-        }
-        let mut rate = self.index.map(|i| at.v[i]);
-        for BoreMode { at: mode, by, .. } in &modes {
-            rate[3] += at.v[*mode] * by.x;
-            rate[4] += at.v[*mode] * by.y;
-        }
-        let Losses { time: loss_time, friction } = self.losses;
-        let mut force = [0.0; 6];
-        let mut dissipation = 0.0;
-        if loss_time > 0.0 {
-            let spread = |row: usize| jacobian[row].iter().zip(&rate).map(|(j, v)| j * v).sum::<f64>();
-            let u = [spread(0), spread(1)];
-            for i in 0..6 {
-                let pull = [0, 1]
-                    .map(|c| loss_time * (hessian[c][0] * jacobian[0][i] + hessian[c][1] * jacobian[1][i]));
-                force[i] -= pull[0] * u[0] + pull[1] * u[1];
-                for j in 0..6 {
-                    damping[i * 6 + j] += pull[0] * jacobian[0][j] + pull[1] * jacobian[1][j];
-                }
-            }
-            for c in 0..2 {
-                dissipation += loss_time * u[c] * (hessian[c][0] * u[0] + hessian[c][1] * u[1]);
-            }
-        }
-        if friction.bearing > 0.0 {
-            // Rolling friction: μ F r_m against the relative turn.
-            let load = gradient[0].hypot(gradient[1]);
-            let speed = rate[2] - rate[5];
-            let radius = self.law.mean_radius;
-            let (share, slope) = self.losses.coulomb(speed * radius);
-            let torque = friction.bearing * load * radius;
-            force[2] -= torque * share;
-            force[5] += torque * share;
-            if let Some(interval) = sink.wants_contacts().and_then(|wanted| wanted.slip_interval) {
-                let gradient = &[radius, -radius];
-                sink.sink.contact(&Contact {
-                    index: &[self.index[2], self.index[5]],
-                    gradient,
-                    push: gradient,
-                    gap: speed * radius * interval,
-                    spring: self.losses.slip(friction.bearing * load, interval),
-                    place: None,
-                });
-            } else {
-                let c = torque * slope * radius;
-                for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {
-                    damping[i * 6 + j] += sign * c;
-                }
-            }
-            dissipation += torque * share * speed;
-            // ∂F/∂(u_x, u_y, ψ), which lead on to the coordinates.
-            let by_load = [0, 1, 2].map(|d| {
-                if load == 0.0 {
-                    0.0
-                } else {
-                    (gradient[0] * hessian[0][d] + gradient[1] * hessian[1][d]) / load
-                }
-            });
-            let mut by_place = [0.0; 36];
-            for j in 0..6 {
-                let slope: f64 = (0..3).map(|d| by_load[d] * jacobian[d][j]).sum();
-                let change = friction.bearing * radius * share * slope;
-                by_place[2 * 6 + j] = change;
-                by_place[5 * 6 + j] = -change;
-            }
-            sink.friction_slope(&self.index, &by_place);
-        }
-        if loss_time > 0.0 || friction.bearing > 0.0 {
-            sink.damper(&self.index, &force, &damping, dissipation);
+        match (self.rim, self.slopes) {
+            (None, None) => self.hand_on::<PARALLEL, PLACES>(at, sink),
+            (None, Some(_)) => self.hand_on::<LEANING, { PLACES + SLOPES }>(at, sink),
+            (Some(_), None) => self.hand_on::<VARIABLES, { PLACES + RIM }>(at, sink),
+            (Some(_), Some(_)) => self.hand_on::<VARIABLES, { PLACES + RIM + SLOPES }>(at, sink),
         }
     }
 
@@ -432,13 +354,13 @@ impl Joint for Journal {
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let law = &self.law;
         let stand = self.stand(at.q);
-        let (state, whole) = self.state(&stand, false);
+        let state = self.law.react_at::<VARIABLES>(&stand, false);
         let elastic = (law.exponent + 1.0) * state.stored;
         // Of the forces on the way of the middle, of the couples on the lean.
         let shifted = state.gradient[0] * stand.shift[0] + state.gradient[1] * stand.shift[1];
-        let leaned = stand.slope.zip(whole).map_or(0.0, |(slope, whole)| {
-            slope[0] * whole.gradient[SLOPE] + slope[1] * whole.gradient[SLOPE + 1]
-        });
+        let leaned = stand
+            .slope
+            .map_or(0.0, |slope| slope[0] * state.gradient[SLOPE] + slope[1] * state.gradient[SLOPE + 1]);
         let gap = shifted + leaned - elastic - self.rim_work(at.q);
         let share = |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
         let (clearance, wear) = self.place.causes();
@@ -460,8 +382,8 @@ impl Joint for Journal {
     }
 
     fn add_loads(&self, at: State<'_>, loads: &mut PartLoads) {
-        let forces = self.law.element_forces_at(self.stand(at.q)).map(|(_, force)| force);
-        *self.place.load(loads) += forces.sum::<f64>() / self.alike as f64;
+        let forces: f64 = self.law.loads(self.stand(at.q)).map(|element| element.force).sum();
+        *self.place.load(loads) += forces / self.alike as f64;
     }
 
     fn bearing(&self) -> Option<&Journal> {
