@@ -7,8 +7,8 @@ use crate::machine::{RollerBearing, RollerKind};
 
 /// Row of rolling elements between two rings: Q = K δ^n per element, summed over the elements at their angles.
 ///
-/// At the angle ψ the inner ring stands u_r = (u + h σ)·e(ψ) − c/2 − w(ψ) nearer to the outer one and a = s (z − R σ·e(ψ))
-/// + p farther along the axis than where they meet, for a displacement u, z (m) and a slope σ of the inner against the
+/// At the angle ψ the inner ring stands u_r = (u + h σ)·e(ψ) − c/2 − w(ψ) nearer to the outer one and a =
+/// s (z − R σ·e(ψ)) + p farther along the axis than where they meet, for a displacement u, z (m) and a slope σ of the inner against the
 /// outer ring, diametral clearance c, raceway out of round by w, height h of the row over the origin, pitch radius R, axial
 /// preload p, and s = ±1 the way its contacts face, 0 where the ring is free along its axis.
 ///
