@@ -4,8 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use arcmin::dynamics::{
-    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, FlexibleOptions,
-    JointSettings, Lean,
+    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, FlexibleOptions, JointSettings, Lean,
 };
 use arcmin::fem::solve::{Cholesky, ModeRange, lowest_modes};
 use arcmin::fem::{
@@ -180,18 +179,22 @@ fn machine_of(cranks: usize, rim: f64) -> Machine {
     design.with_all(keys).unwrap().machine()
 }
 
+/// A disc whose rims go out of round.
+fn with_rims(shape: &DiscShape) -> FlexibleSettings {
+    FlexibleSettings { interface: BoreInterface::Rims, ..FlexibleSettings::plane_stress(shape) }
+}
+
 /// All bodies elastic, as `--bodies elastic` has them.
 fn elastic(machine: &Machine) -> JointSettings {
     let shapes = BodyShapes::of(machine);
     let cranks = machine.crankshafts().count;
     let discs = FlexibleDiscs::with(machine, |shape| {
-        let model = DiscModel::new(shape.clone(), FlexibleSettings::plane_stress(shape))?;
+        let model = DiscModel::new(shape.clone(), with_rims(shape))?;
         Ok::<_, arcmin::fem::FemError>(model.reduce()?.0)
     });
     JointSettings {
         discs: Some(ElasticDiscs::free(machine, discs.unwrap(), FlexibleOptions::default()).unwrap()),
         carrier: Some(ElasticCarrier::new(&shapes.carrier.compliance().unwrap(), cranks).unwrap()),
-        rims: Some(ElasticRims::new(&shapes.rims.compliance().unwrap(), cranks).unwrap()),
         housing: Some(ElasticHousing::new(machine, &shapes.housing.compliance().unwrap()).unwrap()),
         lean: Some(Lean::of(machine, OutputForces::default())),
         ..JointSettings::default()

@@ -35,7 +35,7 @@ pub use bearing_joints::{
 };
 pub(crate) use descent::JUMP_WIDTH;
 pub use drive::{Drive, InputMotion};
-pub use elastic_carrier::{ElasticCarrier, ElasticRims};
+pub use elastic_carrier::ElasticCarrier;
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use elastic_housing::ElasticHousing;
 pub use equilibrium::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};

@@ -118,6 +118,9 @@ pub enum BoreInterface {
     /// to turn about it (the released revolute joint of Tao2024).
     #[default]
     PerBore,
+    /// As [`BoreInterface::PerBore`], but nothing holds the rim in shape: the ways of its centre and the orders in
+    /// which it goes out of round (`fem::carrier::SEAT_COORDINATES`) are means of its displacement.
+    Rims,
     /// One rigid spider ties all bore rims together; they move with the carrier as one body.
     Common,
 }
@@ -128,6 +131,7 @@ impl BoreInterface {
             BoreInterface::PerBore => {
                 BoreTie::Spider { translation: MasterMotion::Retained, rotation: MasterMotion::Free }
             }
+            BoreInterface::Rims => BoreTie::Free,
             BoreInterface::Common => {
                 BoreTie::Spider { translation: MasterMotion::Held, rotation: MasterMotion::Held }
             }

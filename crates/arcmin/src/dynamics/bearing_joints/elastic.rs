@@ -1,23 +1,34 @@
-//! What elastic discs change in the bearings: their modes move the bores.
+//! What elastic bodies change in the bearings: their coordinates move the bores and bend their rims.
 
 use super::assembly::{Element, Sink};
+use crate::fem::BoreWay;
+use crate::fem::carrier::RIM_WAYS;
 use crate::geometry::{Vec2, quarter_turn};
 
-/// A mode that moves one end of a bearing.
+/// A coordinate of a body that moves the bore of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BoreMode {
     /// Number of its coordinate.
     pub at: usize,
     /// Displacement of the bore centre per unit of it.
     pub by: Vec2,
+    /// How it bends the rim out of round.
+    pub rim: [f64; RIM_WAYS],
     /// Whether that displacement turns with the body or stands in space.
     pub turns: bool,
 }
 
 impl BoreMode {
     /// Of the body itself.
-    pub fn of_body((at, by): (usize, Vec2)) -> BoreMode {
-        BoreMode { at, by, turns: true }
+    pub fn of_body(at: usize, way: BoreWay) -> BoreMode {
+        BoreMode { at, by: way.centre, rim: way.rim, turns: true }
+    }
+
+    /// One of the coordinates of a seat (`fem::carrier::SEAT_COORDINATES`) by itself.
+    pub fn of_seat(axis: usize, at: usize) -> BoreMode {
+        let one = |a: usize| if a == axis { 1.0 } else { 0.0 };
+        let way = BoreWay { centre: Vec2::new(one(0), one(1)), rim: std::array::from_fn(|r| one(2 + r)) };
+        BoreMode::of_body(at, way)
     }
 }
 

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::{BearingState, RadialBearing};
-use crate::fem::carrier::{RIM_ORDER, SEAT_COORDINATES};
+use crate::fem::carrier::{RIM_ORDER, RIM_WAYS};
 use crate::geometry::{Vec2, turned, unit};
 
 /// Coordinates of a rim: expansion, then cosine and sine of the orders 2 to [`RIM_ORDER`].
-pub(super) const RIM: usize = SEAT_COORDINATES - 2;
+pub(super) const RIM: usize = RIM_WAYS;
 /// Displacement of the inner ring (x, y), angle of the cage, angle of the rim's body, ways of the rim, slope of the
 /// inner against the outer ring (x, y).
 pub(super) const VARIABLES: usize = 4 + RIM + 2;
@@ -15,14 +15,6 @@ pub(super) const CAGE: usize = 2;
 pub(super) const BODY: usize = 3;
 pub(super) const WAYS: usize = 4;
 pub(super) const SLOPE: usize = WAYS + RIM;
-
-/// A rim's coordinates among those of the model, and the angle of its zero on the body.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rim {
-    pub coordinates: [usize; RIM],
-    /// rad.
-    pub phase: f64,
-}
 
 /// A rim at one state: w(ψ) = w₀ + Σ_n a_n cos n(ψ − χ) + b_n sin n(ψ − χ) outward, in m, χ the angle of its
 /// zero.

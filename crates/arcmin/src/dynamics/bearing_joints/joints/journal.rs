@@ -3,7 +3,7 @@ use crate::contact::ContactSpring;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
 use crate::dynamics::bearing_joints::rim::{
-    BODY, CAGE, OutOfRound, RIM, Rim, SLOPE, Stand, StandState, VARIABLES, WAYS,
+    BODY, CAGE, OutOfRound, RIM, SLOPE, Stand, StandState, VARIABLES, WAYS,
 };
 use crate::dynamics::bearing_joints::{Arm, BearingState, RadialBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
@@ -62,10 +62,10 @@ pub(in super::super) struct Journal {
     pub arm: Arm,
     /// Centre of the bore from the body's centre.
     pub bore: Arm,
-    /// What moves the bore beside the body's place, seen from the body where it turns with it.
+    /// What moves the bore beside the body's place and bends its rim, seen from the body where it turns with it.
     pub modes: Vec<BoreMode>,
-    /// The bore's rim, where it may go out of round.
-    pub rim: Option<Rim>,
+    /// Whether the bore's rim goes out of round by its modes.
+    pub has_rim: bool,
     /// Coordinates by which shaft and body lean, and the slope (x, y) of the inner ring against the bore per unit of
     /// each.
     pub slopes: Option<[(usize, Vec2); SLOPES]>,
@@ -133,9 +133,12 @@ impl Journal {
 
     /// The rim at this state.
     fn rim_at(&self, q: &[f64]) -> Option<OutOfRound> {
-        self.rim.map(|rim| OutOfRound {
-            angle: q[self.index[5]] + rim.phase,
-            ways: rim.coordinates.map(|at| q[at]),
+        self.has_rim.then(|| {
+            let mut ways = [0.0; RIM];
+            for mode in &self.modes {
+                ways.iter_mut().zip(&mode.rim).for_each(|(way, by)| *way += q[mode.at] * by);
+            }
+            OutOfRound { angle: q[self.index[5]], ways }
         })
     }
 
@@ -180,58 +183,67 @@ impl Journal {
         self.radial_element_forces(q).iter().map(|(angle, force)| force * rim.at(*angle)).sum()
     }
 
-    /// Hands on the bearing in its rim or with rings that lean: coordinates of shaft and body, then those of the rim,
-    /// then what leans.
+    /// Hands on the bearing in its rim or with rings that lean: coordinates of shaft and body, then what leans, then the
+    /// modes, with their displacements in the housing frame.
     fn visit_whole(
         &self,
         state: &StandState,
         jacobian: &[[f64; 6]; 3],
         Arms { inner, bore, .. }: Arms,
+        modes: &[BoreMode],
         sink: &mut dyn Sink,
     ) {
-        const WIDEST: usize = 6 + RIM + SLOPES;
-        // What each coordinate moves, and by how much.
-        let mut index = [0; WIDEST];
-        let mut moves = [[(0, 0.0); 4]; WIDEST];
-        for (i, at) in self.index.iter().enumerate() {
-            index[i] = *at;
-            let [x, y, cage] = jacobian.map(|row| row[i]);
-            moves[i] = [(0, x), (1, y), (CAGE, cage), (BODY, if i == 5 { 1.0 } else { 0.0 })];
+        let slopes = self.slopes.as_ref().map_or(&[][..], |slopes| &slopes[..]);
+        let (lean, bent) = (6, 6 + slopes.len());
+        let width = bent + modes.len();
+        let leaning = slopes.iter().map(|(at, _)| *at);
+        let index: Vec<usize> =
+            self.index.iter().copied().chain(leaning).chain(modes.iter().map(|mode| mode.at)).collect();
+        // What each coordinate moves: rows of the bearing's variables.
+        let mut rows = vec![0.0; VARIABLES * width];
+        let at = |variable: usize, coordinate: usize| variable * width + coordinate;
+        for (row, variable) in jacobian.iter().zip([0, 1, CAGE]) {
+            rows[at(variable, 0)..][..6].copy_from_slice(row);
         }
-        let mut width = 6;
-        let mut push = |at: usize, by: [(usize, f64); 2]| {
-            index[width] = at;
-            moves[width][..2].copy_from_slice(&by);
-            width += 1;
-        };
-        let ways = self.rim.iter().flat_map(|rim| rim.coordinates).enumerate();
-        ways.for_each(|(way, at)| push(at, [(WAYS + way, 1.0), (0, 0.0)]));
-        let slopes = self.slopes.iter().flatten();
-        slopes.for_each(|(at, by)| push(*at, [(SLOPE, by.x), (SLOPE + 1, by.y)]));
-        let reach = |i: usize| if i < 6 { 4 } else { 2 };
-        let mut slope = [0.0; WIDEST];
-        let mut matrix = [0.0; WIDEST * WIDEST];
-        for i in 0..width {
-            let moves_i = &moves[i][..reach(i)];
-            slope[i] = moves_i.iter().map(|(c, by)| state.gradient[*c] * by).sum();
-            if !sink.takes_stiffness() {
-                continue;
+        rows[at(BODY, 5)] = 1.0;
+        for (i, (_, by)) in slopes.iter().enumerate() {
+            (rows[at(SLOPE, lean + i)], rows[at(SLOPE + 1, lean + i)]) = (by.x, by.y);
+        }
+        for (m, mode) in modes.iter().enumerate() {
+            (rows[at(0, bent + m)], rows[at(1, bent + m)]) = (-mode.by.x, -mode.by.y);
+            mode.rim.iter().enumerate().for_each(|(r, way)| rows[at(WAYS + r, bent + m)] = *way);
+        }
+        let mut gradient = vec![0.0; width];
+        for (row, slope) in rows.chunks_exact(width).zip(&state.gradient) {
+            gradient.iter_mut().zip(row).for_each(|(sum, by)| *sum += slope * by);
+        }
+        let mut hessian = vec![0.0; if sink.takes_stiffness() { width * width } else { 0 }];
+        if !hessian.is_empty() {
+            let mut bend = vec![0.0; width];
+            for (row, by) in rows.chunks_exact(width).zip(&state.hessian) {
+                bend.fill(0.0);
+                for (other, share) in rows.chunks_exact(width).zip(by).filter(|(_, share)| **share != 0.0) {
+                    bend.iter_mut().zip(other).for_each(|(sum, by)| *sum += share * by);
+                }
+                for (line, by) in hessian.chunks_exact_mut(width).zip(row).filter(|(_, by)| **by != 0.0) {
+                    line.iter_mut().zip(&bend).for_each(|(entry, bend)| *entry += by * bend);
+                }
             }
-            let mut column = [0.0; VARIABLES];
-            for (c, by) in moves_i {
-                (0..VARIABLES).for_each(|d| column[d] += by * state.hessian[*c][d]);
-            }
-            for j in 0..width {
-                matrix[j * width + i] = moves[j][..reach(j)].iter().map(|(d, by)| by * column[*d]).sum();
+            let force = Vec2::new(state.gradient[0], state.gradient[1]);
+            hessian[2 * width + 2] -= force.dot(&inner);
+            hessian[5 * width + 5] += force.dot(&bore);
+            // Displacements by modes turn with the body.
+            for (m, mode) in modes.iter().enumerate().filter(|(_, mode)| mode.turns) {
+                let turning = force.dot(&quarter_turn(mode.by));
+                hessian[5 * width + bent + m] -= turning;
+                hessian[(bent + m) * width + 5] -= turning;
             }
         }
-        matrix[2 * width + 2] -= state.gradient[0] * inner.x + state.gradient[1] * inner.y;
-        matrix[5 * width + 5] += state.gradient[0] * bore.x + state.gradient[1] * bore.y;
         sink.element(&Element {
             part: self.place.part(),
-            index: &index[..width],
-            gradient: &slope[..width],
-            hessian: &matrix[..width * width],
+            index: &index,
+            gradient: &gradient,
+            hessian: &hessian,
             stored: state.stored,
         });
     }
@@ -294,14 +306,14 @@ impl Joint for Journal {
         if let Some(state) = &whole {
             self.damp_lean(state, at, sink);
         }
-        let mut sink = WithModes { sink, modes: &modes };
         let jacobian = self.jacobian(arms);
+        if let Some(state) = &whole {
+            self.visit_whole(state, &jacobian, arms, &modes, sink);
+        }
+        let mut sink = WithModes { sink, modes: &modes };
         let mut slope = [0.0; 6];
         let mut matrix = [0.0; 36];
         let mut damping = [0.0; 36];
-        if let Some(state) = &whole {
-            self.visit_whole(state, &jacobian, arms, &mut sink);
-        }
         for i in 0..if whole.is_some() { 0 } else { 6 } {
             let mut column = [0.0; 3];
             for c in 0..3 {
