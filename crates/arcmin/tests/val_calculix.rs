@@ -18,6 +18,7 @@ use arcmin::units::ARCMIN;
 
 const REFERENCE: &str = include_str!("../../../validation/CalculiX/reference.csv");
 const WINDOWED: &str = include_str!("../../../validation/CalculiX/windowed.csv");
+const DISC_RIMS: &str = include_str!("../../../validation/CalculiX/disc_rims.csv");
 const MACHINE: &str = include_str!("../../../validation/CalculiX/machine.csv");
 /// What two independent meshes may differ by: natural frequencies, and displacements close to a load.
 const FREQUENCY_TOLERANCE: f64 = 0.001;
@@ -182,6 +183,47 @@ fn machine_of(cranks: usize, rim: f64) -> Machine {
 /// A disc whose rims go out of round.
 fn with_rims(shape: &DiscShape) -> FlexibleSettings {
     FlexibleSettings { interface: BoreInterface::Rims, ..FlexibleSettings::plane_stress(shape) }
+}
+
+/// The disc of that machine with its rims held in their means alone: stiffness between all coordinates of both rims, and at
+/// three places of the flank (the second over a bore) the displacement under a tooth load and by every coordinate.
+#[test]
+fn val_disc_with_rims_is_that_of_calculix() {
+    let shape = DiscShape::of(&machine_of(2, 5.12), 0);
+    let (reduced, _) = DiscModel::new(shape.clone(), with_rims(&shape)).unwrap().reduce().unwrap();
+    let names: Vec<String> = (0..2)
+        .flat_map(|bore| {
+            ["x", "y", "expansion", "cos2", "sin2", "cos3", "sin3", "cos4", "sin4"]
+                .map(|way| format!("bore{bore}_{way}"))
+        })
+        .collect();
+    let n = names.len();
+    assert_eq!(reduced.interface.count, n);
+    let stiffness = |i: usize, j: usize| reduced.interface.stiffness[i * n + j];
+    // Nothing but the other bore holds one along y, and nothing at all along x: both turn.
+    let size = |i: usize| if i % 9 < 2 { stiffness(1, 1) } else { stiffness(i, i) };
+    let mut apart = [0.0_f64; 3];
+    for i in 0..n {
+        for j in i..n {
+            let expected = reference(DISC_RIMS, &format!("stiffness_{}_{}", names[i], names[j]));
+            apart[0] = apart[0].max((stiffness(i, j) - expected).abs() / (size(i) * size(j)).sqrt());
+        }
+    }
+    let places = [0, 1, 2].map(|i| reduced.stations.stencil(reference(DISC_RIMS, &format!("place{i}_tau"))));
+    for (i, at) in places.iter().enumerate() {
+        let own = reduced.compliance.own(at);
+        for (j, other) in places.iter().enumerate().skip(i) {
+            let found = if i == j { own } else { reduced.compliance.cross(at, other) };
+            let expected = reference(DISC_RIMS, &format!("held_place{i}_place{j}"));
+            apart[1] = apart[1].max((found - expected).abs() / (own * reduced.compliance.own(other)).sqrt());
+        }
+        for (k, name) in names.iter().enumerate() {
+            let expected = reference(DISC_RIMS, &format!("flank_place{i}_{name}"));
+            apart[2] = apart[2].max((reduced.interface_at(k, at) - expected).abs());
+        }
+    }
+    println!("stiffness {:.2e}, flank {:.2e}, flank by rims {:.2e}", apart[0], apart[1], apart[2]);
+    assert!(apart[0] < 0.01 && apart[1] < 0.005 && apart[2] < 0.01, "{apart:?}");
 }
 
 /// All bodies elastic, as `--bodies elastic` has them.

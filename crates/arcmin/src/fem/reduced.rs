@@ -126,6 +126,11 @@ impl ReducedDisc {
         spline(&self.flank_modes[mode * self.stations.count()..], &at.stations)
     }
 
+    /// Inward normal displacement at a place per unit of an interface coordinate, the others held.
+    pub fn interface_at(&self, coordinate: usize, at: &Stencil) -> f64 {
+        spline(&self.interface.flank[coordinate * self.stations.count()..], &at.stations)
+    }
+
     /// What is left of the static compliance once the first `modes` modes are coordinates of their own: C − Σ
     /// φ φᵀ/ω².
     pub fn residual_compliance(&self, modes: usize) -> FlankCompliance {
