@@ -172,7 +172,7 @@ impl FlexibleSettings {
             element: DiscElement::PlaneStress,
             sizes: FlexibleSettings::sizes(shape, 0.5 * depth, 3),
             interface: BoreInterface::default(),
-            stations_per_lobe: 12,
+            stations_per_lobe: 24,
             reading_depth: depth,
             mode_frequency: 40e3,
         }
@@ -185,7 +185,7 @@ impl FlexibleSettings {
             element: DiscElement::Solid { layers: 1 },
             sizes: FlexibleSettings::sizes(shape, 0.5 * depth, 2),
             reading_depth: depth,
-            stations_per_lobe: 10,
+            stations_per_lobe: 20,
             ..FlexibleSettings::plane_stress(shape)
         }
     }
