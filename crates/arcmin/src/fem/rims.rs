@@ -95,6 +95,20 @@ impl HeldMeans {
         (&self.factor, &self.loads)
     }
 
+    /// By how much more than the surface, where a load presses, the place of `deep` moves by what holds the means under that
+    /// load.
+    pub fn strain_by_holding(&self, load: &[(usize, f64)], deep: &[(usize, f64)]) -> f64 {
+        let count = self.count();
+        let along = |terms: &[(usize, f64)]| {
+            DVector::from_fn(count + RIGID, |k, _| read(terms, self.shapes.col_as_slice(k)))
+        };
+        let at = along(load);
+        let wanted = DVector::from_fn(count + RIGID, |k, _| -at[k] * if k < count { 1.0 } else { self.unit });
+        let mut found = &self.small * wanted;
+        found.rows_mut(0, count).scale_mut(1.0 / self.unit);
+        found.dot(&(along(deep) - at))
+    }
+
     /// Shapes of least energy with one mean 1 and the others 0, a column each, and the loads that hold them so: K_bb.
     pub fn constraint_modes(&self) -> (Mat<f64>, Vec<f64>) {
         let count = self.count();
