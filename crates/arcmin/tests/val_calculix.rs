@@ -25,7 +25,7 @@ const FREQUENCY_TOLERANCE: f64 = 0.001;
 const DISPLACEMENT_TOLERANCE: f64 = 0.002;
 /// What the whole machine may differ by: output angle, largest pin force, every pin's force as a share of the largest.
 /// First as measured, an open end; then what is wanted.
-const MACHINE_MEASURED: [f64; 3] = [0.16, 0.10, 0.17];
+const MACHINE_MEASURED: [f64; 3] = [0.03, 0.09, 0.12];
 const MACHINE_AIM: [f64; 3] = [0.02, 0.03, 0.03];
 /// With windows the rim beside them bends, and both meshes are stiffer by what they miss of that.
 const WINDOWED_TOLERANCE: f64 = 0.002;
@@ -244,10 +244,10 @@ fn elastic(machine: &Machine) -> JointSettings {
 }
 
 /// Output angle and largest force at three crank angles, and all pins of both discs, in shares of the largest force.
-fn compare_machine(cranks: usize, rim: f64, [of_output, of_largest, of_pins]: [f64; 3]) {
+fn compare_machine((cranks, rim): (usize, f64), angles: &[f64], [of_output, of_largest, of_pins]: [f64; 3]) {
     let machine = machine_of(cranks, rim);
     let mut meshing = BearingMeshing::new(&machine, &elastic(&machine)).unwrap();
-    for degrees in [10.0_f64, 70.0, 130.0] {
+    for degrees in angles {
         let name = format!("c{cranks}_r{rim:.1}_a{degrees:.0}");
         let crank = CrankAngle::from_radians(degrees.to_radians());
         let (sharing, _) = meshing.share(crank, machine.rated().torque, None).unwrap();
@@ -272,13 +272,17 @@ fn compare_machine(cranks: usize, rim: f64, [of_output, of_largest, of_pins]: [f
     }
 }
 
+/// Crankshafts, metal between windows and root circle in mm, and crank angles in degrees of the record.
+const MACHINES: [((usize, f64), &[f64]); 3] =
+    [((2, 5.12), &[10.0, 70.0, 130.0]), ((2, 12.7), &[10.0, 70.0, 130.0]), ((3, 5.12), &[10.0, 70.0])];
+
 #[test]
 fn val_machine_is_about_that_of_calculix() {
-    compare_machine(2, 5.12, MACHINE_MEASURED);
+    MACHINES.iter().for_each(|(variant, angles)| compare_machine(*variant, angles, MACHINE_MEASURED));
 }
 
 #[test]
-#[ignore = "open: 8 to 15 % of the output angle, up to 10 % of the largest force"]
+#[ignore = "open: at 130° 2.4 % of the output angle and 6 to 8 % of the largest force; single pins elsewhere up to 11 %"]
 fn val_machine_is_that_of_calculix() {
-    compare_machine(2, 5.12, MACHINE_AIM);
+    MACHINES.iter().for_each(|(variant, angles)| compare_machine(*variant, angles, MACHINE_AIM));
 }
