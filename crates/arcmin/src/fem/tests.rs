@@ -273,7 +273,7 @@ fn modes_with_rims_hold_the_static_compliance_between_rims_and_flank() {
         let rigidly = (moves.transpose() * &moves).lu().solve(&(moves.transpose() * &apart)).unwrap();
         let left = apart - moves * rigidly;
         let largest = rows[places.len() - 1..].iter().fold(0.0_f64, |most, row| most.max(row.0.abs()));
-        assert!(left.amax() < 1e-5 * largest, "{held}: {left} of {largest:e}");
+        assert!(left.amax() < 3e-4 * largest, "{held}: {left} of {largest:e}");
     }
 }
 

@@ -188,7 +188,9 @@ fn everything_elastic_in_one_model() {
     for part in [Part::Carrier, Part::PinRing, Part::PinSeat, Part::Disc] {
         assert!(of(&with, part) > of(&without, part), "{part:?}");
     }
-    let first = body_compliance(&machine, &bare, &bodies, 0.7).unwrap();
+    // Under the forces that the same discs bring: rims that give way share them otherwise among pins and rollers.
+    let rigid = JointSettings { carrier: None, housing: None, ..all.clone() };
+    let first = body_compliance(&machine, &rigid, &bodies, 0.7).unwrap();
     println!("first order {:.3} {first:?}", to(first.sum()));
     let carried = of(&with, Part::Carrier) / (first.carrier + first.crank_seats);
     assert!(carried > 0.6 && carried < 1.1, "{carried}");
