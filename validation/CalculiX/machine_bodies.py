@@ -252,16 +252,19 @@ def crankshaft(size=2.5):
             tractions.append(lambda a, z: (0.0 * a, inside(z) / SHAFT_R))
         low, high = (z0 - 0.5 * SUPPORT_LENGTH, z0 + 0.5 * SUPPORT_LENGTH) if station < 2 else (z0 - 0.5 * WIDTH, z0 + 0.5 * WIDTH)
         found, _ = on_cylinder(body, faces, centre, SHAFT_R, low, high, tractions)
-        # Unit forces and couples.
+        # Unit forces without moments and unit couples without forces, to the last digit: a shaft whose coordinates see a rigid
+        # motion as anything else has springs to the ground.
         height = body.places[:, 2] - z0
-        for k in range(4):
-            f = found[:, k].reshape(-1, 3)
-            found[:, k] /= f[:, k % 2].sum() if k < 2 else (f[:, k % 2] * height).sum()
+
+        def resultants(loads):
+            x, y = loads[0::3], loads[1::3]
+            return np.stack([x.sum(0), y.sum(0), height @ x, height @ y])
+        found[:, :4] = found[:, :4] @ np.linalg.inv(resultants(found[:, :4]))
         if station == 0:
-            f = found[:, 4].reshape(-1, 3)
-            found[:, 4] /= (body.places[:, 0] * f[:, 1] - body.places[:, 1] * f[:, 0]).sum()
+            turn = found[:, 4:] - found[:, :4] @ resultants(found[:, 4:])
+            f = turn[:, 0].reshape(-1, 3)
+            turn = turn / (body.places[:, 0] * f[:, 1] - body.places[:, 1] * f[:, 0]).sum()
         loads.append(found[:, :4])
-        turn = found[:, 4:] if station == 0 else turn
     loads = np.concatenate(loads + [turn], axis=1)
     compliance = loads.T @ body.solve(loads)
     x, y, z = body.places.T

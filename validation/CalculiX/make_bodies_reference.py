@@ -1,7 +1,7 @@
-"""Reference values for the elastic carrier, housing and rims: solids meshed by gmsh (OpenCASCADE), solved by CalculiX.
+"""Reference values for the elastic carrier and housing: solids meshed by gmsh (OpenCASCADE), solved by CalculiX.
 
 Neither program shares a line with arcmin. The dimensions are those that arcmin assumes for the RV-40E-81 of designs/tao2024.toml.
-Usage: python make_bodies_reference.py [carrier|housing|rim] [statics|modes] (needs the Python package gmsh and the program ccx; writes bodies.csv here)
+Usage: python make_bodies_reference.py [carrier|housing] [statics|modes] (needs the Python package gmsh and the program ccx; writes bodies.csv here)
 """
 import csv
 import math
@@ -20,7 +20,6 @@ GAP = (1.1 + 1.2) * WIDTH
 PLATE = SPAN - GAP
 CARRIER = ("carrier", 212000.0, 0.289, 7.86e-9)
 HOUSING = ("housing", 169000.0, 0.257, 7.06e-9)
-DISC = ("disc", 219000.0, 0.3, 7.83e-9)
 WEB, BORE, HOLE = 0.08 * RP, 13.5, 20.0
 HERE = os.path.dirname(os.path.abspath(__file__))
 # Six points, degree 4 on a triangle (Strang and Fix).
@@ -91,15 +90,6 @@ def housing_solid():
         t = 2 * math.pi * k / 16
         marks.append((2, occ.addDisk(1.365 * RP * math.cos(t), 1.365 * RP * math.sin(t), PLATE, 0.09 * RP, 0.09 * RP)))
     occ.fragment(solid, marks)
-
-
-def rim_solid():
-    """A disc with its teeth cut off at R_p - r_p: what holds the rims of the bores."""
-    occ = gmsh.model.occ
-    holes = [(3, occ.addCylinder(0, 0, 0, 0, 0, WIDTH, HOLE))]
-    holes += [(3, occ.addCylinder(0, s * CRANK_AT, 0, 0, 0, WIDTH, BORE)) for s in (1, -1)]
-    holes += sector(math.pi, 0, WIDTH, window()) + sector(0.0, 0, WIDTH, window())
-    occ.cut([(3, occ.addCylinder(0, 0, 0, 0, 0, WIDTH, RP - PIN))], holes)
 
 
 def mesh(make, size, sizes_at):
@@ -378,46 +368,13 @@ def housing_modes():
     return modes("housing", housing_solid, 5.0, lambda edge: housing_sizes(edge, 5.0), (0.8, 0.4), on_bolt, HOUSING, ("SS", "SA", "AA"))
 
 
-def rim_under_loads(size):
-    """Ways of the bores' rims; those of the bores' centres as seen from the mean motion of the disc's edge."""
-    nodes, elements, faces = mesh(rim_solid, size, None)
-    print("rim, size", size, "elements", len(elements), flush=True)
-    radius = RP - PIN
-    near = lambda x, y: min(nodes, key=lambda t: math.dist(nodes[t], (x, y, 0.0)))
-    # Against rigid motions alone: the loads on a rim are in equilibrium.
-    held = {near(radius, 0.0): (2, 3), near(-radius, 0.0): (2, 3), near(0.0, radius): (1, 3)}
-    shapes = {"x": cosine(1, 0.0), "y": cosine(1, math.pi / 2), "expansion": lambda angle: 0.5 / math.pi}
-    for order in (2, 3, 4):
-        shapes[f"cos{order}"] = cosine(order, 0.0)
-        shapes[f"sin{order}"] = cosine(order, 0.5 * math.pi / order)
-    loads = {}
-    for k, s in enumerate((1, -1)):
-        for name, shape in shapes.items():
-            loads[f"bore{k}{name}"], area = seat_load(nodes, faces, (0.0, s * CRANK_AT), BORE, 0.0, WIDTH, WIDTH, shape)
-            assert abs(area / (2 * math.pi * BORE * WIDTH) - 1) < 1e-3, area
-    edge = lambda traction, turn=0.0: seat_load(nodes, faces, (0.0, 0.0), radius, 0.0, WIDTH, WIDTH, traction, turn=turn)[0]
-    loads["x"], loads["y"] = edge(shapes["x"]), edge(shapes["y"])
-    loads["turn"] = edge(lambda angle: 0.5 / math.pi / radius, math.pi / 2)
-    rows = [("rim_elements", len(elements), "")]
-    for case in ("expansion", "cos2", "sin2", "cos3"):
-        case = f"bore0{case}"
-        found = {name[len(f"rim_{case}_"):]: float(value) for name, value, _ in solve("rim", nodes, elements, held, DISC, loads, [case])}
-        for name in loads:
-            if not name.startswith("bore"):
-                continue
-            y = CRANK_AT * (1 if name[4] == "0" else -1)
-            rigid = {"x": found["x"] - found["turn"] * y, "y": found["y"]}.get(name[5:], 0.0)
-            rows.append((f"rim_{case}_{name}", f"{found[name] - rigid:.8e}", "m/N"))
-    return rows
-
-
 def main():
     path = os.path.join(HERE, "bodies.csv")
     rows = []
     if os.path.exists(path):
         with open(path, newline="") as file:
             rows = list(csv.reader(file))[1:]
-    parts = [("rim", "statics", lambda: rim_under_loads(1.4)), ("carrier", "statics", lambda: carrier_under_loads(1.6)), ("carrier", "modes", carrier_modes),
+    parts = [("carrier", "statics", lambda: carrier_under_loads(1.6)), ("carrier", "modes", carrier_modes),
              ("housing", "statics", lambda: statics(housing_under_loads)), ("housing", "modes", housing_modes)]
     for name, what, make in parts:
         if not {name, what} >= set(sys.argv[1:]):

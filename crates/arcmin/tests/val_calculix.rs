@@ -4,8 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use arcmin::dynamics::{
-    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, ElasticRims, FlexibleOptions,
-    JointSettings, Lean,
+    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, FlexibleOptions, JointSettings, Lean,
 };
 use arcmin::fem::solve::{Cholesky, ModeRange, lowest_modes};
 use arcmin::fem::{
@@ -19,13 +18,14 @@ use arcmin::units::ARCMIN;
 
 const REFERENCE: &str = include_str!("../../../validation/CalculiX/reference.csv");
 const WINDOWED: &str = include_str!("../../../validation/CalculiX/windowed.csv");
+const DISC_RIMS: &str = include_str!("../../../validation/CalculiX/disc_rims.csv");
 const MACHINE: &str = include_str!("../../../validation/CalculiX/machine.csv");
 /// What two independent meshes may differ by: natural frequencies, and displacements close to a load.
 const FREQUENCY_TOLERANCE: f64 = 0.001;
 const DISPLACEMENT_TOLERANCE: f64 = 0.002;
 /// What the whole machine may differ by: output angle, largest pin force, every pin's force as a share of the largest.
 /// First as measured, an open end; then what is wanted.
-const MACHINE_MEASURED: [f64; 3] = [0.16, 0.10, 0.17];
+const MACHINE_MEASURED: [f64; 3] = [0.03, 0.09, 0.12];
 const MACHINE_AIM: [f64; 3] = [0.02, 0.03, 0.03];
 /// With windows the rim beside them bends, and both meshes are stiffer by what they miss of that.
 const WINDOWED_TOLERANCE: f64 = 0.002;
@@ -180,18 +180,63 @@ fn machine_of(cranks: usize, rim: f64) -> Machine {
     design.with_all(keys).unwrap().machine()
 }
 
+/// A disc whose rims go out of round.
+fn with_rims(shape: &DiscShape) -> FlexibleSettings {
+    FlexibleSettings { interface: BoreInterface::Rims, ..FlexibleSettings::plane_stress(shape) }
+}
+
+/// The disc of that machine with its rims held in their means alone: stiffness between all coordinates of both rims, and at
+/// three places of the flank (the second over a bore) the displacement under a tooth load and by every coordinate.
+#[test]
+fn val_disc_with_rims_is_that_of_calculix() {
+    let shape = DiscShape::of(&machine_of(2, 5.12), 0);
+    let (reduced, _) = DiscModel::new(shape.clone(), with_rims(&shape)).unwrap().reduce().unwrap();
+    let names: Vec<String> = (0..2)
+        .flat_map(|bore| {
+            ["x", "y", "expansion", "cos2", "sin2", "cos3", "sin3", "cos4", "sin4"]
+                .map(|way| format!("bore{bore}_{way}"))
+        })
+        .collect();
+    let n = names.len();
+    assert_eq!(reduced.interface.count, n);
+    let stiffness = |i: usize, j: usize| reduced.interface.stiffness[i * n + j];
+    // Nothing but the other bore holds one along y, and nothing at all along x: both turn.
+    let size = |i: usize| if i % 9 < 2 { stiffness(1, 1) } else { stiffness(i, i) };
+    let mut apart = [0.0_f64; 3];
+    for i in 0..n {
+        for j in i..n {
+            let expected = reference(DISC_RIMS, &format!("stiffness_{}_{}", names[i], names[j]));
+            apart[0] = apart[0].max((stiffness(i, j) - expected).abs() / (size(i) * size(j)).sqrt());
+        }
+    }
+    let places = [0, 1, 2].map(|i| reduced.stations.stencil(reference(DISC_RIMS, &format!("place{i}_tau"))));
+    for (i, at) in places.iter().enumerate() {
+        let own = reduced.compliance.own(at);
+        for (j, other) in places.iter().enumerate().skip(i) {
+            let found = if i == j { own } else { reduced.compliance.cross(at, other) };
+            let expected = reference(DISC_RIMS, &format!("held_place{i}_place{j}"));
+            apart[1] = apart[1].max((found - expected).abs() / (own * reduced.compliance.own(other)).sqrt());
+        }
+        for (k, name) in names.iter().enumerate() {
+            let expected = reference(DISC_RIMS, &format!("flank_place{i}_{name}"));
+            apart[2] = apart[2].max((reduced.interface_at(k, at) - expected).abs());
+        }
+    }
+    println!("stiffness {:.2e}, flank {:.2e}, flank by rims {:.2e}", apart[0], apart[1], apart[2]);
+    assert!(apart[0] < 0.005 && apart[1] < 0.01 && apart[2] < 0.01, "{apart:?}");
+}
+
 /// All bodies elastic, as `--bodies elastic` has them.
 fn elastic(machine: &Machine) -> JointSettings {
     let shapes = BodyShapes::of(machine);
     let cranks = machine.crankshafts().count;
     let discs = FlexibleDiscs::with(machine, |shape| {
-        let model = DiscModel::new(shape.clone(), FlexibleSettings::plane_stress(shape))?;
+        let model = DiscModel::new(shape.clone(), with_rims(shape))?;
         Ok::<_, arcmin::fem::FemError>(model.reduce()?.0)
     });
     JointSettings {
         discs: Some(ElasticDiscs::free(machine, discs.unwrap(), FlexibleOptions::default()).unwrap()),
         carrier: Some(ElasticCarrier::new(&shapes.carrier.compliance().unwrap(), cranks).unwrap()),
-        rims: Some(ElasticRims::new(&shapes.rims.compliance().unwrap(), cranks).unwrap()),
         housing: Some(ElasticHousing::new(machine, &shapes.housing.compliance().unwrap()).unwrap()),
         lean: Some(Lean::of(machine, OutputForces::default())),
         ..JointSettings::default()
@@ -199,10 +244,10 @@ fn elastic(machine: &Machine) -> JointSettings {
 }
 
 /// Output angle and largest force at three crank angles, and all pins of both discs, in shares of the largest force.
-fn compare_machine(cranks: usize, rim: f64, [of_output, of_largest, of_pins]: [f64; 3]) {
+fn compare_machine((cranks, rim): (usize, f64), angles: &[f64], [of_output, of_largest, of_pins]: [f64; 3]) {
     let machine = machine_of(cranks, rim);
     let mut meshing = BearingMeshing::new(&machine, &elastic(&machine)).unwrap();
-    for degrees in [10.0_f64, 70.0, 130.0] {
+    for degrees in angles {
         let name = format!("c{cranks}_r{rim:.1}_a{degrees:.0}");
         let crank = CrankAngle::from_radians(degrees.to_radians());
         let (sharing, _) = meshing.share(crank, machine.rated().torque, None).unwrap();
@@ -227,13 +272,17 @@ fn compare_machine(cranks: usize, rim: f64, [of_output, of_largest, of_pins]: [f
     }
 }
 
+/// Crankshafts, metal between windows and root circle in mm, and crank angles in degrees of the record.
+const MACHINES: [((usize, f64), &[f64]); 3] =
+    [((2, 5.12), &[10.0, 70.0, 130.0]), ((2, 12.7), &[10.0, 70.0, 130.0]), ((3, 5.12), &[10.0, 70.0])];
+
 #[test]
 fn val_machine_is_about_that_of_calculix() {
-    compare_machine(2, 5.12, MACHINE_MEASURED);
+    MACHINES.iter().for_each(|(variant, angles)| compare_machine(*variant, angles, MACHINE_MEASURED));
 }
 
 #[test]
-#[ignore = "open: 8 to 15 % of the output angle, up to 10 % of the largest force"]
+#[ignore = "open: at 130° 2.4 % of the output angle and 6 to 8 % of the largest force; single pins elsewhere up to 11 %"]
 fn val_machine_is_that_of_calculix() {
-    compare_machine(2, 5.12, MACHINE_AIM);
+    MACHINES.iter().for_each(|(variant, angles)| compare_machine(*variant, angles, MACHINE_AIM));
 }

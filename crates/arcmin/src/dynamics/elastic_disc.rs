@@ -14,7 +14,7 @@ use super::bearing_joints::{Shown, Wanted};
 use super::system::FlankPlace;
 use super::{DynamicsError, ElasticHousing};
 use crate::contact::{ContactSpring, DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};
-use crate::fem::{CoupledContact, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs};
+use crate::fem::{BoreWay, CoupledContact, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs, FreeModes};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::Machine;
 
@@ -55,9 +55,10 @@ impl FlexibleOptions {
 #[derive(Debug)]
 struct Body {
     modes: FlankModes,
-    /// Displacement of every bore centre per unit of a mode in the frame of the reduction, mode after mode;
-    /// empty where bores are held.
-    bores: Vec<Vec2>,
+    /// Ways of every bore per unit of a mode in the frame of the reduction, mode after mode; empty where bores are held.
+    bores: Vec<BoreWay>,
+    /// Whether the rims of the bores go out of round.
+    rims: bool,
     /// Static compliance of the flank beyond the modes, the bores held.
     residual: FlankCompliance,
     /// At most so far the flank comes out: per unit of each mode, and in m/N by the residual compliance.
@@ -66,9 +67,18 @@ struct Body {
 }
 
 impl Body {
-    fn new(modes: FlankModes, bores: Vec<Vec2>, residual: FlankCompliance) -> Body {
+    /// Discs held at their bores.
+    fn held(modes: FlankModes, residual: FlankCompliance) -> Body {
         let peaks = (0..modes.count()).map(|mode| modes.peak(mode)).collect();
-        Body { peaks, largest_lift: residual.largest_lift(), modes, bores, residual }
+        let largest_lift = residual.largest_lift();
+        Body { peaks, largest_lift, modes, bores: Vec::new(), rims: false, residual }
+    }
+
+    /// Discs whose bores are free.
+    fn free(free: FreeModes, cranks: usize, residual: FlankCompliance) -> Body {
+        let bores = (0..free.flank.count()).flat_map(|mode| (0..cranks).map(move |bore| (mode, bore)));
+        let bores = bores.map(|(mode, bore)| free.bore(mode, bore)).collect();
+        Body { bores, rims: free.rims, ..Body::held(free.flank, residual) }
     }
 }
 
@@ -82,19 +92,17 @@ impl Body {
 /// + ½ FᵀC^res F, plus ½ ω² q²; modal damping 2 ζ ω q̇.
 ///
 /// With ideal joints the frame is that of the bores and the modes are those of the disc held there. In
-/// bearings it is that of the mean axes: the modes of the free disc, which move the bore centres; kinetic
-/// energy is then ½ m v² + ½ J θ̇² + ½ q̇². Mass and moment of inertia are the machine's, those of the modes
+/// bearings it is that of the mean axes: the modes of the free disc, which move the bore centres and, on discs reduced
+/// with [`BoreInterface::Rims`](crate::fem::BoreInterface::Rims), bend their rims out of round; kinetic energy is then ½ m v² + ½ J θ̇² + ½ q̇². Mass and moment of inertia are the machine's, those of the modes
 /// the mesh's.
 ///
-/// Not modelled: Coriolis and centrifugal forces of the deformation, the tangential displacement of the
-/// flank, deformation of the bores' rims.
+/// Not modelled: Coriolis and centrifugal forces of the deformation, the tangential displacement of the flank.
 #[derive(Debug, Clone)]
 pub struct ElasticDiscs {
     discs: FlexibleDiscs,
     bodies: Vec<Arc<Body>>,
-    /// Bore displacements disc by disc in the disc's own frame: mode after mode, bores in the order of the
-    /// crankshafts.
-    bores: Vec<Vec<Vec2>>,
+    /// Ways of the bores disc by disc in the disc's own frame: mode after mode, bores in the order of the crankshafts.
+    bores: Vec<Vec<BoreWay>>,
     damping_ratio: f64,
 }
 
@@ -174,7 +182,9 @@ impl ElasticDiscs {
     /// # Errors
     /// As [`FlexibleOptions::validate`].
     pub fn held(discs: FlexibleDiscs, options: FlexibleOptions) -> Result<ElasticDiscs, DynamicsError> {
-        let bodies = bodies(&discs, options, |reduced, count| Ok((reduced.held_modes(count), Vec::new())))?;
+        let bodies = bodies(&discs, options, |reduced, count| {
+            Ok(Body::held(reduced.held_modes(count), reduced.residual_compliance(count)))
+        })?;
         let bores = vec![Vec::new(); discs.count()];
         Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
     }
@@ -191,29 +201,24 @@ impl ElasticDiscs {
     ) -> Result<ElasticDiscs, DynamicsError> {
         let cranks = machine.crankshafts.count;
         let bodies = bodies(&discs, options, |reduced, count| {
-            let free = reduced.free_modes(count)?;
-            let bores = (0..free.flank.count())
-                .flat_map(|mode| (0..cranks).map(move |bore| (mode, bore)))
-                .map(|(mode, bore)| free.bore(mode, bore));
-            let bores = bores.collect();
-            Ok((free.flank, bores))
+            Ok(Body::free(reduced.free_modes(count)?, cranks, reduced.residual_compliance(count)))
         })?;
         let shapes: Vec<DiscShape> = (0..discs.count()).map(|disc| DiscShape::of(machine, disc)).collect();
         let bores = (0..discs.count())
             .map(|disc| {
                 let first = (0..disc).find(|other| discs.is_shared(disc, *other)).unwrap_or(disc);
-                let (ahead, back) = (unit(discs.turn(disc)), unit(-discs.turn(disc)));
+                let turn = discs.turn(disc);
                 // Turned onto the disc that was reduced, a bore may cover that of another crankshaft.
                 let covered: Vec<usize> = (0..cranks)
                     .map(|k| {
-                        let place = turned(shapes[disc].bores[k].centre, ahead);
+                        let place = turned(shapes[disc].bores[k].centre, unit(turn));
                         let distance = |other: &usize| (shapes[first].bores[*other].centre - place).norm();
                         (0..cranks).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(k)
                     })
                     .collect();
                 let body = &bodies[disc];
                 (0..body.modes.count())
-                    .flat_map(|mode| covered.iter().map(move |k| turned(body.bores[mode * cranks + k], back)))
+                    .flat_map(|mode| covered.iter().map(move |k| body.bores[mode * cranks + k].turned(-turn)))
                     .collect()
             })
             .collect();
@@ -252,8 +257,13 @@ impl ElasticDiscs {
         &self.discs
     }
 
-    /// Displacement of the bore of a crankshaft per unit of a mode, in the frame of the disc.
-    pub(super) fn bore(&self, disc: usize, mode: usize, crankshaft: usize) -> Vec2 {
+    /// Whether the rims of the bores of every disc go out of round.
+    pub(super) fn have_rims(&self) -> bool {
+        self.bodies.iter().all(|body| body.rims)
+    }
+
+    /// Ways of the bore of a crankshaft per unit of a mode, in the frame of the disc.
+    pub(super) fn bore(&self, disc: usize, mode: usize, crankshaft: usize) -> BoreWay {
         let cranks = self.bores[disc].len() / self.mode_count(disc).max(1);
         self.bores[disc][mode * cranks + crankshaft]
     }
@@ -517,7 +527,7 @@ impl ElasticDiscs {
 fn bodies(
     discs: &FlexibleDiscs,
     options: FlexibleOptions,
-    modes: impl Fn(&crate::fem::ReducedDisc, usize) -> Result<(FlankModes, Vec<Vec2>), DynamicsError>,
+    body: impl Fn(&crate::fem::ReducedDisc, usize) -> Result<Body, DynamicsError>,
 ) -> Result<Vec<Arc<Body>>, DynamicsError> {
     options.validate()?;
     let mut bodies: Vec<Arc<Body>> = Vec::new();
@@ -528,8 +538,7 @@ fn bodies(
             None => {
                 let reduced = discs.reduced(disc);
                 let count = reduced.modes_up_to(options.mode_frequency);
-                let (modes, bores) = modes(reduced, count)?;
-                Arc::new(Body::new(modes, bores, reduced.residual_compliance(count)))
+                Arc::new(body(reduced, count)?)
             }
         });
     }

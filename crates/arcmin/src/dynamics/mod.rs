@@ -31,7 +31,7 @@ pub use bearing_joints::{
     RollingBearing,
 };
 pub use drive::{Drive, InputMotion};
-pub use elastic_carrier::{ElasticCarrier, ElasticRims};
+pub use elastic_carrier::ElasticCarrier;
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
 pub use elastic_housing::ElasticHousing;
 pub use error::DynamicsError;

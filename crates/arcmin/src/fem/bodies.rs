@@ -1,8 +1,8 @@
-//! Carrier, housing and the rims of the discs of a machine reduced to what the mechanism touches, and as bytes to be kept.
+//! Carrier and housing of a machine reduced to what the mechanism touches, and as bytes to be kept.
 
 use sha2::{Digest, Sha256};
 
-use super::{CacheError, CarrierShape, Compliance, FemError, HousingShape, RimShape};
+use super::{CacheError, CarrierShape, Compliance, FemError, HousingShape};
 use crate::machine::{Hold, Machine};
 use crate::materials::Material;
 use crate::progress::{Counter, Progress};
@@ -14,8 +14,6 @@ pub struct ElasticBodies {
     pub carrier: Compliance,
     /// [`HousingShape::compliance`], against what holds the flange.
     pub housing: Compliance,
-    /// [`RimShape::compliance`].
-    pub rims: Compliance,
 }
 
 /// The solids of a machine that decide about [`ElasticBodies`].
@@ -23,20 +21,15 @@ pub struct ElasticBodies {
 pub struct BodyShapes {
     pub carrier: CarrierShape,
     pub housing: HousingShape,
-    pub rims: RimShape,
 }
 
 const MAGIC: &[u8; 8] = b"arcminEB";
 /// To be raised whenever meshes, loads or this layout change the results.
-const FORMAT: u64 = 5;
+const FORMAT: u64 = 6;
 
 impl BodyShapes {
     pub fn of(machine: &Machine) -> BodyShapes {
-        BodyShapes {
-            carrier: CarrierShape::of(machine),
-            housing: HousingShape::of(machine),
-            rims: RimShape::of(machine),
-        }
+        BodyShapes { carrier: CarrierShape::of(machine), housing: HousingShape::of(machine) }
     }
 
     /// Meshes, factorises and condenses all bodies.
@@ -44,17 +37,12 @@ impl BodyShapes {
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
     pub fn reduce(&self, progress: &dyn Progress) -> Result<ElasticBodies, FemError> {
-        let done = Counter::new("condensing carrier and housing", 3, progress);
-        let ((carrier, housing), rims) = rayon::join(
-            || {
-                rayon::join(
-                    || done.after(|| self.carrier.compliance()),
-                    || done.after(|| self.housing.compliance()),
-                )
-            },
-            || done.after(|| self.rims.compliance()),
+        let done = Counter::new("condensing carrier and housing", 2, progress);
+        let (carrier, housing) = rayon::join(
+            || done.after(|| self.carrier.compliance()),
+            || done.after(|| self.housing.compliance()),
         );
-        Ok(ElasticBodies { carrier: carrier?, housing: housing?, rims: rims? })
+        Ok(ElasticBodies { carrier: carrier?, housing: housing? })
     }
 
     /// SHA-256 of everything the reduction depends on: equal keys, equal results.
@@ -80,14 +68,6 @@ impl BodyShapes {
         put(&[h.pin_count as f64, h.pin_circle_radius, h.groove_radius, h.disc_count as f64]);
         put(&[h.seat_length, h.pin_length, h.sizes[0], h.sizes[1]]);
         put(&h.layers.map(|layers| layers as f64));
-        let r = &self.rims;
-        put(&[r.bores.len() as f64, r.holes.len() as f64, r.windows.len() as f64]);
-        r.bores.iter().chain(&r.holes).for_each(|h| put(&[h.centre.x, h.centre.y, h.radius]));
-        for w in &r.windows {
-            put(&[w.inner_radius, w.outer_radius, w.centre_angle, w.half_angle, w.corner_radius]);
-        }
-        put(&[r.outer_radius, r.width, r.size]);
-        put(&material(&r.material));
         hash.finalize().into()
     }
 
@@ -100,7 +80,7 @@ impl BodyShapes {
     pub fn to_bytes(&self, bodies: &ElasticBodies) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend_from_slice(&self.key());
-        for body in [&bodies.carrier, &bodies.housing, &bodies.rims] {
+        for body in [&bodies.carrier, &bodies.housing] {
             bytes.extend_from_slice(&(body.count as u64).to_le_bytes());
             body.values.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
         }
@@ -136,8 +116,8 @@ impl BodyShapes {
             let values: Vec<f64> = words.by_ref().take(count * count).map(f64::from_le_bytes).collect();
             (values.len() == count * count).then_some(Compliance { count, values })
         };
-        match (matrix(), matrix(), matrix()) {
-            (Some(carrier), Some(housing), Some(rims)) => Ok(ElasticBodies { carrier, housing, rims }),
+        match (matrix(), matrix()) {
+            (Some(carrier), Some(housing)) => Ok(ElasticBodies { carrier, housing }),
             _ => Err(CacheError::Damaged),
         }
     }
@@ -146,11 +126,7 @@ impl BodyShapes {
 impl ElasticBodies {
     /// The same bodies of materials `factor` times stiffer.
     pub fn stiffened(&self, factor: f64) -> ElasticBodies {
-        ElasticBodies {
-            carrier: self.carrier.stiffened(factor),
-            housing: self.housing.stiffened(factor),
-            rims: self.rims.stiffened(factor),
-        }
+        ElasticBodies { carrier: self.carrier.stiffened(factor), housing: self.housing.stiffened(factor) }
     }
 }
 
@@ -166,7 +142,7 @@ mod tests {
     #[test]
     fn bytes_belong_to_their_solids() {
         let shapes = BodyShapes::of(&crate::templates::tao2024());
-        let bodies = ElasticBodies { carrier: some(5), housing: some(7), rims: some(3) };
+        let bodies = ElasticBodies { carrier: some(5), housing: some(7) };
         let bytes = shapes.to_bytes(&bodies);
         assert_eq!(shapes.from_bytes(&bytes), Ok(bodies));
         let mut other = shapes.clone();

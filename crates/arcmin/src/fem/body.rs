@@ -9,10 +9,10 @@
 use faer::Mat;
 
 use super::assembly::{HELD, assemble};
-use super::elements::{gradient_t6, shape_t6};
-use super::quadrature::TRIANGLE_6;
+use super::elements::{gradient_edge, gradient_t6, shape_edge, shape_t6};
+use super::quadrature::{LINE_4, TRIANGLE_6};
 use super::solve::{Cholesky, ModeRange, lowest_modes};
-use super::{DofMap, FemError, Mesh, MeshQuality, SymmetricMatrix};
+use super::{DofMap, ElementKind, FemError, Mesh, MeshQuality, SymmetricMatrix};
 use crate::geometry::Vec2;
 use crate::materials::Material;
 
@@ -48,6 +48,16 @@ impl Traction {
                 [shape / (share * radius * width), 0.0]
             }
         }
+    }
+}
+
+impl Traction {
+    /// The traction at a point of a seat.
+    fn around(self, seat: &Seat, point: Vec2, width: f64) -> Vec2 {
+        let arm = point - seat.centre;
+        let e = arm.normalize();
+        let [radial, tangential] = self.at(arm.y.atan2(arm.x), seat.radius, width);
+        radial * e + tangential * crate::geometry::quarter_turn(e)
     }
 }
 
@@ -238,14 +248,18 @@ impl Body {
     }
 }
 
-/// ∫ N t dA over the faces of the elements on a seat. Every quadrilateral between two levels is two T6
+/// ∫ N t dA over the faces of the elements on a seat, or over the edges of a plane mesh. Every quadrilateral between two levels is two T6
 /// triangles, cut as the elements behind them are.
-fn seat_load(mesh: &Mesh, seat: &Seat, traction: Traction) -> NodalLoad {
-    let per_level = mesh.plane.nodes.len();
-    let width = mesh.levels[2 * seat.layers.end] - mesh.levels[2 * seat.layers.start];
+pub(super) fn seat_load(mesh: &Mesh, seat: &Seat, traction: Traction) -> NodalLoad {
     let [low, high] = seat.parameters;
     let edges = mesh.plane.edges_of(seat.curve).filter(|e| e.parameters[2] > low && e.parameters[2] < high);
     let mut load: std::collections::BTreeMap<(usize, usize), f64> = std::collections::BTreeMap::new();
+    if mesh.kind == ElementKind::T6 {
+        edges.for_each(|edge| add_edge(mesh, seat, traction, edge.nodes, &mut load));
+        return load.into_iter().map(|((node, component), force)| (node, component, force)).collect();
+    }
+    let per_level = mesh.plane.nodes.len();
+    let width = mesh.levels[2 * seat.layers.end] - mesh.levels[2 * seat.layers.start];
     for edge in edges {
         let [a, b, middle] = edge.nodes;
         let (first, last) = (a.min(b), a.max(b));
@@ -278,6 +292,31 @@ fn seat_load(mesh: &Mesh, seat: &Seat, traction: Traction) -> NodalLoad {
     load.into_iter().map(|((node, component), force)| (node, component, force)).collect()
 }
 
+/// Nodes: two ends, then the middle.
+fn add_edge(
+    mesh: &Mesh,
+    seat: &Seat,
+    traction: Traction,
+    nodes: [usize; 3],
+    load: &mut std::collections::BTreeMap<(usize, usize), f64>,
+) {
+    let places = nodes.map(|node| mesh.plane.nodes[node]);
+    for (at, weight) in LINE_4 {
+        let (shape, slope) = (shape_edge(at), gradient_edge(at));
+        let (mut point, mut along) = (Vec2::zeros(), Vec2::zeros());
+        for i in 0..3 {
+            point += shape[i] * places[i];
+            along += slope[i] * places[i];
+        }
+        let area = weight * along.norm() * mesh.thickness;
+        let t = traction.around(seat, point, mesh.thickness);
+        for i in 0..3 {
+            *load.entry((nodes[i], 0)).or_insert(0.0) += area * shape[i] * t.x;
+            *load.entry((nodes[i], 1)).or_insert(0.0) += area * shape[i] * t.y;
+        }
+    }
+}
+
 fn add_face(
     mesh: &Mesh,
     seat: &Seat,
@@ -297,10 +336,7 @@ fn add_face(
             along[1] += slope[i][1] * places[i];
         }
         let area = weight * along[0].cross(&along[1]).norm();
-        let arm = Vec2::new(point.x, point.y) - seat.centre;
-        let e = arm.normalize();
-        let [radial, tangential] = traction.at(arm.y.atan2(arm.x), seat.radius, width);
-        let t = radial * e + tangential * crate::geometry::quarter_turn(e);
+        let t = traction.around(seat, Vec2::new(point.x, point.y), width);
         for i in 0..6 {
             *load.entry((face[i], 0)).or_insert(0.0) += area * shape[i] * t.x;
             *load.entry((face[i], 1)).or_insert(0.0) += area * shape[i] * t.y;

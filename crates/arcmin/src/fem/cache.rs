@@ -12,7 +12,7 @@ use super::{BoreInterface, DiscElement, DiscShape, FlankStations, FlexibleSettin
 
 const MAGIC: &[u8; 8] = b"arcminFE";
 /// To be raised whenever the reduction or this layout changes its results.
-const FORMAT: u64 = 2;
+const FORMAT: u64 = 3;
 
 /// Why a cache is not used. None of these is a reason to stop: reduce the disc again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -61,6 +61,7 @@ impl CacheKey {
         let interface = match settings.interface {
             BoreInterface::PerBore => 0.0,
             BoreInterface::Common => 1.0,
+            BoreInterface::Rims => 2.0,
         };
         put(&[layers, interface, s.flank, s.flank_rows as f64, s.bore, s.hole, s.interior]);
         put(&[settings.stations_per_lobe as f64, settings.reading_depth, settings.mode_frequency]);
@@ -84,6 +85,7 @@ impl ReducedDisc {
             self.normal_modes,
             self.eigenvalues.len(),
             self.interface.count,
+            self.interface.per_bore,
         ] {
             bytes.extend_from_slice(&(count as u64).to_le_bytes());
         }
@@ -134,8 +136,8 @@ impl ReducedDisc {
         let mut words = body[40..].chunks_exact(8).map(|word| word.try_into().unwrap_or([0; 8]));
         let mut count =
             || words.next().map(|word| u64::from_le_bytes(word) as usize).ok_or(CacheError::Damaged);
-        let (lobe_count, per_lobe, normal_modes, modes, interface) =
-            (count()?, count()?, count()?, count()?, count()?);
+        let (lobe_count, per_lobe, normal_modes) = (count()?, count()?, count()?);
+        let (modes, interface, per_bore) = (count()?, count()?, count()?);
         let stations = FlankStations::new(&shape.profile, settings.stations_per_lobe);
         if lobe_count != shape.profile.lobe_count() || per_lobe != stations.per_lobe() {
             return Err(CacheError::Damaged);
@@ -162,6 +164,7 @@ impl ReducedDisc {
             momentum: [field(modes)?, field(modes)?, field(modes)?],
             interface: Interface {
                 count: interface,
+                per_bore,
                 stiffness: field(interface * interface)?,
                 mass: field(interface * interface)?,
                 coupling: field(interface * modes)?,

@@ -1,10 +1,11 @@
-use faer::Mat;
+use faer::{Mat, MatMut};
 
 use super::assembly::assemble;
 use super::flank::{FlankStations, FlankSurface, NodalWeights};
-use super::solve::{Cholesky, ModeRange, Modes, lowest_modes};
+use super::rims::HeldMeans;
+use super::solve::{Cholesky, Inverse, ModeRange, Modes, lowest_modes};
 use super::{
-    DiscElement, DiscShape, DofMap, FemError, FlexibleSettings, Mesh, MeshQuality, PlaneMesh,
+    BoreInterface, DiscElement, DiscShape, DofMap, FemError, FlexibleSettings, Mesh, MeshQuality, PlaneMesh,
     SymmetricMatrix, TiedBore,
 };
 
@@ -28,9 +29,25 @@ pub struct DiscModel {
     pub(super) map: DofMap,
     pub(super) stiffness: SymmetricMatrix,
     pub(super) mass: SymmetricMatrix,
-    /// Of the stiffness with the interface coordinates held.
-    pub(super) factor: Cholesky,
+    pub(super) held: Held,
     pub(super) inner_mass: SymmetricMatrix,
+}
+
+/// K⁻¹ with the interface held.
+pub(super) enum Held {
+    /// Interface coordinates are unknowns of their own, numbered last.
+    Unknowns(Cholesky),
+    /// They are means of displacements.
+    Means(Box<HeldMeans>),
+}
+
+impl Inverse for Held {
+    fn solve(&self, b: MatMut<'_, f64>) {
+        match self {
+            Held::Unknowns(factor) => factor.solve(b),
+            Held::Means(means) => means.solve(b),
+        }
+    }
 }
 
 /// Columns solved at once: enough for dense kernels, few enough for memory.
@@ -55,9 +72,14 @@ impl DiscModel {
             stiffness.values.iter_mut().chain(&mut mass.values).for_each(|v| *v *= 2.0);
         }
         let inner = map.count - map.retained;
-        let factor = Cholesky::new(&stiffness.leading(inner))?;
+        let held = match settings.interface {
+            BoreInterface::Rims => Held::Means(Box::new(HeldMeans::new(&mesh, &map, &stiffness, &bores)?)),
+            BoreInterface::PerBore | BoreInterface::Common => {
+                Held::Unknowns(Cholesky::new(&stiffness.leading(inner))?)
+            }
+        };
         let inner_mass = mass.leading(inner);
-        Ok(DiscModel { shape, settings, mesh, bores, map, stiffness, mass, factor, inner_mass })
+        Ok(DiscModel { shape, settings, mesh, bores, map, stiffness, mass, held, inner_mass })
     }
 
     /// Unknowns with the interface held.
@@ -78,12 +100,21 @@ impl DiscModel {
         FlankSurface::new(&self.mesh, &self.shape.profile, 0.5 * self.settings.reading_depth)
     }
 
+    /// What holds the means of its rims, where these are the interface.
+    #[cfg(test)]
+    pub(super) fn held_means(&self) -> Option<&HeldMeans> {
+        match &self.held {
+            Held::Means(means) => Some(means),
+            Held::Unknowns(_) => None,
+        }
+    }
+
     /// Lowest modes with the interface held.
     ///
     /// # Errors
     /// [`FemError::Modes`] if they do not converge.
     pub fn held_modes(&self, range: ModeRange) -> Result<Modes, FemError> {
-        lowest_modes(&self.inner_mass, &self.factor, 0.0, range)
+        lowest_modes(&self.inner_mass, &self.held, 0.0, range)
     }
 
     /// Lowest modes of the disc with its interface free: three rigid-body modes first.
@@ -91,7 +122,7 @@ impl DiscModel {
     /// # Errors
     /// [`FemError`] if the shifted matrix cannot be factorised or the modes do not converge.
     pub fn free_modes(&self, count: usize) -> Result<Modes, FemError> {
-        // Free modes of a disc with spiders in its bores; a shift of (2π·1 kHz)² is far below the first
+        // Spiders stay in their bores; a shift of (2π·1 kHz)² is far below the first
         // elastic mode.
         let sigma = (std::f64::consts::TAU * 1e3).powi(2);
         let factor = Cholesky::new(&self.stiffness.shifted(sigma, &self.mass))?;
@@ -106,7 +137,7 @@ impl DiscModel {
             surface.surface(load.tau).add_force(&self.map, &mut force, load.force);
         }
         let mut solution = Mat::from_fn(self.inner_unknowns(), 1, |i, _| force[i]);
-        self.factor.solve(solution.as_mut());
+        self.held.solve(solution.as_mut());
         let mut unknowns: Vec<f64> = solution.col(0).iter().copied().collect();
         unknowns.resize(self.map.count, 0.0);
         unknowns
@@ -143,7 +174,7 @@ impl DiscModel {
                     columns[(dof, k)] += c;
                 }
             }
-            self.factor.solve(columns.as_mut());
+            self.held.solve(columns.as_mut());
             for k in 0..chunk.len() {
                 visit(block * SOLVE_BLOCK + k, columns.col_as_slice(k));
             }

@@ -1,8 +1,9 @@
 use faer::Mat;
 
-use super::disc::DiscModel;
+use super::disc::{DiscModel, Held};
 use super::reduced::Interface;
 use super::reduction::read;
+use super::solve::Cholesky;
 use super::{FemError, FlankStations};
 
 impl DiscModel {
@@ -13,11 +14,37 @@ impl DiscModel {
         rows: &[Vec<(usize, f64)>],
         shapes: &Mat<f64>,
     ) -> Result<Interface, FemError> {
-        let count = self.map.retained;
-        if count == 0 {
-            return Ok(Interface::default());
-        }
-        let inner = self.inner_unknowns();
+        let (full, stiffness) = match &self.held {
+            Held::Means(means) => {
+                let (shapes, stiffness) = means.constraint_modes();
+                ((0..means.count()).map(|b| shapes.col_as_slice(b).to_vec()).collect(), stiffness)
+            }
+            Held::Unknowns(_) if self.map.retained == 0 => return Ok(Interface::default()),
+            Held::Unknowns(factor) => self.constraint_modes(factor),
+        };
+        let count = full.len();
+        let weighted: Vec<Vec<f64>> = full.iter().map(|shape| self.mass.product(shape)).collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let pairs = || (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+        Ok(Interface {
+            count,
+            per_bore: count / self.bores.len(),
+            stiffness,
+            mass: pairs().map(|(a, b)| dot(&full[a], &weighted[b])).collect(),
+            coupling: (0..count)
+                .flat_map(|b| (0..shapes.ncols()).map(move |m| (b, m)))
+                .map(|(b, m)| dot(shapes.col_as_slice(m), &weighted[b]))
+                .collect(),
+            flank: full
+                .iter()
+                .flat_map(|shape| stations.coefficients(rows.iter().map(|row| read(row, shape)).collect()))
+                .collect(),
+        })
+    }
+
+    /// Shapes −K_ii⁻¹ K_ib beside 1, and K_bb + K_bi Ψ row by row, where interface coordinates are unknowns.
+    fn constraint_modes(&self, factor: &Cholesky) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let (count, inner) = (self.map.retained, self.inner_unknowns());
         // Columns of K that belong to the interface, from the rows of the lower triangle.
         let mut k_inner: Mat<f64> = Mat::zeros(inner, count);
         let mut k_interface: Mat<f64> = Mat::zeros(count, count);
@@ -33,33 +60,19 @@ impl DiscModel {
             }
         }
         let mut constraint = Mat::from_fn(inner, count, |i, j| -k_inner[(i, j)]);
-        self.factor.solve(constraint.as_mut());
-        let full: Vec<Vec<f64>> = (0..count)
+        factor.solve(constraint.as_mut());
+        let full = (0..count)
             .map(|b| {
                 let mut shape = constraint.col_as_slice(b).to_vec();
                 shape.extend((0..count).map(|k| f64::from(u8::from(k == b))));
                 shape
             })
             .collect();
-        let weighted: Vec<Vec<f64>> = full.iter().map(|shape| self.mass.product(shape)).collect();
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let pairs = || (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
-        Ok(Interface {
-            count,
-            stiffness: pairs()
-                .map(|(a, b)| k_interface[(a, b)] + dot(k_inner.col_as_slice(a), constraint.col_as_slice(b)))
-                .collect(),
-            mass: pairs().map(|(a, b)| dot(&full[a], &weighted[b])).collect(),
-            coupling: (0..count)
-                .flat_map(|b| (0..shapes.ncols()).map(move |m| (b, m)))
-                .map(|(b, m)| dot(shapes.col_as_slice(m), &weighted[b]))
-                .collect(),
-            flank: (0..count)
-                .flat_map(|b| {
-                    stations
-                        .coefficients(rows.iter().map(|row| read(row, constraint.col_as_slice(b))).collect())
-                })
-                .collect(),
-        })
+        let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+        let stiffness = pairs
+            .map(|(a, b)| k_interface[(a, b)] + dot(k_inner.col_as_slice(a), constraint.col_as_slice(b)))
+            .collect();
+        (full, stiffness)
     }
 }

@@ -1,9 +1,9 @@
 //! Elastic bodies: meshes, finite elements, reduction to a few coordinates.
 //!
 //! The data's way: `DiscShape` (outline, bores, width, material) → [`Mesh`] (T6 plane stress or Tet10 through
-//! half the width) → [`assembly`] (K, M with bores held or tied to rigid spiders) → [`solve`] (sparse
-//! Cholesky, modes) → `reduction` (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank
-//! place). Carrier, housing and the rims of bores are [`body`] made of layers, [`symmetry`] parts of them, condensed to
+//! half the width) → [`assembly`] (K, M with bores free, held or tied to rigid spiders) → [`solve`]
+//! (sparse Cholesky, modes) → `reduction` (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank
+//! place, with the rims of its bores). Carrier and housing are [`body`] made of layers, [`symmetry`] parts of them, condensed to
 //! their seats in [`bodies`]. `load` and `dynamics` only ever see what is reduced. `vtu` writes meshes and fields for
 //! ParaView.
 
@@ -27,7 +27,7 @@ pub mod plane;
 pub mod quadrature;
 mod reduced;
 pub mod reduction;
-pub mod rims;
+mod rims;
 pub mod shape;
 pub mod solve;
 mod stress;
@@ -49,11 +49,10 @@ pub use disc::{DiscModel, FlankLoad};
 pub use flank::{FlankStations, Stencil};
 pub use housing::HousingShape;
 pub use mesh::{ElementKind, Mesh, MeshQuality};
-pub use modes::{FlankModes, FreeModes};
+pub use modes::{BoreWay, FlankModes, FreeModes};
 pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
-pub use rims::RimShape;
 pub use shape::{BoreInterface, DiscElement, DiscShape, FlexibleSettings, RoundHole};
 pub use vtu::DeformedPicture;
 

@@ -2,10 +2,11 @@
 
 use faer::Mat;
 
+use super::carrier::{RIM_ORDER, RIM_WAYS};
 use super::reduced::spline;
 use super::solve::symmetric_eigen;
 use super::{FemError, ReducedDisc, Stencil};
-use crate::geometry::Vec2;
+use crate::geometry::{Vec2, turned, unit};
 
 /// Modes of unit modal mass with their displacement of the flank.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +36,36 @@ impl FlankModes {
     }
 }
 
-/// Elastic modes of a disc whose bore centres are free.
+/// How a bore moves: the way of its centre, and how its rim goes out of round (expansion, then cosine and sine of the
+/// orders from 2 on).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BoreWay {
+    pub centre: Vec2,
+    pub rim: [f64; RIM_WAYS],
+}
+
+impl BoreWay {
+    /// From interface coordinates, those of the rim left out where it is round.
+    fn new(coordinates: &[f64]) -> BoreWay {
+        let mut way = BoreWay { centre: Vec2::new(coordinates[0], coordinates[1]), rim: [0.0; RIM_WAYS] };
+        way.rim.iter_mut().zip(&coordinates[2..]).for_each(|(to, from)| *to = *from);
+        way
+    }
+
+    /// The same, turned by an angle in rad: a wave of order n goes on by n times as much.
+    #[must_use]
+    pub fn turned(&self, angle: f64) -> BoreWay {
+        let mut way = BoreWay { centre: turned(self.centre, unit(angle)), ..*self };
+        for order in 2..=RIM_ORDER {
+            let at = 2 * order - 3;
+            let wave = turned(Vec2::new(self.rim[at], self.rim[at + 1]), unit(order as f64 * angle));
+            (way.rim[at], way.rim[at + 1]) = (wave.x, wave.y);
+        }
+        way
+    }
+}
+
+/// Elastic modes of a disc whose bore centres, and rims where they are free, are left to its bearings.
 ///
 /// They are orthogonal to the three rigid motions with respect to the mass (∫ρ u = 0, ∫ρ r × u = 0): measured
 /// in the mean axes of the disc, in which alone its kinetic energy falls apart into those of centre, rotation
@@ -43,13 +73,15 @@ impl FlankModes {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeModes {
     pub flank: FlankModes,
-    /// Displacement of every bore centre per unit of a mode, mode after mode, in 1/√kg.
-    bores: Vec<Vec2>,
+    /// Ways of every bore per unit of a mode, mode after mode, in 1/√kg.
+    bores: Vec<BoreWay>,
+    /// Whether rims go out of round.
+    pub rims: bool,
 }
 
 impl FreeModes {
-    /// Displacement of bore centre `bore` per unit of `mode`.
-    pub fn bore(&self, mode: usize, bore: usize) -> Vec2 {
+    /// Ways of a bore per unit of `mode`.
+    pub fn bore(&self, mode: usize, bore: usize) -> BoreWay {
         self.bores[mode * (self.bores.len() / self.flank.count().max(1)) + bore]
     }
 }
@@ -69,17 +101,18 @@ impl ReducedDisc {
         }
     }
 
-    /// Elastic modes spanned by the bore centres' coordinates and the lowest `held` modes with the interface
+    /// Elastic modes spanned by the interface coordinates and the lowest `held` modes with the interface
     /// held. Together with [`ReducedDisc::residual_compliance`] of the same number they hold the whole static
-    /// compliance between flank and bores: what is left out moves no bore.
+    /// compliance between flank and bores: what is left out moves no interface coordinate.
     ///
     /// # Errors
     /// [`FemError::NoInterface`] where one rigid spider ties the bores, [`FemError::Factorisation`] if the
     /// small eigenproblem cannot be solved.
     pub fn free_modes(&self, held: usize) -> Result<FreeModes, FemError> {
         let nb = self.interface.count;
+        let per_bore = self.interface.per_bore;
         // Fewer than two bores do not even hold the disc.
-        if nb <= RIGID {
+        if nb < 2 * per_bore.max(1) {
             return Err(FemError::NoInterface);
         }
         let held = held.min(self.eigenvalues.len());
@@ -87,7 +120,7 @@ impl ReducedDisc {
         let (values, vectors) = self.free_eigen(held)?;
         let kept = RIGID..nb + held;
         let mut shapes = Vec::with_capacity(kept.len() * stations);
-        let mut bores = Vec::with_capacity(kept.len() * nb / 2);
+        let mut bores = Vec::with_capacity(kept.len() * nb / per_bore);
         for mode in kept.clone() {
             shapes.extend((0..stations).map(|s| {
                 let interface: f64 =
@@ -97,9 +130,13 @@ impl ReducedDisc {
                         .map(|m| vectors[(nb + m, mode)] * self.flank_modes[m * stations + s])
                         .sum::<f64>()
             }));
-            bores.extend((0..nb / 2).map(|k| Vec2::new(vectors[(2 * k, mode)], vectors[(2 * k + 1, mode)])));
+            bores.extend(vectors.col_as_slice(mode)[..nb].chunks_exact(per_bore).map(BoreWay::new));
         }
-        Ok(FreeModes { flank: FlankModes { eigenvalues: values[kept].to_vec(), stations, shapes }, bores })
+        Ok(FreeModes {
+            flank: FlankModes { eigenvalues: values[kept].to_vec(), stations, shapes },
+            bores,
+            rims: per_bore > 2,
+        })
     }
 
     /// ω² ascending and M-orthonormal vectors over (interface coordinates, held modes) of the disc with its

@@ -21,10 +21,13 @@ pub struct ReducedDisc {
     pub interface: Interface,
 }
 
-/// Craig–Bampton matrices of the interface coordinates b: (x, y) of every bore centre in turn.
+/// Craig–Bampton matrices of the interface coordinates b, bore by bore: (x, y) of its centre, and where its rim may go out
+/// of round the expansion and the cosine and sine of the orders from 2 on, as in `fem::carrier`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Interface {
     pub count: usize,
+    /// Coordinates of one bore: 2 with round rims.
+    pub per_bore: usize,
     /// Condensed stiffness K_bb + K_bi Ψ in N/m, count × count, row-major; rigid motions cost nothing.
     pub stiffness: Vec<f64>,
     /// Ψᵀ M Ψ in kg.
@@ -121,6 +124,11 @@ impl ReducedDisc {
     #[inline]
     pub fn mode_at(&self, mode: usize, at: &Stencil) -> f64 {
         spline(&self.flank_modes[mode * self.stations.count()..], &at.stations)
+    }
+
+    /// Inward normal displacement at a place per unit of an interface coordinate, the others held.
+    pub fn interface_at(&self, coordinate: usize, at: &Stencil) -> f64 {
+        spline(&self.interface.flank[coordinate * self.stations.count()..], &at.stations)
     }
 
     /// What is left of the static compliance once the first `modes` modes are coordinates of their own: C − Σ

@@ -13,7 +13,7 @@
 
 use faer::{Accum, Mat};
 
-use super::disc::DiscModel;
+use super::disc::{DiscModel, Held};
 use super::flank::{FlankStations, LOBE_REFINEMENT, NodalWeights, Stencil};
 use super::reduced::{FlankCompliance, ReducedDisc};
 use super::solve::{ModeRange, symmetric_eigen};
@@ -73,7 +73,7 @@ impl DiscModel {
             for (t, row) in rows.iter().enumerate() {
                 compliance[s * count + t] = read(row, solution);
             }
-            own[s] = read(&deep[s], solution);
+            own[s] = self.own_displacement(&rows[s], &deep[s], solution);
             if attached.get(next_attachment) == Some(&s) {
                 basis.col_as_slice_mut(normal_count + next_attachment).copy_from_slice(solution);
                 next_attachment += 1;
@@ -118,6 +118,17 @@ impl DiscModel {
         Ok((reduced, report))
     }
 
+    /// Displacement of a place under its own load, read at the depth of `deep`: what lies above is the contact law's. What
+    /// pressures on the rims do there is read at the surface, as that of all other loads is; so are those that hold the
+    /// rims, for in the machine the pressures of rollers take their place. Over a bore the two differ by 6 %.
+    fn own_displacement(&self, load: &[(usize, f64)], deep: &[(usize, f64)], solution: &[f64]) -> f64 {
+        let held = match &self.held {
+            Held::Means(means) => means.strain_by_holding(load, deep),
+            Held::Unknowns(_) => 0.0,
+        };
+        read(deep, solution) - held
+    }
+
     /// Own displacements between the stations of one lobe.
     fn own_detail(&self, stations: &FlankStations) -> Result<Vec<(usize, Stencil, f64)>, FemError> {
         let surface = self.surface();
@@ -141,7 +152,8 @@ impl DiscModel {
         let mut exact = Vec::with_capacity(places.len());
         self.for_each_solution(&loads, |k, solution| {
             let (index, tau) = places[k];
-            exact.push((index, stations.stencil(tau), read(&deep[k], solution)));
+            let own = self.own_displacement(&self.inner_terms(&loads[k]), &deep[k], solution);
+            exact.push((index, stations.stencil(tau), own));
         });
         Ok(exact)
     }
@@ -229,7 +241,7 @@ impl DiscModel {
         let (mut own_error, mut cross_error, mut largest_cross, mut gap) =
             (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         self.for_each_solution(&loads, |a, solution| {
-            let exact = read(&deep[a], solution);
+            let exact = self.own_displacement(&rows[a], &deep[a], solution);
             let stencil = stations.stencil(places[a]);
             own_error = own_error.max((reduced.compliance.own(&stencil) / exact - 1.0).abs());
             let modal: f64 = (0..reduced.eigenvalues.len())

@@ -1,194 +1,165 @@
-//! The rims of a disc's bores under rollers: they go out of round, where the disc's own reduction keeps them
-//! round.
+//! The rims of a disc's bores as interface: means of their displacement, which nothing holds in shape.
+//!
+//! Rollers press a rim by tractions f_k and feel its means b_k = f_kᵀ u (`Traction::Radial`, `Traction::Expansion`), per
+//! bore the way of its centre and the orders in which it goes out of round. Held are these means, b = 0, by loads Fλ:
+//!
+//! K u = f + F λ, Fᵀ u = 0.
+//!
+//! With S = (K + springs that hold rigid motions R alone)⁻¹ and loads in equilibrium, Rᵀ(f + F λ) = 0, the springs bear
+//! nothing, u = S (f + F λ) + R a, and what is left is small:
+//!
+//! [FᵀSF FᵀR; RᵀF 0] (λ, a) = −(FᵀS f, Rᵀ f).
 
-use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
-use super::carrier::{SEAT_COORDINATES, rim_tractions, translations};
-use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh, RoundHole};
-use crate::geometry::{Sector, Vec2, unit};
-use crate::machine::{Kinematics, Machine};
-use crate::materials::Material;
+use faer::{Accum, Mat, MatMut};
+use nalgebra::{DMatrix, DVector};
 
-/// What the finite element model of the rims is made from: a disc with its teeth cut off at the mean radius
-/// of the flank, in the frame of the carrier.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RimShape {
-    pub bores: Vec<RoundHole>,
-    pub holes: Vec<RoundHole>,
-    pub windows: Vec<Sector>,
-    /// R_p − r_p in m.
-    pub outer_radius: f64,
-    pub width: f64,
-    pub material: Material,
-    /// Edge length in m.
-    pub size: f64,
+use super::body::{Seat, seat_load};
+use super::carrier::rim_tractions;
+use super::reduction::read;
+use super::solve::{Cholesky, Inverse};
+use super::{DofMap, FemError, Mesh, SymmetricMatrix, TiedBore};
+use crate::kernels::product;
+
+/// Rigid motions in the plane.
+const RIGID: usize = 3;
+
+/// K⁻¹ of a disc whose rims are held in their means.
+pub(super) struct HeldMeans {
+    /// (K + springs)⁻¹.
+    factor: Cholesky,
+    /// f_k as sparse columns over the unknowns.
+    loads: Vec<Vec<(usize, f64)>>,
+    /// S F, then R: columns over the unknowns. Turns are measured as ways at `radius`.
+    shapes: Mat<f64>,
+    /// Inverse of the small matrix in units of `unit`: λ unit and a are its unknowns.
+    small: DMatrix<f64>,
+    /// m/N.
+    unit: f64,
 }
 
-const EDGE: usize = 0;
-const BORES: usize = 1;
-/// Layers of elements across half the width; with one across all of it rims are 0.6 % stiffer.
-const LAYERS: usize = 1;
-
-impl RimShape {
-    /// The discs of a machine, edges 0.035 R_p long.
-    pub fn of(machine: &Machine) -> RimShape {
-        let (disc, cranks) = (&machine.disc, &machine.crankshafts);
-        let bore = |k| RoundHole {
-            centre: machine.gear_stage.centre_distance()
-                * unit(Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count)),
-            radius: disc.crank_bore_radius,
-        };
-        let centre = (disc.centre_hole_radius > 0.0)
-            .then(|| RoundHole { centre: Vec2::zeros(), radius: disc.centre_hole_radius });
-        let holes = disc.holes.iter().map(|hole| RoundHole {
-            centre: hole.centre_radius * unit(hole.centre_angle),
-            radius: hole.radius,
-        });
-        RimShape {
-            bores: (0..cranks.count).map(bore).collect(),
-            holes: centre.into_iter().chain(holes).collect(),
-            windows: disc.windows.clone(),
-            outer_radius: machine.ring.pin_circle_radius - machine.ring.pin_radius,
-            width: disc.width,
-            material: disc.material.clone(),
-            size: 0.035 * machine.ring.pin_circle_radius,
-        }
-    }
-
-    /// Meshes and factorises half the width, its middle plane held to itself as loads that are even across the width leave
-    /// it, and held at three places of the edge against rigid motions alone.
-    ///
-    /// # Errors
-    /// [`FemError`] if outlines cross each other.
-    pub fn body(&self) -> Result<Body, FemError> {
-        let circle = |hole: &RoundHole| Boundary::Circle { centre: hole.centre, radius: hole.radius };
-        let edge = Boundary::Circle { centre: Vec2::zeros(), radius: self.outer_radius };
-        let mut boundaries = vec![(edge, self.size, 0)];
-        boundaries.extend(self.bores.iter().chain(&self.holes).map(|hole| (circle(hole), self.size, 0)));
-        boundaries
-            .extend(self.windows.iter().map(|window| (Boundary::Outline(window.outline()), self.size, 0)));
-        let domain = PlaneDomain { boundaries, interior_size: self.size };
-        let (plane, regions) = PlaneMesh::triangulate_regions(&domain, |bits| bits == 1 << EDGE)?;
-        let cuts: Vec<f64> = (0..=LAYERS).map(|k| 0.5 * self.width * k as f64 / LAYERS as f64).collect();
-        let mesh = Mesh::layered(plane, &cuts, |_, _| true);
-        mesh.check()?;
-        let near = |place: Vec2| {
-            let distance = |node: &usize| (mesh.plane.nodes[*node] - place).norm();
-            (0..mesh.plane.corner_count).min_by(|m, n| distance(m).total_cmp(&distance(n))).unwrap_or(0)
-        };
-        let mut held = vec![[false; 3]; mesh.nodes.len()];
-        held[..mesh.plane.nodes.len()].fill([false, false, true]);
-        let r = self.outer_radius;
-        held[near(Vec2::new(r, 0.0))] = [false, true, true];
-        held[near(Vec2::new(-r, 0.0))] = [false, true, true];
-        held[near(Vec2::new(0.0, r))] = [true, false, true];
-        Body::new(mesh, regions, self.material.clone(), &held)
-    }
-
-    /// Per bore [`SEAT_COORDINATES`]. Between rims: the compliance. Between a bore's x, y and a rim: the way
-    /// of the bore, seen from the mean motion of the disc's edge, that a load on the rim brings; such loads
-    /// are in equilibrium by themselves. Between x, y and x, y: 0, for these ways are in the disc's
-    /// reduction.
-    ///
-    /// # Errors
-    /// As [`RimShape::body`].
-    pub fn compliance(&self) -> Result<Compliance, FemError> {
-        let body = self.body()?;
-        let mut loads: Vec<NodalLoad> = Vec::new();
-        for (k, bore) in self.bores.iter().enumerate() {
-            let seat = Seat::around(BORES + k, 0..LAYERS, bore.centre, bore.radius);
-            loads.extend(rim_tractions().map(|traction| body.load(&seat, traction)));
-        }
+impl HeldMeans {
+    pub fn new(
+        mesh: &Mesh,
+        map: &DofMap,
+        stiffness: &SymmetricMatrix,
+        bores: &[TiedBore],
+    ) -> Result<HeldMeans, FemError> {
+        let layers = 0..mesh.levels.len().saturating_sub(1) / 2;
+        let loads: Vec<Vec<(usize, f64)>> = bores
+            .iter()
+            .flat_map(|bore| {
+                let seat = Seat::around(bore.boundary, layers.clone(), bore.centre, bore.radius);
+                rim_tractions().map(move |traction| (seat.clone(), traction))
+            })
+            .map(|(seat, traction)| {
+                let nodal = seat_load(mesh, &seat, traction);
+                nodal.into_iter().map(|(node, axis, f)| (map.terms(node, axis)[0].0, f)).collect()
+            })
+            .collect();
+        let radius = mesh.plane.nodes.iter().fold(0.0_f64, |most, node| most.max(node.norm()));
+        let factor = Cholesky::new(&sprung(mesh, map, stiffness, radius))?;
         let count = loads.len();
-        let edge = Seat::around(EDGE, 0..LAYERS, Vec2::zeros(), self.outer_radius);
-        loads.extend(translations().chain([Traction::Twist]).map(|traction| body.load(&edge, traction)));
-        let is_rim = |k: usize| k % SEAT_COORDINATES > 1;
-        let rims: Vec<usize> = (0..count).filter(|k| is_rim(*k)).collect();
-        let mut values = vec![0.0; count * count];
-        for (row, under) in body.rows(&loads, &rims).iter().zip(&rims) {
-            let turn = row[count + 2];
-            for to in 0..count {
-                let (centre, axis) = (self.bores[to / SEAT_COORDINATES].centre, to % SEAT_COORDINATES);
-                let rigid = match axis {
-                    0 => row[count] - turn * centre.y,
-                    1 => row[count + 1] + turn * centre.x,
-                    _ => 0.0,
-                };
-                // Half the width under a unit load: the whole goes half as far.
-                let value = 0.5 * (row[to] - rigid);
-                if is_rim(to) {
-                    values[under * count + to] += 0.5 * value;
-                    values[to * count + under] += 0.5 * value;
-                } else {
-                    values[under * count + to] = value;
-                    values[to * count + under] = value;
-                }
+        let mut shapes: Mat<f64> = Mat::zeros(map.count, count + RIGID);
+        for (k, load) in loads.iter().enumerate() {
+            load.iter().for_each(|(dof, f)| shapes[(*dof, k)] += f);
+        }
+        factor.solve(shapes.subcols_mut(0, count));
+        let rates = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0 / radius]];
+        for (motion, rates) in rates.into_iter().enumerate() {
+            let rigid = map.rigid_motion(mesh, bores, rates);
+            shapes.col_as_slice_mut(count + motion).copy_from_slice(&rigid);
+        }
+        let means = DMatrix::from_fn(count, count + RIGID, |i, j| read(&loads[i], shapes.col_as_slice(j)));
+        let unit = (0..count).map(|k| means[(k, k)]).sum::<f64>() / count as f64;
+        let small = DMatrix::from_fn(count + RIGID, count + RIGID, |i, j| match (i < count, j < count) {
+            (true, true) => 0.5 * (means[(i, j)] + means[(j, i)]) / unit,
+            (true, false) => means[(i, j)],
+            (false, true) => means[(j, i)],
+            (false, false) => 0.0,
+        });
+        let small = small.try_inverse().ok_or_else(|| FemError::Factorisation {
+            unknowns: count + RIGID,
+            reason: "the means of the rims do not hold the disc".to_owned(),
+        })?;
+        Ok(HeldMeans { factor, loads, shapes, small, unit })
+    }
+
+    /// Interface coordinates: `carrier::SEAT_COORDINATES` of every bore in turn.
+    pub fn count(&self) -> usize {
+        self.loads.len()
+    }
+
+    /// Held by springs against rigid motions alone, and the loads.
+    #[cfg(test)]
+    pub fn parts(&self) -> (&Cholesky, &[Vec<(usize, f64)>]) {
+        (&self.factor, &self.loads)
+    }
+
+    /// By how much more than the surface, where a load presses, the place of `deep` moves by what holds the means under that
+    /// load.
+    pub fn strain_by_holding(&self, load: &[(usize, f64)], deep: &[(usize, f64)]) -> f64 {
+        let count = self.count();
+        let along = |terms: &[(usize, f64)]| {
+            DVector::from_fn(count + RIGID, |k, _| read(terms, self.shapes.col_as_slice(k)))
+        };
+        let at = along(load);
+        let wanted = DVector::from_fn(count + RIGID, |k, _| -at[k] * if k < count { 1.0 } else { self.unit });
+        let mut found = &self.small * wanted;
+        found.rows_mut(0, count).scale_mut(1.0 / self.unit);
+        found.dot(&(along(deep) - at))
+    }
+
+    /// Shapes of least energy with one mean 1 and the others 0, a column each, and the loads that hold them so: K_bb.
+    pub fn constraint_modes(&self) -> (Mat<f64>, Vec<f64>) {
+        let count = self.count();
+        let small = Mat::from_fn(count + RIGID, count, |i, k| {
+            self.small[(i, k)] / if i < count { self.unit } else { 1.0 }
+        });
+        let mut shapes: Mat<f64> = Mat::zeros(self.shapes.nrows(), count);
+        product(shapes.as_mut(), Accum::Replace, self.shapes.as_ref(), small.as_ref(), 1.0);
+        let stiffness = (0..count * count).map(|at| {
+            let (i, j) = (at / count, at % count);
+            0.5 * (small[(i, j)] + small[(j, i)])
+        });
+        (shapes, stiffness.collect())
+    }
+}
+
+impl Inverse for HeldMeans {
+    fn solve(&self, mut b: MatMut<'_, f64>) {
+        let count = self.count();
+        let rigid = self.shapes.subcols(count, RIGID);
+        let mut moments: Mat<f64> = Mat::zeros(RIGID, b.ncols());
+        product(moments.as_mut(), Accum::Replace, rigid.transpose(), b.as_ref(), 1.0);
+        self.factor.solve(b.as_mut());
+        let mut held: Mat<f64> = Mat::zeros(count + RIGID, b.ncols());
+        for k in 0..b.ncols() {
+            let mean = |load: &[(usize, f64)]| load.iter().map(|(dof, f)| f * b[(*dof, k)]).sum::<f64>();
+            let wanted = DVector::from_fn(count + RIGID, |i, _| match self.loads.get(i) {
+                Some(load) => -mean(load),
+                None => -self.unit * moments[(i - count, k)],
+            });
+            let found = &self.small * wanted;
+            for i in 0..count + RIGID {
+                held[(i, k)] = found[i] / if i < count { self.unit } else { 1.0 };
             }
         }
-        Ok(Compliance { count, values })
+        product(b.as_mut(), Accum::Add, self.shapes.as_ref(), held.as_ref(), 1.0);
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::materials::Material;
-
-    /// One bore in the middle of a round disc. A pressure p cos 2φ on it, the edge free (Michell: Airy's
-    /// function (A/r² + B + C r² + D r⁴) cos 2φ, no shear on either circle): E u = 2A (1 + ν)/r³ + 4B/r
-    /// − 2C (1 + ν) r − 4ν D r³; p r (5 − ν)/3 in an infinite sheet. Expansion is Lamé's, and by symmetry the bore
-    /// stays where it is.
-    #[test]
-    fn val_a_hole_in_a_plate() {
-        let steel = Material::by_name("GCr15").unwrap();
-        let (radius, width) = (5e-3, 4e-3);
-        let shape = RimShape {
-            bores: vec![RoundHole { centre: Vec2::zeros(), radius }],
-            holes: Vec::new(),
-            windows: Vec::new(),
-            outer_radius: 40e-3,
-            width,
-            material: steel.clone(),
-            size: 2.5e-3,
-        };
-        let c = shape.compliance().unwrap();
-        let (e, nu) = (steel.youngs_modulus, steel.poisson_ratio);
-        let pressure = 1.0 / (std::f64::consts::PI * radius * width);
-        // In units of the bore's radius.
-        let ratio = shape.outer_radius / radius;
-        let radial = |r: f64| [-6.0 / r.powi(4), -4.0 / (r * r), -2.0, 0.0];
-        let shear = |r: f64| [-6.0 / r.powi(4), -2.0 / (r * r), 2.0, 6.0 * r * r];
-        let rows = [radial(1.0), shear(1.0), radial(ratio), shear(ratio)].concat();
-        let airy = nalgebra::Matrix4::from_row_slice(&rows)
-            .lu()
-            .solve(&nalgebra::Vector4::new(-pressure, 0.0, 0.0, 0.0))
-            .unwrap();
-        let oval = radius / e
-            * (2.0 * (1.0 + nu) * airy[0] + 4.0 * airy[1] - 2.0 * (1.0 + nu) * airy[2] - 4.0 * nu * airy[3]);
-        let sheet = pressure * radius * (5.0 - nu) / (3.0 * e);
-        assert!(oval > sheet && oval < 1.15 * sheet, "{oval:e} {sheet:e}");
-        assert!((c.at(3, 3) / oval - 1.0).abs() < 0.01, "{:e} {oval:e}", c.at(3, 3));
-        assert!((c.at(4, 4) / c.at(3, 3) - 1.0).abs() < 0.01);
-        let square = ratio * ratio;
-        let lame = 0.5 * pressure * radius / e * ((square + 1.0) / (square - 1.0) + nu);
-        assert!((c.at(2, 2) / lame - 1.0).abs() < 0.01, "{:e} {lame:e}", c.at(2, 2));
-        assert!(c.at(0, 3).abs() < 0.02 * c.at(3, 3) && c.at(0, 0) == 0.0);
+/// The stiffness with springs at two nodes far from each other, which hold the three rigid motions alone.
+fn sprung(mesh: &Mesh, map: &DofMap, stiffness: &SymmetricMatrix, radius: f64) -> SymmetricMatrix {
+    let mut sprung = stiffness.clone();
+    let near = |x: f64| {
+        let distance = |node: &usize| (mesh.plane.nodes[*node] - crate::geometry::Vec2::new(x, 0.0)).norm();
+        (0..mesh.plane.corner_count).min_by(|m, n| distance(m).total_cmp(&distance(n))).unwrap_or(0)
+    };
+    let (ahead, behind) = (near(radius), near(-radius));
+    for (node, axis) in [(ahead, 0), (ahead, 1), (behind, 1)] {
+        // The diagonal comes first in its column. Any stiffness like those around it will do.
+        let diagonal = sprung.column_start[map.terms(node, axis)[0].0];
+        sprung.values[diagonal] *= 2.0;
     }
-
-    /// Reciprocity between the rims of the shipped disc, and its two bores alike.
-    #[test]
-    fn rims_of_the_shipped_disc() {
-        let mut machine = crate::templates::tao2024();
-        machine.disc.windows = machine.solids.windows.clone();
-        let shape = RimShape::of(&machine);
-        let c = shape.compliance().unwrap();
-        let n = SEAT_COORDINATES;
-        assert_eq!(c.count, 2 * n);
-        for k in 2..n {
-            let (first, second) = (c.at(k, k), c.at(n + k, n + k));
-            assert!((first / second - 1.0).abs() < 0.02, "{k}: {first:e} {second:e}");
-        }
-        // The web to the root circle is thinner than the metal on the other side: the bore moves out with
-        // its rim by much of what the rim gives.
-        assert!(c.at(1, 3).abs() > 0.1 * c.at(3, 3), "{:e} {:e}", c.at(1, 3), c.at(3, 3));
-    }
+    sprung
 }

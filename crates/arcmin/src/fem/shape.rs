@@ -118,6 +118,9 @@ pub enum BoreInterface {
     /// to turn about it (the released revolute joint of Tao2024).
     #[default]
     PerBore,
+    /// As [`BoreInterface::PerBore`], but nothing holds the rim in shape: the ways of its centre and the orders in
+    /// which it goes out of round (`fem::carrier::SEAT_COORDINATES`) are means of its displacement.
+    Rims,
     /// One rigid spider ties all bore rims together; they move with the carrier as one body.
     Common,
 }
@@ -128,6 +131,7 @@ impl BoreInterface {
             BoreInterface::PerBore => {
                 BoreTie::Spider { translation: MasterMotion::Retained, rotation: MasterMotion::Free }
             }
+            BoreInterface::Rims => BoreTie::Free,
             BoreInterface::Common => {
                 BoreTie::Spider { translation: MasterMotion::Held, rotation: MasterMotion::Held }
             }
@@ -168,7 +172,7 @@ impl FlexibleSettings {
             element: DiscElement::PlaneStress,
             sizes: FlexibleSettings::sizes(shape, 0.5 * depth, 3),
             interface: BoreInterface::default(),
-            stations_per_lobe: 12,
+            stations_per_lobe: 24,
             reading_depth: depth,
             mode_frequency: 40e3,
         }
@@ -181,7 +185,7 @@ impl FlexibleSettings {
             element: DiscElement::Solid { layers: 1 },
             sizes: FlexibleSettings::sizes(shape, 0.5 * depth, 2),
             reading_depth: depth,
-            stations_per_lobe: 10,
+            stations_per_lobe: 20,
             ..FlexibleSettings::plane_stress(shape)
         }
     }

@@ -56,11 +56,23 @@ impl Cholesky {
         self.values.len()
     }
 
-    /// Overwrites the columns of `b` with A⁻¹ b.
+    /// As [`Inverse::solve`].
     pub fn solve(&self, b: MatMut<'_, f64>) {
         let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(b.ncols(), Par::Seq));
         let factor = LltRef::new(&self.symbolic, &self.values);
         cleared(|| factor.solve_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut memory)));
+    }
+}
+
+/// The inverse of a stiffness, whatever holds the body.
+pub trait Inverse {
+    /// Overwrites the columns of `b` with A⁻¹ b.
+    fn solve(&self, b: MatMut<'_, f64>);
+}
+
+impl Inverse for Cholesky {
+    fn solve(&self, b: MatMut<'_, f64>) {
+        Cholesky::solve(self, b);
     }
 }
 
@@ -106,7 +118,7 @@ pub enum ModeRange {
 /// [`FemError::Modes`] if the wanted modes do not converge.
 pub fn lowest_modes(
     mass: &SymmetricMatrix,
-    factor: &Cholesky,
+    factor: &dyn Inverse,
     sigma: f64,
     range: ModeRange,
 ) -> Result<Modes, FemError> {

@@ -1,7 +1,7 @@
-//! Elastic carrier, housing and rims of a fidelity: condensed once, kept by the host between runs.
+//! Elastic carrier and housing of a fidelity: condensed once, kept by the host between runs.
 
 use crate::analyses::{AnalysisError, Host};
-use crate::dynamics::{ElasticCarrier, ElasticHousing, ElasticRims, JointSettings};
+use crate::dynamics::{ElasticCarrier, ElasticHousing, JointSettings};
 use crate::fem::BodyShapes;
 use crate::machine::Machine;
 
@@ -10,7 +10,6 @@ use crate::machine::Machine;
 pub struct ElasticFrame {
     pub carrier: ElasticCarrier,
     pub housing: ElasticHousing,
-    pub rims: ElasticRims,
 }
 
 /// The machine with windows in its discs: those of the design, or those that go with the carrier's pillars
@@ -49,16 +48,10 @@ impl ElasticFrame {
             carrier: ElasticCarrier::new(&bodies.carrier, cranks).map_err(invalid())?,
             housing: ElasticHousing::new(machine, &bodies.housing)
                 .map_err(AnalysisError::compute("take over the elastic housing"))?,
-            rims: ElasticRims::new(&bodies.rims, cranks).map_err(invalid())?,
         })
     }
 
     pub(super) fn on(&self, settings: JointSettings) -> JointSettings {
-        JointSettings {
-            carrier: Some(self.carrier.clone()),
-            housing: Some(self.housing.clone()),
-            rims: Some(self.rims.clone()),
-            ..settings
-        }
+        JointSettings { carrier: Some(self.carrier.clone()), housing: Some(self.housing.clone()), ..settings }
     }
 }

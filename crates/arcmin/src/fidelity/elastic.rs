@@ -1,6 +1,6 @@
 //! Elastic discs of a fidelity: reduced once, kept by the host between runs.
 
-use super::{Bores, Element, FidelityOptions};
+use super::{Bores, Element, FidelityOptions, FrameBodies};
 use crate::analyses::{AnalysisError, Host};
 use crate::dynamics::{ElasticDiscs, FlexibleOptions};
 use crate::fem::{
@@ -108,6 +108,8 @@ fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {
         Element::Solid => FlexibleSettings::solid(shape),
     };
     let interface = match options.bores {
+        // Rims that give way go with bodies that give way.
+        Bores::PerBore if options.bodies.value == FrameBodies::Elastic => BoreInterface::Rims,
         Bores::PerBore => BoreInterface::PerBore,
         Bores::Common => BoreInterface::Common,
     };

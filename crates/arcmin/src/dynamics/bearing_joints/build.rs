@@ -8,15 +8,13 @@ use super::joints::{
     SLOPES, Support, Torsion,
 };
 use super::layout::{Degrees, Layout};
-use super::rim::{RIM, Rim};
 use super::shaft::Shaft;
 use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RollingBearing};
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES};
-use crate::dynamics::{
-    DynamicsError, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims, OutputLoad,
-};
-use crate::geometry::{Vec2, quarter_turn, turned, unit};
+use crate::dynamics::{DynamicsError, ElasticCoordinates, ElasticDiscs, ElasticHousing, OutputLoad};
+use crate::fem::carrier::RIM_WAYS;
+use crate::geometry::{Vec2, quarter_turn, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
 /// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
@@ -63,7 +61,6 @@ impl BearingJoints {
             input_shaft: (stage.input_torsional_stiffness * scale).is_finite(),
             free_input,
             seats: settings.carrier.is_some(),
-            rims: settings.rims.as_ref().map_or(0, ElasticRims::count),
             housing_modes: settings.housing.as_ref().map_or(0, ElasticHousing::count),
             lean: settings.lean.is_some(),
         };
@@ -201,16 +198,6 @@ impl Parts<'_> {
                 loss_time,
             }));
         }
-        if let Some(rims) = &self.settings.rims {
-            for coordinates in &layout.rims {
-                add(Box::new(Frame {
-                    part: Part::Disc,
-                    index: coordinates.clone(),
-                    stiffness: rims.stiffness().to_vec(),
-                    loss_time,
-                }));
-            }
-        }
         if let Some(housing) = &self.settings.housing {
             let n = housing.count();
             let mut stiffness = vec![0.0; n * n];
@@ -277,10 +264,7 @@ impl Parts<'_> {
             arm: Arm { radius: amplitude, phase },
             bore: layout.carrier_bores[k],
             modes: self.seat_modes(k, end),
-            rim: layout
-                .seats
-                .get(k)
-                .map(|ends| Rim { coordinates: std::array::from_fn(|at| ends[end][2 + at]), phase: 0.0 }),
+            has_rim: !layout.seats.is_empty(),
             slopes: self.slopes(k, end, |layout| {
                 let [about_x, about_y, _] = layout.lean()?;
                 Some([(about_y, Vec2::new(1.0, 0.0)), (about_x, Vec2::new(0.0, -1.0))])
@@ -304,18 +288,17 @@ impl Parts<'_> {
         Some([(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0)), (a.0, -a.1), (b.0, -b.1)])
     }
 
-    /// What moves a crank seat on the carrier: its own two ways, and the lean of a carrier whose main bearings stand
+    /// What moves a crank seat on the carrier: its own coordinates, and the lean of a carrier whose main bearings stand
     /// in the middle between the supports.
     fn seat_modes(&self, k: usize, end: usize) -> Vec<BoreMode> {
         let mut modes = Vec::new();
         if let Some(ends) = self.layout.seats.get(k) {
-            let ways = [(ends[end][0], Vec2::new(1.0, 0.0)), (ends[end][1], Vec2::new(0.0, 1.0))];
-            modes.extend(ways.map(BoreMode::of_body));
+            modes.extend(ends[end].iter().enumerate().map(|(axis, at)| BoreMode::of_seat(axis, *at)));
         }
         if let Some([about_x, about_y, _]) = self.layout.lean() {
             let height = (end as f64 - 0.5) * self.machine.bearings.crank_support_span;
             let ways = [(about_x, Vec2::new(0.0, -height)), (about_y, Vec2::new(height, 0.0))];
-            modes.extend(ways.map(|(at, by)| BoreMode { at, by, turns: false }));
+            modes.extend(ways.map(|(at, by)| BoreMode { at, by, rim: [0.0; RIM_WAYS], turns: false }));
         }
         modes
     }
@@ -332,14 +315,10 @@ impl Parts<'_> {
         // The disc's own angle zero is that of its flank; the bores are turned back by the mounting angle.
         let mounting = self.kinematics.mounting_angle(j);
         let angle = crank_place(self.machine, k) - mounting;
-        let mut modes: Vec<_> = self.settings.discs.as_ref().map_or_else(Vec::new, |discs| {
-            layout.modes(j).enumerate().map(|(m, at)| BoreMode::of_body((at, discs.bore(j, m, k)))).collect()
+        let discs = self.settings.discs.as_ref();
+        let modes = discs.map_or_else(Vec::new, |discs| {
+            layout.modes(j).enumerate().map(|(m, at)| BoreMode::of_body(at, discs.bore(j, m, k))).collect()
         });
-        if let (Some(rims), Some(coordinates)) = (&self.settings.rims, layout.rims.get(j)) {
-            let back = unit(-mounting);
-            let carried = rims.carried(k).iter().map(|way| turned(*way, back));
-            modes.extend(coordinates.iter().copied().zip(carried).map(BoreMode::of_body));
-        }
         Journal {
             place: Place::TurningArm,
             law,
@@ -350,10 +329,7 @@ impl Parts<'_> {
             },
             bore: bore(self.machine, error, angle),
             modes,
-            rim: layout.rims.get(j).map(|coordinates| Rim {
-                coordinates: std::array::from_fn(|at| coordinates[k * RIM + at]),
-                phase: -mounting,
-            }),
+            has_rim: discs.is_some_and(ElasticDiscs::have_rims),
             slopes: self.slopes(k, 2 + j, |layout| {
                 let [x, y] = layout.disc_slopes(j)?;
                 Some([(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0))])
@@ -464,15 +440,6 @@ fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<()
             housing.ring().1 as f64,
             "",
             "must be those of the machine, on elastic discs",
-        )?;
-    }
-    if let Some(rims) = &settings.rims {
-        check(
-            rims.crank_count() == machine.crankshafts.count,
-            "bores of the elastic rims",
-            rims.crank_count() as f64,
-            "",
-            "must be those of the machine's discs",
         )?;
     }
     check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;

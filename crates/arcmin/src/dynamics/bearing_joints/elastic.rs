@@ -1,38 +1,47 @@
-//! What elastic discs change in the bearings: their modes move the bores.
+//! What elastic bodies change in the bearings: their coordinates move the bores and bend their rims.
 
-use super::assembly::{Element, Sink, Wanted};
-use crate::dynamics::Contact;
-use crate::geometry::{Vec2, quarter_turn};
+use super::assembly::Sink;
+use crate::fem::BoreWay;
+use crate::fem::carrier::RIM_WAYS;
+use crate::geometry::Vec2;
 
-/// A mode that moves one end of a bearing.
+/// A coordinate of a body that moves the bore of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BoreMode {
     /// Number of its coordinate.
     pub at: usize,
     /// Displacement of the bore centre per unit of it.
     pub by: Vec2,
+    /// How it bends the rim out of round.
+    pub rim: [f64; RIM_WAYS],
     /// Whether that displacement turns with the body or stands in space.
     pub turns: bool,
 }
 
 impl BoreMode {
     /// Of the body itself.
-    pub fn of_body((at, by): (usize, Vec2)) -> BoreMode {
-        BoreMode { at, by, turns: true }
+    pub fn of_body(at: usize, way: BoreWay) -> BoreMode {
+        BoreMode { at, by: way.centre, rim: way.rim, turns: true }
+    }
+
+    /// One of the coordinates of a seat (`fem::carrier::SEAT_COORDINATES`) by itself.
+    pub fn of_seat(axis: usize, at: usize) -> BoreMode {
+        let one = |a: usize| if a == axis { 1.0 } else { 0.0 };
+        let way = BoreWay { centre: Vec2::new(one(0), one(1)), rim: std::array::from_fn(|r| one(2 + r)) };
+        BoreMode::of_body(at, way)
     }
 }
 
-/// Hands on elements of a bearing whose body, coordinates 3 and 4 of six or more, is moved by modes as well: what
-/// acts on the body's place acts on a mode by its displacement of the bore.
+/// Hands on dampers of a bearing whose body, coordinates 3 and 4 of six, is moved by modes as well: what acts on the
+/// body's place acts on a mode by its displacement of the bore.
 pub(super) struct WithModes<'a> {
     pub sink: &'a mut dyn Sink,
     /// Displacements in the housing frame.
     pub modes: &'a [BoreMode],
 }
 
-/// Coordinates of the body's place among those of a bearing, and its angle.
+/// Coordinates of the body's place among those of a bearing.
 const PLACE: [usize; 2] = [3, 4];
-const ANGLE: usize = 5;
 
 impl WithModes<'_> {
     fn index(&self, index: &[usize]) -> Vec<usize> {
@@ -70,69 +79,13 @@ impl WithModes<'_> {
     }
 }
 
-impl Sink for WithModes<'_> {
-    fn element(&mut self, element: &Element<'_>) {
-        if self.modes.is_empty() {
-            return self.sink.element(element);
-        }
-        let own = element.index.len();
-        let stiffness = self.takes_stiffness();
-        let mut hessian = if stiffness { self.matrix(element.hessian, own) } else { Vec::new() };
-        let width = own + self.modes.len();
-        for (m, BoreMode { by, .. }) in
-            self.modes.iter().enumerate().filter(|(_, mode)| stiffness && mode.turns)
-        {
-            // The modes' displacement turns with the disc. A force along the place is one against the
-            // gradient of the bearing's displacement.
-            let across = quarter_turn(*by);
-            let turning = element.gradient[PLACE[0]] * across.x + element.gradient[PLACE[1]] * across.y;
-            hessian[ANGLE * width + own + m] += turning;
-            hessian[(own + m) * width + ANGLE] += turning;
-        }
-        let gradient = self.vector(element.gradient);
-        self.sink.element(&Element {
-            part: element.part,
-            index: &self.index(element.index),
-            gradient: &gradient,
-            hessian: &hessian,
-            stored: element.stored,
-        });
-    }
-
-    fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64) {
+impl WithModes<'_> {
+    pub fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64) {
         if self.modes.is_empty() {
             return self.sink.damper(index, force, matrix, dissipation);
         }
-        let matrix = if self.takes_damping() { self.matrix(matrix, index.len()) } else { Vec::new() };
+        let matrix = if self.sink.takes_damping() { self.matrix(matrix, index.len()) } else { Vec::new() };
         self.sink.damper(&self.index(index), &self.vector(force), &matrix, dissipation);
-    }
-
-    fn takes_stiffness(&self) -> bool {
-        self.sink.takes_stiffness()
-    }
-
-    fn takes_damping(&self) -> bool {
-        self.sink.takes_damping()
-    }
-
-    fn wants_contacts(&self) -> Option<Wanted> {
-        self.sink.wants_contacts()
-    }
-
-    fn contact(&mut self, contact: &Contact<'_>) {
-        let (gradient, push) = (self.vector(contact.gradient), self.vector(contact.push));
-        let index = &self.index(contact.index);
-        self.sink.contact(&Contact { index, gradient: &gradient, push: &push, ..*contact });
-    }
-
-    fn friction_slope(&mut self, index: &[usize], matrix: &[f64]) {
-        if !self.takes_stiffness() {
-            return;
-        }
-        if self.modes.is_empty() {
-            return self.sink.friction_slope(index, matrix);
-        }
-        self.sink.friction_slope(&self.index(index), &self.matrix(matrix, index.len()));
     }
 }
 

@@ -30,8 +30,6 @@ pub(super) struct Layout {
     pub carrier_bores: Vec<Arm>,
     /// Per crankshaft and end: coordinates of an elastic carrier's seat, in the carrier's frame.
     pub seats: Vec<[Vec<usize>; 2]>,
-    /// Per disc: coordinates of the rims of its bores.
-    pub rims: Vec<Vec<usize>>,
     housing_modes: Vec<usize>,
     /// What leans, where anything does.
     lean: Option<Leaning>,
@@ -59,8 +57,6 @@ pub(super) struct Degrees {
     pub free_input: bool,
     /// The crank seats from the carrier.
     pub seats: bool,
-    /// Coordinates of the rims of one disc's bores.
-    pub rims: usize,
     /// Modes of the housing.
     pub housing_modes: usize,
     /// Axes of carrier, crankshafts and discs from that of the housing.
@@ -124,9 +120,8 @@ impl Layout {
         let disc_slopes: Vec<BodyId> = (0..if degrees.lean { discs } else { 0 })
             .map(|_| registry.add(slopes(0.5 * machine.disc.inertia)))
             .collect();
-        // What vibrates with a seat, a rim, a pin: a quarter of the carrier's mass spread over its seats, a
-        // fifth of that with what goes out of round, a tenth of a disc's with its rims, half of the housing's
-        // with the pins. Assumptions.
+        // What vibrates with a seat, a pin: a quarter of the carrier's mass spread over its seats, a fifth of that with
+        // what goes out of round, half of the housing's with the pins. Assumptions.
         let seat_mass = 0.25 * machine.carrier.mass / (2 * cranks.count) as f64;
         let row = |mass: f64, scale: f64, count: usize| Body {
             axes: vec![axis(mass, scale, true); count],
@@ -140,11 +135,6 @@ impl Layout {
                     seat.axes[..2].copy_from_slice(&place(seat_mass, true));
                     registry.add(seat)
                 })
-            })
-            .collect();
-        let rim_bodies: Vec<BodyId> = (0..if degrees.rims > 0 { discs } else { 0 })
-            .map(|_| {
-                registry.add(row(0.1 * machine.disc.mass / degrees.rims as f64, place_scale, degrees.rims))
             })
             .collect();
         // Modes of unit length over all pins of all discs.
@@ -216,7 +206,6 @@ impl Layout {
             input: one(input),
             carrier_bores,
             seats: seat_bodies.iter().map(|ends| ends.map(|end| coordinates.of(end).to_vec())).collect(),
-            rims: rim_bodies.iter().map(|body| coordinates.of(*body).to_vec()).collect(),
             lean: lean_body.map(|carrier| Leaning {
                 carrier: three(carrier),
                 shafts: shafts

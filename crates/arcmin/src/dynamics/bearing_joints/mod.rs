@@ -37,8 +37,8 @@ use layout::Layout;
 use roller::VARIABLES;
 
 use super::{
-    Drive, DynamicsError, ElasticCarrier, ElasticCoordinates, ElasticDiscs, ElasticHousing, ElasticRims,
-    MainBearings, OutputLoad,
+    Drive, DynamicsError, ElasticCarrier, ElasticCoordinates, ElasticDiscs, ElasticHousing, MainBearings,
+    OutputLoad,
 };
 use crate::geometry::{Relief, Vec2, unit};
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, PartWear};
@@ -68,14 +68,13 @@ pub struct JointSettings {
     /// What bearings and gears have lost.
     pub part_wear: PartWear,
     pub errors: ManufacturingErrors,
-    /// Discs that deform, from [`ElasticDiscs::free`]; rigid ones without.
+    /// Discs that deform, from [`ElasticDiscs::free`], with their bores' rims where they were reduced so; rigid ones
+    /// without.
     pub discs: Option<ElasticDiscs>,
     /// A carrier whose crank seats give way against its output face; a rigid one without.
     pub carrier: Option<ElasticCarrier>,
     /// A housing that moves its pins; goes with elastic discs.
     pub housing: Option<ElasticHousing>,
-    /// Bores of the discs that go out of round; round ones without.
-    pub rims: Option<ElasticRims>,
     /// An output that leans, its main bearings as rows of rolling elements; without, they are one radial support
     /// and the output stands straight.
     pub lean: Option<Lean>,
@@ -96,7 +95,6 @@ impl Default for JointSettings {
             discs: None,
             carrier: None,
             housing: None,
-            rims: None,
             lean: None,
             stiffness_scale: 1.0,
             damped: true,
@@ -144,8 +142,9 @@ impl Arm {
 /// sun's support, torsion of carrier and input shaft. Bearings and shafts are damped in proportion to their
 /// tangent stiffness.
 ///
-/// Elastic bodies add coordinates of their own: the ways of the carrier's crank seats and their going out of
-/// round, that of the discs' bores, and the smooth modes of the ring of pins ([`ElasticHousing`]).
+/// Elastic bodies add coordinates of their own, body by body: the modes of a disc, which move the places of its flank and
+/// the centres and rims of its bores; the ways of the carrier's crank seats and their going out of round; the smooth
+/// modes of the ring of pins ([`ElasticHousing`]).
 ///
 /// With [`Lean`] the carrier leans and moves along its axis against the housing: the crank seats at its two ends
 /// go with it, and forces from outside act on the output. Crankshafts and discs lean as well: slopes ∂(x, y)/∂z of

@@ -1,18 +1,10 @@
 //! Outer raceways that go out of round under their rollers.
 
-use crate::fem::carrier::{RIM_ORDER, SEAT_COORDINATES};
+use crate::fem::carrier::{RIM_ORDER, RIM_WAYS};
 use crate::geometry::{Vec2, turned, unit};
 
 /// Coordinates of a rim: expansion, then cosine and sine of the orders 2 to [`RIM_ORDER`].
-pub(super) const RIM: usize = SEAT_COORDINATES - 2;
-
-/// A rim's coordinates among those of the model, and the angle of its zero on the body.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rim {
-    pub coordinates: [usize; RIM],
-    /// rad.
-    pub phase: f64,
-}
+pub(super) const RIM: usize = RIM_WAYS;
 
 /// A rim at one state: w(ψ) = w₀ + Σ_n a_n cos n(ψ − χ) + b_n sin n(ψ − χ) outward, in m, χ the angle of its
 /// zero.

@@ -2,6 +2,7 @@ use super::super::tests::{machine, settle};
 use super::super::{BearingJoints, JointSettings, Part};
 use super::*;
 use crate::contact::ContactLaw;
+use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::{
     Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, OutputLoad, Reducer, Run,
     RunPlan, RunResult, StepControl, System, TimeTable, solve_equilibrium,

@@ -2,7 +2,7 @@ use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, d
 use crate::dynamics::Contact;
 use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
-use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM, Rim};
+use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM};
 use crate::dynamics::bearing_joints::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, Stand, VARIABLES, WAYS};
 use crate::dynamics::bearing_joints::{Arm, BearingState, RollingBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
@@ -65,8 +65,8 @@ pub(in super::super) struct Journal {
     pub bore: Arm,
     /// What moves the bore beside the body's place, seen from the body where it turns with it.
     pub modes: Vec<BoreMode>,
-    /// The bore's rim, where it may go out of round.
-    pub rim: Option<Rim>,
+    /// Whether modes bend the rim of the bore out of round.
+    pub has_rim: bool,
     /// Coordinates by which shaft and body lean, and the slope (x, y) of the inner ring against the bore per unit of
     /// each.
     pub slopes: Option<[(usize, Vec2); SLOPES]>,
@@ -134,9 +134,12 @@ impl Journal {
 
     /// The rim at this state.
     fn rim_at(&self, q: &[f64]) -> Option<OutOfRound> {
-        self.rim.map(|rim| OutOfRound {
-            angle: q[self.index[5]] + rim.phase,
-            ways: rim.coordinates.map(|at| q[at]),
+        self.has_rim.then(|| {
+            let mut ways = [0.0; RIM];
+            for mode in &self.modes {
+                ways.iter_mut().zip(&mode.rim).for_each(|(way, by)| *way += q[mode.at] * by);
+            }
+            OutOfRound { angle: q[self.index[5]], ways }
         })
     }
 
@@ -173,42 +176,47 @@ impl Journal {
         self.radial_element_forces(q).iter().map(|(angle, force)| force * rim.at(*angle)).sum()
     }
 
-    /// Hands on the bearing with N of its variables, over W coordinates: those of shaft and body, then those of the rim,
-    /// then what leans.
-    fn hand_on<const N: usize, const W: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
+    /// Hands on the bearing with N of its variables: over the coordinates of shaft and body, then what leans, then the
+    /// modes, with their displacements in the housing frame.
+    fn hand_on<const N: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
         let modes = self.modes_at(at.q);
         let arms = self.arms(at.q, &modes);
         let displacement = self.displacement(at.q, arms);
         let tangents = sink.takes_stiffness() || self.losses.time > 0.0;
         let jacobian = self.jacobian(arms);
+        let slopes = self.slopes.as_ref().map_or(&[][..], |slopes| &slopes[..]);
+        let bent = PLACES + slopes.len();
+        let width = bent + modes.len();
+        let coordinates = self.index.iter().copied().chain(slopes.iter().map(|(at, _)| *at));
+        let index: Vec<usize> = coordinates.chain(modes.iter().map(|mode| mode.at)).collect();
         // From the variables to the coordinates.
-        let by_coordinates = |by: &[f64; N]| -> [f64; W] {
-            let mut into = [0.0; W];
+        let spread = |by: &[f64; N], into: &mut [f64]| {
             for i in 0..PLACES {
                 into[i] = by[0] * jacobian[0][i] + by[1] * jacobian[1][i] + by[CAGE] * jacobian[2][i];
             }
-            if N > BODY {
-                into[5] += by[BODY];
-                into[PLACES..][..RIM].copy_from_slice(&by[WAYS..]);
-            }
-            for (into, (_, way)) in into.iter_mut().rev().zip(self.slopes.iter().flatten().rev()) {
+            for (into, (_, way)) in into[PLACES..].iter_mut().zip(slopes) {
                 *into = by[SLOPE] * way.x + by[SLOPE + 1] * way.y;
             }
-            into
+            for (into, mode) in into[bent..].iter_mut().zip(&modes) {
+                *into = -(by[0] * mode.by.x + by[1] * mode.by.y);
+                if N > BODY {
+                    *into += by[WAYS..].iter().zip(&mode.rim).map(|(by, way)| by * way).sum::<f64>();
+                }
+            }
+            if N > BODY {
+                into[5] += by[BODY];
+            }
         };
-        let mut index = [0; W];
-        let places = self.index.iter().chain(self.rim.iter().flat_map(|rim| &rim.coordinates));
-        let coordinates = places.chain(self.slopes.iter().flatten().map(|(at, _)| at));
-        index.iter_mut().zip(coordinates).for_each(|(into, at)| *into = *at);
         let stand = self.stand_at(at.q, displacement);
         let wanted = sink.wants_contacts();
+        let mut along = vec![0.0; width];
         let state = match wanted {
             None => self.law.react_at::<N>(&stand, tangents),
             Some(wanted) => {
-                let mut sink = WithModes { sink: &mut *sink, modes: &modes };
                 self.law.react_within::<N>(&stand, tangents, wanted.reach, |approach, way, spring| {
-                    let gradient = &by_coordinates(way).map(|by| -by);
-                    let (index, gap) = (&index, -approach);
+                    spread(way, &mut along);
+                    along.iter_mut().for_each(|by| *by = -*by);
+                    let (index, gradient, gap) = (&index, &along, -approach);
                     sink.contact(&Contact { index, gradient, push: gradient, gap, spring, place: None });
                 })
             }
@@ -218,25 +226,31 @@ impl Journal {
             return;
         }
         self.damp_lean(&state, at, sink);
-        let mut sink = WithModes { sink, modes: &modes };
-        let mut matrix = [[0.0; W]; W];
-        if sink.takes_stiffness() {
-            // `array::map` would not be inlined.
-            let mut rows = [[0.0; W]; N];
-            (0..N).for_each(|a| rows[a] = by_coordinates(&hessian[a]));
-            for i in 0..W {
+        let mut matrix = vec![0.0; if sink.takes_stiffness() { width * width } else { 0 }];
+        if !matrix.is_empty() {
+            let mut rows = vec![0.0; N * width];
+            rows.chunks_exact_mut(width).zip(hessian).for_each(|(row, by)| spread(by, row));
+            for (i, line) in matrix.chunks_exact_mut(width).enumerate() {
                 let mut column = [0.0; N];
-                (0..N).for_each(|a| column[a] = rows[a][i]);
-                matrix[i] = by_coordinates(&column);
+                (0..N).for_each(|a| column[a] = rows[a * width + i]);
+                spread(&column, line);
+            }
+            let force = Vec2::new(gradient[0], gradient[1]);
+            matrix[2 * width + 2] -= force.dot(&arms.inner);
+            matrix[5 * width + 5] += force.dot(&arms.bore);
+            // Displacements by modes turn with the body.
+            for (m, mode) in modes.iter().enumerate().filter(|(_, mode)| mode.turns) {
+                let turning = force.dot(&quarter_turn(mode.by));
+                matrix[5 * width + bent + m] -= turning;
+                matrix[(bent + m) * width + 5] -= turning;
             }
         }
-        matrix[2][2] -= gradient[0] * arms.inner.x + gradient[1] * arms.inner.y;
-        matrix[5][5] += gradient[0] * arms.bore.x + gradient[1] * arms.bore.y;
+        spread(gradient, &mut along);
         sink.element(&Element {
             part: self.place.part(),
             index: &index,
-            gradient: &by_coordinates(gradient),
-            hessian: matrix.as_flattened(),
+            gradient: &along,
+            hessian: &matrix,
             stored,
         });
         let mut rate = self.index.map(|i| at.v[i]);
@@ -247,8 +261,7 @@ impl Journal {
         let Losses { time: loss_time, friction } = self.losses;
         let (mut force, mut damping, mut dissipation) = ([0.0; PLACES], [0.0; PLACES * PLACES], 0.0);
         if loss_time > 0.0 {
-            let spread = |row: usize| jacobian[row].iter().zip(&rate).map(|(j, v)| j * v).sum::<f64>();
-            let u = [spread(0), spread(1)];
+            let u = [0, 1].map(|row: usize| jacobian[row].iter().zip(&rate).map(|(j, v)| j * v).sum::<f64>());
             for i in 0..6 {
                 let pull = [0, 1]
                     .map(|c| loss_time * (hessian[c][0] * jacobian[0][i] + hessian[c][1] * jacobian[1][i]));
@@ -272,7 +285,7 @@ impl Journal {
             force[5] += torque * share;
             if let Some(interval) = wanted.and_then(|wanted| wanted.slip_interval) {
                 let gradient = &[radius, -radius];
-                sink.sink.contact(&Contact {
+                sink.contact(&Contact {
                     index: &[self.index[2], self.index[5]],
                     gradient,
                     push: gradient,
@@ -289,16 +302,18 @@ impl Journal {
             dissipation += torque * share * speed;
             if load > 0.0 && sink.takes_stiffness() {
                 let factor = friction.bearing * radius * share / load;
-                let by_load = by_coordinates(&std::array::from_fn(|d| {
+                let by_load: [f64; N] = std::array::from_fn(|d| {
                     factor * (gradient[0] * hessian[0][d] + gradient[1] * hessian[1][d])
-                }));
-                let mut by_place = [[0.0; W]; W];
-                (by_place[2], by_place[5]) = (by_load, by_load.map(|by| -by));
-                sink.friction_slope(&index, by_place.as_flattened());
+                });
+                spread(&by_load, &mut along);
+                let mut by_place = vec![0.0; width * width];
+                by_place[2 * width..][..width].copy_from_slice(&along);
+                by_place[5 * width..][..width].iter_mut().zip(&along).for_each(|(into, by)| *into = -by);
+                sink.friction_slope(&index, &by_place);
             }
         }
         if loss_time > 0.0 || friction.bearing > 0.0 {
-            sink.damper(&self.index, &force, &damping, dissipation);
+            WithModes { sink, modes: &modes }.damper(&self.index, &force, &damping, dissipation);
         }
     }
 
@@ -341,11 +356,10 @@ impl Joint for Journal {
     }
 
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
-        match (self.rim, self.slopes) {
-            (None, None) => self.hand_on::<PARALLEL, PLACES>(at, sink),
-            (None, Some(_)) => self.hand_on::<LEANING, { PLACES + SLOPES }>(at, sink),
-            (Some(_), None) => self.hand_on::<VARIABLES, { PLACES + RIM }>(at, sink),
-            (Some(_), Some(_)) => self.hand_on::<VARIABLES, { PLACES + RIM + SLOPES }>(at, sink),
+        match (self.has_rim, self.slopes) {
+            (true, _) => self.hand_on::<VARIABLES>(at, sink),
+            (false, Some(_)) => self.hand_on::<LEANING>(at, sink),
+            (false, None) => self.hand_on::<PARALLEL>(at, sink),
         }
     }
 
