@@ -88,40 +88,51 @@ impl PinContacts {
     }
 
     /// U_R ∇²ln R with ∇²ln R = (ln R)″ ∇τ ∇τᵀ + (ln R)′ ∇²τ.
+    fn bend_of_radius(&self, contact: &PinContact, rolling: &Rolling) -> [[f64; 3]; 3] {
+        let energy = self.contact().energy_by_log_radius(contact.elastic);
+        let (bend, place) = (self.log_radius_bend(contact, rolling), rolling.by_pose);
+        let of_place = self.place_bend(contact, rolling);
+        let entry =
+            |i: usize, j: usize| bend * place[i] * place[j] + rolling.log_radius_slope * of_place[i][j];
+        std::array::from_fn(|i| std::array::from_fn(|j| energy * entry(i, j)))
+    }
+
+    /// (ln R_eq)″ by τ.
+    pub(crate) fn log_radius_bend(&self, contact: &PinContact, rolling: &Rolling) -> f64 {
+        if self.is_faceted() {
+            return 0.0;
+        }
+        let profile = self.profile();
+        let (meshing, curvature) = (contact.meshing_unit, contact.trace_curvature);
+        let bend = profile.designed_curvature_bend(meshing, profile.speed_factor(meshing.x), curvature);
+        rolling.log_radius_slope.powi(2) - bend / contact.designed_curvature
+    }
+
+    /// ∇²τ of the foot over (x, y, θ).
     ///
     /// With the motion w = −dC − dθ J a of the pin centre against the disc (a from the disc's centre), T and n tangent
     /// and normal of the trace, κ its curvature, D the distance of the pin centre and v = |c′|, dτ = T·w/(v (1 − κ D));
     /// differentiated once more, with dn = −κ T ds, dT = κ n ds and dD = n·w,
     /// ∇²τ = −(v′/v − κ′ D/(1 − κ D)) ∇τ ∇τᵀ + κ/(1 − κ D) (∇τ Nᵀ + N ∇τᵀ) + (n dθᵀ + dθ nᵀ + (n·J a) dθ dθᵀ)/(v (1 − κ D)),
     /// N = ∂(n·w).
-    fn bend_of_radius(&self, contact: &PinContact, rolling: &Rolling) -> [[f64; 3]; 3] {
+    pub(crate) fn place_bend(&self, contact: &PinContact, rolling: &Rolling) -> [[f64; 3]; 3] {
         let profile = self.profile();
         let PinContact { trace_curvature: curvature, foot_distance: distance, foot_normal: n, arm, .. } =
             *contact;
         let meshing = contact.meshing_unit;
         let factor = profile.speed_factor(meshing.x);
-        let bend = profile.designed_curvature_bend(meshing, factor, curvature) / contact.designed_curvature;
-        let slope = rolling.log_radius_slope;
-        let log_radius_bend = slope * slope - bend;
         let reach = 1.0 - curvature * distance;
         let curvature_rate = profile.trace_curvature_rate(meshing.y, factor, curvature);
-        let speed_rate = profile.speed_factor_rate(meshing.y, factor) / factor;
-        let along = log_radius_bend - slope * (speed_rate - curvature_rate * distance / reach);
-        let mixed = slope * curvature / reach;
-        let turned = slope / (profile.pin_circle_radius * factor * reach);
+        let along = curvature_rate * distance / reach - profile.speed_factor_rate(meshing.y, factor) / factor;
+        let (mixed, turned) = (curvature / reach, 1.0 / (profile.pin_circle_radius * factor * reach));
         let lever = n.dot(&quarter_turn(arm));
-        let across = [-n.x, -n.y, -lever];
-        let place = rolling.by_pose;
-        let energy = self.contact().energy_by_log_radius(contact.elastic);
-        let turn = [n.x, n.y, 0.5 * lever];
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                let unit = |i: usize| if i == 2 { 1.0 } else { 0.0 };
-                energy
-                    * (along * place[i] * place[j]
-                        + mixed * (place[i] * across[j] + across[i] * place[j])
-                        + turned * (turn[i] * unit(j) + unit(i) * turn[j]))
-            })
-        })
+        let (place, across, turn) = (rolling.by_pose, [-n.x, -n.y, -lever], [n.x, n.y, 0.5 * lever]);
+        let unit = |i: usize| if i == 2 { 1.0 } else { 0.0 };
+        let entry = |i: usize, j: usize| {
+            along * place[i] * place[j]
+                + mixed * (place[i] * across[j] + across[i] * place[j])
+                + turned * (turn[i] * unit(j) + unit(i) * turn[j])
+        };
+        std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
     }
 }

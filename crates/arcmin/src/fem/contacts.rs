@@ -86,6 +86,12 @@ impl FlexibleDiscs {
         reduced.stations.slope_stencil(tau + turn)
     }
 
+    /// As [`FlexibleDiscs::stencil`], for second derivatives with respect to τ.
+    pub fn bend_stencil(&self, disc: usize, tau: f64) -> Stencil {
+        let (reduced, turn) = &self.discs[disc];
+        reduced.stations.bend_stencil(tau + turn)
+    }
+
     /// The machine's contact law with the disc's own approach read at the reduction's depth.
     pub fn line_contact(&self, machine: &Machine) -> LineContact {
         let depth =

@@ -74,6 +74,33 @@ impl FlankStations {
     }
 }
 
+impl FlankStations {
+    /// The stencil that gives second derivatives with respect to τ: φ″(x) (dx/dτ)² + φ′(x) d²x/dτ².
+    pub fn bend_stencil(&self, tau: f64) -> Stencil {
+        let x = self.arc.arc(tau) / self.spacing();
+        let rate = |tau: f64| self.arc.rate(tau) / self.spacing();
+        // The blend of arc length and meshing angle is smooth: a difference over a thousandth of a cell is exact to 1e-6.
+        let step = 1e-3 / rate(tau);
+        let (rate, change) = (rate(tau), (rate(tau + step) - rate(tau - step)) / (2.0 * step));
+        let finer = LOBE_REFINEMENT as f64;
+        let both = |x: f64, count: usize, finer: f64| {
+            let mut bends = spline_bends(x * finer, count, (finer * rate).powi(2));
+            let slopes = spline_slopes(x * finer, count, finer * change);
+            bends.iter_mut().zip(slopes).for_each(|(bend, slope)| bend.1 += slope.1);
+            bends
+        };
+        Stencil {
+            stations: both(x, self.count(), 1.0),
+            lobe: both(x, self.per_lobe * LOBE_REFINEMENT, finer),
+        }
+    }
+}
+
+/// Second derivatives of the weights with respect to x, times `rate`.
+fn spline_bends(x: f64, count: usize, rate: f64) -> [(usize, f64); 4] {
+    at_stations(x, count, |t, u| [rate * u, rate * (3.0 * t - 2.0), rate * (3.0 * u - 2.0), rate * t])
+}
+
 /// Cubic B-spline weights at x on a periodic grid of `count` cells of unit length.
 fn spline_weights(x: f64, count: usize) -> [(usize, f64); 4] {
     at_stations(x, count, |t, u| {

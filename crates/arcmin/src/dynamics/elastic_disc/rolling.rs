@@ -56,6 +56,22 @@ impl ElasticDiscs {
             let turn = |row: &mut [f64]| {
                 row[3..first].iter_mut().zip(&turns).for_each(|(entry, turn)| *entry = -own * turn);
             };
+            let radius =
+                ring.contact().energy_by_log_radius(own) * ring.log_radius_bend(&state.contacts[i], &rolling);
+            let bend = own * self.bend(disc, state, motion.modes, i) - radius;
+            products.push(
+                |row| row.copy_from_slice(&by_place),
+                |row| row.iter_mut().zip(&by_place).for_each(|(entry, by)| *entry = -bend * by),
+            );
+            let of_place = ring.place_bend(contact, &rolling);
+            for (a, row_of_place) in of_place.iter().enumerate() {
+                let along: [f64; 3] = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
+                let turned = row_of_place.map(|entry| -pull * entry);
+                products.push(
+                    |row| motion.spread(disc, contact.pin, along, row),
+                    |row| motion.spread(disc, contact.pin, turned, row),
+                );
+            }
             products.push(|row| row.copy_from_slice(&by_place), turn);
             products.push(turn, |row| row.copy_from_slice(&by_place));
         }
@@ -75,6 +91,17 @@ impl ElasticDiscs {
         let pull = forces[i] * (bent - 0.5 * forces[i] * body.residual.own(&slope))
             - ring.contact().energy_by_log_radius(forces[i]) * rolling.log_radius_slope;
         Travel { rolling, bent, pull, turns }
+    }
+
+    /// Second derivative of the bent flank with the place of one contact at constant forces, in m/rad².
+    fn bend(&self, disc: usize, state: &DiscContacts, q: &[f64], i: usize) -> f64 {
+        let (body, forces) = (&self.bodies[disc], &state.forces.force);
+        let place = self.discs.bend_stencil(disc, state.contacts[i].tau);
+        let others = (0..forces.len()).filter(|j| *j != i && forces[*j] > 0.0);
+        let crossed: f64 =
+            others.map(|j| forces[j] * body.residual.cross(&place, &state.coupled[j].place)).sum();
+        let modal: f64 = q.iter().enumerate().map(|(m, q)| q * body.modes.at(m, &place)).sum();
+        modal + crossed + 0.5 * forces[i] * body.residual.own(&place)
     }
 
     /// What the disc does to its pins: (pin, force in N in the frame of the ring), friction aside.

@@ -46,6 +46,8 @@ pub(super) struct Model {
     gradient: Vec<f64>,
     push: Vec<f64>,
     contacts: Vec<Linearised>,
+    /// Whether forces push along other ways than the gaps': then no energy tells whether the model is convex.
+    has_friction: bool,
     supports: Vec<Support>,
     /// Parts of the gradients by elastic coordinates.
     elastic_index: Vec<usize>,
@@ -147,6 +149,7 @@ impl Model {
             gradient: Vec::new(),
             push: Vec::new(),
             contacts: Vec::new(),
+            has_friction: false,
             supports: Vec::new(),
             elastic_index: Vec::new(),
             elastic_gradient: Vec::new(),
@@ -172,6 +175,7 @@ impl Model {
         self.elastic_index.clear();
         self.elastic_gradient.clear();
         self.contacts.clear();
+        self.has_friction = false;
         self.supports.clear();
         self.coupled.clear();
         for support in &look.contacts.supports {
@@ -208,6 +212,7 @@ impl Model {
                 }
             }
             let begin = contact.spring.at(-contact.gap);
+            self.has_friction |= contact.push != contact.gradient;
             let elastic = elastic_start..self.elastic_index.len();
             if !elastic.is_empty() || contact.place.is_some() {
                 self.coupled.push(self.contacts.len());
@@ -317,6 +322,7 @@ impl Model {
             .fold(0.0, |m: f64, (i, s)| m.max(self.smooth.stiffness(i, i) * s * s));
         let least = PROXIMAL * unit_work + ROUNDING * stiffest;
         let mut bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work / reach };
+        self.convexify(least);
         for _ in 0..GROWTH.1 {
             let mut moved = vec![0.0; self.searched.len()];
             if self.minimise(&mut moved, &bounds, unit_work).is_some() {
@@ -328,6 +334,59 @@ impl Model {
             bounds.proximal *= GROWTH.0;
         }
         None
+    }
+
+    /// Where the tangent at the place is concave along some ways, as preload and friction make it, it is made as convex
+    /// along these (eigenvectors in units of scale) as it was concave; along all others it stays as it is.
+    fn convexify(&mut self, least: f64) {
+        for contact in &mut self.contacts {
+            (contact.gap, contact.change, contact.now) = (contact.begin_gap, 0.0, contact.begin);
+        }
+        self.load = self.coupled.iter().map(|number| self.contacts[*number].begin.force).collect();
+        let n = self.searched.len();
+        let (mut tangent, coupling) =
+            (self.tangent(&vec![0.0; n]), Coupling::new(self, &vec![0.0; self.coupled.len()]));
+        coupling.condense(self, &mut tangent, &mut vec![0.0; n]);
+        let scaled = nalgebra::DMatrix::from_fn(n, n, |i, j| {
+            0.5 * (tangent.stiffness(i, j) + tangent.stiffness(j, i)) * self.scale[i] * self.scale[j]
+        });
+        for (i, scale) in self.scale.iter().enumerate() {
+            tangent.add_stiffness(i, i, least / (scale * scale));
+        }
+        let is_convex = self.has_friction || tangent.is_positive();
+        self.matrix = tangent;
+        if is_convex {
+            return;
+        }
+        let eigen = nalgebra::SymmetricEigen::new(scaled);
+        let all: Vec<usize> = (0..n).collect();
+        for (way, value) in eigen.eigenvectors.column_iter().zip(eigen.eigenvalues.iter()) {
+            if *value < 0.0 {
+                let along: Vec<f64> = way.iter().zip(&self.scale).map(|(v, scale)| v / scale).collect();
+                self.smooth.add_outer(&all, &along, &along, -2.0 * value);
+            }
+        }
+    }
+
+    /// Matrix of a Newton step after a step from the place, without what holds steps back.
+    fn tangent(&mut self, step: &[f64]) -> DenseLinearisation {
+        let mut matrix = std::mem::replace(&mut self.matrix, DenseLinearisation::at_rest(0));
+        matrix.copy_stiffness(&self.smooth);
+        for contact in self.contacts.iter().filter(|contact| contact.now.stiffness > 0.0) {
+            if contact.elastic.is_empty() && contact.place.is_none() {
+                let range = contact.range.clone();
+                let (push, gradient) = (&self.push[range.clone()], &self.gradient[range.clone()]);
+                matrix.add_outer(&self.index[range], push, gradient, contact.now.stiffness);
+            }
+        }
+        for support in &self.supports {
+            for (stiffness, way) in support.at.stiffness(support.shift(step)) {
+                let along: Vec<f64> =
+                    support.gradient.iter().map(|row| way.x * row[0] + way.y * row[1]).collect();
+                matrix.add_outer(&support.index, &along, &along, stiffness);
+            }
+        }
+        matrix
     }
 
     /// Coordinates searched for and elastic ones in one step.
@@ -422,31 +481,16 @@ impl Model {
         bounds: &Bounds,
         newton: &mut [f64],
     ) -> Option<Vec<f64>> {
-        self.matrix.copy_stiffness(&self.smooth);
         newton.copy_from_slice(&self.left);
-        let mut matrix = std::mem::replace(&mut self.matrix, DenseLinearisation::at_rest(0));
-        let is_coupled = |contact: &Linearised| !contact.elastic.is_empty() || contact.place.is_some();
-        for contact in self.contacts.iter().filter(|contact| contact.now.stiffness > 0.0) {
-            if !is_coupled(contact) {
-                let range = contact.range.clone();
-                let (push, gradient) = (&self.push[range.clone()], &self.gradient[range.clone()]);
-                matrix.add_outer(&self.index[range], push, gradient, contact.now.stiffness);
-            }
-        }
-        for support in &self.supports {
-            for (stiffness, way) in support.at.stiffness(support.shift(step)) {
-                let along: Vec<f64> =
-                    support.gradient.iter().map(|row| way.x * row[0] + way.y * row[1]).collect();
-                matrix.add_outer(&support.index, &along, &along, stiffness);
-            }
-        }
+        let mut matrix = self.tangent(step);
         let coupling = Coupling::new(self, unbalanced);
         coupling.condense(self, &mut matrix, newton);
         for (i, (d, scale)) in step.iter().zip(&self.scale).enumerate() {
             matrix.add_stiffness(i, i, bounds.stiffness(*scale, *d));
         }
         let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
-        let solved = matrix.is_positive() && matrix.solve(&self.scale, weights, newton).is_ok();
+        let solved =
+            (self.has_friction || matrix.is_positive()) && matrix.solve(&self.scale, weights, newton).is_ok();
         self.matrix = matrix;
         if !solved {
             return None;

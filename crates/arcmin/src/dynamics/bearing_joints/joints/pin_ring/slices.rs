@@ -97,6 +97,8 @@ impl PinRing {
             let moves = &of_slice(height)[..width];
             let widened = |row: [f64; 3]| moves.iter().map(|(i, by)| by * row[*i]).collect::<Vec<f64>>();
             let moved = Moved { shifts: &[], lift };
+            // What sliding friction grows by with speed goes with its contact, where displacements make the speeds.
+            let mut rubbing = [[0.0; 3]; 3];
             let slice = self.contacts.react_within(pose, velocity, moved, |contact, gradient| {
                 if wanted.is_none() {
                     return;
@@ -115,6 +117,12 @@ impl PinRing {
                     place: None,
                 });
                 if let (Some(sliding), Some(interval)) = (sliding, interval) {
+                    let slope = sliding.share(contact.sliding_speed).1;
+                    for (row, a) in rubbing.iter_mut().zip(contact.along) {
+                        row.iter_mut()
+                            .zip(contact.along)
+                            .for_each(|(sum, b)| *sum += contact.force * slope * a * b);
+                    }
                     shown.push(Shown::slip(sliding, contact, share * contact.force, widened, interval));
                 }
             });
@@ -122,9 +130,7 @@ impl PinRing {
                 sum.force[a] += share * by * slice.force[*i];
                 for (b, (j, of)) in moves.iter().enumerate() {
                     sum.stiffness[a * width + b] += share * by * of * slice.stiffness[*i][*j];
-                    if interval.is_none() {
-                        sum.damping[a * width + b] += share * by * of * slice.damping[*i][*j];
-                    }
+                    sum.damping[a * width + b] += share * by * of * (slice.damping[*i][*j] - rubbing[*i][*j]);
                 }
             }
             sum.powers[0] += share * slice.stored;
