@@ -140,16 +140,6 @@ pub fn solve_equilibrium_unless<S: System>(
                 gain = (before + dot(&there.force, &step)) / before;
             }
         }
-        if std::env::var("TRACE").is_ok() {
-            println!(
-                "{iterations}: force {:.2e} length {length:.2e} reach {reach:.1e} whole {} before {before:.2e} gain {gain:.3} left by model {:.2e} true {:.2e} at {:?}",
-                largest(&here.force),
-                solution.is_whole,
-                solution.residual,
-                largest(&there.force),
-                there.force.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            );
-        }
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
             std::mem::swap(&mut here, &mut there);
