@@ -185,7 +185,7 @@ pub(super) fn blocks(life: &Life) -> Vec<Block> {
         rows: life.verdict.limits.iter().map(|limit| row(limit, life)).collect(),
         note: "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and \
                duty, bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band is where nine \
-               of ten machines lie that [unknowns] allows, by first-order sensitivities. Further limits can be set in \
+               of ten machines lie that `[unknowns]` allows, by first-order sensitivities. Further limits can be set in \
                `[limits]`."
             .to_owned(),
     };

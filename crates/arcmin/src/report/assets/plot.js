@@ -135,10 +135,12 @@ class PlotFigure {
     let previousEnd = -Infinity;
     for (const tick of xs.ticks(Math.max(3, (area.right - area.left) / 64))) {
       const x = xs.at(tick.at), half = tick.label.length * 3.8 + 5;
+      // The number at the end of the axis stays within the picture.
+      const middle = Math.min(x, width + 2 - half);
       svgElement('line', { class: tick.at === 0 && xs.range[0] < 0 ? 'zeroline' : 'gridline', x1: x, x2: x, y1: area.top, y2: area.bottom }, svg);
-      if (tick.label && x - half > previousEnd && x + half < width + 2) {
-        svgElement('text', { x, y: area.bottom + 17, 'text-anchor': 'middle' }, svg, tick.label);
-        previousEnd = x + half + 6;
+      if (tick.label && middle - half > previousEnd) {
+        svgElement('text', { x: middle, y: area.bottom + 17, 'text-anchor': 'middle' }, svg, tick.label);
+        previousEnd = middle + half + 6;
       }
     }
     svgElement('rect', { class: 'frame', x: area.left, y: area.top, width: area.right - area.left, height: area.bottom - area.top }, svg);
