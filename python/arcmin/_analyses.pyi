@@ -277,6 +277,7 @@ class CalibrateResult(Result):
 
 def calibrate(
     design: Design | str | os.PathLike[str],
+    data: _File | None = None,
     *,
     joints: Literal["ideal", "bearings"] = "bearings",
     discs: Literal["rigid", "elastic"] = "rigid",
@@ -290,7 +291,6 @@ def calibrate(
     mode_frequency_hz: float = 20000.0,
     damping_ratio: float = 0.02,
     vtu: bool = False,
-    data: _File | None = None,
     reading: Sequence[str] | None = None,
     new_arcmin: float | None = None,
     limit: str | None = None,

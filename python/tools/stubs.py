@@ -47,14 +47,15 @@ def written(option: Mapping[str, Any]) -> str:
 
 
 def function(entry: Mapping[str, Any]) -> str:
-    required = [option for option in entry["options"] if option["required"]]
-    others = [option for option in entry["options"] if not option["required"]]
-    lines = [f"def {entry['name']}(", "    design: Design | str | os.PathLike[str],"]
-    lines += [f"    {option['name']}: {written(option)}," for option in required]
-    lines.append("    *,")
-    for option in others:
+    def parameter(option: Mapping[str, Any]) -> str:
         default = f'"{option["default"]}"' if isinstance(option["default"], str) else repr(option["default"])
-        lines.append(f"    {option['name']}: {written(option)} = {default},")
+        given = "" if option["required"] else f" = {default}"
+        return f"    {option['name']}: {written(option)}{given},"
+
+    lines = [f"def {entry['name']}(", "    design: Design | str | os.PathLike[str],"]
+    lines += [parameter(option) for option in entry["options"] if option["positional"]]
+    lines.append("    *,")
+    lines += [parameter(option) for option in entry["options"] if not option["positional"]]
     lines += ["    progress: Progress = None,", "    threads: int | None = None,"]
     lines.append(f") -> {entry['name'].capitalize()}Result: ...")
     return "\n".join(lines)

@@ -13,6 +13,9 @@ use tempfile::NamedTempFile;
 use crate::failure::Failure;
 
 const SUMMARY: &str = "summary.json";
+/// Name of the earlier summary while its results are being replaced: a run that is killed meanwhile leaves the list of
+/// files that the next one must remove.
+const REPLACED: &str = ".replaced-summary.json";
 
 /// Directories in which this process has temporary files. Whoever writes, renames or removes holds the lock:
 /// a run that is ended from outside is never ended between two of its renames.
@@ -55,10 +58,11 @@ impl Results {
             temporary(out)?.as_file_mut().write_all(&[0; 4096])
         };
         try_it().map_err(|cause| Failure::Write { path: out.to_owned(), cause })?;
-        let before: Value = std::fs::read(out.join(SUMMARY))
-            .ok()
-            .and_then(|bytes| serde_json::from_slice(&bytes).ok())
-            .unwrap_or(Value::Null);
+        let read = |name: &str| -> Value {
+            let bytes = std::fs::read(out.join(name)).ok();
+            bytes.and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or(Value::Null)
+        };
+        let (before, replaced) = (read(SUMMARY), read(REPLACED));
         if let Some(name) = before["design"]["name"].as_str()
             && name != design.name.value
             && !force
@@ -68,8 +72,8 @@ impl Results {
                 help: "choose another place with --out, or write over them with --force".to_owned(),
             });
         }
-        let files = before["files"].as_array().cloned().unwrap_or_default();
-        let earlier = files.iter().filter_map(|name| name.as_str().map(str::to_owned)).collect();
+        let files = [before, replaced].into_iter().filter_map(|summary| summary["files"].as_array().cloned());
+        let earlier = files.flatten().filter_map(|name| name.as_str().map(str::to_owned)).collect();
         Ok(Results { out: out.to_owned(), staged: Vec::new(), earlier })
     }
 
@@ -91,13 +95,20 @@ impl Results {
         self.file(SUMMARY, text.as_bytes())?;
         let _whole = writing();
         // From here to the new summary there is none: the old one must not stand beside new tables.
-        remove(&self.out.join(SUMMARY))?;
+        let replaced = self.out.join(REPLACED);
+        match std::fs::rename(self.out.join(SUMMARY), &replaced) {
+            Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Failure::Write { path: replaced, cause });
+            }
+            _ => {}
+        }
         for name in self.earlier.iter().filter(|name| !names.contains(name) && is_plain(name)) {
             remove(&self.out.join(name))?;
         }
         for staged in self.staged {
             staged.publish()?;
         }
+        remove(&replaced)?;
         Ok(names)
     }
 }
