@@ -402,16 +402,18 @@ impl PinContacts {
 
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
-        self.react_within(pose, velocity, Moved::default(), |_, _| ())
+        self.react_within(pose, velocity, Moved::default(), true, |_, _| ())
     }
 
     /// As [`PinContacts::react`], with every contact that presses or is nearer than [`Moved::lift`] shown to `see`, and
-    /// with the gradient by which its force changes: dF = −k Ĝ·dq.
+    /// with the gradient by which its force changes: dF = −k Ĝ·dq. What contacts stiffen along their gaps is part of the
+    /// stiffness where that is wanted.
     pub(crate) fn react_within(
         &self,
         pose: DiscPose,
         velocity: DiscVelocity,
         moved: Moved<'_>,
+        along_gaps: bool,
         mut see: impl FnMut(&PinContact, [f64; 3]),
     ) -> Reaction {
         let mut reaction = Reaction::default();
@@ -427,7 +429,11 @@ impl PinContacts {
                     (0..3).for_each(|j| reaction.stiffness[i][j] += stiffness[i][j]);
                 }
             }
-            reaction.add(contact, gradient, velocity, radius, self.sliding.as_ref());
+            let mut added = *contact;
+            if !along_gaps {
+                added.stiffness = 0.0;
+            }
+            reaction.add(&added, gradient, velocity, radius, self.sliding.as_ref());
             see(contact, gradient);
         });
         reaction

@@ -53,7 +53,7 @@ pub use study::{
     simulate_rigid, spread_over_starts, transmission_error_study,
 };
 pub use system::{
-    Balance, Contact, Contacts, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, RoundSupport,
-    Singular, System, Weights,
+    Balance, Columns, Contact, Contacts, DenseLinearisation, ElasticCoordinates, FlankPlace, Look,
+    RoundSupport, Singular, System, Weights,
 };
 pub use table::TimeTable;

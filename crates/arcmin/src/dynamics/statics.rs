@@ -1,6 +1,9 @@
 //! States of rest by a prox-linear method: gaps to first order, force laws exact.
 
+mod compliance;
 mod model;
+
+use std::cell::Cell;
 
 use super::system::Look;
 use super::{DynamicsError, System};
@@ -40,6 +43,8 @@ const EVALUATIONS: usize = 60;
 /// Displacement, in units of scale, within which gaps are taken as linear at first: 4' at the output. The gaps of an RV
 /// reducer depart from their tangents by 1 % of the displacement there.
 const REACH: f64 = 4.0;
+/// Displacement within which contacts are looked for at first: from a near start steps are shorter.
+const NEAR: f64 = 0.25;
 /// Share of the work promised by the model that a step must do, as in any trust-region method…
 const LEAST_GAIN: f64 = 0.1;
 /// …and the share from which on the model is trusted further.
@@ -56,8 +61,7 @@ const SHRINK: f64 = 0.25;
 /// 2. Minimise the model (`statics/model.rs`) in d without looking at the geometry again: Q(q + d) ≈ Q − K_s d +
 ///    Σ G (F(−g − G d) − F(−g)) − P d. With convex laws and K_s ≥ 0 this is the gradient of a convex function.
 /// 3. Go to q + d if the work of the true forces along d, by the trapezoidal rule, is at least a tenth of what the
-///    model promises; else shorten the reach of the model. What the model left out along a poor step is added to it by a
-///    symmetric rank-one update.
+///    model promises, if need be after a second-order correction; else shorten the reach of the model.
 ///
 /// A search ends with a step that is below the tolerance, or when the forces are. Coordinates that nothing holds are
 /// kept near their place by the proximal term P.
@@ -87,23 +91,51 @@ pub fn solve_equilibrium_unless<S: System>(
     control: EquilibriumControl,
     cancelled: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, DynamicsError> {
+    let mut memory = MEMORY.take().unwrap_or_default();
+    let found = search(system, time, start, control, cancelled, &mut memory);
+    MEMORY.set(Some(memory));
+    found
+}
+
+/// What a search keeps in memory, from one to the next: a bench asks for thousands.
+#[derive(Default)]
+struct Memory {
+    here: Look,
+    there: Look,
+    model: Model,
+}
+
+thread_local! {
+    static MEMORY: Cell<Option<Box<Memory>>> = const { Cell::new(None) };
+}
+
+fn search<S: System>(
+    system: &S,
+    time: f64,
+    start: &[f64],
+    control: EquilibriumControl,
+    cancelled: &dyn Fn() -> bool,
+    memory: &mut Memory,
+) -> Result<Equilibrium, DynamicsError> {
     let (n, scale) = (system.size(), system.scale());
     let largest = |f: &[f64]| f.iter().fold(0.0, |m: f64, x| if x.abs() <= m { m } else { x.abs() });
     let length_of = |d: &[f64]| d.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
     let unit = scale.iter().copied().fold(f64::INFINITY, f64::min);
-    let evaluate = |position: &[f64], reach: f64, look: &mut Look| {
+    let evaluate = |position: &[f64], sight: f64, look: &mut Look| {
         // A gap moves by the displacements of two bodies.
-        system.look(time, position, 2.0 * reach * unit, look);
+        system.look(time, position, 2.0 * sight * unit, look);
         if let Some(held) = control.held {
             look.force[held] = 0.0;
         }
     };
-    let mut model = Model::new(system, control.held);
-    let (mut position, mut trial, mut step) = (start.to_vec(), vec![0.0; n], vec![0.0; n]);
-    let (mut here, mut there) = (Look::new(n), Look::new(n));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut reach = REACH;
-    evaluate(&position, reach, &mut here);
+    let Memory { here, there, model } = memory;
+    here.fit(system, control.held);
+    there.fit(system, control.held);
+    model.fit(system, here);
+    let (mut position, mut trial, mut step) = (start.to_vec(), vec![0.0; n], vec![0.0; n]);
+    let (mut reach, mut sight) = (REACH, NEAR);
+    evaluate(&position, sight, here);
     let mut iterations = 1;
     while iterations < EVALUATIONS {
         if cancelled() {
@@ -112,29 +144,35 @@ pub fn solve_equilibrium_unless<S: System>(
         if largest(&here.force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
         }
-        model.take(system, &here);
-        let Some(solution) = model.solve(system, reach, &mut step) else { break };
+        let Some(solution) = model.solve(system, here, reach.min(sight), &mut step) else { break };
         let length = length_of(&step);
         if !length.is_finite() {
             break;
+        }
+        if !solution.is_inside && sight < reach {
+            // The step goes beyond the contacts that were looked for.
+            sight = reach;
+            evaluate(&position, sight, here);
+            iterations += 1;
+            continue;
         }
         trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, d))| *t = q + d);
         if solution.is_whole && length <= control.tolerance {
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
-        evaluate(&trial, reach, &mut there);
+        sight = reach.min(length.max(NEAR));
+        evaluate(&trial, sight, there);
         iterations += 1;
         // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
         let before = dot(&here.force, &step);
         let mut gain = (before + dot(&there.force, &step)) / before;
         if !(gain >= LEAST_GAIN) {
             // Contacts are led along curves: what the step went off them is made up for before it is judged.
-            model.take(system, &there);
             let mut correction = vec![0.0; n];
-            if model.solve(system, CORRECTION * length, &mut correction).is_some() {
+            if model.solve(system, there, CORRECTION * length, &mut correction).is_some() {
                 step.iter_mut().zip(&correction).for_each(|(d, more)| *d += more);
                 trial.iter_mut().zip(&correction).for_each(|(t, more)| *t += more);
-                evaluate(&trial, reach, &mut there);
+                evaluate(&trial, sight, there);
                 iterations += 1;
                 let before = dot(&here.force, &step);
                 gain = (before + dot(&there.force, &step)) / before;
@@ -142,7 +180,7 @@ pub fn solve_equilibrium_unless<S: System>(
         }
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
-            std::mem::swap(&mut here, &mut there);
+            std::mem::swap(here, there);
             if gain >= GOOD_GAIN {
                 reach = reach.max(2.0 * length);
             }

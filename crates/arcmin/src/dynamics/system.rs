@@ -49,8 +49,9 @@ pub trait System {
     /// without contacts.
     fn look(&self, time: f64, position: &[f64], _reach: f64, look: &mut Look) {
         look.contacts.clear();
-        let rest = vec![0.0; position.len()];
-        self.evaluate(time, position, &rest, &mut look.force, &mut look.smooth);
+        let (rest, mut tangent) = (vec![0.0; position.len()], self.linearisation_at_rest());
+        self.evaluate(time, position, &rest, &mut look.force, &mut tangent);
+        look.smooth.take_rows(&tangent, look.columns.searched());
     }
 
     /// Coordinates that have a constant stiffness of their own and act on nothing but through contacts, if any.
@@ -100,34 +101,117 @@ pub struct FlankPlace {
 }
 
 /// What the static solver sees of a system at one place.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Look {
-    /// Q in N or N·m.
+    /// Q in N or N·m, over all coordinates.
     pub force: Vec<f64>,
-    /// −∂Q/∂q without the stiffness of the contacts along their gaps; rows and columns of
-    /// [elastic coordinates](System::elastic) are not looked at.
+    /// −∂Q/∂q without the stiffness of the contacts along their gaps, over the coordinates that are searched for.
     pub smooth: DenseLinearisation,
     pub contacts: Contacts,
+    pub columns: Columns,
 }
 
 impl Look {
-    pub fn new(size: usize) -> Look {
-        Look {
-            force: vec![0.0; size],
-            smooth: DenseLinearisation::at_rest(size),
-            contacts: Contacts::default(),
+    /// For a system with one coordinate held, if any.
+    pub fn new<S: System + ?Sized>(system: &S, held: Option<usize>) -> Look {
+        let mut look = Look::default();
+        look.fit(system, held);
+        look
+    }
+
+    /// Makes room for a system with one coordinate held, if any.
+    pub fn fit<S: System + ?Sized>(&mut self, system: &S, held: Option<usize>) {
+        self.columns.fit(system, held);
+        self.force.clear();
+        self.force.resize(system.size(), 0.0);
+        self.smooth.fit(self.columns.searched.len());
+        self.contacts.clear();
+    }
+}
+
+/// Which coordinates a search for a state of rest moves: all but a held one and the
+/// [elastic](System::elastic) ones, which follow the forces of the contacts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Columns {
+    of: Vec<Column>,
+    searched: Vec<usize>,
+}
+
+/// Where a coordinate is in the matrices of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Column {
+    Searched(usize),
+    Elastic,
+    Held,
+}
+
+impl Columns {
+    fn fit<S: System + ?Sized>(&mut self, system: &S, held: Option<usize>) {
+        let Columns { of, searched } = self;
+        of.clear();
+        searched.clear();
+        let elastic = system.elastic();
+        of.extend((0..system.size()).map(|i| {
+            if Some(i) == held {
+                Column::Held
+            } else if elastic.is_some_and(|elastic| elastic.has(i)) {
+                Column::Elastic
+            } else {
+                searched.push(i);
+                Column::Searched(searched.len() - 1)
+            }
+        }));
+    }
+
+    /// Coordinates that are searched for, in the order of their columns.
+    pub fn searched(&self) -> &[usize] {
+        &self.searched
+    }
+
+    /// Column of a coordinate; `None` where it is held, prescribed or elastic.
+    #[inline]
+    pub fn column(&self, coordinate: usize) -> Option<usize> {
+        match self.of.get(coordinate) {
+            Some(Column::Searched(column)) => Some(*column),
+            _ => None,
         }
     }
 }
 
-/// Contacts at one place.
+/// Contacts at one place, with their gradients over the columns that are searched for.
 #[derive(Debug, Clone, Default)]
 pub struct Contacts {
-    index: Vec<usize>,
-    gradient: Vec<f64>,
-    push: Vec<f64>,
-    pub(crate) supports: Vec<RoundSupport>,
-    list: Vec<(Range<usize>, f64, ContactSpring, Option<FlankPlace>)>,
+    pub(super) index: Vec<usize>,
+    pub(super) gradient: Vec<f64>,
+    pub(super) push: Vec<f64>,
+    pub(super) list: Vec<OneContact>,
+    /// Gradients by elastic coordinates.
+    pub(super) elastic_index: Vec<usize>,
+    pub(super) elastic_gradient: Vec<f64>,
+    pub(super) places: Vec<ElasticPlace>,
+    pub(super) supports: Vec<RoundSupport>,
+    /// Whether forces push along other ways than the gaps'.
+    pub(super) has_friction: bool,
+}
+
+/// A contact in the list of all.
+#[derive(Debug, Clone)]
+pub(super) struct OneContact {
+    pub range: Range<usize>,
+    pub gap: f64,
+    pub spring: ContactSpring,
+    /// Number of the place on an elastic body where it bears.
+    pub place: Option<usize>,
+}
+
+/// A place on an elastic body. Contacts that move it alike, such as the slices of a roller, bear on the same one.
+#[derive(Debug, Clone)]
+pub(super) struct ElasticPlace {
+    /// Its part of the gradients by elastic coordinates.
+    pub elastic: Range<usize>,
+    pub flank: Option<FlankPlace>,
+    /// Contacts that bear there: one after the other in the list, with the same columns.
+    pub contacts: Range<usize>,
 }
 
 impl Contacts {
@@ -135,27 +219,62 @@ impl Contacts {
         self.index.clear();
         self.gradient.clear();
         self.push.clear();
-        self.supports.clear();
         self.list.clear();
+        self.elastic_index.clear();
+        self.elastic_gradient.clear();
+        self.places.clear();
+        self.supports.clear();
+        self.has_friction = false;
     }
 
-    pub fn push(&mut self, contact: &Contact<'_>) {
-        let start = self.index.len();
-        self.index.extend_from_slice(contact.index);
-        self.gradient.extend_from_slice(contact.gradient);
-        self.push.extend_from_slice(contact.push);
-        self.list.push((start..self.index.len(), contact.gap, contact.spring, contact.place));
+    pub fn push(&mut self, contact: &Contact<'_>, columns: &Columns) {
+        let (start, elastic_start) = (self.index.len(), self.elastic_index.len());
+        for ((i, g), p) in contact.index.iter().zip(contact.gradient).zip(contact.push) {
+            match columns.of.get(*i) {
+                Some(Column::Searched(column)) => {
+                    self.index.push(*column);
+                    self.gradient.push(*g);
+                    self.push.push(*p);
+                    self.has_friction |= g != p;
+                }
+                Some(Column::Elastic) => {
+                    self.elastic_index.push(*i);
+                    self.elastic_gradient.push(*g);
+                }
+                // Held or prescribed.
+                Some(Column::Held) | None => {}
+            }
+        }
+        let (range, elastic) = (start..self.index.len(), elastic_start..self.elastic_index.len());
+        let is_elastic = !elastic.is_empty() || contact.place.is_some();
+        let place = is_elastic.then(|| self.place(&range, elastic, contact.place));
+        self.list.push(OneContact { range, gap: contact.gap, spring: contact.spring, place });
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = Contact<'_>> {
-        self.list.iter().map(|(range, gap, spring, place)| Contact {
-            index: &self.index[range.clone()],
-            gradient: &self.gradient[range.clone()],
-            push: &self.push[range.clone()],
-            gap: *gap,
-            spring: *spring,
-            place: *place,
-        })
+    /// Number of the place of the contact that comes next.
+    fn place(&mut self, range: &Range<usize>, elastic: Range<usize>, flank: Option<FlankPlace>) -> usize {
+        let next = self.list.len();
+        if let Some(last) = self.places.last_mut()
+            && last.contacts.end == next
+            && last.flank == flank
+            && self.index[self.list[next - 1].range.clone()] == self.index[range.clone()]
+            && self.elastic_index[last.elastic.clone()] == self.elastic_index[elastic.clone()]
+            && self.elastic_gradient[last.elastic.clone()] == self.elastic_gradient[elastic.clone()]
+        {
+            last.contacts.end += 1;
+            self.elastic_index.truncate(elastic.start);
+            self.elastic_gradient.truncate(elastic.start);
+        } else {
+            self.places.push(ElasticPlace { elastic, flank, contacts: next..next + 1 });
+        }
+        self.places.len() - 1
+    }
+
+    /// Adds a shaft in a hole with clearance; coordinates that are not searched for do not move it.
+    pub fn push_support(&mut self, support: RoundSupport, columns: &Columns) {
+        let rows = support.index.iter().zip(&support.gradient);
+        let (index, gradient) = rows.filter_map(|(i, row)| Some((columns.column(*i)?, *row))).unzip();
+        self.supports.push(RoundSupport { index, gradient, ..support });
     }
 }
 
@@ -233,6 +352,20 @@ impl ElasticCoordinates {
         matches!(self.member.get(coordinate), Some(Some(_)))
     }
 
+    pub fn group_count(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// Number of the group of an elastic coordinate.
+    pub fn group(&self, coordinate: usize) -> Option<usize> {
+        Some((*self.member.get(coordinate)?)?.0)
+    }
+
+    /// Coordinates of a group.
+    pub fn members(&self, group: usize) -> &[usize] {
+        &self.groups[group].index
+    }
+
     /// Adds K⁻¹ f for a force on one coordinate to displacements of all of them.
     pub fn yield_to(&self, coordinate: usize, force: f64, displacement: &mut [f64]) {
         let Some(Some((group, place))) = self.member.get(coordinate) else { return };
@@ -278,7 +411,7 @@ pub struct Balance {
 
 /// Full matrices, row by row, with Gaussian elimination; by faer's blocks from so many coordinates on that
 /// they pay.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct DenseLinearisation {
     size: usize,
     stiffness: Vec<f64>,
@@ -302,6 +435,13 @@ impl DenseLinearisation {
             work: vec![0.0; size * size],
             exchanged: Vec::with_capacity(size),
             blocks: None,
+        }
+    }
+
+    /// Makes room for so many coordinates, at rest.
+    pub fn fit(&mut self, size: usize) {
+        if self.size != size || self.takes_damping() {
+            *self = DenseLinearisation::at_rest(size);
         }
     }
 
@@ -408,14 +548,19 @@ impl DenseLinearisation {
         }
     }
 
-    /// Whether the symmetric part of K is positive definite: by Cholesky's factorisation.
-    pub fn is_positive(&mut self) -> bool {
-        let (n, a) = (self.size, &mut self.work);
-        for i in 0..n {
-            for j in 0..=i {
-                a[i * n + j] = 0.5 * (self.stiffness[i * n + j] + self.stiffness[j * n + i]);
-            }
+    /// Takes over the rows and columns listed from the stiffness of a larger matrix.
+    pub fn take_rows(&mut self, from: &DenseLinearisation, index: &[usize]) {
+        for (row, i) in index.iter().enumerate() {
+            let from = from.row(*i);
+            self.stiffness_row(row).iter_mut().zip(index).for_each(|(entry, j)| *entry = from[*j]);
         }
+    }
+
+    /// Solves K x = rhs in place for a symmetric K by Cholesky's factorisation, of which it reads the lower half.
+    /// `false`, and `rhs` unchanged, where K is not positive definite.
+    pub fn solve_positive(&mut self, rhs: &mut [f64]) -> bool {
+        let (n, a) = (self.size, &mut self.work);
+        a.copy_from_slice(&self.stiffness);
         for i in 0..n {
             let (above, below) = a.split_at_mut(i * n);
             let row = &mut below[..n];
@@ -428,6 +573,16 @@ impl DenseLinearisation {
                 return false;
             }
             row[i] = pivot.sqrt();
+        }
+        for row in 0..n {
+            let entries = &a[row * n..][..=row];
+            rhs[row] = (rhs[row] - dot(&entries[..row], &rhs[..row])) / entries[row];
+        }
+        for row in (0..n).rev() {
+            let entries = &a[row * n..][..=row];
+            let x = rhs[row] / entries[row];
+            rhs[row] = x;
+            rhs[..row].iter_mut().zip(entries).for_each(|(rhs, entry)| *rhs -= x * entry);
         }
         true
     }

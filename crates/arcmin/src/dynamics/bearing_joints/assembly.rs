@@ -1,5 +1,4 @@
-use crate::contact::ContactSpring;
-use crate::dynamics::{Balance, Contact, Contacts, DenseLinearisation, RoundSupport};
+use crate::dynamics::{Balance, Columns, Contact, Contacts, DenseLinearisation, RoundSupport};
 
 /// Where compliance sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -90,12 +89,22 @@ pub trait Sink {
         None
     }
 
-    /// A contact, whose force is part of an element or damper as well. The Hessians of elements hold the stiffness of
-    /// contacts along their gaps, but for those on an elastic flank; the matrices of dampers do not hold that of
-    /// friction where its [interval](Wanted::slip_interval) is given.
+    /// Whether Hessians of elements are asked for along a coordinate; where not, they may leave it out.
+    fn searches(&self, _coordinate: usize) -> bool {
+        true
+    }
+
+    /// Stiffness of an element along coordinates that are searched for, row by row.
+    fn stiffness(&mut self, index: &[usize], matrix: &[f64]) {
+        self.friction_slope(index, matrix);
+    }
+
+    /// A contact, whose force is part of an element or damper as well. Where contacts are wanted, Hessians of elements do
+    /// not hold their stiffness along the gaps, nor the matrices of dampers that of friction where its
+    /// [interval](Wanted::slip_interval) is given.
     fn contact(&mut self, _contact: &Contact<'_>) {}
 
-    /// A shaft in a hole with clearance, whose force and stiffness are in an element as well.
+    /// A shaft in a hole with clearance, whose force is part of an element as well.
     fn round_support(&mut self, _support: RoundSupport) {}
 }
 
@@ -119,8 +128,8 @@ pub struct Assembly<'a> {
     /// Torque of the machine on a prescribed input in N·m.
     pub prescribed_torque: f64,
     pub balance: Balance,
-    /// Where contacts go one by one, where they are wanted.
-    pub look: Option<(Wanted, &'a mut Contacts)>,
+    /// Where contacts go one by one, where they are wanted, and the columns of the linearisation.
+    pub look: Option<(Wanted, &'a mut Contacts, &'a Columns)>,
 }
 
 impl Assembly<'_> {
@@ -132,8 +141,8 @@ impl Assembly<'_> {
         }
     }
 
-    /// Adds a matrix given row by row to the rows of the linearisation that `row` picks, for all pairs of free
-    /// coordinates.
+    /// Adds a matrix given row by row to the rows of the linearisation that `row` picks, for all pairs of coordinates that
+    /// it has.
     fn scatter(
         &mut self,
         index: &[usize],
@@ -141,15 +150,19 @@ impl Assembly<'_> {
         row: fn(&mut DenseLinearisation, usize) -> &mut [f64],
     ) {
         let Some(linearisation) = self.linearisation.as_deref_mut() else { return };
+        let columns = self.look.as_ref().map(|(_, _, columns)| *columns);
+        let size = self.size;
+        let column = |at: usize| match columns {
+            Some(columns) => columns.column(at),
+            None => (at < size).then_some(at),
+        };
         for (at, line) in index.iter().zip(matrix.chunks_exact(index.len())) {
-            if *at >= self.size {
-                continue;
-            }
-            let into = row(linearisation, *at);
-            for i in 0..index.len() {
-                // Coordinates that are held lie behind the row's end.
-                if let Some(entry) = into.get_mut(index[i]) {
-                    *entry += line[i];
+            let Some(at) = column(*at) else { continue };
+            let into = row(linearisation, at);
+            for (i, entry) in index.iter().zip(line) {
+                // A linearisation at rest has no rows of damping.
+                if let Some(into) = column(*i).and_then(|column| into.get_mut(column)) {
+                    *into += entry;
                 }
             }
         }
@@ -169,7 +182,7 @@ impl Sink for Assembly<'_> {
         for (i, row) in index.iter().enumerate() {
             self.add_force(*row, force[i]);
         }
-        match self.look.as_ref().map(|(wanted, _)| wanted.slip_interval) {
+        match self.look.as_ref().map(|(wanted, ..)| wanted.slip_interval) {
             None => self.scatter(index, matrix, DenseLinearisation::damping_row),
             Some(None) => {}
             Some(Some(interval)) => {
@@ -181,32 +194,23 @@ impl Sink for Assembly<'_> {
     }
 
     fn wants_contacts(&self) -> Option<Wanted> {
-        self.look.as_ref().map(|(wanted, _)| *wanted)
+        self.look.as_ref().map(|(wanted, ..)| *wanted)
+    }
+
+    fn searches(&self, coordinate: usize) -> bool {
+        self.look.as_ref().is_none_or(|(_, _, columns)| columns.column(coordinate).is_some())
     }
 
     fn contact(&mut self, contact: &Contact<'_>) {
-        let Some((_, contacts)) = &mut self.look else { return };
-        contacts.push(contact);
-        let is_in_an_element =
-            contact.place.is_none() && !matches!(contact.spring, ContactSpring::Slip { .. });
-        if is_in_an_element && let Some(linearisation) = self.linearisation.as_deref_mut() {
-            let stiffness = contact.spring.at(-contact.gap).stiffness;
-            if stiffness > 0.0 {
-                linearisation.add_outer(contact.index, contact.push, contact.gradient, -stiffness);
-            }
+        if let Some((_, contacts, columns)) = &mut self.look {
+            contacts.push(contact, columns);
         }
     }
 
     fn round_support(&mut self, support: RoundSupport) {
-        let Some((_, contacts)) = &mut self.look else { return };
-        if let Some(linearisation) = self.linearisation.as_deref_mut() {
-            for (stiffness, way) in support.stiffness(support.shift) {
-                let along: Vec<f64> =
-                    support.gradient.iter().map(|row| way.x * row[0] + way.y * row[1]).collect();
-                linearisation.add_outer(&support.index, &along, &along, -stiffness);
-            }
+        if let Some((_, contacts, columns)) = &mut self.look {
+            contacts.push_support(support, columns);
         }
-        contacts.supports.push(support);
     }
 
     fn takes_stiffness(&self) -> bool {
@@ -215,7 +219,7 @@ impl Sink for Assembly<'_> {
 
     fn takes_damping(&self) -> bool {
         match &self.look {
-            Some((wanted, _)) => wanted.slip_interval.is_some(),
+            Some((wanted, ..)) => wanted.slip_interval.is_some(),
             None => self.linearisation.as_ref().is_some_and(|linearisation| linearisation.takes_damping()),
         }
     }

@@ -97,15 +97,13 @@ impl<const N: usize> Default for BearingState<N> {
     }
 }
 
-impl<const N: usize> BearingState<N> {
-    /// Adds k w wᵀ to the lower half of the Hessian.
-    #[inline]
-    fn stiffen(&mut self, k: f64, way: &[f64; N]) {
-        for a in 0..N {
-            let share = k * way[a];
-            for b in 0..=a {
-                self.hessian[a][b] += share * way[b];
-            }
+/// Adds k w wᵀ to the lower half of a matrix.
+#[inline]
+fn stiffen<const N: usize>(matrix: &mut [[f64; N]; N], k: f64, way: &[f64; N]) {
+    for a in 0..N {
+        let share = k * way[a];
+        for b in 0..=a {
+            matrix[a][b] += share * way[b];
         }
     }
 }
@@ -271,11 +269,15 @@ impl RollingBearing {
         stand: &Stand,
         tangents: bool,
     ) -> BearingState<N> {
-        self.react_within(stand, tangents, 0.0, |_, _, _| ())
+        let (mut state, along_gaps) = self.react_within(stand, tangents, 0.0, |_, _, _| ());
+        let entries = state.hessian.as_flattened_mut().iter_mut().zip(along_gaps.as_flattened());
+        entries.for_each(|(entry, along)| *entry += along);
+        state
     }
 
     /// As [`RollingBearing::react_at`], with every element, or slice of one, that presses or is nearer than `reach` (m)
-    /// shown to `see`: its approach in m, the gradient of that, and its law.
+    /// shown to `see`: its approach in m, the gradient of that, and its law. What these stiffen along their approaches
+    /// is not in the Hessian of the state but the second matrix.
     #[inline]
     pub(super) fn react_within<const N: usize>(
         &self,
@@ -283,10 +285,10 @@ impl RollingBearing {
         tangents: bool,
         reach: f64,
         mut see: impl FnMut(f64, &[f64; N], ContactSpring),
-    ) -> BearingState<N> {
+    ) -> (BearingState<N>, [[f64; N]; N]) {
         assert!(N > SLOPE || stand.slope.is_none(), "variables of the slope");
         assert!(N > BODY || stand.rim.is_none(), "variables of the rim");
-        let mut state = BearingState::default();
+        let (mut state, mut along_gaps) = (BearingState::default(), [[0.0; N]; N]);
         let (u, slope) = (stand.shift, stand.slope.unwrap_or_default());
         let rim = stand.rim.unwrap_or_default();
         let on_body = if N > BODY { unit(-rim.angle) } else { Vec2::zeros() };
@@ -340,7 +342,7 @@ impl RollingBearing {
                 let (force, stiffness) = self.press(approach, places.len());
                 (0..N).for_each(|a| state.gradient[a] += force * way[a]);
                 if tangents {
-                    state.stiffen(stiffness, &way);
+                    stiffen(&mut along_gaps, stiffness, &way);
                 }
                 element += force;
                 couple += force * place;
@@ -352,7 +354,8 @@ impl RollingBearing {
                 continue;
             }
             if curvature > 0.0 {
-                state.stiffen(element * curvature, &way(Vec2::new(contact.y, -contact.x), 0.0));
+                let across = way(Vec2::new(contact.y, -contact.x), 0.0);
+                stiffen(&mut state.hessian, element * curvature, &across);
             }
             // What turning the element adds to its force on ring and rim, and to its couple on the slope.
             let (whole, couple) = (element * contact.x, couple + element * arm(contact));
@@ -373,10 +376,12 @@ impl RollingBearing {
                 }
             }
         }
-        for a in 0..N {
-            (0..a).for_each(|b| state.hessian[b][a] = state.hessian[a][b]);
+        for matrix in [&mut state.hessian, &mut along_gaps] {
+            for a in 0..N {
+                (0..a).for_each(|b| matrix[b][a] = matrix[a][b]);
+            }
         }
-        state
+        (state, along_gaps)
     }
 
     /// What every element bears.

@@ -3,7 +3,7 @@ use super::joints::State;
 use super::{BearingJoints, Input};
 use crate::contact::ContactSpring;
 use crate::dynamics::{
-    Balance, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace, ForceSummary,
+    Balance, Columns, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace, ForceSummary,
     Look, OutputLoad, Reducer, System,
 };
 
@@ -58,9 +58,9 @@ impl BearingJoints {
         velocity: &[f64],
         force: &mut [f64],
         mut linearisation: Option<&mut DenseLinearisation>,
-        look: Option<(Wanted, &mut Contacts)>,
+        look: Option<(Wanted, &mut Contacts, &Columns)>,
     ) -> (Balance, f64) {
-        let interval = look.as_ref().and_then(|(wanted, _)| wanted.slip_interval);
+        let interval = look.as_ref().and_then(|(wanted, ..)| wanted.slip_interval);
         let (q, v) = self.full(time, position, velocity);
         if let Some(linearisation) = linearisation.as_deref_mut() {
             linearisation.clear();
@@ -137,9 +137,9 @@ impl BearingJoints {
         wanted: Wanted,
         look: &mut Look,
     ) {
-        look.contacts.clear();
-        let contacts = Some((wanted, &mut look.contacts));
-        self.evaluate_for(time, position, velocity, &mut look.force, Some(&mut look.smooth), contacts);
+        let Look { force, smooth, contacts, columns } = look;
+        contacts.clear();
+        self.evaluate_for(time, position, velocity, force, Some(smooth), Some((wanted, contacts, columns)));
     }
 }
 

@@ -142,10 +142,12 @@ impl System for Bead {
 
     fn look(&self, time: f64, q: &[f64], _: f64, look: &mut Look) {
         look.contacts.clear();
-        self.evaluate(time, q, &[0.0; 3], &mut look.force, &mut look.smooth);
-        self.see(q, &mut |contact| look.contacts.push(contact));
+        let mut tangent = self.linearisation();
+        self.evaluate(time, q, &[0.0; 3], &mut look.force, &mut tangent);
+        look.smooth.take_rows(&tangent, look.columns.searched());
+        self.see(q, &mut |contact| look.contacts.push(contact, &look.columns));
         if self.hole > 0.0 {
-            look.contacts.supports.push(self.support(q));
+            look.contacts.push_support(self.support(q), &look.columns);
         }
     }
 

@@ -25,10 +25,23 @@ impl Gears {
 }
 
 impl Gears {
-    fn show_teeth(&self, q: &[f64], wanted: Wanted, sink: &mut dyn Sink) {
+    /// Hands on the teeth that press or are near, and takes their stiffness along the gaps off the Hessian.
+    fn show_teeth(
+        &self,
+        q: &[f64],
+        wanted: Wanted,
+        hessian: &mut [[f64; MESH_COORDINATES]; MESH_COORDINATES],
+        sink: &mut dyn Sink,
+    ) {
         let place = self.index.map(|i| q[i]);
-        let spring = ContactSpring::Linear { stiffness: self.law.stiffness_at(&place) };
+        let stiffness = self.law.stiffness_at(&place);
+        let spring = ContactSpring::Linear { stiffness };
         for (overlap, slope) in self.law.overlaps(&place).into_iter().flatten() {
+            if overlap > 0.0 {
+                for (row, a) in hessian.iter_mut().zip(slope) {
+                    row.iter_mut().zip(slope).for_each(|(entry, b)| *entry -= stiffness * a * b);
+                }
+            }
             if -overlap < wanted.reach {
                 let gradient = &slope.map(|s| -s);
                 let index = &self.index;
@@ -49,7 +62,10 @@ impl Joint for Gears {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let index = self.index;
         let rate = index.map(|i| at.v[i]);
-        let mesh = self.state(at);
+        let mut mesh = self.state(at);
+        if let Some(wanted) = sink.wants_contacts() {
+            self.show_teeth(at.q, wanted, &mut mesh.hessian, sink);
+        }
         sink.element(&Element {
             part: Part::GearStage,
             index: &index,
@@ -57,9 +73,6 @@ impl Joint for Gears {
             hessian: mesh.hessian.as_flattened(),
             stored: mesh.stored,
         });
-        if let Some(wanted) = sink.wants_contacts() {
-            self.show_teeth(at.q, wanted, sink);
-        }
         let mut force = mesh.damping_force;
         let (mut damping, mut by_place) = (mesh.damping, mesh.damping_slope);
         let mut dissipation = mesh.dissipation;

@@ -210,8 +210,8 @@ impl Journal {
         let stand = self.stand_at(at.q, displacement);
         let wanted = sink.wants_contacts();
         let mut along = vec![0.0; width];
-        let state = match wanted {
-            None => self.law.react_at::<N>(&stand, tangents),
+        let (mut state, along_gaps) = match wanted {
+            None => (self.law.react_at::<N>(&stand, tangents), [[0.0; N]; N]),
             Some(wanted) => {
                 self.law.react_within::<N>(&stand, tangents, wanted.reach, |approach, way, spring| {
                     spread(way, &mut along);
@@ -221,38 +221,43 @@ impl Journal {
                 })
             }
         };
+        // Single contacts bring their stiffness along the gaps.
+        let without_gaps = state.hessian;
+        let entries = state.hessian.as_flattened_mut().iter_mut().zip(along_gaps.as_flattened());
+        entries.for_each(|(entry, along)| *entry += along);
         let BearingState { stored, ref gradient, ref hessian, .. } = state;
         if stored == 0.0 {
             return;
         }
         self.damp_lean(&state, at, sink);
-        let mut matrix = vec![0.0; if sink.takes_stiffness() { width * width } else { 0 }];
+        // Modes that are searched for come first.
+        let known = bent + modes.iter().take_while(|mode| sink.searches(mode.at)).count();
+        let mut matrix = vec![0.0; if sink.takes_stiffness() { known * known } else { 0 }];
         if !matrix.is_empty() {
-            let mut rows = vec![0.0; N * width];
-            rows.chunks_exact_mut(width).zip(hessian).for_each(|(row, by)| spread(by, row));
-            for (i, line) in matrix.chunks_exact_mut(width).enumerate() {
+            let mut rows = vec![0.0; N * known];
+            rows.chunks_exact_mut(known).zip(&without_gaps).for_each(|(row, by)| spread(by, row));
+            for (i, line) in matrix.chunks_exact_mut(known).enumerate() {
                 let mut column = [0.0; N];
-                (0..N).for_each(|a| column[a] = rows[a * width + i]);
+                (0..N).for_each(|a| column[a] = rows[a * known + i]);
                 spread(&column, line);
             }
             let force = Vec2::new(gradient[0], gradient[1]);
-            matrix[2 * width + 2] -= force.dot(&arms.inner);
-            matrix[5 * width + 5] += force.dot(&arms.bore);
+            matrix[2 * known + 2] -= force.dot(&arms.inner);
+            matrix[5 * known + 5] += force.dot(&arms.bore);
             // Displacements by modes turn with the body.
-            for (m, mode) in modes.iter().enumerate().filter(|(_, mode)| mode.turns) {
+            for (m, mode) in modes[..known - bent].iter().enumerate().filter(|(_, mode)| mode.turns) {
                 let turning = force.dot(&quarter_turn(mode.by));
-                matrix[5 * width + bent + m] -= turning;
-                matrix[(bent + m) * width + 5] -= turning;
+                matrix[5 * known + bent + m] -= turning;
+                matrix[(bent + m) * known + 5] -= turning;
             }
         }
         spread(gradient, &mut along);
-        sink.element(&Element {
-            part: self.place.part(),
-            index: &index,
-            gradient: &along,
-            hessian: &matrix,
-            stored,
-        });
+        let whole = if known == width { &matrix[..] } else { &[] };
+        let (part, index, gradient) = (self.place.part(), &index[..], gradient);
+        sink.element(&Element { part, index, gradient: &along, hessian: whole, stored });
+        if known < width {
+            sink.stiffness(&index[..known], &matrix);
+        }
         let mut rate = self.index.map(|i| at.v[i]);
         for BoreMode { at: mode, by, .. } in &modes {
             rate[3] += at.v[*mode] * by.x;
@@ -309,7 +314,7 @@ impl Journal {
                 let mut by_place = vec![0.0; width * width];
                 by_place[2 * width..][..width].copy_from_slice(&along);
                 by_place[5 * width..][..width].iter_mut().zip(&along).for_each(|(into, by)| *into = -by);
-                sink.friction_slope(&index, &by_place);
+                sink.friction_slope(index, &by_place);
             }
         }
         if loss_time > 0.0 || friction.bearing > 0.0 {

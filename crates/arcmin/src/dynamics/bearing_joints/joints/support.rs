@@ -43,7 +43,8 @@ impl Joint for Support {
         let seat = self.seat_at(at.q);
         let u = self.displacement(at.q);
         let distance = u.norm();
-        if sink.wants_contacts().is_some() && clearance > 0.0 {
+        let is_shown = sink.wants_contacts().is_some() && clearance > 0.0;
+        if is_shown {
             let along = quarter_turn(seat);
             let gradient = vec![[1.0, 0.0], [0.0, 1.0], [along.x, along.y], [-1.0, 0.0], [0.0, -1.0]];
             let (index, shift) = (index.to_vec(), [u.x, u.y]);
@@ -73,6 +74,9 @@ impl Joint for Support {
             }
         }
         damp(&index, &hessian, self.loss_time, at, sink);
+        if is_shown {
+            hessian.fill(0.0);
+        }
         hessian[12] -= force.dot(&seat);
         let gradient: [f64; 5] = std::array::from_fn(|a| force.x * rows[0][a] + force.y * rows[1][a]);
         sink.element(&Element {

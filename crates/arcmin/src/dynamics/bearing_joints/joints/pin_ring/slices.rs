@@ -99,7 +99,8 @@ impl PinRing {
             let moved = Moved { shifts: &[], lift };
             // What sliding friction grows by with speed goes with its contact, where displacements make the speeds.
             let mut rubbing = [[0.0; 3]; 3];
-            let slice = self.contacts.react_within(pose, velocity, moved, |contact, gradient| {
+            let along_gaps = wanted.is_none();
+            let slice = self.contacts.react_within(pose, velocity, moved, along_gaps, |contact, gradient| {
                 if wanted.is_none() {
                     return;
                 }

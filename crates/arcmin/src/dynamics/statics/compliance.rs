@@ -1,0 +1,391 @@
+//! What contacts on elastic bodies give way: C = G_e K_e⁻¹ G_eᵀ over the places where they bear, so that the coordinates
+//! of elastic bodies are never searched for.
+
+use faer::{Accum, MatMut, MatRef};
+
+use crate::dynamics::system::{Contacts, ElasticCoordinates, Look};
+use crate::dynamics::{DenseLinearisation, System};
+use crate::kernels::product;
+
+/// One [place](crate::dynamics::system::ElasticPlace) at a state of the model.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Bearing {
+    /// F⁰, the force on the place where the model begins, and h, the one under which the bodies give way now; in N.
+    pub begin: f64,
+    pub load: f64,
+    /// Displacement b under what is unbalanced on the elastic coordinates at the begin, m.
+    pub given_way: f64,
+    /// F − h in N, and K = Σ k of its contacts in N/m.
+    pub unbalanced: f64,
+    pub stiffness: f64,
+    /// Δh in N of a Newton step, and what the place gives way by it, C Δh, in m.
+    pub more_load: f64,
+    pub change: f64,
+}
+
+/// Places that elastic bodies connect, and the columns that their contacts move.
+#[derive(Debug, Clone, Default)]
+struct Block {
+    places: Vec<usize>,
+    columns: Vec<usize>,
+    /// Coordinates of the bodies, and the gradients of the places by these, row by row.
+    coordinates: Vec<usize>,
+    gradients: Vec<f64>,
+    /// C row by row over the places, for the rows that are known.
+    compliance: Vec<f64>,
+    known: Vec<bool>,
+    /// Numbers in the block of places that press, U with UᵀU = 1/K + C over them row by row, S ā = (1/K + C)⁻¹ ā row by row over the columns, and
+    /// Δh without the step.
+    pressed: Vec<usize>,
+    factor: Vec<f64>,
+    response: Vec<f64>,
+    offset: Vec<f64>,
+}
+
+/// The compliance seen by the contacts at one look.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Compliance {
+    pub places: Vec<Bearing>,
+    blocks: Vec<Block>,
+    /// K_e⁻¹ Q_e over all coordinates, and the largest work of Q_e along one unit of scale.
+    pub given_way: Vec<f64>,
+    pub work: f64,
+    way: Vec<f64>,
+    mean: Vec<f64>,
+    /// ā and p̄ row by row over the columns of a block.
+    gradients: Vec<f64>,
+    pushes: Vec<f64>,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// row − factor · other.
+#[inline]
+fn take_off(row: &mut [f64], factor: f64, other: &[f64]) {
+    row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
+}
+
+/// Gradient of a place by elastic coordinates, along a displacement of these.
+fn along(contacts: &Contacts, place: usize, way: &[f64]) -> f64 {
+    let range = contacts.places[place].elastic.clone();
+    let terms = contacts.elastic_index[range.clone()].iter().zip(&contacts.elastic_gradient[range]);
+    terms.map(|(i, g)| g * way[*i]).sum()
+}
+
+impl Compliance {
+    /// Moves to what a look has seen. Compliances are found where places press.
+    pub fn take<S: System>(&mut self, system: &S, look: &Look) {
+        let contacts = &look.contacts;
+        let count = contacts.places.len();
+        self.places.clear();
+        self.places.resize(count, Bearing::default());
+        self.work = 0.0;
+        self.given_way.clear();
+        self.given_way.resize(look.force.len(), 0.0);
+        self.way.resize(look.force.len(), 0.0);
+        let elastic = system.elastic();
+        for (i, force) in look.force.iter().enumerate() {
+            if let Some(elastic) = elastic.filter(|elastic| elastic.has(i)) {
+                self.work = self.work.max((force * system.scale()[i]).abs());
+                elastic.yield_to(i, *force, &mut self.given_way);
+            }
+        }
+        for (number, place) in self.places.iter_mut().enumerate() {
+            place.given_way = along(contacts, number, &self.given_way);
+        }
+        self.connect(contacts, elastic);
+    }
+
+    /// Sorts places into blocks that no elastic body connects.
+    fn connect(&mut self, contacts: &Contacts, elastic: Option<&ElasticCoordinates>) {
+        let group = |coordinate: usize| elastic.and_then(|elastic| elastic.group(coordinate));
+        let count = elastic.map_or(0, ElasticCoordinates::group_count);
+        let mut parent: Vec<usize> = (0..=count).collect();
+        fn root(parent: &mut [usize], mut of: usize) -> usize {
+            while parent[of] != of {
+                parent[of] = parent[parent[of]];
+                of = parent[of];
+            }
+            of
+        }
+        // Places on a flank without coordinates of its own share the last group.
+        let first_group = |place: usize| {
+            let range = contacts.places[place].elastic.clone();
+            contacts.elastic_index[range].first().and_then(|i| group(*i)).unwrap_or(count)
+        };
+        let mut before = 0..0;
+        for place in &contacts.places {
+            let index = &contacts.elastic_index[place.elastic.clone()];
+            if index == &contacts.elastic_index[before.clone()] {
+                continue;
+            }
+            before = place.elastic.clone();
+            let groups: Vec<usize> = index.iter().filter_map(|i| group(*i)).collect();
+            for pair in groups.windows(2).filter(|pair| pair[0] != pair[1]) {
+                let (one, other) = (root(&mut parent, pair[0]), root(&mut parent, pair[1]));
+                parent[one] = other;
+            }
+        }
+        self.blocks.clear();
+        let mut block_of = vec![None; parent.len()];
+        for place in 0..contacts.places.len() {
+            let block = *block_of[root(&mut parent, first_group(place))].get_or_insert_with(|| {
+                self.blocks.push(Block::default());
+                self.blocks.len() - 1
+            });
+            self.blocks[block].places.push(place);
+        }
+        let mut position = vec![0; self.given_way.len()];
+        for block in &mut self.blocks {
+            for place in &block.places {
+                let first = contacts.places[*place].contacts.start;
+                block.columns.extend_from_slice(&contacts.index[contacts.list[first].range.clone()]);
+            }
+            block.columns.sort_unstable();
+            block.columns.dedup();
+            let mut groups: Vec<usize> = Vec::new();
+            for place in &block.places {
+                let index = &contacts.elastic_index[contacts.places[*place].elastic.clone()];
+                groups.extend(index.iter().filter_map(|i| group(*i)));
+            }
+            groups.sort_unstable();
+            groups.dedup();
+            let members = groups.iter().zip(elastic.iter().cycle()).flat_map(|(group, e)| e.members(*group));
+            block.coordinates.extend(members);
+            block.coordinates.iter().enumerate().for_each(|(at, i)| position[*i] = at);
+            let (count, width) = (block.places.len(), block.coordinates.len());
+            block.gradients.resize(count * width, 0.0);
+            for (row, place) in block.gradients.chunks_exact_mut(width.max(1)).zip(&block.places) {
+                let range = contacts.places[*place].elastic.clone();
+                let terms = contacts.elastic_index[range.clone()].iter().zip(&contacts.elastic_gradient[range]);
+                terms.for_each(|(i, g)| row[position[*i]] += g);
+            }
+            block.compliance.resize(count * count, 0.0);
+            block.known.resize(count, false);
+        }
+    }
+
+    /// Finds the rows of C of the places in a block that press.
+    fn find<S: System>(&mut self, system: &S, contacts: &Contacts, block: usize) {
+        let Compliance { blocks, way, .. } = self;
+        let Block { places, coordinates, gradients, compliance, known, pressed, .. } = &mut blocks[block];
+        let new: Vec<usize> = pressed.iter().copied().filter(|row| !known[*row]).collect();
+        if new.is_empty() {
+            return;
+        }
+        let (count, width) = (places.len(), coordinates.len());
+        let mut found = vec![0.0; new.len() * count];
+        if let Some(elastic) = system.elastic() {
+            // K_e⁻¹ g of every new place, one after the other.
+            let mut ways = Vec::with_capacity(new.len() * width);
+            for row in &new {
+                let place = &contacts.places[places[*row]];
+                for at in place.elastic.clone() {
+                    elastic.yield_to(contacts.elastic_index[at], contacts.elastic_gradient[at], way);
+                }
+                ways.extend(coordinates.iter().map(|i| std::mem::take(&mut way[*i])));
+            }
+            product(
+                MatMut::from_row_major_slice_mut(&mut found, new.len(), count),
+                Accum::Replace,
+                MatRef::from_row_major_slice(&ways, new.len(), width),
+                MatRef::from_row_major_slice(gradients, count, width).transpose(),
+                1.0,
+            );
+        }
+        for (row, found) in new.iter().zip(found.chunks_exact_mut(count)) {
+            known[*row] = true;
+            if let Some(one) = &contacts.places[places[*row]].flank {
+                for (entry, other) in found.iter_mut().zip(places.iter()) {
+                    let flank = contacts.places[*other].flank.as_ref();
+                    *entry += flank.map_or(0.0, |other| system.flank_compliance(other, one));
+                }
+            }
+            compliance[row * count..][..count].copy_from_slice(found);
+        }
+    }
+
+    /// Adds what the contacts on elastic bodies do in a Newton step to its matrix and force.
+    ///
+    /// On a place with the forces F = Σ F_i of its contacts, ΔF_i = −k_i (G_i d + C Δh) and F + ΔF = h + Δh. With K =
+    /// Σ k, ā = Σ k G/K and p̄ = Σ k P/K this is (1/K + C) Δh = (F − h)/K − ā d − C Δh_o on the places that press, Δh_o =
+    /// F − h on open ones, and leaves p̄ᵀ (1/K + C)⁻¹ ā + Σ k P (G − ā)ᵀ of the places in the matrix.
+    pub fn condense<S: System>(
+        &mut self,
+        system: &S,
+        contacts: &Contacts,
+        stiffness: &[f64],
+        matrix: &mut DenseLinearisation,
+        force: &mut [f64],
+    ) {
+        for block in 0..self.blocks.len() {
+            self.condense_block(system, contacts, block, stiffness, matrix, force);
+        }
+    }
+
+    fn condense_block<S: System>(
+        &mut self,
+        system: &S,
+        contacts: &Contacts,
+        number: usize,
+        stiffness: &[f64],
+        matrix: &mut DenseLinearisation,
+        force: &mut [f64],
+    ) {
+        let block = &mut self.blocks[number];
+        block.pressed.clear();
+        for (row, place) in block.places.iter().enumerate() {
+            let bearing = &mut self.places[*place];
+            bearing.more_load = bearing.unbalanced;
+            if bearing.stiffness > 0.0 || bearing.unbalanced != 0.0 {
+                block.pressed.push(row);
+            }
+        }
+        self.find(system, contacts, number);
+        let (places, block) = (&self.places, &mut self.blocks[number]);
+        let open: Vec<usize> = block
+            .pressed
+            .iter()
+            .copied()
+            .filter(|at| places[block.places[*at]].stiffness <= 0.0)
+            .collect();
+        block.pressed.retain(|at| places[block.places[*at]].stiffness > 0.0);
+        let count = block.places.len();
+        let (size, width) = (block.pressed.len(), block.columns.len());
+        // ā, p̄ and the right-hand side without the step.
+        self.gradients.clear();
+        self.gradients.resize(size * width, 0.0);
+        self.pushes.clear();
+        self.pushes.resize(if contacts.has_friction { size * width } else { 0 }, 0.0);
+        block.offset.clear();
+        for (row, at) in block.pressed.iter().copied().enumerate() {
+            let place = block.places[at];
+            let Bearing { stiffness: whole, unbalanced, .. } = places[place];
+            let range = contacts.places[place].contacts.clone();
+            let index = &contacts.index[contacts.list[range.start].range.clone()];
+            let mean = &mut self.mean;
+            let mut spread = |of: &[f64], into: &mut [f64]| {
+                mean.clear();
+                mean.resize(index.len(), 0.0);
+                for contact in range.clone().filter(|contact| stiffness[*contact] > 0.0) {
+                    let share = stiffness[contact] / whole;
+                    let from = &of[contacts.list[contact].range.clone()];
+                    mean.iter_mut().zip(from).for_each(|(mean, g)| *mean += share * g);
+                }
+                for (column, mean) in index.iter().zip(mean.iter()) {
+                    // The columns are those of the places.
+                    let Ok(at) = block.columns.binary_search(column) else { continue };
+                    into[at] += mean;
+                }
+            };
+            if contacts.has_friction {
+                spread(&contacts.push, &mut self.pushes[row * width..][..width]);
+            }
+            spread(&contacts.gradient, &mut self.gradients[row * width..][..width]);
+            for contact in range.clone().filter(|contact| range.len() > 1 && stiffness[*contact] > 0.0) {
+                let own = contacts.list[contact].range.clone();
+                let apart = mean.iter_mut().zip(&contacts.gradient[own.clone()]);
+                let apart: Vec<f64> = apart.map(|(mean, g)| g - *mean).collect();
+                matrix.add_outer(index, &contacts.push[own], &apart, stiffness[contact]);
+            }
+            let of_row = &block.compliance[at * count..][..count];
+            let by_open: f64 =
+                open.iter().map(|other| of_row[*other] * places[block.places[*other]].unbalanced).sum();
+            block.offset.push(unbalanced / whole - by_open);
+        }
+        block.factor.clear();
+        for (row, a) in block.pressed.iter().enumerate() {
+            block.factor.extend(block.pressed.iter().map(|b| block.compliance[a * count + b]));
+            block.factor[row * size + row] += 1.0 / places[block.places[*a]].stiffness;
+        }
+        block.response.clone_from(&self.gradients);
+        block.eliminate();
+        // R holds P (F − F⁰) already; F + ΔF = h + Δh.
+        let columns = &block.columns;
+        let by = if contacts.has_friction { &self.pushes } else { &self.gradients };
+        for (row, at) in block.pressed.iter().enumerate() {
+            let push = &by[row * width..][..width];
+            let more = block.offset[row] - places[block.places[*at]].unbalanced;
+            let response = &block.response[row * width..][..width];
+            for (i, p) in columns.iter().zip(push).filter(|(_, p)| **p != 0.0) {
+                force[*i] += more * p;
+                let line = matrix.stiffness_row(*i);
+                columns.iter().zip(response).for_each(|(j, z)| line[*j] += p * z);
+            }
+        }
+    }
+
+    /// Δh and what every place gives way by it, for a step d.
+    pub fn respond(&mut self, step: &[f64]) {
+        for block in &self.blocks {
+            let (count, width) = (block.places.len(), block.columns.len());
+            for (row, at) in block.pressed.iter().enumerate() {
+                let response = block.response[row * width..][..width].iter().zip(&block.columns);
+                let by_step: f64 = response.map(|(z, column)| z * step[*column]).sum();
+                self.places[block.places[*at]].more_load = block.offset[row] - by_step;
+            }
+            block.places.iter().for_each(|place| self.places[*place].change = 0.0);
+            for (at, place) in block.places.iter().enumerate() {
+                let more = self.places[*place].more_load;
+                if more != 0.0 {
+                    let row = &block.compliance[at * count..][..count];
+                    block.places.iter().zip(row).for_each(|(other, c)| self.places[*other].change += more * c);
+                }
+            }
+        }
+    }
+
+    /// Adds the displacements of the elastic coordinates to a step over all coordinates.
+    pub fn spread<S: System>(&mut self, system: &S, contacts: &Contacts, step: &mut [f64]) {
+        let Some(elastic) = system.elastic() else { return };
+        step.iter_mut().zip(&self.given_way).for_each(|(step, way)| *step += way);
+        self.way.fill(0.0);
+        for (place, bearing) in contacts.places.iter().zip(&self.places) {
+            let more = bearing.load - bearing.begin;
+            for at in place.elastic.clone().filter(|_| more != 0.0) {
+                self.way[contacts.elastic_index[at]] += more * contacts.elastic_gradient[at];
+            }
+        }
+        for (i, force) in self.way.iter().enumerate().filter(|(_, force)| **force != 0.0) {
+            elastic.yield_to(i, *force, step);
+        }
+        self.way.fill(0.0);
+    }
+}
+
+impl Block {
+    /// Solves (1/K + C) [Z, x] = [ā, r] in `response` and `offset`, in place.
+    fn eliminate(&mut self) {
+        let (size, width) = (self.pressed.len(), self.columns.len());
+        let Block { factor, response, offset, .. } = self;
+        for row in 0..size {
+            let (done, rest) = factor.split_at_mut((row + 1) * size);
+            let own = &mut done[row * size + row..];
+            let scale = 1.0 / own[0].max(f64::MIN_POSITIVE).sqrt();
+            own.iter_mut().for_each(|entry| *entry *= scale);
+            let (done, below) = response.split_at_mut((row + 1) * width);
+            let of_row = &mut done[row * width..];
+            of_row.iter_mut().for_each(|entry| *entry *= scale);
+            offset[row] *= scale;
+            for other in row + 1..size {
+                let share = own[other - row];
+                take_off(&mut rest[(other - row - 1) * size + other..][..size - other], share, &own[other - row..]);
+                take_off(&mut below[(other - row - 1) * width..][..width], share, of_row);
+                offset[other] -= share * offset[row];
+            }
+        }
+        for row in (0..size).rev() {
+            let own = &factor[row * size + row..][..size - row];
+            let (above, below) = response.split_at_mut((row + 1) * width);
+            let of_row = &mut above[row * width..];
+            for (other, share) in own[1..].iter().enumerate() {
+                take_off(of_row, *share, &below[other * width..][..width]);
+            }
+            let scale = 1.0 / own[0];
+            of_row.iter_mut().for_each(|entry| *entry *= scale);
+            offset[row] = scale * (offset[row] - dot(&own[1..], &offset[row + 1..]));
+        }
+    }
+}
