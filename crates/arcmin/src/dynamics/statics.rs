@@ -44,7 +44,7 @@ const EVALUATIONS: usize = 60;
 /// reducer depart from their tangents by 1 % of the displacement there.
 const REACH: f64 = 4.0;
 /// Displacement within which contacts are looked for at first: from a near start steps are shorter.
-const NEAR: f64 = 0.25;
+const NEAR: f64 = 0.1;
 /// Share of the work promised by the model that a step must do, as in any trust-region method…
 const LEAST_GAIN: f64 = 0.1;
 /// …and the share from which on the model is trusted further.
@@ -134,7 +134,7 @@ fn search<S: System>(
     there.fit(system, control.held);
     model.fit(system, here);
     let (mut position, mut trial, mut step) = (start.to_vec(), vec![0.0; n], vec![0.0; n]);
-    let (mut reach, mut sight) = (REACH, NEAR);
+    let (mut reach, mut sight, mut last) = (REACH, NEAR, None::<f64>);
     evaluate(&position, sight, here);
     let mut iterations = 1;
     while iterations < EVALUATIONS {
@@ -144,6 +144,15 @@ fn search<S: System>(
         if largest(&here.force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
         }
+        // The matrix of the step before leaves of the error what it left of the last one.
+        if let Some(before) = last
+            && model.chord(system, here, &mut step).is_some()
+            && length_of(&step).powi(2) <= control.tolerance * before
+        {
+            position.iter_mut().zip(&step).for_each(|(q, d)| *q += d);
+            let residual = largest(&here.force) * length_of(&step) / before;
+            return Ok(Equilibrium { residual, position, iterations });
+        }
         let Some(solution) = model.solve(system, here, reach.min(sight), &mut step) else { break };
         let length = length_of(&step);
         if !length.is_finite() {
@@ -151,13 +160,16 @@ fn search<S: System>(
         }
         if !solution.is_inside && sight < reach {
             // The step goes beyond the contacts that were looked for.
-            sight = reach;
+            sight = reach.min(10.0 * sight);
             evaluate(&position, sight, here);
             iterations += 1;
             continue;
         }
         trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, d))| *t = q + d);
-        if solution.is_whole && length <= control.tolerance {
+        // Steps fall as the squares of those before, where friction follows the forces in proportion.
+        let shrunk = last.map_or(1.0, |before| (length / before).min(1.0));
+        let left = if here.contacts.has_friction { shrunk } else { shrunk * shrunk };
+        if solution.is_whole && left * length <= control.tolerance {
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
         sight = reach.min(length.max(NEAR));
@@ -178,6 +190,7 @@ fn search<S: System>(
                 gain = (before + dot(&there.force, &step)) / before;
             }
         }
+        last = (solution.is_whole && gain >= GOOD_GAIN).then_some(length);
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
             std::mem::swap(here, there);

@@ -574,6 +574,13 @@ impl DenseLinearisation {
             }
             row[i] = pivot.sqrt();
         }
+        self.solve_positive_again(rhs);
+        true
+    }
+
+    /// Solves the system of the last [`DenseLinearisation::solve_positive`] for another right-hand side.
+    pub fn solve_positive_again(&self, rhs: &mut [f64]) {
+        let (n, a) = (self.size, &self.work);
         for row in 0..n {
             let entries = &a[row * n..][..=row];
             rhs[row] = (rhs[row] - dot(&entries[..row], &rhs[..row])) / entries[row];
@@ -584,7 +591,6 @@ impl DenseLinearisation {
             rhs[row] = x;
             rhs[..row].iter_mut().zip(entries).for_each(|(rhs, entry)| *rhs -= x * entry);
         }
-        true
     }
 
     /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.

@@ -34,9 +34,11 @@ struct Block {
     /// C row by row over the places, for the rows that are known.
     compliance: Vec<f64>,
     known: Vec<bool>,
-    /// Numbers in the block of places that press, U with UᵀU = 1/K + C over them row by row, S ā = (1/K + C)⁻¹ ā row by row over the columns, and
+    /// Numbers in the block of places that press, ā and p̄ over the columns, U with UᵀU = 1/K + C over them row by row, S ā = (1/K + C)⁻¹ ā row by row over the columns, and
     /// Δh without the step.
     pressed: Vec<usize>,
+    means: Vec<f64>,
+    pushes: Vec<f64>,
     factor: Vec<f64>,
     response: Vec<f64>,
     offset: Vec<f64>,
@@ -52,9 +54,6 @@ pub(super) struct Compliance {
     pub work: f64,
     way: Vec<f64>,
     mean: Vec<f64>,
-    /// ā and p̄ row by row over the columns of a block.
-    gradients: Vec<f64>,
-    pushes: Vec<f64>,
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -255,17 +254,17 @@ impl Compliance {
         let count = block.places.len();
         let (size, width) = (block.pressed.len(), block.columns.len());
         // ā, p̄ and the right-hand side without the step.
-        self.gradients.clear();
-        self.gradients.resize(size * width, 0.0);
-        self.pushes.clear();
-        self.pushes.resize(if contacts.has_friction { size * width } else { 0 }, 0.0);
+        block.means.clear();
+        block.means.resize(size * width, 0.0);
+        block.pushes.clear();
+        block.pushes.resize(if contacts.has_friction { size * width } else { 0 }, 0.0);
         block.offset.clear();
         for (row, at) in block.pressed.iter().copied().enumerate() {
             let place = block.places[at];
             let Bearing { stiffness: whole, unbalanced, .. } = places[place];
             let range = contacts.places[place].contacts.clone();
             let index = &contacts.index[contacts.list[range.start].range.clone()];
-            let mean = &mut self.mean;
+            let (mean, columns) = (&mut self.mean, &block.columns);
             let mut spread = |of: &[f64], into: &mut [f64]| {
                 mean.clear();
                 mean.resize(index.len(), 0.0);
@@ -276,14 +275,14 @@ impl Compliance {
                 }
                 for (column, mean) in index.iter().zip(mean.iter()) {
                     // The columns are those of the places.
-                    let Ok(at) = block.columns.binary_search(column) else { continue };
+                    let Ok(at) = columns.binary_search(column) else { continue };
                     into[at] += mean;
                 }
             };
             if contacts.has_friction {
-                spread(&contacts.push, &mut self.pushes[row * width..][..width]);
+                spread(&contacts.push, &mut block.pushes[row * width..][..width]);
             }
-            spread(&contacts.gradient, &mut self.gradients[row * width..][..width]);
+            spread(&contacts.gradient, &mut block.means[row * width..][..width]);
             for contact in range.clone().filter(|contact| range.len() > 1 && stiffness[*contact] > 0.0) {
                 let own = contacts.list[contact].range.clone();
                 let apart = mean.iter_mut().zip(&contacts.gradient[own.clone()]);
@@ -300,11 +299,11 @@ impl Compliance {
             block.factor.extend(block.pressed.iter().map(|b| block.compliance[a * count + b]));
             block.factor[row * size + row] += 1.0 / places[block.places[*a]].stiffness;
         }
-        block.response.clone_from(&self.gradients);
+        block.response.clone_from(&block.means);
         block.eliminate();
         // R holds P (F − F⁰) already; F + ΔF = h + Δh.
         let columns = &block.columns;
-        let by = if contacts.has_friction { &self.pushes } else { &self.gradients };
+        let by = block.pushes();
         for (row, at) in block.pressed.iter().enumerate() {
             let push = &by[row * width..][..width];
             let more = block.offset[row] - places[block.places[*at]].unbalanced;
@@ -337,6 +336,50 @@ impl Compliance {
         }
     }
 
+    /// With the factors of the last Newton step, what places give way under forces on the elastic coordinates: adds what
+    /// that does to `force`, over the columns. The displacements K_e⁻¹ Q_e go into `step`.
+    pub fn condense_again<S: System>(
+        &mut self,
+        system: &S,
+        all: &[f64],
+        force: &mut [f64],
+        step: &mut [f64],
+    ) {
+        if let Some(elastic) = system.elastic() {
+            all.iter().enumerate().for_each(|(i, force)| elastic.yield_to(i, *force, step));
+        }
+        for block in &mut self.blocks {
+            let (width, elastic) = (block.columns.len(), block.coordinates.len());
+            block.offset.clear();
+            for at in &block.pressed {
+                let gradient = &block.gradients[at * elastic..][..elastic];
+                block.offset.push(-gradient.iter().zip(&block.coordinates).map(|(g, i)| g * step[*i]).sum::<f64>());
+            }
+            block.substitute();
+            for (row, more) in block.offset.iter().enumerate() {
+                let push = &block.pushes()[row * width..][..width];
+                block.columns.iter().zip(push).for_each(|(i, p)| force[*i] += more * p);
+            }
+        }
+    }
+
+    /// Adds the displacements of the elastic coordinates in the step of [`Compliance::condense_again`].
+    pub fn spread_again<S: System>(&mut self, system: &S, columns: &[f64], step: &mut [f64]) {
+        let Some(elastic) = system.elastic() else { return };
+        for block in &self.blocks {
+            let (width, count) = (block.columns.len(), block.coordinates.len());
+            for (row, at) in block.pressed.iter().enumerate() {
+                let response = block.response[row * width..][..width].iter().zip(&block.columns);
+                let more = block.offset[row] - response.map(|(z, column)| z * columns[*column]).sum::<f64>();
+                let gradient = &block.gradients[at * count..][..count];
+                gradient.iter().zip(&block.coordinates).for_each(|(g, i)| self.way[*i] += more * g);
+            }
+        }
+        for (i, force) in self.way.iter_mut().enumerate().filter(|(_, force)| **force != 0.0) {
+            elastic.yield_to(i, std::mem::take(force), step);
+        }
+    }
+
     /// Adds the displacements of the elastic coordinates to a step over all coordinates.
     pub fn spread<S: System>(&mut self, system: &S, contacts: &Contacts, step: &mut [f64]) {
         let Some(elastic) = system.elastic() else { return };
@@ -356,6 +399,26 @@ impl Compliance {
 }
 
 impl Block {
+    /// p̄ row by row.
+    fn pushes(&self) -> &[f64] {
+        if self.pushes.is_empty() { &self.means } else { &self.pushes }
+    }
+
+    /// Solves (1/K + C) x = r in `offset`, in place, with the factor there is.
+    fn substitute(&mut self) {
+        let (size, factor, offset) = (self.pressed.len(), &self.factor, &mut self.offset);
+        for row in 0..size {
+            let own = &factor[row * size + row..][..size - row];
+            offset[row] /= own[0];
+            let value = offset[row];
+            take_off(&mut offset[row + 1..], value, &own[1..]);
+        }
+        for row in (0..size).rev() {
+            let own = &factor[row * size + row..][..size - row];
+            offset[row] = (offset[row] - dot(&own[1..], &offset[row + 1..])) / own[0];
+        }
+    }
+
     /// Solves (1/K + C) [Z, x] = [ā, r] in `response` and `offset`, in place.
     fn eliminate(&mut self) {
         let (size, width) = (self.pressed.len(), self.columns.len());

@@ -35,6 +35,8 @@ pub(super) struct Model {
     /// K_s made convex, where that of the look is not.
     convex: Option<DenseLinearisation>,
     matrix: DenseLinearisation,
+    /// Whether that was factorised at this place.
+    has_matrix: bool,
     contacts: Vec<Gap>,
     stiffness: Vec<f64>,
     supports: Vec<[f64; 2]>,
@@ -148,10 +150,30 @@ impl Model {
         None
     }
 
+    /// Fills `step` with −K⁻¹ Q at another place, by the matrix of the last Newton step: a chord step. `None` where there is
+    /// none that is the machine's.
+    pub fn chord<S: System>(&mut self, system: &S, look: &Look, step: &mut [f64]) -> Option<()> {
+        if self.convex.is_some() || !self.has_matrix {
+            return None;
+        }
+        step.fill(0.0);
+        let searched = look.columns.searched();
+        self.newton.iter_mut().zip(searched).for_each(|(force, i)| *force = look.force[*i]);
+        self.compliance.condense_again(system, &look.force, &mut self.newton, step);
+        if look.contacts.has_friction {
+            self.matrix.solve_again(&mut self.newton).ok()?;
+        } else {
+            self.matrix.solve_positive_again(&mut self.newton);
+        }
+        self.compliance.spread_again(system, &self.newton, step);
+        searched.iter().zip(&self.newton).for_each(|(i, d)| step[*i] = *d);
+        Some(())
+    }
+
     fn take<S: System>(&mut self, system: &S, look: &Look) {
         let of_column = look.columns.searched().iter().map(|i| look.force[*i]);
         self.force.iter_mut().zip(of_column).for_each(|(force, of)| *force = of);
-        self.convex = None;
+        (self.convex, self.has_matrix) = (None, false);
         self.compliance.take(system, look);
         self.supports.clear();
         self.supports.extend(look.contacts.supports.iter().map(|support| support.force(support.shift)));
@@ -326,6 +348,7 @@ impl Model {
         if !is_solved {
             return None;
         }
+        self.has_matrix = true;
         compliance.respond(newton);
         for (gap, contact) in contacts.iter_mut().zip(&look.contacts.list) {
             let (index, range) = (&look.contacts.index, contact.range.clone());
