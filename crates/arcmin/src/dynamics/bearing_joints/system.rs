@@ -3,8 +3,8 @@ use super::joints::State;
 use super::{BearingJoints, Input};
 use crate::contact::ContactSpring;
 use crate::dynamics::{
-    Balance, Columns, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace, ForceSummary,
-    Look, OutputLoad, Reducer, System,
+    Balance, Columns, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace,
+    ForceSummary, Look, OutputLoad, Reducer, System,
 };
 
 impl BearingJoints {

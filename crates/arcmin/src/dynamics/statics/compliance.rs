@@ -1,11 +1,12 @@
 //! What contacts on elastic bodies give way: C = G_e K_e⁻¹ G_eᵀ over the places where they bear, so that the coordinates
 //! of elastic bodies are never searched for.
 
-use faer::{Accum, MatMut, MatRef};
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Accum, Mat, MatMut, MatRef, Side};
 
 use crate::dynamics::system::{Contacts, ElasticCoordinates, Look};
 use crate::dynamics::{DenseLinearisation, System};
-use crate::kernels::product;
+use crate::kernels::{cleared, product};
 
 /// One [place](crate::dynamics::system::ElasticPlace) at a state of the model.
 #[derive(Debug, Clone, Copy, Default)]
@@ -34,13 +35,14 @@ struct Block {
     /// C row by row over the places, for the rows that are known.
     compliance: Vec<f64>,
     known: Vec<bool>,
-    /// Numbers in the block of places that press, ā and p̄ over the columns, U with UᵀU = 1/K + C over them row by row, S ā = (1/K + C)⁻¹ ā row by row over the columns, and
-    /// Δh without the step.
+    /// Numbers in the block of places that press, ā and p̄ over the columns row by row, the factor of 1/K + C over these
+    /// places, and (1/K + C)⁻¹ ā column by column.
     pressed: Vec<usize>,
     means: Vec<f64>,
     pushes: Vec<f64>,
-    factor: Vec<f64>,
+    factor: Option<Llt<f64>>,
     response: Vec<f64>,
+    /// Δh without the step.
     offset: Vec<f64>,
 }
 
@@ -54,16 +56,6 @@ pub(super) struct Compliance {
     pub work: f64,
     way: Vec<f64>,
     mean: Vec<f64>,
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// row − factor · other.
-#[inline]
-fn take_off(row: &mut [f64], factor: f64, other: &[f64]) {
-    row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
 }
 
 /// Gradient of a place by elastic coordinates, along a displacement of these.
@@ -158,7 +150,8 @@ impl Compliance {
             block.gradients.resize(count * width, 0.0);
             for (row, place) in block.gradients.chunks_exact_mut(width.max(1)).zip(&block.places) {
                 let range = contacts.places[*place].elastic.clone();
-                let terms = contacts.elastic_index[range.clone()].iter().zip(&contacts.elastic_gradient[range]);
+                let terms =
+                    contacts.elastic_index[range.clone()].iter().zip(&contacts.elastic_gradient[range]);
                 terms.for_each(|(i, g)| row[position[*i]] += g);
             }
             block.compliance.resize(count * count, 0.0);
@@ -206,7 +199,7 @@ impl Compliance {
         }
     }
 
-    /// Adds what the contacts on elastic bodies do in a Newton step to its matrix and force.
+    /// Adds what the contacts on elastic bodies do in a Newton step to its matrix and force. `None` where 1/K + C is not positive definite.
     ///
     /// On a place with the forces F = Σ F_i of its contacts, ΔF_i = −k_i (G_i d + C Δh) and F + ΔF = h + Δh. With K =
     /// Σ k, ā = Σ k G/K and p̄ = Σ k P/K this is (1/K + C) Δh = (F − h)/K − ā d − C Δh_o on the places that press, Δh_o =
@@ -218,10 +211,9 @@ impl Compliance {
         stiffness: &[f64],
         matrix: &mut DenseLinearisation,
         force: &mut [f64],
-    ) {
-        for block in 0..self.blocks.len() {
-            self.condense_block(system, contacts, block, stiffness, matrix, force);
-        }
+    ) -> Option<()> {
+        (0..self.blocks.len())
+            .try_for_each(|block| self.condense_block(system, contacts, block, stiffness, matrix, force))
     }
 
     fn condense_block<S: System>(
@@ -232,7 +224,7 @@ impl Compliance {
         stiffness: &[f64],
         matrix: &mut DenseLinearisation,
         force: &mut [f64],
-    ) {
+    ) -> Option<()> {
         let block = &mut self.blocks[number];
         block.pressed.clear();
         for (row, place) in block.places.iter().enumerate() {
@@ -244,12 +236,8 @@ impl Compliance {
         }
         self.find(system, contacts, number);
         let (places, block) = (&self.places, &mut self.blocks[number]);
-        let open: Vec<usize> = block
-            .pressed
-            .iter()
-            .copied()
-            .filter(|at| places[block.places[*at]].stiffness <= 0.0)
-            .collect();
+        let open: Vec<usize> =
+            block.pressed.iter().copied().filter(|at| places[block.places[*at]].stiffness <= 0.0).collect();
         block.pressed.retain(|at| places[block.places[*at]].stiffness > 0.0);
         let count = block.places.len();
         let (size, width) = (block.pressed.len(), block.columns.len());
@@ -294,43 +282,57 @@ impl Compliance {
                 open.iter().map(|other| of_row[*other] * places[block.places[*other]].unbalanced).sum();
             block.offset.push(unbalanced / whole - by_open);
         }
-        block.factor.clear();
-        for (row, a) in block.pressed.iter().enumerate() {
-            block.factor.extend(block.pressed.iter().map(|b| block.compliance[a * count + b]));
-            block.factor[row * size + row] += 1.0 / places[block.places[*a]].stiffness;
+        let pressed = &block.pressed;
+        let whole = Mat::from_fn(size, size, |row, column| {
+            let own = if row == column { 1.0 / places[block.places[pressed[row]]].stiffness } else { 0.0 };
+            block.compliance[pressed[row] * count + pressed[column]] + own
+        });
+        // C is positive semidefinite but for rounding, which 1/K is far above.
+        let factor = cleared(|| whole.llt(Side::Lower)).ok()?;
+        // Δh without the step is the last column.
+        block.response.clear();
+        for column in 0..width {
+            block.response.extend((0..size).map(|row| block.means[row * width + column]));
         }
-        block.response.clone_from(&block.means);
-        block.eliminate();
+        block.response.extend_from_slice(&block.offset);
+        let response = MatMut::from_column_major_slice_mut(&mut block.response, size, width + 1);
+        cleared(|| factor.solve_in_place(response));
+        block.factor = Some(factor);
         // R holds P (F − F⁰) already; F + ΔF = h + Δh.
-        let columns = &block.columns;
-        let by = block.pushes();
         for (row, at) in block.pressed.iter().enumerate() {
-            let push = &by[row * width..][..width];
-            let more = block.offset[row] - places[block.places[*at]].unbalanced;
-            let response = &block.response[row * width..][..width];
-            for (i, p) in columns.iter().zip(push).filter(|(_, p)| **p != 0.0) {
-                force[*i] += more * p;
-                let line = matrix.stiffness_row(*i);
-                columns.iter().zip(response).for_each(|(j, z)| line[*j] += p * z);
-            }
+            let more = &mut block.response[width * size + row];
+            block.offset[row] = *more;
+            *more -= places[block.places[*at]].unbalanced;
         }
+        let mut more = Mat::<f64>::zeros(width, width + 1);
+        let pushes = MatRef::from_row_major_slice(block.pushes(), size, width);
+        let response = MatRef::from_column_major_slice(&block.response, size, width + 1);
+        product(more.as_mut(), Accum::Replace, pushes.transpose(), response, 1.0);
+        for (at, i) in block.columns.iter().enumerate() {
+            force[*i] += more[(at, width)];
+            let line = matrix.stiffness_row(*i);
+            block.columns.iter().enumerate().for_each(|(other, j)| line[*j] += more[(at, other)]);
+        }
+        Some(())
     }
 
     /// Δh and what every place gives way by it, for a step d.
     pub fn respond(&mut self, step: &[f64]) {
         for block in &self.blocks {
-            let (count, width) = (block.places.len(), block.columns.len());
+            let count = block.places.len();
             for (row, at) in block.pressed.iter().enumerate() {
-                let response = block.response[row * width..][..width].iter().zip(&block.columns);
-                let by_step: f64 = response.map(|(z, column)| z * step[*column]).sum();
-                self.places[block.places[*at]].more_load = block.offset[row] - by_step;
+                self.places[block.places[*at]].more_load = block.offset[row] - block.along(row, step);
             }
             block.places.iter().for_each(|place| self.places[*place].change = 0.0);
             for (at, place) in block.places.iter().enumerate() {
                 let more = self.places[*place].more_load;
                 if more != 0.0 {
                     let row = &block.compliance[at * count..][..count];
-                    block.places.iter().zip(row).for_each(|(other, c)| self.places[*other].change += more * c);
+                    block
+                        .places
+                        .iter()
+                        .zip(row)
+                        .for_each(|(other, c)| self.places[*other].change += more * c);
                 }
             }
         }
@@ -353,9 +355,15 @@ impl Compliance {
             block.offset.clear();
             for at in &block.pressed {
                 let gradient = &block.gradients[at * elastic..][..elastic];
-                block.offset.push(-gradient.iter().zip(&block.coordinates).map(|(g, i)| g * step[*i]).sum::<f64>());
+                block
+                    .offset
+                    .push(-gradient.iter().zip(&block.coordinates).map(|(g, i)| g * step[*i]).sum::<f64>());
             }
-            block.substitute();
+            if let Some(factor) = &block.factor {
+                let size = block.offset.len();
+                let offset = MatMut::from_column_major_slice_mut(&mut block.offset, size, 1);
+                cleared(|| factor.solve_in_place(offset));
+            }
             for (row, more) in block.offset.iter().enumerate() {
                 let push = &block.pushes()[row * width..][..width];
                 block.columns.iter().zip(push).for_each(|(i, p)| force[*i] += more * p);
@@ -367,10 +375,9 @@ impl Compliance {
     pub fn spread_again<S: System>(&mut self, system: &S, columns: &[f64], step: &mut [f64]) {
         let Some(elastic) = system.elastic() else { return };
         for block in &self.blocks {
-            let (width, count) = (block.columns.len(), block.coordinates.len());
+            let count = block.coordinates.len();
             for (row, at) in block.pressed.iter().enumerate() {
-                let response = block.response[row * width..][..width].iter().zip(&block.columns);
-                let more = block.offset[row] - response.map(|(z, column)| z * columns[*column]).sum::<f64>();
+                let more = block.offset[row] - block.along(row, columns);
                 let gradient = &block.gradients[at * count..][..count];
                 gradient.iter().zip(&block.coordinates).for_each(|(g, i)| self.way[*i] += more * g);
             }
@@ -404,51 +411,9 @@ impl Block {
         if self.pushes.is_empty() { &self.means } else { &self.pushes }
     }
 
-    /// Solves (1/K + C) x = r in `offset`, in place, with the factor there is.
-    fn substitute(&mut self) {
-        let (size, factor, offset) = (self.pressed.len(), &self.factor, &mut self.offset);
-        for row in 0..size {
-            let own = &factor[row * size + row..][..size - row];
-            offset[row] /= own[0];
-            let value = offset[row];
-            take_off(&mut offset[row + 1..], value, &own[1..]);
-        }
-        for row in (0..size).rev() {
-            let own = &factor[row * size + row..][..size - row];
-            offset[row] = (offset[row] - dot(&own[1..], &offset[row + 1..])) / own[0];
-        }
-    }
-
-    /// Solves (1/K + C) [Z, x] = [ā, r] in `response` and `offset`, in place.
-    fn eliminate(&mut self) {
-        let (size, width) = (self.pressed.len(), self.columns.len());
-        let Block { factor, response, offset, .. } = self;
-        for row in 0..size {
-            let (done, rest) = factor.split_at_mut((row + 1) * size);
-            let own = &mut done[row * size + row..];
-            let scale = 1.0 / own[0].max(f64::MIN_POSITIVE).sqrt();
-            own.iter_mut().for_each(|entry| *entry *= scale);
-            let (done, below) = response.split_at_mut((row + 1) * width);
-            let of_row = &mut done[row * width..];
-            of_row.iter_mut().for_each(|entry| *entry *= scale);
-            offset[row] *= scale;
-            for other in row + 1..size {
-                let share = own[other - row];
-                take_off(&mut rest[(other - row - 1) * size + other..][..size - other], share, &own[other - row..]);
-                take_off(&mut below[(other - row - 1) * width..][..width], share, of_row);
-                offset[other] -= share * offset[row];
-            }
-        }
-        for row in (0..size).rev() {
-            let own = &factor[row * size + row..][..size - row];
-            let (above, below) = response.split_at_mut((row + 1) * width);
-            let of_row = &mut above[row * width..];
-            for (other, share) in own[1..].iter().enumerate() {
-                take_off(of_row, *share, &below[other * width..][..width]);
-            }
-            let scale = 1.0 / own[0];
-            of_row.iter_mut().for_each(|entry| *entry *= scale);
-            offset[row] = scale * (offset[row] - dot(&own[1..], &offset[row + 1..]));
-        }
+    /// (1/K + C)⁻¹ ā d of one place.
+    fn along(&self, row: usize, step: &[f64]) -> f64 {
+        let columns = self.columns.iter().enumerate();
+        columns.map(|(at, column)| self.response[at * self.pressed.len() + row] * step[*column]).sum()
     }
 }

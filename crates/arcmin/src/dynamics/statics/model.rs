@@ -141,9 +141,11 @@ impl Model {
                 return Some(Solution { is_inside, is_whole, residual });
             }
             // Where forces push along other ways than the gaps' no energy tells whether the model is convex.
-            if self.convex.is_none() && !look.contacts.has_friction {
+            let is_new = self.convex.is_none() && !look.contacts.has_friction;
+            if is_new {
                 self.convexify(system, look);
-            } else {
+            }
+            if !is_new || self.convex.is_none() {
                 bounds.proximal *= GROWTH.0;
             }
         }
@@ -234,7 +236,9 @@ impl Model {
     fn convexify<S: System>(&mut self, system: &S, look: &Look) {
         self.go_back(look);
         self.newton.copy_from_slice(&self.left);
-        self.assemble(system, look);
+        if self.assemble(system, look).is_none() {
+            return;
+        }
         let (n, scale, tangent) = (self.scale.len(), &self.scale, &self.matrix);
         let scaled = nalgebra::DMatrix::from_fn(n, n, |i, j| {
             0.5 * (tangent.stiffness(i, j) + tangent.stiffness(j, i)) * scale[i] * scale[j]
@@ -252,7 +256,7 @@ impl Model {
     }
 
     /// Matrix of a Newton step from `moved`, without what holds steps back, and in `newton` its right-hand side.
-    fn assemble<S: System>(&mut self, system: &S, look: &Look) {
+    fn assemble<S: System>(&mut self, system: &S, look: &Look) -> Option<()> {
         let Model { matrix, contacts, stiffness, compliance, newton, moved, convex, .. } = self;
         let all = &look.contacts;
         matrix.copy_stiffness(convex.as_ref().unwrap_or(&look.smooth));
@@ -278,7 +282,7 @@ impl Model {
                 matrix.add_outer(&support.index, &along, &along, stiffness);
             }
         }
-        compliance.condense(system, all, stiffness, matrix, newton);
+        compliance.condense(system, all, stiffness, matrix, newton)
     }
 
     /// Semismooth Newton method with an exact line search: the slope along a step falls steadily where the model is
@@ -301,7 +305,8 @@ impl Model {
             self.newton_step(system, look, bounds)?;
             let slope = |model: &Model, share: f64| {
                 let places = model.compliance.places.iter();
-                let elastic = places.map(|at| (at.unbalanced - share * at.more_load) * at.change).sum::<f64>();
+                let elastic =
+                    places.map(|at| (at.unbalanced - share * at.more_load) * at.change).sum::<f64>();
                 dot(&model.left, &model.newton) + elastic
             };
             let first = slope(self, 0.0);
@@ -334,7 +339,7 @@ impl Model {
     /// One Newton step d in `newton`, with the change of the forces on elastic bodies and of every gap.
     fn newton_step<S: System>(&mut self, system: &S, look: &Look, bounds: &Bounds) -> Option<()> {
         self.newton.copy_from_slice(&self.left);
-        self.assemble(system, look);
+        self.assemble(system, look)?;
         let Model { matrix, newton, scale, moved, contacts, compliance, .. } = self;
         for (i, (d, scale)) in moved.iter().zip(scale.iter()).enumerate() {
             matrix.add_stiffness(i, i, bounds.stiffness(*scale, *d));
