@@ -556,23 +556,26 @@ impl DenseLinearisation {
         }
     }
 
-    /// Solves K x = rhs in place for a symmetric K by Cholesky's factorisation, of which it reads the lower half.
+    /// Solves K x = rhs in place for a symmetric K by Cholesky's factorisation UᵀU, of which it reads the upper half.
     /// `false`, and `rhs` unchanged, where K is not positive definite.
     pub fn solve_positive(&mut self, rhs: &mut [f64]) -> bool {
         let (n, a) = (self.size, &mut self.work);
         a.copy_from_slice(&self.stiffness);
         for i in 0..n {
-            let (above, below) = a.split_at_mut(i * n);
-            let row = &mut below[..n];
-            for j in 0..i {
-                let other = &above[j * n..][..=j];
-                row[j] = (row[j] - dot(&other[..j], &row[..j])) / other[j];
-            }
-            let pivot = row[i] - dot(&row[..i], &row[..i]);
-            if !(pivot > 0.0) {
+            let (done, rest) = a.split_at_mut((i + 1) * n);
+            let own = &mut done[i * n + i..];
+            if !(own[0] > 0.0) {
                 return false;
             }
-            row[i] = pivot.sqrt();
+            let scale = 1.0 / own[0].sqrt();
+            own.iter_mut().for_each(|entry| *entry *= scale);
+            for (row, other) in rest.chunks_exact_mut(n).zip(i + 1..) {
+                let share = own[other - i];
+                if share != 0.0 {
+                    let entries = row[other..].iter_mut().zip(&own[other - i..]);
+                    entries.for_each(|(entry, of_own)| *entry -= share * of_own);
+                }
+            }
         }
         self.solve_positive_again(rhs);
         true
@@ -582,14 +585,14 @@ impl DenseLinearisation {
     pub fn solve_positive_again(&self, rhs: &mut [f64]) {
         let (n, a) = (self.size, &self.work);
         for row in 0..n {
-            let entries = &a[row * n..][..=row];
-            rhs[row] = (rhs[row] - dot(&entries[..row], &rhs[..row])) / entries[row];
+            let entries = &a[row * n + row..][..n - row];
+            let x = rhs[row] / entries[0];
+            rhs[row] = x;
+            rhs[row + 1..].iter_mut().zip(&entries[1..]).for_each(|(rhs, entry)| *rhs -= x * entry);
         }
         for row in (0..n).rev() {
-            let entries = &a[row * n..][..=row];
-            let x = rhs[row] / entries[row];
-            rhs[row] = x;
-            rhs[..row].iter_mut().zip(entries).for_each(|(rhs, entry)| *rhs -= x * entry);
+            let entries = &a[row * n + row..][..n - row];
+            rhs[row] = (rhs[row] - dot(&entries[1..], &rhs[row + 1..])) / entries[0];
         }
     }
 
