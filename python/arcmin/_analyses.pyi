@@ -174,7 +174,7 @@ class WearResult(Result):
     @property
     def runs_away_h(self) -> Any: ...
     @property
-    def tolerance(self) -> Any: ...
+    def depth_increment_um(self) -> Any: ...
     @property
     def hours_to_50_um(self) -> Any: ...
     @property
@@ -202,7 +202,7 @@ def wear(
     mode: Literal["coupled", "tao2024"] = "coupled",
     hours: float | None = None,
     points: int = 30,
-    tolerance: float = 0.01,
+    increment_um: float = 0.8,
     progress: Progress = None,
     threads: int | None = None,
 ) -> WearResult: ...

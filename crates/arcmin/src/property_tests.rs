@@ -146,6 +146,7 @@ proptest! {
             let options = CoupledOptions {
                 flank_points: 360,
                 crank_positions: 8,
+                depth_increment: 0.2 * UM,
                 ..CoupledOptions::default()
             };
             let mut wear = CoupledWear::new(&machine, options);

@@ -120,7 +120,7 @@ fn lost_motion_on_the_bench_passes_through_zero_without_a_jump() {
 #[test]
 fn deep_grooves_of_the_pins_leave_every_balance() {
     let machine = design("four_discs_wearing_pins").machine();
-    let options = CoupledOptions::default();
+    let options = CoupledOptions { depth_increment: 0.8e-6, ..CoupledOptions::default() };
     let joints = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
     let exposure = coupled_exposure(&machine, joints.clone(), options).unwrap();
     let mut wear = CoupledWear::with(&machine, joints, options);
@@ -184,7 +184,10 @@ fn causes_add_up_where_a_pin_stands_at_a_jump() {
 fn causes_add_up_on_an_edge() {
     let machine = design("worn_pins_on_an_edge").machine();
     let fidelity = Fidelity { joints: Joints::Bearings, ..Fidelity::ideal() };
-    let prediction = predict(&machine, &fidelity, LifeOptions::default(), &Silent, |_| ()).unwrap();
+    // The steps by which its surfaces reach that edge.
+    let wear = CoupledOptions { approach_share: f64::INFINITY, ..CoupledOptions::default() };
+    let options = LifeOptions { wear, ..LifeOptions::default() };
+    let prediction = predict(&machine, &fidelity, options, &Silent, |_| ()).unwrap();
     for point in &prediction.points {
         let split = point.causes.unwrap().lost_motion;
         assert!(split.residual().abs() <= 1e-3 * split.whole, "{} h: {split:?}", point.hours());

@@ -279,8 +279,8 @@ mod tests {
         assert!(wavy.2 > 10.0 * MPA && plain.2 < 0.01 * plain.0, "{plain:?} {wavy:?}");
     }
 
-    /// Little torque on wide flanks: the steps of the wear go with what contacts give way, so that its
-    /// waves do not decide which pins carry. A tenth of the tolerance leaves the largest force.
+    /// Little torque on wide flanks: the increments of the wear go with what contacts give way, so that its
+    /// waves do not decide which pins carry. Steps four times as small leave the largest force.
     #[test]
     fn forces_of_a_lightly_loaded_machine_do_not_hang_on_increments() {
         let mut machine = crate::templates::tao2024();
@@ -293,8 +293,9 @@ mod tests {
             at(&machine, &fidelity, &course.state(), 72).0
         };
         let usual = CoupledOptions::default();
-        let fine = CoupledOptions { tolerance: 0.1 * usual.tolerance, ..usual };
-        let (coarse, fine) = (after(usual), after(fine));
+        let [increment, share] = usual.few_places;
+        let (coarse, fine) =
+            (after(usual), after(CoupledOptions { few_places: [0.1 * increment, 0.1 * share], ..usual }));
         let off = (coarse.pushed.force / fine.pushed.force - 1.0).abs();
         assert!(off < 0.08, "{coarse:?} {fine:?}");
         assert!(coarse.pushed.meshing_angle.abs() < 180.0 * DEG);

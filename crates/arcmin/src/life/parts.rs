@@ -344,7 +344,7 @@ mod tests {
     fn worn_pins_and_parts_leave_every_balance_exact() {
         let mut machine = with_laws();
         machine.wear.pin_ratio = 1.0;
-        let options = CoupledOptions::default();
+        let options = CoupledOptions { depth_increment: 0.25 * UM, ..CoupledOptions::default() };
         let exposure = machine.coupled_exposure(options).unwrap();
         let mut parts =
             PartsFollower::with(&machine, BearingMeshing::new(&machine, &JointSettings::default()).unwrap());

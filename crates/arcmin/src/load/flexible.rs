@@ -324,7 +324,8 @@ mod tests {
         // Contacts alike in all three: what differs is the disc.
         let machine =
             Machine { contact_law: crate::contact::ContactLaw::Linear { stiffness: 2.85e8 }, ..machine };
-        let options = CoupledOptions { crank_positions: 13, ..CoupledOptions::default() };
+        let options =
+            CoupledOptions { crank_positions: 13, depth_increment: 4e-7, ..CoupledOptions::default() };
         let exposure = machine.coupled_exposure(options).unwrap().at(1000.0 * crate::units::HOUR);
         let meshing = |factor: f64| {
             let stiff = reduced.stiffened(factor);

@@ -8,7 +8,7 @@ use crate::machine::{CrankAngle, Kinematics, OutputAngle, OutputForces, PartWear
 /// life are written against this.
 pub trait ShareLoad: Send + Sync {
     /// A solution, kept for where a neighbouring one may start.
-    type Start: Clone + Send + Sync + std::fmt::Debug;
+    type Start: Clone + Send + Sync;
 
     fn kinematics(&self) -> &Kinematics;
 

@@ -1,7 +1,8 @@
 //! Calibration of the wear coefficient on observed depths or lost motion.
 
+use super::Exposure;
+use super::WearError;
 use super::coupled::{CoupledOptions, CoupledWear};
-use super::{Exposure, WearError, curve};
 use crate::geometry::Relief;
 use crate::load::{ShareLoad, lost_motion};
 use crate::machine::{Machine, RunningIn, WearCoefficient};
@@ -59,7 +60,8 @@ impl WearCurve {
         with_lost_motion: bool,
         mut enough: impl FnMut(f64, f64, f64) -> bool,
     ) -> Result<WearCurve, WearError> {
-        let mut wear = CoupledWear::with(machine, meshing, options).on_clock(clock).at_any_play();
+        let mut wear =
+            CoupledWear::with(machine, meshing, options.for_curves()).on_clock(clock).at_any_play();
         // As long as the wear itself, for those who ask for it.
         let lost = |wear: &mut CoupledWear<'_, S>| match with_lost_motion {
             true => {
@@ -101,7 +103,9 @@ impl WearCurve {
             Observed::Depth(_) => &self.depths,
             Observed::LostMotionIncrease(_) => &self.lost_motions,
         };
-        curve::read(&self.exposures, values, exposure)
+        let right = self.exposures.partition_point(|x| *x < exposure).clamp(1, self.exposures.len() - 1);
+        let t = (exposure - self.exposures[right - 1]) / (self.exposures[right] - self.exposures[right - 1]);
+        values[right - 1] + t * (values[right] - values[right - 1])
     }
 
     fn last(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! Wear coupled to the load sharing: the worn flank moves the load, the load moves the wear.
 
-use super::integrator::Integrator;
+use super::deposit::FlankArc;
+use super::smoothing::ContactAverage;
 use super::{Exposure, WearError};
 use crate::geometry::Relief;
 use crate::load::closed_form::first_max_force;
@@ -11,9 +12,11 @@ use crate::units::UM;
 
 mod rates;
 mod snapshot;
+mod stiff;
 
-use rates::Removal;
+use rates::Rates;
 pub use snapshot::WearSnapshot;
+use stiff::Stiffness;
 
 /// Numerical choices of the coupled prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,21 +25,51 @@ pub struct CoupledOptions {
     pub flank_points: usize,
     /// Points on the circumference of a pin.
     pub pin_points: usize,
-    /// Crank positions per pin pitch at which rates are looked at together.
+    /// Crank positions per pin pitch at each update of the flank.
     pub crank_positions: usize,
-    /// Error of one step over the sum of the depth reached and of the approach of the hardest loaded contact: what
-    /// is small against the one does not change how far the machine has worn, against the other which pins carry.
+    /// Largest increment of the depth per update in m, in place of a longer one that the tolerance allows.
+    pub depth_increment: f64,
+    /// The same as a share of the depth reached, where that is more.
+    pub increment_share: f64,
+    /// By how much Euler's and Heun's method may differ after an update, anywhere, in m. It is the error of the
+    /// former; that of the latter, which is taken, is smaller.
     pub tolerance: f64,
+    /// Largest increment where it takes many pitches to repeat, in m and as a share of the depth reached: an update then
+    /// sees few of the places, and larger ones leave waves on the flank (their least curvature and the need of more
+    /// positions are tested).
+    pub few_places: [f64; 2],
+    /// The same as a share of the approach of the hardest loaded contact, which is small where little load meets wide
+    /// flanks: waves that are a part of what contacts give way decide which pins carry.
+    pub approach_share: f64,
 }
 
 impl Default for CoupledOptions {
     fn default() -> CoupledOptions {
-        CoupledOptions { flank_points: 720, pin_points: 1440, crank_positions: 15, tolerance: TOLERANCE }
+        CoupledOptions {
+            flank_points: 720,
+            pin_points: 1440,
+            crank_positions: 15,
+            depth_increment: 0.8 * UM,
+            increment_share: 0.01,
+            tolerance: 0.06 * UM,
+            few_places: [0.08 * UM, 0.02],
+            approach_share: 0.15,
+        }
     }
 }
 
-/// By which depth and play stay within 0.2 % and 1 % of what a tenth of it gives (tested).
-pub(crate) const TOLERANCE: f64 = 0.01;
+impl CoupledOptions {
+    /// For a computation whose updates are the points of a curve that is read by straight lines: so close that
+    /// the lines leave less than the updates.
+    pub(super) fn for_curves(self) -> CoupledOptions {
+        CoupledOptions { depth_increment: self.depth_increment.min(0.08 * UM), increment_share: 0.05, ..self }
+    }
+}
+
+fn runs_away(exposure: f64, depth: f64) -> WearError {
+    WearError::RunsAway { exposure, depth_um: depth / UM }
+}
+
 /// Depth over pin radius at which flank or pin are gone.
 pub(crate) const WORN_OUT: f64 = 0.25;
 /// Times the limit of lost motion, of `LEAST_LIMIT` at least, that the flanks alone open in a machine past
@@ -44,9 +77,18 @@ pub(crate) const WORN_OUT: f64 = 0.25;
 const PAST_USE: f64 = 10.0;
 /// rad; a tighter limit is a wish of the application and does not say what a machine can go on with.
 const LEAST_LIMIT: f64 = crate::units::ARCMIN;
-/// Depth over pin radius from which on a load sharing that is not found means that wear has run away, and not that
-/// the balance is at fault.
+/// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
 const RUN_AWAY: f64 = 0.02;
+/// The tolerance as a share of the depth reached, which takes over beyond 30 µm.
+const TOLERANCE_SHARE: f64 = 2e-3;
+/// An increment is never less than this share of the depth reached for the sake of lightly loaded contacts.
+const LIGHT_DEPTH_SHARE: f64 = 2e-3;
+/// The first update takes off this much at most, in m: no error of a step is known yet.
+const FIRST_INCREMENT: f64 = 0.08 * UM;
+/// Updates by the midpoint between two of Heun's method, which alone tells its error.
+const UNCHECKED_UPDATES: usize = 5;
+/// A step that takes off less than this, in m, is not made smaller where its error is too large.
+const LEAST_INCREMENT: f64 = 0.01 * UM;
 
 /// Depth in m of flank or pin at which a machine is past any use: a quarter of the pin's radius is gone, or
 /// the flanks have opened `PAST_USE` times the limit of lost motion. A depth h off both flanks lets the output
@@ -69,13 +111,44 @@ fn hardest_approach(machine: &Machine) -> f64 {
 /// The running computation: advance it in exposure and read snapshots.
 #[derive(Debug)]
 pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
-    removal: Removal<'a, S>,
-    integrator: Integrator,
+    machine: &'a Machine,
+    options: CoupledOptions,
+    law: Box<dyn LocalRate>,
+    /// Which time belongs to an exposure; only laws that depend on time need it.
+    clock: Option<Exposure>,
+    arc: FlankArc,
+    average: ContactAverage,
+    meshing: S,
+    designed: Relief,
     state: WearSnapshot,
     /// Depth in m at which the machine is past any use.
     past_use: f64,
-    /// Exposure at which it was reached.
-    end: Option<f64>,
+    /// Approach in m of the hardest loaded contact of the new machine, by the closed form.
+    approach: f64,
+    updates: usize,
+    /// Exposure of the next update as the last one would have it.
+    step: Option<f64>,
+    /// Where the next update may go by the midpoint.
+    recent: Option<Recent>,
+    /// Where the next update may go by many looks.
+    stiffness: Option<Stiffness>,
+    /// Sets of crank positions used up: no two looks of different updates meet the same.
+    places: usize,
+    /// Last solution per duty row and crank position: where the next one starts.
+    starts: Vec<Option<S::Start>>,
+}
+
+/// What the last update leaves to one by the midpoint.
+#[derive(Debug)]
+struct Recent {
+    rates: Rates,
+    /// Updates that need no look at their error.
+    unchecked: usize,
+}
+
+/// One step of `wanted`, or the first of equal ones to the end where one of two would be tiny.
+fn equal_last_steps(left: f64, wanted: f64) -> f64 {
+    if left > 2.0 * wanted { wanted } else { (left / (left / wanted).ceil()).min(left) }
 }
 
 impl<'a> CoupledWear<'a> {
@@ -88,43 +161,64 @@ impl<'a> CoupledWear<'a> {
 impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     /// With the joints of `meshing`, whose flanks and pins become those of the new machine.
     pub fn with(machine: &'a Machine, meshing: S, options: CoupledOptions) -> CoupledWear<'a, S> {
-        let removal = Removal::new(machine, meshing, options);
+        let discs = if meshing.discs_alike() { 1 } else { machine.disc_count };
+        // Pins that do not wear need no surface each.
+        let pins = if meshing.discs_alike() || machine.wear.pin_ratio == 0.0 {
+            1
+        } else {
+            discs * machine.ring.pin_count
+        };
+        let state = WearSnapshot::unworn(&options, discs, pins);
+        let profile = machine.profile();
+        let arc = FlankArc::new(&profile, options.flank_points);
         CoupledWear {
-            state: removal.surfaces(0.0, &vec![0.0; removal.count()]),
-            integrator: Integrator::new(removal.count()),
-            removal,
+            average: ContactAverage::new(machine, &profile, &arc, options.pin_points),
+            arc,
+            meshing,
+            designed: machine.designed_relief(),
+            starts: vec![None; machine.duty.len() * options.crank_positions],
+            law: machine.wear.law.local_rate(),
+            clock: None,
+            machine,
+            options,
+            state,
             past_use: depth_past_use(machine),
-            end: None,
+            approach: hardest_approach(machine),
+            updates: 0,
+            step: None,
+            recent: None,
+            stiffness: None,
+            places: 0,
         }
     }
 
     /// Goes on until flank or pin are gone, whatever play that leaves: for depths that were measured.
     pub(super) fn at_any_play(mut self) -> Self {
-        self.past_use = WORN_OUT * self.removal.machine.ring.pin_radius;
+        self.past_use = WORN_OUT * self.machine.ring.pin_radius;
         self
     }
 
     /// With the time that belongs to every exposure. Laws that depend on time need it, others take no notice.
     pub fn on_clock(mut self, clock: &Exposure) -> Self {
-        self.removal.clock = Some(*clock);
+        self.clock = Some(*clock);
         self
     }
 
     /// With a law of the caller's own in place of the machine's.
     pub fn with_law(mut self, law: Box<dyn LocalRate>) -> Self {
-        self.removal.law = law;
+        self.law = law;
         self
     }
 
     /// The joints, with the surfaces reached.
     pub fn meshing_mut(&mut self) -> &mut S {
-        self.state.put_on(&self.removal.designed, &mut self.removal.meshing);
-        &mut self.removal.meshing
+        self.state.put_on(&self.designed, &mut self.meshing);
+        &mut self.meshing
     }
 
-    /// Replaces what bearings and gears have lost, for joints that know of it, from the next step on.
+    /// Replaces what bearings and gears have lost, for joints that know of it.
     pub fn set_part_wear(&mut self, wear: &PartWear) {
-        self.removal.meshing.set_part_wear(wear);
+        self.meshing.set_part_wear(wear);
     }
 
     /// Surfaces reached.
@@ -132,32 +226,19 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         &self.state
     }
 
-    /// Steps done so far.
+    /// Updates of the flank done so far.
     pub fn updates(&self) -> usize {
-        self.integrator.steps()
+        self.updates
     }
 
-    /// Rates of all surfaces found so far: the measure of the effort.
-    pub fn evaluations(&self) -> usize {
-        self.removal.evaluations
-    }
-
-    /// Mean depth that the flanks lose per unit of exposure at these surfaces, in m per s/Pa.
+    /// Advances to the exposure `target` (s/Pa) by Heun's method, each step as long as its difference from
+    /// Euler's lets it be. Where the places that an update sees bind the step, five in six updates go by the midpoint
+    /// to which the rates of the last one lead, with one look at the contacts in place of two. Where contacts
+    /// that fit closely bind it, five in six are long steps of many looks. Where nothing wears (no torque, no
+    /// speed), the surfaces stay as they are.
     ///
     /// # Errors
-    /// [`WearError`] when a load sharing fails.
-    pub(crate) fn mean_rate(&mut self, state: &WearSnapshot) -> Result<f64, WearError> {
-        let rates = self.removal.rates_on(state, 0)?;
-        let count = self.removal.flank_places();
-        Ok(rates[..count].iter().sum::<f64>() / count as f64)
-    }
-
-    /// Advances to the exposure `target` (s/Pa). Steps are as long as their error lets them be, wherever the target
-    /// is; the state there is read between their ends. Where nothing wears (no torque, no speed), the surfaces stay
-    /// as they are.
-    ///
-    /// # Errors
-    /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] where flank or pin have lost
+    /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost
     /// `depth_past_use`, or more than `RUN_AWAY` of the pin's radius and no load sharing is found any more.
     /// The state is then the last one that held.
     pub fn advance_to(&mut self, target: f64) -> Result<(), WearError> {
@@ -165,7 +246,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
     }
 
     /// Advances until `done` says so or the exposure `target` is reached; `done` sees the state after each
-    /// step, the last of which may end beyond the target.
+    /// update.
     ///
     /// # Errors
     /// As [`CoupledWear::advance_to`].
@@ -175,74 +256,129 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         mut done: impl FnMut(&WearSnapshot) -> bool,
     ) -> Result<(), WearError> {
         while self.state.exposure < target {
-            let reached = self.end.unwrap_or(self.integrator.exposure());
-            if target <= reached {
-                self.state = self.at(target);
-                break;
-            }
-            if self.end.is_some() {
-                self.state = self.at(reached);
-                return Err(self.runs_away());
-            }
-            match self.integrator.advance(&mut self.removal) {
-                Ok(true) => {}
-                // An endless way to a depth that is never reached is another matter.
-                Ok(false) if self.integrator.steps() == 0 && target == f64::MAX => {
-                    return Err(WearError::NoWear);
-                }
-                // No speed, no torque, or a law with a threshold that no pressure exceeds any more.
-                Ok(false) => {
-                    self.integrator.rest_until(target);
-                    continue;
-                }
-                Err(error) => {
-                    self.state = self.at(reached);
-                    let worn_out = self.depth(reached) > RUN_AWAY * self.removal.machine.ring.pin_radius;
-                    let lost = matches!(error, WearError::Load(_)) && worn_out;
-                    return Err(if lost { self.runs_away() } else { error });
-                }
-            }
-            self.look_for_the_end();
-            let state = self.at(self.end.unwrap_or(self.integrator.exposure()));
-            if done(&state) {
-                self.state = state;
+            let wears = self.update(target)?;
+            if done(&self.state) || !wears {
                 break;
             }
         }
         Ok(())
     }
 
-    /// State at an exposure within the last step.
-    fn at(&self, exposure: f64) -> WearSnapshot {
-        self.removal.surfaces(exposure, &self.integrator.at(exposure))
-    }
-
-    fn depth(&self, exposure: f64) -> f64 {
-        largest(&self.integrator.at(exposure))
-    }
-
-    fn runs_away(&self) -> WearError {
-        let exposure = self.state.exposure;
-        WearError::RunsAway { exposure, depth_um: self.depth(exposure) / UM }
-    }
-
-    /// Where the last step has gone past any use, if it has.
-    fn look_for_the_end(&mut self) {
-        if largest(self.integrator.depths()) <= self.past_use {
-            return;
+    /// One update of the surfaces, to `target` at most; `false` when nothing wears, which leaves them as they are.
+    fn update(&mut self, target: f64) -> Result<bool, WearError> {
+        let before = self.state.clone();
+        let depth = before.flank().deepest().0.max(before.pin().deepest().0);
+        if depth > self.past_use {
+            return Err(runs_away(before.exposure, depth));
         }
-        let (mut low, mut high) = (self.integrator.exposure_before(), self.integrator.exposure());
-        // To rounding.
-        for _ in 0..f64::MANTISSA_DIGITS {
-            let middle = 0.5 * (low + high);
-            if self.depth(middle) > self.past_use { high = middle } else { low = middle }
+        let quick = self
+            .update_by_midpoint(&before, depth, target)
+            .or_else(|| self.update_by_many_looks(&before, depth, target));
+        let step = match quick {
+            None => self.update_by_heun(&before, depth, target)?,
+            step => step,
+        };
+        let Some(step) = step else { return Ok(false) };
+        if target - before.exposure - step < 1e-12 * target {
+            self.state.exposure = target;
         }
-        self.end = Some(high);
+        self.updates += 1;
+        self.places += 1;
+        Ok(true)
     }
-}
 
-fn largest(depths: &[f64]) -> f64 {
-    depths.iter().copied().fold(0.0, f64::max)
+    /// The update by the rates halfway, where those of the last update lead; `None` where its error is due to be
+    /// looked at, or no load sharing is found there: Heun's method tries shorter steps.
+    fn update_by_midpoint(&mut self, before: &WearSnapshot, depth: f64, target: f64) -> Option<f64> {
+        let Recent { rates: last, unchecked } = self.recent.take()?;
+        let largest = last.largest();
+        if unchecked == 0 || !(largest > 0.0) {
+            return None;
+        }
+        let step = equal_last_steps(target - before.exposure, self.wanted_step(depth, largest));
+        let halfway = self.advanced(before, &[(&last, 0.5 * step)]);
+        let rates = self.rates(&halfway).ok()?;
+        self.state = self.advanced(before, &[(&rates, step)]);
+        self.recent = Some(Recent { rates, unchecked: unchecked - 1 });
+        Some(step)
+    }
+
+    /// The update by Heun's method, which knows its error; `None` when nothing wears.
+    fn update_by_heun(
+        &mut self,
+        before: &WearSnapshot,
+        depth: f64,
+        target: f64,
+    ) -> Result<Option<f64>, WearError> {
+        let pin_radius = self.machine.ring.pin_radius;
+        let lost = |error: WearError| match error {
+            WearError::Load(_) if depth > RUN_AWAY * pin_radius => runs_away(before.exposure, depth),
+            error => error,
+        };
+        let first = self.rates(before).map_err(&lost)?;
+        let largest = first.largest();
+        if !(largest > 0.0) {
+            // An endless way to a depth that is never reached is another matter.
+            if self.updates == 0 && target == f64::MAX {
+                return Err(WearError::NoWear);
+            }
+            // No speed, no torque, or a law with a threshold that no pressure exceeds any more.
+            self.state.exposure = target;
+            return Ok(None);
+        }
+        let wanted = self.wanted_step(depth, largest);
+        let planned = equal_last_steps(target - before.exposure, wanted);
+        let mut step = planned;
+        let tolerance = self.options.tolerance.max(TOLERANCE_SHARE * depth);
+        let (second, error) = loop {
+            let predicted = self.advanced(before, &[(&first, step)]);
+            let may_shrink = step * largest > LEAST_INCREMENT;
+            match self.rates(&predicted) {
+                Err(WearError::Load(_)) if may_shrink => step *= 0.25,
+                Err(error) => return Err(lost(error)),
+                Ok(second) => {
+                    let error = 0.5 * step * first.largest_difference(&second);
+                    if !(error > 2.0 * tolerance && may_shrink) {
+                        break (second, error);
+                    }
+                    step *= (0.9 * (tolerance / error).sqrt()).max(0.2);
+                }
+            }
+        };
+        self.state = self.advanced(before, &[(&first, 0.5 * step), (&second, 0.5 * step)]);
+        let growth = 0.9 * (tolerance / error).sqrt();
+        let next = step * growth.clamp(0.3, 2.0);
+        // A step cut short by the target says nothing against a longer one.
+        self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
+        let bound = self.largest_increment(depth) / largest;
+        let taken = Rates::sum(&[(&first, 0.5), (&second, 0.5)]).largest();
+        self.look_for_stiffness(depth, self.wanted_step(depth, largest), taken);
+        // Not the error, but the places that an update sees.
+        if self.meshing.pitches() > 1 && step * growth > bound {
+            self.recent = Some(Recent { rates: second, unchecked: UNCHECKED_UPDATES });
+        }
+        Ok(Some(step))
+    }
+
+    /// Exposure of the next update, where the last one and the largest increment have their way.
+    fn wanted_step(&self, depth: f64, largest: f64) -> f64 {
+        let step = self.step.unwrap_or(FIRST_INCREMENT / largest);
+        step.min(self.largest_increment(depth) / largest)
+    }
+
+    /// Largest increment of an update where the deepest place has lost `depth`, both in m.
+    fn largest_increment(&self, depth: f64) -> f64 {
+        let most = self.options.depth_increment.max(self.options.increment_share * depth);
+        if self.meshing.pitches() > 1 {
+            let [increment, share] = self.options.few_places;
+            let light = (self.options.approach_share * self.approach)
+                .max(LIGHT_DEPTH_SHARE * depth)
+                .max(LEAST_INCREMENT);
+            most.min(increment.max(share * depth)).min(light)
+        } else {
+            most
+        }
+    }
 }
 
 impl Machine {

@@ -12,6 +12,18 @@ fn meshing(machine: &Machine, errors: &ManufacturingErrors) -> BearingMeshing {
         .unwrap()
 }
 
+/// Coarser steps than the default: these tests compare like with like.
+const COARSE: CoupledOptions = CoupledOptions {
+    flank_points: 720,
+    pin_points: 1440,
+    crank_positions: 15,
+    depth_increment: 0.2e-6,
+    increment_share: 0.01,
+    tolerance: 0.01e-6,
+    few_places: [0.08 * UM, 0.02],
+    approach_share: 0.15,
+};
+
 fn worn(
     machine: &Machine,
     errors: &ManufacturingErrors,
@@ -39,8 +51,8 @@ fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
     modified.ring.pin_circle_radius += 2.0 * UM;
     modified.disc.modification.radial_offset -= 2.0 * UM;
     let (made, cut) = (
-        worn(&machine, &errors, CoupledOptions::default(), 600.0),
-        worn(&modified, &ManufacturingErrors::default(), CoupledOptions::default(), 600.0),
+        worn(&machine, &errors, COARSE, 600.0),
+        worn(&modified, &ManufacturingErrors::default(), COARSE, 600.0),
     );
     let depth = cut.flank().deepest().0;
     assert_eq!(made.flanks.len(), 1);
@@ -50,7 +62,7 @@ fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
         difference(made.flank(), cut.flank())
     );
     // Which is not that of the machine without errors.
-    let nominal = worn(&machine, &ManufacturingErrors::default(), CoupledOptions::default(), 600.0);
+    let nominal = worn(&machine, &ManufacturingErrors::default(), COARSE, 600.0);
     assert!(
         difference(nominal.flank(), cut.flank()) > 0.02 * depth,
         "{:e} of {depth:e}",
@@ -70,8 +82,8 @@ fn a_flank_per_disc_agrees_with_the_common_one() {
         ..ManufacturingErrors::default()
     };
     let (each, common) = (
-        worn(&machine, &nothing, CoupledOptions::default(), 300.0),
-        worn(&machine, &ManufacturingErrors::default(), CoupledOptions::default(), 300.0),
+        worn(&machine, &nothing, COARSE, 300.0),
+        worn(&machine, &ManufacturingErrors::default(), COARSE, 300.0),
     );
     assert_eq!((each.flanks.len(), each.pins.len(), common.flanks.len(), common.pins.len()), (2, 80, 1, 1));
     let depth = common.flank().deepest().0;
@@ -97,7 +109,7 @@ fn val_a_displaced_pin_wears_by_its_own_load() {
     let mut pins = vec![PinError::default(); 8];
     pins[7].radial = -3.0 * UM;
     let errors = ManufacturingErrors { pins, ..ManufacturingErrors::default() };
-    let options = CoupledOptions { crank_positions: 240, ..CoupledOptions::default() };
+    let options = CoupledOptions { crank_positions: 240, ..COARSE };
     let mut wear = CoupledWear::with(&machine, meshing(&machine, &errors), options);
     let exposure = machine.coupled_exposure(options).unwrap().at(0.5 * HOUR);
     wear.advance_to(exposure).unwrap();

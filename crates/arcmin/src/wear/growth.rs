@@ -2,7 +2,7 @@
 
 use super::calibrate::LOST_MOTION_POSITIONS;
 use super::coupled::{CoupledOptions, CoupledWear};
-use super::{Exposure, WearError, curve};
+use super::{Exposure, WearError};
 use crate::load::{ShareLoad, lost_motion};
 use crate::machine::Machine;
 use crate::progress::Progress;
@@ -67,7 +67,8 @@ impl Growth {
         beyond: &Beyond,
         progress: &dyn Progress,
     ) -> Result<Growth, WearError> {
-        let mut wear = CoupledWear::with(machine, meshing, CoupledOptions::default()).on_clock(clock);
+        let mut wear =
+            CoupledWear::with(machine, meshing, CoupledOptions::default().for_curves()).on_clock(clock);
         let torque = machine.rated.torque;
         let lost = |wear: &mut CoupledWear<'_, S>| -> Result<f64, WearError> {
             Ok(lost_motion(wear.meshing_mut(), torque, LOST_MOTION_POSITIONS)?.radians())
@@ -148,6 +149,13 @@ impl Growth {
         &self.alone
     }
 
+    fn read(&self, values: &[f64], exposure: f64) -> f64 {
+        let right = self.exposures.partition_point(|x| *x < exposure).clamp(1, self.exposures.len() - 1);
+        let (a, b) = (self.exposures[right - 1], self.exposures[right]);
+        let t = ((exposure - a) / (b - a)).min(1.0);
+        values[right - 1] + t * (values[right] - values[right - 1])
+    }
+
     /// Whether the growth was followed to an exposure; what is read beyond it stands still.
     pub fn covers(&self, exposure: f64) -> bool {
         exposure <= self.last() * (1.0 + 1e-9)
@@ -155,12 +163,12 @@ impl Growth {
 
     /// Largest depth of a flank in m; beyond the end that of the end, see [`Growth::covers`].
     pub fn depth(&self, exposure: f64) -> f64 {
-        curve::read(&self.exposures, &self.depths, exposure)
+        self.read(&self.depths, exposure)
     }
 
     /// Increase of the lost motion since new in rad; beyond the end that of the end, see [`Growth::covers`].
     pub fn increase(&self, exposure: f64) -> f64 {
-        curve::read(&self.exposures, &self.increases, exposure)
+        self.read(&self.increases, exposure)
     }
 
     /// Either of them.
@@ -177,7 +185,10 @@ impl Growth {
         if increase <= 0.0 {
             return Some(0.0);
         }
-        curve::place(&self.exposures, &self.increases, increase)
+        let right = self.increases.iter().position(|value| *value >= increase)?;
+        let (a, b) = (self.increases[right - 1], self.increases[right]);
+        let t = (increase - a) / (b - a);
+        Some(self.exposures[right - 1] + t * (self.exposures[right] - self.exposures[right - 1]))
     }
 
     /// A growth given by points (exposure, depth, increase): how tests know the answer.

@@ -7,19 +7,17 @@
 
 pub mod calibrate;
 pub mod coupled;
-mod curve;
 mod deposit;
 mod error;
 mod exposure;
 mod growth;
-mod integrator;
 pub mod paper;
 pub mod parts;
 mod readings;
 mod smoothing;
 
+pub(crate) use coupled::depth_past_use;
 pub use coupled::{CoupledOptions, CoupledWear, WearSnapshot};
-pub(crate) use coupled::{TOLERANCE, depth_past_use};
 pub use deposit::FlankArc;
 pub use error::WearError;
 pub use exposure::Exposure;

@@ -72,16 +72,16 @@ impl ContactAverage {
     }
 
     pub fn flank(&self, depth: &Relief) -> Relief {
-        Relief::from_samples(self.on_flank(depth.samples()))
-    }
-
-    /// Depths of a flank averaged over the width of the contact, at its grid points.
-    pub fn on_flank(&self, depths: &[f64]) -> Vec<f64> {
+        let depths = depth.samples();
         let n = depths.len();
-        let average = |(first, weights): &(usize, Vec<f64>)| {
-            weights.iter().enumerate().map(|(k, w)| w * depths[(first + k) % n]).sum()
-        };
-        self.flank.iter().map(average).collect()
+        Relief::from_samples(
+            self.flank
+                .iter()
+                .map(|(first, weights)| {
+                    weights.iter().enumerate().map(|(k, w)| w * depths[(first + k) % n]).sum()
+                })
+                .collect(),
+        )
     }
 
     pub fn pin(&self, depth: &Relief) -> Relief {
@@ -89,11 +89,12 @@ impl ContactAverage {
             return depth.clone();
         }
         // Where the contact goes over from one shoulder to another, what it sees has an edge.
-        Relief::from_control_points(&self.reached(&self.on_pin(depth.samples())))
+        Relief::from_control_points(&self.reached(&self.averaged(depth)))
     }
 
-    /// Depths of a pin averaged over the width of the contact, at its grid points.
-    pub fn on_pin(&self, depths: &[f64]) -> Vec<f64> {
+    /// Depth of a pin averaged over the width of the contact, at its grid points.
+    fn averaged(&self, depth: &Relief) -> Vec<f64> {
+        let depths = depth.samples();
         let n = depths.len();
         let reach = self.pin.len() / 2;
         (0..n)
@@ -128,7 +129,7 @@ impl ContactAverage {
         if pin.is_zero() || pin.is_uniform() {
             return Vec::new();
         }
-        let (depths, seen) = (self.on_pin(pin.samples()), seen.samples());
+        let (depths, seen) = (self.averaged(pin), seen.samples());
         let n = depths.len();
         let cell = std::f64::consts::TAU * self.pin_radius / n as f64;
         let mut deepest_stand: Vec<f64> = seen.to_vec();

@@ -22,9 +22,11 @@ fn life(m: &Machine, options: CoupledOptions) -> CoupledWear<'_> {
 #[test]
 fn val_feedback_slows_the_wear_down() {
     let m = machine();
-    let wear = life(&m, CoupledOptions::default());
+    // As many updates as feedback at every place of the flank asks for.
+    let wear = life(&m, CoupledOptions { depth_increment: 0.08 * UM, ..CoupledOptions::default() });
     let (depth, angle) = wear.state().flank().deepest();
     let cycle = wear.state().meshing(&m).cycle(412.0, 12).unwrap();
+    assert!(wear.updates() >= 100, "{}", wear.updates());
     assert!((8.0..14.0).contains(&(depth / UM)), "{}", depth / UM);
     assert!((-70.0..-40.0).contains(&(angle / DEG)), "{}", angle / DEG);
     // The first touch moves towards the root, where nothing slides; the loaded flank sinks further.
@@ -84,7 +86,7 @@ fn initial_rate_agrees_with_archards_closed_form() {
 fn negative_torque_wears_the_other_flank() {
     let mut m = machine();
     m.duty[0].torque = -412.0;
-    let wear = life(&m, CoupledOptions::default());
+    let wear = life(&m, CoupledOptions { depth_increment: 0.5 * UM, ..CoupledOptions::default() });
     assert!(wear.state().flank().deepest().1 > 0.0);
 }
 
@@ -107,6 +109,7 @@ fn finer_steps_and_more_positions_change_little() {
     let reference_play = reference.state().meshing(&m).cycle(412.0, 12).unwrap().mean_play().arcmin();
     for finer in [
         CoupledOptions { tolerance: 0.1 * base.tolerance, ..base },
+        CoupledOptions { depth_increment: 0.05 * UM, ..base },
         CoupledOptions { crank_positions: 30, ..base },
         CoupledOptions { flank_points: 1440, ..base },
     ] {
@@ -210,8 +213,8 @@ fn places_leave_hardly_any_waves_in_random_machines() {
 }
 
 /// Machines that nobody has seen, with drawn errors, worn by some micrometres in their bearings: the flanks of steps
-/// and balances as they are against those at a tenth of the tolerance. What is left is the scatter of the places that
-/// the steps meet.
+/// and balances as they are against steps three times as fine at a tenth of the tolerance, which all go by Heun's
+/// method. What is left is the scatter of the places that the updates meet.
 #[test]
 fn steps_of_wear_hold_on_random_designs() {
     let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
@@ -221,7 +224,7 @@ fn steps_of_wear_hold_on_random_designs() {
         let settings = JointSettings { errors, ..JointSettings::default() };
         let joints = BearingMeshing::new(&machine, &settings).unwrap();
         let usual = CoupledOptions::default();
-        let fine = CoupledOptions { tolerance: 0.1 * usual.tolerance, ..usual };
+        let fine = CoupledOptions { tolerance: 0.1 * usual.tolerance, depth_increment: 0.03 * UM, ..usual };
         let mut usual = CoupledWear::with(&machine, joints.clone(), usual);
         usual.advance_until(f64::MAX, |state| state.flank().deepest().0 > 3.0 * UM).unwrap();
         let mut fine = CoupledWear::with(&machine, joints, fine);

@@ -46,9 +46,10 @@ impl WithElasticBodies {
 const INTERVALS: usize = 10;
 /// Crank positions of each; the largest force and pressure are looked at more closely anyway.
 const POSITIONS: usize = 18;
-/// Error of one step of the wear over depth and approach: a step with elastic bodies takes some twenty times as
-/// long, and hours of two digits need no more (tested).
-const JUDGED: f64 = 0.03;
+/// Largest increment of the depth, in m and as a share of the depth reached: an update with elastic bodies
+/// takes some twenty times as long, and hours of two digits need no more (tested).
+const INCREMENT: f64 = 0.4e-6;
+const INCREMENT_SHARE: f64 = 0.06;
 
 /// Whether bodies of both kinds are asked for: where the options name none, and somebody reads what is
 /// undecided.
@@ -90,7 +91,7 @@ fn judge(
     host: &dyn Host,
 ) -> Result<Judgement, AnalysisError> {
     let fidelity = Fidelity::resolve(design, words, host)?;
-    let wear = CoupledOptions { tolerance: JUDGED, ..CoupledOptions::default() };
+    let wear = CoupledOptions { few_places: [INCREMENT, INCREMENT_SHARE], ..CoupledOptions::default() };
     let settings = LifeOptions {
         wear,
         intervals: INTERVALS,

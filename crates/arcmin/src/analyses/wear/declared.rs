@@ -144,12 +144,8 @@ pub const SUMMARY: SummaryOf<Wear> = SummaryOf {
                  flanks alone open 20 times the limit of lost motion (of 1′ at least).",
             )
             .of(|o| o.runs_away.map(|end| end.hours).into()),
-            quantity(
-                "tolerance",
-                decimals(4),
-                "Error of one step of the wear over the sum of depth and approach.",
-            )
-            .of(|o| o.tolerance.into()),
+            quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")
+                .of(|o| (o.increment / UM).into()),
             quantity("hours_to_50_um", decimals(0), "Hours until 50 µm of uniform depth.")
                 .of(|o| o.hours_to_50_um.into()),
         ];

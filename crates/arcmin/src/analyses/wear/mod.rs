@@ -19,7 +19,6 @@ use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
 use crate::progress::Counter;
 use crate::units::{HOUR, UM};
-use crate::wear::TOLERANCE;
 use crate::wear::paper::PaperWear;
 use crate::wear::{CoupledOptions, Exposure, WearError};
 
@@ -44,8 +43,8 @@ options! {
         hours: Option<f64> => optional(0.0, 1e7),
         /// Times between new and the end at which results are written.
         points: usize => default(30.0, 1.0, 10_000.0),
-        /// Error of one step of the wear over the sum of the depth reached and of the elastic approach of a contact.
-        tolerance: f64 => default(TOLERANCE, 1e-5, 0.1),
+        /// Largest depth worn off between two updates of the flank; the elastic approach of a contact is about 1.5 µm.
+        increment_um: f64 => default(0.8, 1e-3, 10.0),
     }
 }
 
@@ -78,8 +77,7 @@ pub struct Wear {
     pub exposure: Exposure,
     /// Updates of the flank; 0 for the uniform depth.
     pub updates: usize,
-    /// Error of one step over depth and approach.
-    pub tolerance: f64,
+    pub increment: f64,
     /// Of the uniform depth: hours until 50 µm.
     pub hours_to_50_um: Option<f64>,
     /// Where wear ran away: the stations end before it.
@@ -154,7 +152,8 @@ fn coupled(
     host: &dyn Host,
 ) -> Result<Wear, AnalysisError> {
     let failed = || AnalysisError::wear("compute the wear");
-    let settings = CoupledOptions { tolerance: options.tolerance, ..CoupledOptions::default() };
+    let increment = options.increment_um * UM;
+    let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
     let mut course = Course::new(&machine, &fidelity, settings)?;
     let mut states = Vec::with_capacity(options.points + 1);
     let mut runs_away = None;
@@ -207,8 +206,7 @@ fn coupled(
         return Err(AnalysisError::Stopped);
     }
     let (mode, hours_to_50_um) = (Mode::Coupled, None);
-    let tolerance = options.tolerance;
-    Ok(Wear { machine, fidelity, mode, stations, exposure, updates, tolerance, hours_to_50_um, runs_away })
+    Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um, runs_away })
 }
 
 fn uniform(
@@ -247,7 +245,7 @@ fn uniform(
         mode: Mode::Tao2024,
         stations,
         updates: 0,
-        tolerance: options.tolerance,
+        increment: options.increment_um * UM,
         runs_away,
     })
 }

@@ -4,120 +4,67 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::{CoupledOptions, WearError, WearSnapshot};
+use super::{CoupledWear, WearError, WearSnapshot};
 use crate::contact::PinContact;
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
-use crate::machine::{CrankAngle, DutyPoint, Machine, OutputForces, PinMounting};
+use crate::machine::{CrankAngle, DutyPoint, OutputForces, PinMounting};
+use crate::tribology::Local;
 use crate::tribology::film::{entrainment_speed, film_ratio};
-use crate::tribology::{Local, LocalRate};
 use crate::units::wrap_angle;
-use crate::wear::Exposure;
-use crate::wear::deposit::{FlankArc, spread_on_pin};
-use crate::wear::integrator::Wearing;
-use crate::wear::smoothing::ContactAverage;
+use crate::wear::deposit::spread_on_pin;
 
-/// What contacts take off flanks and pins.
+/// Depth rates per unit of exposure.
 #[derive(Debug)]
-pub(super) struct Removal<'a, S: ShareLoad> {
-    pub machine: &'a Machine,
-    options: CoupledOptions,
-    pub law: Box<dyn LocalRate>,
-    /// Which time belongs to an exposure; only laws that depend on time need it.
-    pub clock: Option<Exposure>,
-    arc: FlankArc,
-    average: ContactAverage,
-    pub meshing: S,
-    pub designed: Relief,
-    flanks: usize,
-    pins: usize,
-    /// Approach in m of the hardest loaded contact of the new machine, by the closed form.
-    approach: f64,
-    /// Last solution per duty row and crank position: where the next one starts.
-    starts: Vec<Option<S::Start>>,
-    pub evaluations: usize,
+pub(super) struct Rates {
+    flanks: Vec<Vec<f64>>,
+    pins: Vec<Vec<f64>>,
 }
 
-impl<S: ShareLoad> Wearing for Removal<'_, S> {
-    fn rates(&mut self, exposure: f64, depths: &[f64], sample: usize) -> Result<Vec<f64>, WearError> {
-        let state = self.surfaces(exposure, depths);
-        self.rates_on(&state, sample)
+impl Rates {
+    pub(super) fn largest(&self) -> f64 {
+        self.flanks.iter().chain(&self.pins).flatten().copied().fold(0.0, f64::max)
     }
 
-    /// The root mean square over the metal that comes off the surface that changes most, averaged over the width of
-    /// the contact as load sharing sees it. The largest anywhere would be that of a few contacts, which other
-    /// selections of positions take off elsewhere.
-    fn size(&self, changes: &[f64], rates: &[f64]) -> f64 {
-        let mean_square = |(seen, rates): (Vec<f64>, &[f64])| {
-            let squares: f64 = seen.iter().zip(rates).map(|(change, rate)| rate * change * change).sum();
-            if squares > 0.0 { squares / rates.iter().sum::<f64>() } else { 0.0 }
+    /// The sum of rates of the same surfaces, each times its factor.
+    pub(super) fn sum(parts: &[(&Rates, f64)]) -> Rates {
+        let of = |surfaces: fn(&Rates) -> &Vec<Vec<f64>>| {
+            let one = |surface: usize| {
+                let mut sum = vec![0.0; surfaces(parts[0].0)[surface].len()];
+                for (rates, factor) in parts {
+                    sum.iter_mut()
+                        .zip(&surfaces(rates)[surface])
+                        .for_each(|(sum, rate)| *sum += factor * rate);
+                }
+                sum
+            };
+            (0..surfaces(parts[0].0).len()).map(one).collect()
         };
-        let (flanks, pins) = changes.split_at(self.flank_places());
-        let flanks = flanks.chunks(self.options.flank_points).map(|flank| self.average.on_flank(flank));
-        let pins = pins.chunks(self.options.pin_points).map(|pin| self.average.on_pin(pin));
-        let (of_flanks, of_pins) = rates.split_at(self.flank_places());
-        let rates =
-            of_flanks.chunks(self.options.flank_points).chain(of_pins.chunks(self.options.pin_points));
-        flanks.chain(pins).zip(rates).map(mean_square).fold(0.0, f64::max).sqrt()
+        Rates { flanks: of(|rates| &rates.flanks), pins: of(|rates| &rates.pins) }
     }
 
-    fn tolerance(&self, depths: &[f64]) -> f64 {
-        self.options.tolerance * (self.approach + super::largest(depths))
+    /// Largest difference of two rates anywhere.
+    pub(super) fn largest_difference(&self, other: &Rates) -> f64 {
+        let pairs = self.flanks.iter().chain(&self.pins).zip(other.flanks.iter().chain(&other.pins));
+        pairs.flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 }
 
-impl<'a, S: ShareLoad> Removal<'a, S> {
-    pub fn new(machine: &'a Machine, meshing: S, options: CoupledOptions) -> Removal<'a, S> {
-        let flanks = if meshing.discs_alike() { 1 } else { machine.disc_count };
-        // Pins that do not wear need no surface each.
-        let alike = meshing.discs_alike() || machine.wear.pin_ratio == 0.0;
-        let pins = if alike { 1 } else { flanks * machine.ring.pin_count };
-        let profile = machine.profile();
-        let arc = FlankArc::new(&profile, options.flank_points);
-        Removal {
-            average: ContactAverage::new(machine, &profile, &arc, options.pin_points),
-            arc,
-            meshing,
-            designed: machine.designed_relief(),
-            starts: vec![None; machine.duty.len() * options.crank_positions],
-            law: machine.wear.law.local_rate(),
-            clock: None,
-            machine,
-            options,
-            flanks,
-            pins,
-            approach: super::hardest_approach(machine),
-            evaluations: 0,
-        }
-    }
-
-    /// Places of all flanks, and then of all pins, whose depths are followed.
-    pub fn count(&self) -> usize {
-        self.flank_places() + self.pins * self.options.pin_points
-    }
-
-    pub fn flank_places(&self) -> usize {
-        self.flanks * self.options.flank_points
-    }
-
-    /// Surfaces with these depths.
-    pub fn surfaces(&self, exposure: f64, depths: &[f64]) -> WearSnapshot {
-        let (flanks, pins) = depths.split_at(self.flank_places());
-        let reliefs = |depths: &[f64], points: usize| -> Vec<Relief> {
-            depths.chunks(points).map(|depths| Relief::from_samples(depths.to_vec())).collect()
-        };
-        let flanks = reliefs(flanks, self.options.flank_points);
-        let pins = reliefs(pins, self.options.pin_points);
-        let flanks_seen = flanks.iter().map(|flank| self.average.flank(flank)).collect();
-        let pins_seen = pins.iter().map(|pin| self.average.pin(pin)).collect();
-        WearSnapshot { exposure, flanks, pins, flanks_seen, pins_seen }
+impl<S: ShareLoad> CoupledWear<'_, S> {
+    /// Mean depth that the flanks lose per unit of exposure at these surfaces, in m per s/Pa.
+    ///
+    /// # Errors
+    /// [`WearError`] when a load sharing fails.
+    pub(crate) fn mean_rate(&mut self, state: &WearSnapshot) -> Result<f64, WearError> {
+        let rates = self.rates(state)?;
+        let count: usize = rates.flanks.iter().map(Vec::len).sum();
+        Ok(rates.flanks.iter().flatten().sum::<f64>() / count.max(1) as f64)
     }
 
     /// Mean removal over everything that repeats and the duty: dh/dx = Σ r K/z_c per pin and disc, where r is
     /// the law's rate integrated over the contact (F |v_s|/B by Archard's law) and K spreads it over the Hertz
-    /// half-width. `sample` numbers the selection of positions.
-    pub fn rates_on(&mut self, state: &WearSnapshot, sample: usize) -> Result<Vec<f64>, WearError> {
-        self.evaluations += 1;
+    /// half-width.
+    pub(super) fn rates(&mut self, state: &WearSnapshot) -> Result<Rates, WearError> {
         let machine = self.machine;
         let time = match &self.clock {
             Some(clock) if self.law.depends_on_time() => clock.time_at(state.exposure),
@@ -134,15 +81,15 @@ impl<'a, S: ShareLoad> Removal<'a, S> {
         let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
         let mut pins = vec![vec![0.0; self.options.pin_points]; state.pins.len()];
         let count = self.options.crank_positions;
-        // The crank positions shift from sample to sample by the golden section, so that no place of the
+        // The crank positions shift from update to update by the golden section, so that no place of the
         // flank is favoured.
-        let offset = (sample as f64 * 0.618_033_988_749_894_9).fract();
+        let offset = (self.places as f64 * 0.618_033_988_749_894_9).fract();
         // Each fraction of a pitch meets all places of the period within `count` sets of positions. Neighbouring
         // fractions meet every other place, so that forces that change with the place leave waves half as long, which
         // contacts average over. Where errors tell pins apart, it counts as much which pins a place meets, and that
         // gains nothing.
         let stride = if self.meshing.discs_alike() && count % 2 == 1 { 2 } else { 1 };
-        let (sets, several) = (sample % count, self.meshing.pitches() > 1);
+        let (sets, several) = (self.places % count, self.meshing.pitches() > 1);
         let place = |index: usize| if several { stride * (index + sets) % count } else { index };
         let tasks: Vec<Task> = (machine.duty.iter().enumerate())
             .filter(|(_, duty)| duty.wears())
@@ -199,7 +146,7 @@ impl<'a, S: ShareLoad> Removal<'a, S> {
                 }
             }
         }
-        Ok(flanks.into_iter().chain(pins).flatten().collect())
+        Ok(Rates { flanks, pins })
     }
 
     /// The pins of every disc at all `tasks`, each started from the last solution at its place. Threads take them as
@@ -336,6 +283,38 @@ impl<'a, S: ShareLoad> Removal<'a, S> {
                 }
             }
         }
+    }
+
+    /// State after adding rates times exposure.
+    pub(super) fn advanced(&self, state: &WearSnapshot, parts: &[(&Rates, f64)]) -> WearSnapshot {
+        type OfRates = fn(&Rates) -> &Vec<Vec<f64>>;
+        // A surface with what contacts see of it; one that loses nothing stays as it is.
+        let add =
+            |(reliefs, seen): (&[Relief], &[Relief]), rates: OfRates, look: &dyn Fn(&Relief) -> Relief| {
+                let one = |(index, (relief, seen)): (usize, (&Relief, &Relief))| {
+                    if parts.iter().all(|(part, _)| rates(part)[index].iter().all(|rate| *rate == 0.0)) {
+                        return (relief.clone(), seen.clone());
+                    }
+                    let mut depths = relief.samples().to_vec();
+                    for (part, step) in parts {
+                        for (depth, rate) in depths.iter_mut().zip(&rates(part)[index]) {
+                            *depth += rate * step;
+                        }
+                    }
+                    let worn = Relief::from_samples(depths);
+                    let seen = look(&worn);
+                    (worn, seen)
+                };
+                reliefs.iter().zip(seen).enumerate().map(one).unzip()
+            };
+        let (flanks, flanks_seen) =
+            add((&state.flanks, &state.flanks_seen), |rates| &rates.flanks, &|flank| {
+                self.average.flank(flank)
+            });
+        let (pins, pins_seen) =
+            add((&state.pins, &state.pins_seen), |rates| &rates.pins, &|pin| self.average.pin(pin));
+        let exposure = state.exposure + parts.iter().map(|(_, step)| step).sum::<f64>();
+        WearSnapshot { exposure, flanks_seen, pins_seen, flanks, pins }
     }
 }
 

@@ -1,3 +1,4 @@
+use super::CoupledOptions;
 use crate::geometry::Relief;
 use crate::load::{Meshing, ShareLoad};
 use crate::machine::Machine;
@@ -22,6 +23,12 @@ pub struct WearSnapshot {
 }
 
 impl WearSnapshot {
+    pub(super) fn unworn(options: &CoupledOptions, flanks: usize, pins: usize) -> WearSnapshot {
+        let flanks = vec![Relief::from_samples(vec![0.0; options.flank_points]); flanks];
+        let pins = vec![Relief::from_samples(vec![0.0; options.pin_points]); pins];
+        WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
+    }
+
     /// The same depth (m) off every flank, pins as new.
     pub fn uniform(depth: f64) -> WearSnapshot {
         let (flanks, pins) = (vec![Relief::uniform(depth)], vec![Relief::uniform(0.0)]);
