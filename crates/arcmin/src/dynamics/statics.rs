@@ -45,12 +45,16 @@ const EVALUATIONS: usize = 60;
 const REACH: f64 = 4.0;
 /// Displacement within which contacts are looked for at first: from a near start steps are shorter.
 const NEAR: f64 = 0.1;
+/// How much farther they are looked for where a step goes beyond.
+const WIDER: f64 = 10.0;
 /// Share of the work promised by the model that a step must do, as in any trust-region method…
 const LEAST_GAIN: f64 = 0.1;
 /// …and the share from which on the model is trusted further.
 const GOOD_GAIN: f64 = 0.7;
 /// Reach of the correction of a poor step, as a share of that step: it leaves a hundredth of what second order did.
 const CORRECTION: f64 = 0.1;
+/// Share of the tolerance within which an estimate of what a step leaves must be.
+const ESTIMATED: f64 = 0.1;
 /// Factor on the reach after a step that is not accepted.
 const SHRINK: f64 = 0.25;
 
@@ -134,7 +138,7 @@ fn search<S: System>(
     there.fit(system, control.held);
     model.fit(system, here);
     let (mut position, mut trial, mut step) = (start.to_vec(), vec![0.0; n], vec![0.0; n]);
-    let (mut reach, mut sight, mut last) = (REACH, NEAR, None::<f64>);
+    let (mut reach, mut sight, mut last) = (REACH, NEAR, None::<(f64, usize)>);
     evaluate(&position, sight, here);
     let mut iterations = 1;
     while iterations < EVALUATIONS {
@@ -144,15 +148,6 @@ fn search<S: System>(
         if largest(&here.force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
         }
-        // The matrix of the step before leaves of the error what it left of the last one.
-        if let Some(before) = last
-            && model.chord(system, here, &mut step).is_some()
-            && length_of(&step).powi(2) <= control.tolerance * before
-        {
-            position.iter_mut().zip(&step).for_each(|(q, d)| *q += d);
-            let residual = largest(&here.force) * length_of(&step) / before;
-            return Ok(Equilibrium { residual, position, iterations });
-        }
         let Some(solution) = model.solve(system, here, reach.min(sight), &mut step) else { break };
         let length = length_of(&step);
         if !length.is_finite() {
@@ -160,19 +155,22 @@ fn search<S: System>(
         }
         if !solution.is_inside && sight < reach {
             // The step goes beyond the contacts that were looked for.
-            sight = reach.min(10.0 * sight);
+            sight = reach.min(WIDER * sight);
             evaluate(&position, sight, here);
-            iterations += 1;
             continue;
         }
         trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, d))| *t = q + d);
-        // Steps fall as the squares of those before, where friction follows the forces in proportion.
-        let shrunk = last.map_or(1.0, |before| (length / before).min(1.0));
-        let left = if here.contacts.has_friction { shrunk } else { shrunk * shrunk };
-        if solution.is_whole && left * length <= control.tolerance {
+        // While no contact opens or closes, steps shrink as the squares of those before; where friction follows the forces,
+        // in proportion.
+        let pressed = here.contacts.pressed();
+        let before = last.filter(|(_, others)| *others == pressed && solution.pressed == pressed);
+        let shrunk = before.map_or(1.0, |(before, _)| (length / before).min(1.0));
+        let left = if here.contacts.has_friction { shrunk } else { shrunk * shrunk } + solution.inexactness;
+        let is_small = length <= control.tolerance || left * length <= ESTIMATED * control.tolerance;
+        if solution.is_whole && is_small {
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
-        sight = reach.min(length.max(NEAR));
+        sight = if solution.is_inside { length.max(NEAR) } else { 2.0 * length };
         evaluate(&trial, sight, there);
         iterations += 1;
         // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
@@ -190,7 +188,7 @@ fn search<S: System>(
                 gain = (before + dot(&there.force, &step)) / before;
             }
         }
-        last = (solution.is_whole && gain >= GOOD_GAIN).then_some(length);
+        last = (solution.is_whole && gain >= GOOD_GAIN).then_some((length, solution.pressed));
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
             std::mem::swap(here, there);

@@ -204,6 +204,13 @@ pub(super) struct OneContact {
     pub place: Option<usize>,
 }
 
+impl OneContact {
+    /// Whether it can open: not friction.
+    pub fn is_gap(&self) -> bool {
+        !matches!(self.spring, ContactSpring::Slip { .. })
+    }
+}
+
 /// A place on an elastic body. Contacts that move it alike, such as the slices of a roller, bear on the same one.
 #[derive(Debug, Clone)]
 pub(super) struct ElasticPlace {
@@ -225,6 +232,12 @@ impl Contacts {
         self.places.clear();
         self.supports.clear();
         self.has_friction = false;
+    }
+
+    /// Number of contacts that press.
+    pub fn pressed(&self) -> usize {
+        let closed = self.list.iter().filter(|contact| contact.gap < 0.0 && contact.is_gap()).count();
+        closed + self.supports.iter().filter(|support| support.presses(support.shift)).count()
     }
 
     pub fn push(&mut self, contact: &Contact<'_>, columns: &Columns) {
@@ -293,6 +306,10 @@ pub struct RoundSupport {
 }
 
 impl RoundSupport {
+    pub fn presses(&self, shift: [f64; 2]) -> bool {
+        shift[0].hypot(shift[1]) > self.clearance
+    }
+
     /// F in N.
     pub fn force(&self, shift: [f64; 2]) -> [f64; 2] {
         let distance = shift[0].hypot(shift[1]);
@@ -577,13 +594,6 @@ impl DenseLinearisation {
                 }
             }
         }
-        self.solve_positive_again(rhs);
-        true
-    }
-
-    /// Solves the system of the last [`DenseLinearisation::solve_positive`] for another right-hand side.
-    pub fn solve_positive_again(&self, rhs: &mut [f64]) {
-        let (n, a) = (self.size, &self.work);
         for row in 0..n {
             let entries = &a[row * n + row..][..n - row];
             let x = rhs[row] / entries[0];
@@ -594,6 +604,7 @@ impl DenseLinearisation {
             let entries = &a[row * n + row..][..n - row];
             rhs[row] = (rhs[row] - dot(&entries[1..], &rhs[row + 1..])) / entries[0];
         }
+        true
     }
 
     /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.

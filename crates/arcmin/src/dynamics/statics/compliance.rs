@@ -1,7 +1,7 @@
 //! What contacts on elastic bodies give way: C = G_e K_e⁻¹ G_eᵀ over the places where they bear, so that the coordinates
 //! of elastic bodies are never searched for.
 
-use faer::linalg::solvers::{Llt, Solve};
+use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatMut, MatRef, Side};
 
 use crate::dynamics::system::{Contacts, ElasticCoordinates, Look};
@@ -35,12 +35,11 @@ struct Block {
     /// C row by row over the places, for the rows that are known.
     compliance: Vec<f64>,
     known: Vec<bool>,
-    /// Numbers in the block of places that press, ā and p̄ over the columns row by row, the factor of 1/K + C over these
-    /// places, and (1/K + C)⁻¹ ā column by column.
+    /// Numbers in the block of places that press, ā and p̄ over the columns row by row, and (1/K + C)⁻¹ ā
+    /// column by column.
     pressed: Vec<usize>,
     means: Vec<f64>,
     pushes: Vec<f64>,
-    factor: Option<Llt<f64>>,
     response: Vec<f64>,
     /// Δh without the step.
     offset: Vec<f64>,
@@ -297,7 +296,6 @@ impl Compliance {
         block.response.extend_from_slice(&block.offset);
         let response = MatMut::from_column_major_slice_mut(&mut block.response, size, width + 1);
         cleared(|| factor.solve_in_place(response));
-        block.factor = Some(factor);
         // R holds P (F − F⁰) already; F + ΔF = h + Δh.
         for (row, at) in block.pressed.iter().enumerate() {
             let more = &mut block.response[width * size + row];
@@ -338,70 +336,19 @@ impl Compliance {
         }
     }
 
-    /// With the factors of the last Newton step, what places give way under forces on the elastic coordinates: adds what
-    /// that does to `force`, over the columns. The displacements K_e⁻¹ Q_e go into `step`.
-    pub fn condense_again<S: System>(
-        &mut self,
-        system: &S,
-        all: &[f64],
-        force: &mut [f64],
-        step: &mut [f64],
-    ) {
-        if let Some(elastic) = system.elastic() {
-            all.iter().enumerate().for_each(|(i, force)| elastic.yield_to(i, *force, step));
-        }
-        for block in &mut self.blocks {
-            let (width, elastic) = (block.columns.len(), block.coordinates.len());
-            block.offset.clear();
-            for at in &block.pressed {
-                let gradient = &block.gradients[at * elastic..][..elastic];
-                block
-                    .offset
-                    .push(-gradient.iter().zip(&block.coordinates).map(|(g, i)| g * step[*i]).sum::<f64>());
-            }
-            if let Some(factor) = &block.factor {
-                let size = block.offset.len();
-                let offset = MatMut::from_column_major_slice_mut(&mut block.offset, size, 1);
-                cleared(|| factor.solve_in_place(offset));
-            }
-            for (row, more) in block.offset.iter().enumerate() {
-                let push = &block.pushes()[row * width..][..width];
-                block.columns.iter().zip(push).for_each(|(i, p)| force[*i] += more * p);
-            }
-        }
-    }
-
-    /// Adds the displacements of the elastic coordinates in the step of [`Compliance::condense_again`].
-    pub fn spread_again<S: System>(&mut self, system: &S, columns: &[f64], step: &mut [f64]) {
-        let Some(elastic) = system.elastic() else { return };
-        for block in &self.blocks {
-            let count = block.coordinates.len();
-            for (row, at) in block.pressed.iter().enumerate() {
-                let more = block.offset[row] - block.along(row, columns);
-                let gradient = &block.gradients[at * count..][..count];
-                gradient.iter().zip(&block.coordinates).for_each(|(g, i)| self.way[*i] += more * g);
-            }
-        }
-        for (i, force) in self.way.iter_mut().enumerate().filter(|(_, force)| **force != 0.0) {
-            elastic.yield_to(i, std::mem::take(force), step);
-        }
-    }
-
     /// Adds the displacements of the elastic coordinates to a step over all coordinates.
     pub fn spread<S: System>(&mut self, system: &S, contacts: &Contacts, step: &mut [f64]) {
         let Some(elastic) = system.elastic() else { return };
         step.iter_mut().zip(&self.given_way).for_each(|(step, way)| *step += way);
-        self.way.fill(0.0);
         for (place, bearing) in contacts.places.iter().zip(&self.places) {
             let more = bearing.load - bearing.begin;
             for at in place.elastic.clone().filter(|_| more != 0.0) {
                 self.way[contacts.elastic_index[at]] += more * contacts.elastic_gradient[at];
             }
         }
-        for (i, force) in self.way.iter().enumerate().filter(|(_, force)| **force != 0.0) {
-            elastic.yield_to(i, *force, step);
+        for (i, force) in self.way.iter_mut().enumerate().filter(|(_, force)| **force != 0.0) {
+            elastic.yield_to(i, std::mem::take(force), step);
         }
-        self.way.fill(0.0);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::dynamics::{DenseLinearisation, System, Weights};
 /// Newton steps on one model. A model with n contacts that open or close needs fewer than n.
 const NEWTON_STEPS: usize = 60;
 /// How exactly the model is solved, as a share of the forces at its place: the next place changes them by more.
-const EXACTNESS: f64 = 1e-2;
+const EXACTNESS: f64 = 1e-3;
 /// A line search ends when the slope along the step has fallen to this share; between 0.01 and 0.9 it makes no difference.
 const SLOPE_LEFT: f64 = 0.5;
 /// The proximal term against the largest work of the forces along one unit of scale: it matters for bodies that hang
@@ -35,8 +35,6 @@ pub(super) struct Model {
     /// K_s made convex, where that of the look is not.
     convex: Option<DenseLinearisation>,
     matrix: DenseLinearisation,
-    /// Whether that was factorised at this place.
-    has_matrix: bool,
     contacts: Vec<Gap>,
     stiffness: Vec<f64>,
     supports: Vec<[f64; 2]>,
@@ -88,6 +86,10 @@ pub(super) struct Solution {
     pub is_inside: bool,
     /// Whether it is that of the model without the fence and with the least proximal term.
     pub is_whole: bool,
+    /// Contacts that press there.
+    pub pressed: usize,
+    /// Work of the forces that the model leaves there along one unit of scale, as a share of that at the place.
+    pub inexactness: f64,
     /// Largest force that the model leaves there, in N or N·m.
     pub residual: f64,
 }
@@ -138,7 +140,13 @@ impl Model {
                 let is_inside = self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s);
                 let residual = self.bare.iter().fold(0.0, |most: f64, left| most.max(left.abs()));
                 let is_whole = is_inside && bounds.proximal == least;
-                return Some(Solution { is_inside, is_whole, residual });
+                let gaps = self.contacts.iter().zip(&look.contacts.list);
+                let closed = gaps.filter(|(gap, contact)| gap.now < 0.0 && contact.is_gap()).count();
+                let supports = look.contacts.supports.iter();
+                let pressed =
+                    closed + supports.filter(|support| support.presses(shift(support, &self.moved))).count();
+                let inexactness = self.unbalanced_work() / unit_work;
+                return Some(Solution { is_inside, is_whole, pressed, inexactness, residual });
             }
             // Where forces push along other ways than the gaps' no energy tells whether the model is convex.
             let is_new = self.convex.is_none() && !look.contacts.has_friction;
@@ -152,30 +160,10 @@ impl Model {
         None
     }
 
-    /// Fills `step` with −K⁻¹ Q at another place, by the matrix of the last Newton step: a chord step. `None` where there is
-    /// none that is the machine's.
-    pub fn chord<S: System>(&mut self, system: &S, look: &Look, step: &mut [f64]) -> Option<()> {
-        if self.convex.is_some() || !self.has_matrix {
-            return None;
-        }
-        step.fill(0.0);
-        let searched = look.columns.searched();
-        self.newton.iter_mut().zip(searched).for_each(|(force, i)| *force = look.force[*i]);
-        self.compliance.condense_again(system, &look.force, &mut self.newton, step);
-        if look.contacts.has_friction {
-            self.matrix.solve_again(&mut self.newton).ok()?;
-        } else {
-            self.matrix.solve_positive_again(&mut self.newton);
-        }
-        self.compliance.spread_again(system, &self.newton, step);
-        searched.iter().zip(&self.newton).for_each(|(i, d)| step[*i] = *d);
-        Some(())
-    }
-
     fn take<S: System>(&mut self, system: &S, look: &Look) {
         let of_column = look.columns.searched().iter().map(|i| look.force[*i]);
         self.force.iter_mut().zip(of_column).for_each(|(force, of)| *force = of);
-        (self.convex, self.has_matrix) = (None, false);
+        self.convex = None;
         self.compliance.take(system, look);
         self.supports.clear();
         self.supports.extend(look.contacts.supports.iter().map(|support| support.force(support.shift)));
@@ -301,11 +289,8 @@ impl Model {
         unit_work: f64,
     ) -> Option<()> {
         self.go_back(look);
-        let unit = self.scale.iter().copied().fold(f64::INFINITY, f64::min);
         for _ in 0..NEWTON_STEPS {
-            let places = self.compliance.places.iter();
-            let elastic = places.fold(0.0, |most: f64, place| most.max(place.unbalanced.abs())) * unit;
-            if work(&self.left, &self.scale).max(elastic) <= EXACTNESS * unit_work {
+            if self.unbalanced_work() <= EXACTNESS * unit_work {
                 break;
             }
             self.newton_step(system, look, bounds)?;
@@ -342,6 +327,14 @@ impl Model {
         Some(())
     }
 
+    /// Largest work of the forces left along one unit of scale, those between contacts and elastic bodies included.
+    fn unbalanced_work(&self) -> f64 {
+        let unit = self.scale.iter().copied().fold(f64::INFINITY, f64::min);
+        let places = self.compliance.places.iter();
+        let elastic = places.fold(0.0, |most: f64, place| most.max(place.unbalanced.abs())) * unit;
+        work(&self.left, &self.scale).max(elastic)
+    }
+
     /// One Newton step d in `newton`, with the change of the forces on elastic bodies and of every gap.
     fn newton_step<S: System>(&mut self, system: &S, look: &Look, bounds: &Bounds) -> Option<()> {
         self.newton.copy_from_slice(&self.left);
@@ -359,7 +352,6 @@ impl Model {
         if !is_solved {
             return None;
         }
-        self.has_matrix = true;
         compliance.respond(newton);
         for (gap, contact) in contacts.iter_mut().zip(&look.contacts.list) {
             let (index, range) = (&look.contacts.index, contact.range.clone());

@@ -14,8 +14,8 @@ const MOST_KNOWN: usize = 32_768;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
 /// all contacts.
 pub(super) const TOLERANCE: f64 = 1e-7;
-/// Of the balances that surfaces wear under: a hundredth of this moves the hours of drawn machines by 1e-5 of them at most.
-pub(super) const WEAR_TOLERANCE: f64 = 1e-3;
+/// Of the balances that surfaces wear under.
+pub(super) const WEAR_TOLERANCE: f64 = 1e-5;
 const FORCE_TOLERANCE: f64 = 1e-6;
 
 /// Coordinates of a balance and the largest force left.
