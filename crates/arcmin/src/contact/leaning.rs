@@ -46,6 +46,12 @@ impl LeaningLine<'_> {
         (0.5 * (far.0 - near.0), 0.5 * (far.1 + near.1))
     }
 
+    /// How the force changes with the skew and the couple with the approach, ∂F/∂ε in N/m.
+    pub fn cross(&self, approach: f64) -> f64 {
+        let [far, near] = self.slices(approach);
+        0.5 * (far.1 - near.1)
+    }
+
     /// Approach in m of the middle at which the line touches at one end.
     pub fn touch(&self) -> f64 {
         -self.skew.abs()

@@ -379,9 +379,20 @@ impl ElasticDiscs {
             reaction.force.iter_mut().zip(&*push).for_each(|(sum, push)| *sum += here.force * push);
             let hessian = || contact.gap_hessian(ring.pins()[contact.pin].radius);
             if let Some(lean) = motion.lean {
-                let (couple, across) = line.couple(local);
-                // Single contacts bring their own stiffness.
-                let across = if wanted.is_some() { 0.0 } else { across };
+                let (couple, mut across) = line.couple(local);
+                if wanted.is_some() {
+                    // Single contacts bring their own stiffness.
+                    across = 0.0;
+                } else if across > 0.0 {
+                    // With F(δ, ε) and the couple M(δ, ε): dF = k (dδ + r dε) and dM = r dF + (k − r² k) dε, where r =
+                    // (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a couple of r.
+                    let ratio = line.cross(local) / across;
+                    across -= ratio * ratio * across;
+                    for (a, gradient) in contact.gradient[..2].iter().enumerate() {
+                        row[width - 2 + a] += ratio * lean.reach * gradient;
+                        push[width - 2 + a] += ratio * lean.reach * gradient;
+                    }
+                }
                 reaction.add_couple(lean, (couple, across), contact.gradient);
                 // The normal, by which the lean presses, turns as the disc moves.
                 let by_pose = lean.by_pose(line.couple(local).0, &hessian());

@@ -160,12 +160,13 @@ fn search<S: System>(
             continue;
         }
         trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, d))| *t = q + d);
-        // While no contact opens or closes, steps shrink as the squares of those before; where friction follows the forces,
-        // in proportion.
+        // While no contact opens or closes, steps shrink as the squares of those before; in proportion where friction follows
+        // the forces, and where elastic bodies give way, along whose coordinates gaps do not bend in the model.
         let pressed = here.contacts.pressed();
         let before = last.filter(|(_, others)| *others == pressed && solution.pressed == pressed);
         let shrunk = before.map_or(1.0, |(before, _)| (length / before).min(1.0));
-        let left = if here.contacts.has_friction { shrunk } else { shrunk * shrunk } + solution.inexactness;
+        let is_exact = !here.contacts.has_friction && here.contacts.places.is_empty();
+        let left = if is_exact { shrunk * shrunk } else { shrunk } + solution.inexactness;
         let is_small = length <= control.tolerance || left * length <= ESTIMATED * control.tolerance;
         if solution.is_whole && is_small {
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });

@@ -20,9 +20,8 @@ pub(in crate::dynamics) struct ElasticReaction {
 }
 
 impl ElasticReaction {
-    /// Adds the couple (N over B/√12, and its slope in N/m) of a contact on a disc that leans to its slopes, the last two
-    /// coordinates. How couple and force change with each other is left out of the tangent: it is the share of the lean
-    /// in the approach, times the bend of the law.
+    /// Adds the couple (N over B/√12, and its slope in N/m at constant force) of a contact on a disc that leans to its
+    /// slopes, the last two coordinates.
     pub(super) fn add_couple(&mut self, lean: DiscLean, (couple, across): (f64, f64), gradient: [f64; 3]) {
         let width = self.force.len();
         let first = width - 2;
