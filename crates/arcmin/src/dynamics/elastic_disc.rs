@@ -353,7 +353,7 @@ impl ElasticDiscs {
         let (mut rows, mut pushes) = (vec![0.0; n * width], vec![0.0; n * width]);
         let mut gain = vec![0.0; n];
         let mut products = Products::new(width);
-        let mut along_pose = vec![0.0; width];
+        let (mut along_lean, mut turning) = (vec![0.0; width], vec![0.0; width]);
         for (i, contact) in state.contacts.iter().enumerate() {
             let (local, rate) = (state.forces.local[i], state.rate[i]);
             let line = state.coupled[i].line(law);
@@ -379,25 +379,38 @@ impl ElasticDiscs {
             reaction.force.iter_mut().zip(&*push).for_each(|(sum, push)| *sum += here.force * push);
             let hessian = || contact.gap_hessian(ring.pins()[contact.pin].radius);
             if let Some(lean) = motion.lean {
-                let (couple, mut across) = line.couple(local);
-                if wanted.is_some() {
-                    // Single contacts bring their own stiffness.
-                    across = 0.0;
-                } else if across > 0.0 {
-                    // With F(δ, ε) and the couple M(δ, ε): dF = k (dδ + r dε) and dM = r dF + (k − r² k) dε, where r =
-                    // (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a couple of r.
-                    let ratio = line.cross(local) / across;
-                    across -= ratio * ratio * across;
-                    for (a, gradient) in contact.gradient[..2].iter().enumerate() {
-                        row[width - 2 + a] += ratio * lean.reach * gradient;
-                        push[width - 2 + a] += ratio * lean.reach * gradient;
+                let (couple, across) = line.couple(local);
+                let hessian = hessian();
+                // −∂ε/∂z: the normal, by which the lean presses, turns as the disc moves.
+                motion.spread(disc, contact.pin, lean.by_pose(1.0, &hessian), &mut along_lean);
+                (0..2).for_each(|a| along_lean[width - 2 + a] = lean.reach * contact.gradient[a]);
+                reaction.force.iter_mut().zip(&along_lean).for_each(|(sum, along)| *sum += couple * along);
+                if tangents {
+                    // −∂²ε/∂(slope)∂z.
+                    for a in 0..2 {
+                        motion.spread(disc, contact.pin, hessian[a], &mut turning);
+                        for (i, turn) in turning[..width - 2].iter().enumerate() {
+                            let value = couple * lean.reach * turn;
+                            reaction.stiffness[(width - 2 + a) * width + i] -= value;
+                            reaction.stiffness[i * width + width - 2 + a] -= value;
+                        }
                     }
                 }
-                reaction.add_couple(lean, (couple, across), contact.gradient);
-                // The normal, by which the lean presses, turns as the disc moves.
-                let by_pose = lean.by_pose(line.couple(local).0, &hessian());
-                motion.spread(disc, contact.pin, by_pose, &mut along_pose);
-                reaction.force.iter_mut().zip(&along_pose).for_each(|(sum, along)| *sum += along);
+                if tangents && wanted.is_none() && across > 0.0 {
+                    // With F(δ, ε) and the couple M(δ, ε): dF = k (dδ + r dε) and dM = r dF + (k − r² k) dε, where r =
+                    // (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a couple of r. Single
+                    // contacts bring their own stiffness.
+                    let ratio = line.cross(local) / across;
+                    for (i, along) in along_lean.iter().enumerate() {
+                        row[i] += ratio * along;
+                        push[i] += ratio * along;
+                    }
+                    let apart = across - ratio * ratio * across;
+                    products.push(
+                        |row| row.copy_from_slice(&along_lean),
+                        |row| row.iter_mut().zip(&along_lean).for_each(|(row, along)| *row = apart * along),
+                    );
+                }
             }
             if wanted.is_some() {
                 let hessian = hessian();
@@ -468,12 +481,14 @@ impl ElasticDiscs {
                 let (gradient, push) = (row.to_vec(), push.map(<[f64]>::to_vec));
                 return shown.push(Shown { gap: -local, gradient, push, spring, place });
             };
+            let mut along = vec![0.0; width];
+            let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
+            motion.spread(disc, contact.pin, lean.by_pose(1.0, &hessian), &mut along);
+            (0..2).for_each(|a| along[width - 2 + a] = lean.reach * contact.gradient[a]);
             for side in [1.0, -1.0] {
                 let spring = ContactSpring::Line { law, radius, share: 0.5 };
                 let leaned = |row: &[f64]| {
-                    let mut row = row.to_vec();
-                    (0..2).for_each(|a| row[width - 2 + a] += side * lean.reach * contact.gradient[a]);
-                    row
+                    row.iter().zip(&along).map(|(row, along)| row + side * along).collect::<Vec<f64>>()
                 };
                 let (gradient, push) = (leaned(row), push.map(leaned));
                 shown.push(Shown { gap: -(local + side * coupled.skew), gradient, push, spring, place });

@@ -2,7 +2,6 @@
 
 use faer::{Accum, MatMut, MatRef};
 
-use super::DiscLean;
 use crate::contact::{ContactForce, DiscVelocity, PinContact};
 use crate::kernels::product;
 
@@ -20,23 +19,6 @@ pub(in crate::dynamics) struct ElasticReaction {
 }
 
 impl ElasticReaction {
-    /// Adds the couple (N over B/√12, and its slope in N/m at constant force) of a contact on a disc that leans to its
-    /// slopes, the last two coordinates.
-    pub(super) fn add_couple(&mut self, lean: DiscLean, (couple, across): (f64, f64), gradient: [f64; 3]) {
-        let width = self.force.len();
-        let first = width - 2;
-        for a in 0..2 {
-            self.force[first + a] += couple * lean.reach * gradient[a];
-            if self.stiffness.is_empty() {
-                continue;
-            }
-            for b in 0..2 {
-                self.stiffness[(first + a) * width + first + b] +=
-                    across * lean.reach * lean.reach * gradient[a] * gradient[b];
-            }
-        }
-    }
-
     /// Adds what the damping and the sliding of a contact do: `row` is −∂s/∂z, `push` what its force does to the
     /// coordinates, `slope` how sliding friction grows with speed.
     pub(super) fn add_damping(
