@@ -77,7 +77,6 @@ pub const fn default_flag(flag: bool) -> Rule {
 }
 
 /// A list of numbers in `low..=high` that is `numbers` where it is left out.
-#[cfg(test)]
 pub const fn default_numbers(numbers: &'static [f64], low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Numbers(numbers), low, high }
 }

@@ -1,0 +1,266 @@
+//! Where a joint stands in its hysteresis loop: the measured loop with a memory of turning points.
+
+/// The loop of a joint: wind-up (rad) over the torque on the output flange from outside (N·m).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loop {
+    /// Rising, from − to + the largest torque that was measured.
+    torques: Vec<f64>,
+    /// Wind-up while the torque rises and while it falls, both from the least torque to the largest.
+    rising: Vec<f64>,
+    falling: Vec<f64>,
+    /// N·m: 3 % of the rated torque, at which lost motion is read.
+    lost_motion_torque: f64,
+}
+
+impl Loop {
+    /// From the loop of a bench: (torque, angle), first falling from + to −, then rising. `None` for anything else.
+    pub fn new(points: &[(f64, f64)], rated: f64) -> Option<Loop> {
+        let half = points.len() / 2;
+        let (falling, rising) = points.split_at(half);
+        let torques: Vec<f64> = rising.iter().map(|point| point.0).collect();
+        let rises = torques.windows(2).all(|pair| pair[1] > pair[0]);
+        let alike = falling.len() == rising.len()
+            && falling.iter().rev().zip(rising).all(|(down, up)| down.0 == up.0);
+        if half < 3 || !rises || !alike || torques[0] >= 0.0 || torques[half - 1] <= 0.0 {
+            return None;
+        }
+        let mut rising: Vec<f64> = rising.iter().map(|point| point.1).collect();
+        let mut falling: Vec<f64> = falling.iter().rev().map(|point| point.1).collect();
+        // A loop that is gone through once closes at its tips but for the first loading.
+        for tip in [0, half - 1] {
+            let middle = 0.5 * (rising[tip] + falling[tip]);
+            (rising[tip], falling[tip]) = (middle, middle);
+        }
+        // Balances scatter by less than any figure; a branch that falls would have no inverse.
+        for branch in [&mut rising, &mut falling] {
+            for i in 1..half {
+                branch[i] = branch[i].max(branch[i - 1]);
+            }
+        }
+        Some(Loop { torques, rising, falling, lost_motion_torque: crate::rig::LOST_MOTION_SHARE * rated })
+    }
+
+    fn tips(&self) -> [(f64, f64); 2] {
+        let last = self.torques.len() - 1;
+        [(self.torques[0], self.rising[0]), (self.torques[last], self.rising[last])]
+    }
+
+    /// Torques up to which the loop was measured.
+    pub fn range(&self) -> [f64; 2] {
+        self.tips().map(|tip| tip.0)
+    }
+
+    /// A branch between its points; beyond the tips as steep as the outer half.
+    fn branch(&self, rises: bool, torque: f64) -> f64 {
+        let angles = if rises { &self.rising } else { &self.falling };
+        let last = self.torques.len() - 1;
+        let slope = |tip: usize, inner: f64| {
+            (angles[tip] - self.between(angles, inner)) / (self.torques[tip] - inner)
+        };
+        if torque <= self.torques[0] {
+            return angles[0] + (torque - self.torques[0]) * slope(0, 0.5 * self.torques[0]);
+        }
+        if torque >= self.torques[last] {
+            return angles[last] + (torque - self.torques[last]) * slope(last, 0.5 * self.torques[last]);
+        }
+        self.between(angles, torque)
+    }
+
+    fn between(&self, angles: &[f64], torque: f64) -> f64 {
+        let upper = self.torques.partition_point(|t| *t <= torque).clamp(1, self.torques.len() - 1);
+        let (a, b) = (upper - 1, upper);
+        let share = (torque - self.torques[a]) / (self.torques[b] - self.torques[a]);
+        angles[a] + share * (angles[b] - angles[a])
+    }
+
+    /// Wind-up on the outer branch of a torque that rises, or falls.
+    pub fn outer(&self, rises: bool, torque: f64) -> f64 {
+        self.branch(rises, torque)
+    }
+
+    /// Mean of both branches.
+    pub fn middle(&self, torque: f64) -> f64 {
+        0.5 * (self.branch(true, torque) + self.branch(false, torque))
+    }
+
+    /// The part of [`Loop::middle`] that is elastic: what a torque adds beyond ±3 % of the rated one. What is left of
+    /// the loop is lost motion, between + and − 3 % exactly the catalogue's.
+    pub fn elastic(&self, torque: f64) -> f64 {
+        let low = self.lost_motion_torque;
+        self.middle(torque) - self.middle(torque.clamp(-low, low))
+    }
+
+    /// Lost motion in rad.
+    pub fn lost_motion(&self) -> f64 {
+        self.middle(self.lost_motion_torque) - self.middle(-self.lost_motion_torque)
+    }
+}
+
+/// Where the joint stands: the torques at which it turned round and that no larger swing has wiped out since.
+///
+/// Rules of Madelung: the way from a turning point leads to the one before it, and there goes on as if nothing had
+/// been between. Its shape is the outer branch, scaled so that it meets both. On the outer loop that is the bench's
+/// loop to the last digit.
+#[derive(Debug, Clone)]
+pub struct Standing<'a> {
+    curve: &'a Loop,
+    /// Torque and wind-up, from the tip that all began at.
+    turns: Vec<(f64, f64)>,
+    torque: f64,
+}
+
+/// Swings of the way from the largest torque to none.
+const SETTLING: i32 = 24;
+
+impl<'a> Standing<'a> {
+    /// Without load after swings that have died away: in the middle of all that hysteresis allows.
+    pub fn settled(curve: &'a Loop) -> Standing<'a> {
+        let [low, high] = curve.tips();
+        let mut standing = Standing { curve, turns: vec![low, high], torque: high.0 };
+        for swing in 0..SETTLING {
+            let share = 1.0 - f64::from(swing) / f64::from(SETTLING);
+            standing.load(share * low.0);
+            standing.load((share - 0.5 / f64::from(SETTLING)) * high.0);
+        }
+        standing.load(0.0);
+        standing
+    }
+
+    /// Wind-up in rad.
+    pub fn wind_up(&self) -> f64 {
+        self.at(self.torque)
+    }
+
+    /// Whether the torque rose last.
+    pub fn rises(&self) -> bool {
+        let last = self.turns.len() - 1;
+        self.turns[last - 1].0 > self.turns[last].0
+    }
+
+    /// The way from the last turning point to the one before.
+    fn at(&self, torque: f64) -> f64 {
+        let [low, high] = self.curve.range();
+        if torque <= low || torque >= high {
+            return self.curve.branch(true, torque);
+        }
+        let last = self.turns.len() - 1;
+        let (from, to) = (self.turns[last], self.turns[last - 1]);
+        let rises = to.0 > from.0;
+        let shape = |torque: f64| self.curve.branch(rises, torque);
+        let whole = shape(to.0) - shape(from.0);
+        let share =
+            if whole == 0.0 { (torque - from.0) / (to.0 - from.0) } else { (shape(torque) - shape(from.0)) / whole };
+        from.1 + share * (to.1 - from.1)
+    }
+
+    /// Goes to another torque on the straight way; the wind-up there.
+    pub fn load(&mut self, torque: f64) -> f64 {
+        let [low, high] = self.curve.tips();
+        if torque >= high.0 || torque <= low.0 {
+            // A tip wipes all out.
+            self.turns.clear();
+            self.turns.extend(if torque >= high.0 { [low, high] } else { [high, low] });
+            self.torque = torque;
+            return self.at(torque);
+        }
+        let towards = (torque - self.torque).signum();
+        let last = self.turns.len() - 1;
+        if torque != self.torque && towards != (self.turns[last - 1].0 - self.turns[last].0).signum() {
+            let here = (self.torque.clamp(low.0, high.0), self.at(self.torque.clamp(low.0, high.0)));
+            if here.0 != self.turns[last].0 {
+                self.turns.push(here);
+            } else if self.turns.len() > 2 {
+                // Back from a turning point at once: it never was one.
+                self.turns.pop();
+            }
+        }
+        while self.turns.len() > 2 {
+            let target = self.turns[self.turns.len() - 2].0;
+            if towards * (torque - target) < 0.0 {
+                break;
+            }
+            self.turns.truncate(self.turns.len() - 2);
+        }
+        self.torque = torque;
+        self.at(torque)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Dead band of ±10 µrad that the flank crosses at ±1 N·m, 1 µrad per N·m beyond, a width of 4 µrad from friction.
+    fn curve() -> Loop {
+        let torques = [-100.0, -50.0, -3.0, -1.0, 1.0, 3.0, 50.0, 100.0];
+        let middle = |t: f64| 1e-6 * (t + 10.0 * (t / 1.0).clamp(-1.0, 1.0));
+        let width = |t: f64| 2e-6 * (1.0 - (t / 100.0_f64).powi(2));
+        let falling = torques.iter().rev().map(|t| (*t, middle(*t) + width(*t)));
+        let rising = torques.iter().map(|t| (*t, middle(*t) - width(*t)));
+        Loop::new(&falling.chain(rising).collect::<Vec<_>>(), 100.0).unwrap()
+    }
+
+    /// On the outer loop the model is the measured loop, point by point, however often it is gone through.
+    #[test]
+    fn the_outer_loop_is_the_measured_one() {
+        let curve = curve();
+        let mut standing = Standing::settled(&curve);
+        standing.load(100.0);
+        for _ in 0..3 {
+            for (torque, angle) in curve.torques.iter().zip(&curve.falling).rev() {
+                assert!((standing.load(*torque) - angle).abs() < 1e-19);
+            }
+            for (torque, angle) in curve.torques.iter().zip(&curve.rising) {
+                assert!((standing.load(*torque) - angle).abs() < 1e-19);
+            }
+        }
+        assert!((curve.lost_motion() - 26e-6).abs() < 1e-15);
+    }
+
+    /// A swing between two torques closes, and a larger one forgets it (return-point memory, wiping out).
+    #[test]
+    fn inner_swings_close_and_are_wiped_out() {
+        let curve = curve();
+        let mut standing = Standing::settled(&curve);
+        standing.load(40.0);
+        let first = standing.load(-20.0);
+        let mut plain = standing.clone();
+        for inner in [15.0, 5.0, 10.0, 7.0, 38.0] {
+            standing.load(inner);
+            assert!((standing.load(-20.0) - first).abs() < 1e-18, "{inner}");
+        }
+        assert_eq!(standing.turns.len(), plain.turns.len());
+        for torque in [0.0, 30.0, 60.0, 10.0] {
+            assert!((standing.load(torque) - plain.load(torque)).abs() < 1e-18);
+        }
+    }
+
+    /// Wind-up never falls while the torque rises, inner ways stay within the outer loop, and what rises at a torque
+    /// stands below what falls.
+    #[test]
+    fn ways_stay_within_the_loop() {
+        let curve = curve();
+        let mut standing = Standing::settled(&curve);
+        let (mut seed, mut torque, mut before) = (7_u64, 0.0, standing.wind_up());
+        for _ in 0..20_000 {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let next = ((seed >> 33) as f64 / (1_u64 << 31) as f64 - 0.5) * 240.0;
+            let wind_up = standing.load(next);
+            assert!((wind_up - before) * (next - torque) >= -1e-16);
+            let bounds = [curve.outer(true, next), curve.outer(false, next)];
+            assert!(wind_up >= bounds[0] - 1e-15 && wind_up <= bounds[1] + 1e-15, "{next} {wind_up} {bounds:?}");
+            (torque, before) = (next, wind_up);
+        }
+    }
+
+    /// Beyond the torque that was measured the wind-up goes on as steep as before, without hysteresis.
+    #[test]
+    fn beyond_the_tips_it_goes_on() {
+        let curve = curve();
+        let mut standing = Standing::settled(&curve);
+        let there = standing.load(150.0);
+        standing.load(160.0);
+        assert_eq!(standing.load(150.0), there);
+        assert!((there - standing.load(100.0) - 50e-6).abs() < 3e-6);
+    }
+}
