@@ -36,6 +36,7 @@ pub fn command() -> Command {
     }
     command
         .subcommand(commands::study::command())
+        .subcommand(commands::robot::command())
         .subcommand(commands::exchange::export())
         .subcommand(commands::exchange::import())
         .subcommand(commands::shell::completions())

@@ -34,7 +34,8 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return Ok(Ending::Fine);
     }
     let text = if matches.get_flag("results") {
-        let declared: Vec<_> = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)()).collect();
+        let analyses = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)());
+        let declared: Vec<_> = analyses.chain([arcmin::robot::declared()]).collect();
         arcmin::results::reference_of_results(&declared)
     } else {
         arcmin::design::reference_of_keys()

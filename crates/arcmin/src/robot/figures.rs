@@ -45,6 +45,7 @@ impl Figure {
 }
 
 /// Numbers of the places of each kind.
+#[derive(Debug)]
 pub struct Sorted {
     /// In the order of the programs, each with its pose.
     pub visits: Vec<(usize, usize)>,

@@ -1,7 +1,6 @@
 //! A joint as the arm feels it: what its output is off at every age.
 
 use crate::exchange::{JointExport, JointState, RunningFriction, TransmissionWaves};
-use crate::units::ARCMIN;
 
 use super::memory::Loop;
 
@@ -38,6 +37,11 @@ impl AgedJoint {
             stiffness: state.stiffness_n_m_per_rad,
             friction: state.friction,
         })
+    }
+
+    /// Torques on the output from outside in N·m, each with the waves measured under it.
+    pub fn waves(&self) -> &[(f64, TransmissionWaves)] {
+        &self.waves
     }
 
     /// Transmission error without its mean in rad at an output angle (rad) under a torque on the output from outside
@@ -130,32 +134,14 @@ impl JointModel {
         along / self.ratio + self.motor_inertia * self.ratio * acceleration
     }
 
-    /// Lost motion in rad after these hours in motion.
-    pub fn lost_motion(&self, hours: f64) -> f64 {
-        self.between(hours, |age| age.lost_motion)
-    }
-
-    /// A figure between the ages measured; beyond the last it stays.
+    /// A figure after these hours in motion, between the ages measured.
     pub fn between(&self, hours: f64, of: impl Fn(&AgedJoint) -> f64) -> f64 {
-        let (a, b, share) = self.place(hours);
-        let (low, high) = (of(&self.ages[a]), of(&self.ages[b]));
-        if share == 0.0 { low } else { low + share * (high - low) }
-    }
-
-    /// Numbers of the ages before and after these hours, and where between them.
-    pub fn place(&self, hours: f64) -> (usize, usize, f64) {
         let last = self.ages.len() - 1;
-        let upper = self.ages.partition_point(|age| age.hours <= hours);
+        let upper = self.ages.partition_point(|age| age.hours <= hours * (1.0 + 1e-12));
         if upper == 0 || upper > last {
-            let at = upper.min(last);
-            return (at, at, 0.0);
+            return of(&self.ages[upper.min(last)]);
         }
         let (a, b) = (&self.ages[upper - 1], &self.ages[upper]);
-        (upper - 1, upper, (hours - a.hours) / (b.hours - a.hours))
-    }
-
-    /// N·m/arcmin of the new joint.
-    pub fn stiffness_per_arcmin(&self) -> f64 {
-        self.ages.first().map_or(0.0, |age| age.stiffness * ARCMIN)
+        of(a) + (hours - a.hours) / (b.hours - a.hours) * (of(b) - of(a))
     }
 }

@@ -50,20 +50,18 @@ impl Loop {
         self.tips().map(|tip| tip.0)
     }
 
-    /// A branch between its points; beyond the tips as steep as the outer half.
+    /// A branch between its points; beyond the tips both go on as steep as the outer half on average.
     fn branch(&self, rises: bool, torque: f64) -> f64 {
         let angles = if rises { &self.rising } else { &self.falling };
         let last = self.torques.len() - 1;
-        let slope = |tip: usize, inner: f64| {
-            (angles[tip] - self.between(angles, inner)) / (self.torques[tip] - inner)
+        let tip = match torque {
+            torque if torque <= self.torques[0] => 0,
+            torque if torque >= self.torques[last] => last,
+            torque => return self.between(angles, torque),
         };
-        if torque <= self.torques[0] {
-            return angles[0] + (torque - self.torques[0]) * slope(0, 0.5 * self.torques[0]);
-        }
-        if torque >= self.torques[last] {
-            return angles[last] + (torque - self.torques[last]) * slope(last, 0.5 * self.torques[last]);
-        }
-        self.between(angles, torque)
+        let inner = 0.5 * self.torques[tip];
+        let middle = 0.5 * (self.between(&self.rising, inner) + self.between(&self.falling, inner));
+        angles[tip] + (torque - self.torques[tip]) * (angles[tip] - middle) / (self.torques[tip] - inner)
     }
 
     fn between(&self, angles: &[f64], torque: f64) -> f64 {
@@ -155,6 +153,9 @@ impl<'a> Standing<'a> {
 
     /// Goes to another torque on the straight way; the wind-up there.
     pub fn load(&mut self, torque: f64) -> f64 {
+        if torque == self.torque {
+            return self.at(torque);
+        }
         let [low, high] = self.curve.tips();
         if torque >= high.0 || torque <= low.0 {
             // A tip wipes all out.
@@ -165,7 +166,7 @@ impl<'a> Standing<'a> {
         }
         let towards = (torque - self.torque).signum();
         let last = self.turns.len() - 1;
-        if torque != self.torque && towards != (self.turns[last - 1].0 - self.turns[last].0).signum() {
+        if towards != (self.turns[last - 1].0 - self.turns[last].0).signum() {
             let here = (self.torque.clamp(low.0, high.0), self.at(self.torque.clamp(low.0, high.0)));
             if here.0 != self.turns[last].0 {
                 self.turns.push(here);

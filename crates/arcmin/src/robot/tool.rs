@@ -79,6 +79,7 @@ pub fn side(index: usize) -> Vector3<f64> {
 }
 
 /// One torque history of every joint; the standing of a joint is asked for at some of its steps.
+#[derive(Debug)]
 struct History {
     /// By axis: torque from outside without drag (N·m), sense in which the joint turns or turned last.
     steps: Vec<Vec<(f64, f64)>>,
@@ -89,6 +90,7 @@ struct History {
 }
 
 /// All places with the ways to them.
+#[derive(Debug)]
 pub struct Places {
     pub places: Vec<Place>,
     histories: Vec<History>,
@@ -152,6 +154,17 @@ impl Places {
         }
         all.poses = known.len();
         for (pose, angles) in known.iter().enumerate() {
+            for index in 0..APPROACHES {
+                all.approach(arm, pose, angles, (index, side(index)), approach);
+            }
+        }
+        all
+    }
+
+    /// Postures at rest with their approaches, without a program.
+    pub fn at_rest(arm: &Arm, postures: &[Vec<f64>], approach: f64) -> Places {
+        let mut all = Places { places: Vec::new(), histories: Vec::new(), poses: postures.len() };
+        for (pose, angles) in postures.iter().enumerate() {
             for index in 0..APPROACHES {
                 all.approach(arm, pose, angles, (index, side(index)), approach);
             }
@@ -267,6 +280,7 @@ fn straight(posture: &Posture, way: Vector3<f64>) -> Vec<f64> {
 }
 
 /// What every joint of an arm is off at every age and place.
+#[derive(Debug)]
 pub struct Field {
     /// By axis, age, place.
     off: Vec<Vec<Vec<Off>>>,
@@ -312,12 +326,11 @@ impl Field {
         let (ages, moved) = (&self.hours[axis], hours * self.moving[axis]);
         let last = ages.len() - 1;
         let upper = ages.partition_point(|age| *age <= moved * (1.0 + 1e-12));
-        if upper > last {
-            return self.off[axis][last][place];
-        }
-        if upper == 0 {
+        if upper == 0 || last == 0 {
             return self.off[axis][0][place];
         }
+        // Beyond the last age, where a variant wears faster, it goes on as between the last two.
+        let upper = upper.min(last);
         let share = (moved - ages[upper - 1]) / (ages[upper] - ages[upper - 1]);
         let (a, b) = (&self.off[axis][upper - 1][place], &self.off[axis][upper][place]);
         Off {
