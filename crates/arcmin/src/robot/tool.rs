@@ -20,7 +20,7 @@ pub struct Place {
     pub kind: Kind,
     pub posture: Posture,
     /// Of each axis from outside.
-    loads: Vec<AxisLoad>,
+    pub(super) loads: Vec<AxisLoad>,
     /// Joint angles in rad.
     pub angles: Vec<f64>,
     /// Direction of the commanded path; zero at rest.
