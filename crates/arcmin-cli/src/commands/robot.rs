@@ -94,7 +94,13 @@ pub fn command() -> Command {
                 .action(ArgAction::SetTrue)
                 .help("Write over the results of another robot"),
         )
-        .arg(Arg::new("quiet").long("quiet").short('q').action(ArgAction::SetTrue).help("Print nothing but errors"))
+        .arg(
+            Arg::new("quiet")
+                .long("quiet")
+                .short('q')
+                .action(ArgAction::SetTrue)
+                .help("Print nothing but errors"),
+        )
         .subcommand(new)
 }
 
@@ -109,9 +115,10 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     let file = read(path)?;
     let quiet = matches.get_flag("quiet");
-    let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
-        Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot")
-    });
+    let out = matches
+        .get_one::<PathBuf>("out")
+        .cloned()
+        .unwrap_or_else(|| Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot"));
     let results = Results::prepare_for(&out, &file.name, matches.get_flag("force"))?;
     let chosen = matches.get_one::<PathBuf>("cache").map(|chosen| Cache::new(chosen));
     let host = Terminal::new(path, &out, chosen.unwrap_or_else(|| Cache::of_user(&out)), quiet);
@@ -150,11 +157,8 @@ fn publish(robot: &Robot, mut results: Results, quiet: bool, out: &Path) -> Resu
     for table in Robot::tables(robot) {
         results.file(&table.file_name(), table.to_csv().as_bytes())?;
     }
-    let attachments = robot.attachments().map_err(|error| Failure::Analysis {
-        error,
-        options: None,
-        finding: None,
-    })?;
+    let attachments =
+        robot.attachments().map_err(|error| Failure::Analysis { error, options: None, finding: None })?;
     for attachment in attachments {
         results.file(&attachment.name, &attachment.bytes)?;
     }
@@ -171,10 +175,8 @@ fn publish(robot: &Robot, mut results: Results, quiet: bool, out: &Path) -> Resu
     summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
     summary.insert("command".to_owned(), json!("robot"));
     summary.insert("command_line".to_owned(), json!(crate::typed()));
-    summary.insert(
-        "design".to_owned(),
-        json!({ "name": robot.name, "hash": robot.hash, "short_hash": short }),
-    );
+    summary
+        .insert("design".to_owned(), json!({ "name": robot.name, "hash": robot.hash, "short_hash": short }));
     let names = results.publish(summary)?;
     if !quiet {
         say(&terminal_text(&robot.said()))?;

@@ -219,8 +219,10 @@ pub fn reduce_duty(
     wear_exponent: f64,
     ratio: f64,
 ) -> (Vec<DutyRow>, Reduction) {
-    let samples: Vec<Sample> =
-        readings.iter().map(|[torque, speed, time]| Sample { torque: *torque, speed: *speed, time: *time }).collect();
+    let samples: Vec<Sample> = readings
+        .iter()
+        .map(|[torque, speed, time]| Sample { torque: *torque, speed: *speed, time: *time })
+        .collect();
     merge::reduce(&samples, rows, wear_exponent, ratio)
 }
 

@@ -13,7 +13,8 @@ use crate::results::{
 use crate::units::{ARCMIN, DEG, MM, RPM};
 
 /// What the command does, in one line.
-pub const ABOUT: &str = "Tool error of a robot over the life of its joints, and which reducer to overhaul when";
+pub const ABOUT: &str =
+    "Tool error of a robot over the life of its joints, and which reducer to overhaul when";
 
 const JOINT: Quantity = quantity("joint", PLAIN, "Name of the axis.");
 const ROBOT_HOURS: Quantity = quantity("hours", decimals(0), "Hours of the robot by the clock.");
@@ -107,30 +108,59 @@ const LOADS: TableOf<super::run::JointAnswer> = TableOf {
             quantity("design", PLAIN, "Name of its reducer's design.").of(|r| r.design_name.clone().into()),
             q::RATIO.of(|r| r.ratio.into()),
             quantity("rated_torque_n_m", decimals(0), "Rated torque of the reducer.").of(|r| r.rated.into()),
-            quantity("torque_rms_n_m", decimals(1), "Root mean square of the torque on the link over the programs.")
-                .of(|r| r.duty.torque_rms.into()),
+            quantity(
+                "torque_rms_n_m",
+                decimals(1),
+                "Root mean square of the torque on the link over the programs.",
+            )
+            .of(|r| r.duty.torque_rms.into()),
             quantity("torque_peak_n_m", decimals(1), "Largest torque on the link.")
                 .of(|r| r.duty.torque_peak.into()),
-            quantity("speed_peak_deg_s", decimals(1), "Largest speed.").of(|r| (r.duty.speed_peak / DEG).into()),
+            quantity("speed_peak_deg_s", decimals(1), "Largest speed.")
+                .of(|r| (r.duty.speed_peak / DEG).into()),
             quantity("moving_share", digits(3), "Hours in motion for each hour of the robot.")
                 .of(|r| r.duty.moving.into()),
-            quantity("motor_torque_rms_n_m", digits(3), "Root mean square of the motor's torque: load, friction of the new reducer, its own rotor.")
-                .of(|r| r.motor.map(|m| m.0).into()),
+            quantity(
+                "motor_torque_rms_n_m",
+                digits(3),
+                "Root mean square of the motor's torque: load, friction of the new reducer, its own rotor.",
+            )
+            .of(|r| r.motor.map(|m| m.0).into()),
             quantity("motor_torque_peak_n_m", digits(3), "Largest torque of the motor.")
                 .of(|r| r.motor.map(|m| m.1).into()),
-            quantity("tilting_moment_n_m", decimals(1), "Tilting moment on the output bearings, power mean over the turns with the exponent 10/3.")
-                .of(|r| r.duty.forces.moment.into()),
-            quantity("axial_force_n", decimals(0), "Axial force on the output bearings, the same mean; positive out of the link.")
-                .of(|r| r.duty.forces.axial.into()),
+            quantity(
+                "tilting_moment_n_m",
+                decimals(1),
+                "Tilting moment on the output bearings, power mean over the turns with the exponent 10/3.",
+            )
+            .of(|r| r.duty.forces.moment.into()),
+            quantity(
+                "axial_force_n",
+                decimals(0),
+                "Axial force on the output bearings, the same mean; positive out of the link.",
+            )
+            .of(|r| r.duty.forces.axial.into()),
             quantity("radial_force_n", decimals(0), "Radial force on the output bearings, the same mean.")
                 .of(|r| r.duty.forces.radial.into()),
             quantity("duty_rows", PLAIN, "Rows of the joint's duty.").of(|r| r.duty.rows.len().into()),
-            quantity("wear_error_percent", digits(2), "What the rows of the duty differ by from the programs in Σ |T| |ω| t.")
-                .of(|r| r.duty.reduction.map(|x| 100.0 * x.wear_error).into()),
-            quantity("bearing_load_error_percent", digits(2), "The same of the equivalent load of the bearings.")
-                .of(|r| r.duty.reduction.map(|x| 100.0 * x.bearing_load_error).into()),
-            quantity("life_source", PLAIN, "Where the life comes from: computed, a table, or scaled from an earlier run.")
-                .of(|r| r.source.word().into()),
+            quantity(
+                "wear_error_percent",
+                digits(2),
+                "What the rows of the duty differ by from the programs in Σ |T| |ω| t.",
+            )
+            .of(|r| r.duty.reduction.map(|x| 100.0 * x.wear_error).into()),
+            quantity(
+                "bearing_load_error_percent",
+                digits(2),
+                "The same of the equivalent load of the bearings.",
+            )
+            .of(|r| r.duty.reduction.map(|x| 100.0 * x.bearing_load_error).into()),
+            quantity(
+                "life_source",
+                PLAIN,
+                "Where the life comes from: computed, a table, or scaled from an earlier run.",
+            )
+            .of(|r| r.source.word().into()),
             quantity("bearing", PLAIN, "Bearing that lasts shortest.")
                 .of(|r| r.bearing.as_ref().map(|b| b.0.clone()).into()),
             quantity("bearing_l10_h", decimals(0), "Its L10 in hours of the robot.")
@@ -145,9 +175,14 @@ const DUTY: TableOf<(String, DutyRow)> = TableOf {
     columns: || {
         vec![
             JOINT.of(|r: &(String, DutyRow)| r.0.clone().into()),
-            quantity("torque_n_m", decimals(1), "Torque on the link, positive where it drives positive motion.")
-                .of(|r| r.1.torque.into()),
-            quantity("input_speed_rpm", decimals(1), "Speed of the motor.").of(|r| (r.1.input_speed / RPM).into()),
+            quantity(
+                "torque_n_m",
+                decimals(1),
+                "Torque on the link, positive where it drives positive motion.",
+            )
+            .of(|r| r.1.torque.into()),
+            quantity("input_speed_rpm", decimals(1), "Speed of the motor.")
+                .of(|r| (r.1.input_speed / RPM).into()),
             quantity("share", digits(4), "Share of the time in motion.").of(|r| r.1.share.into()),
         ]
     },
@@ -189,12 +224,15 @@ const POSES: TableOf<PoseRow> = TableOf {
         vec![
             quantity("program", PLAIN, "Name of the program.").of(|r: &PoseRow| r.program.clone().into()),
             quantity("pose", PLAIN, "Test pose, counted from 1.").of(|r| (r.pose + 1).into()),
-            quantity("time_s", decimals(3), "When it is looked at, from the beginning of the program.").of(|r| r.time.into()),
+            quantity("time_s", decimals(3), "When it is looked at, from the beginning of the program.")
+                .of(|r| r.time.into()),
             ROBOT_HOURS.of(|r| r.hours.into()),
-            quantity("x_mm", decimals(1), "Commanded place of the tool in the frame of the base.").of(|r| (r.place[0] / MM).into()),
+            quantity("x_mm", decimals(1), "Commanded place of the tool in the frame of the base.")
+                .of(|r| (r.place[0] / MM).into()),
             quantity("y_mm", decimals(1), "The same, y.").of(|r| (r.place[1] / MM).into()),
             quantity("z_mm", decimals(1), "The same, z.").of(|r| (r.place[2] / MM).into()),
-            quantity("error_x_mm", decimals(4), "Reached less commanded place, x.").of(|r| (r.off[0] / MM).into()),
+            quantity("error_x_mm", decimals(4), "Reached less commanded place, x.")
+                .of(|r| (r.off[0] / MM).into()),
             quantity("error_y_mm", decimals(4), "The same, y.").of(|r| (r.off[1] / MM).into()),
             quantity("error_z_mm", decimals(4), "The same, z.").of(|r| (r.off[2] / MM).into()),
             quantity("turn_deg", decimals(4), "Turn of the tool.").of(|r| (r.turn / DEG).into()),
@@ -222,8 +260,10 @@ const MOTION: TableOf<MotionRow> = TableOf {
             quantity("speed_rad_s", digits(6), "Speed.").of(|r| r.values[1].into()),
             quantity("acceleration_rad_s2", digits(6), "Acceleration.").of(|r| r.values[2].into()),
             quantity("torque_n_m", digits(6), "Torque on the link.").of(|r| r.values[3].into()),
-            quantity("tilting_moment_n_m", digits(4), "Moment that tilts the output bearings.").of(|r| r.values[4].into()),
-            quantity("axial_force_n", digits(4), "Force on the output along the axis from outside.").of(|r| r.values[5].into()),
+            quantity("tilting_moment_n_m", digits(4), "Moment that tilts the output bearings.")
+                .of(|r| r.values[4].into()),
+            quantity("axial_force_n", digits(4), "Force on the output along the axis from outside.")
+                .of(|r| r.values[5].into()),
             quantity("radial_force_n", digits(4), "Force across the axis.").of(|r| r.values[6].into()),
         ]
     },
@@ -247,10 +287,12 @@ const PATHS: TableOf<PathRow> = TableOf {
             quantity("x_mm", decimals(2), "Commanded place of the tool.").of(|r| (r.place[0] / MM).into()),
             quantity("y_mm", decimals(2), "The same, y.").of(|r| (r.place[1] / MM).into()),
             quantity("z_mm", decimals(2), "The same, z.").of(|r| (r.place[2] / MM).into()),
-            quantity("new_error_x_mm", decimals(4), "Reached less commanded place of the new robot, x.").of(|r| (r.new[0] / MM).into()),
+            quantity("new_error_x_mm", decimals(4), "Reached less commanded place of the new robot, x.")
+                .of(|r| (r.new[0] / MM).into()),
             quantity("new_error_y_mm", decimals(4), "The same, y.").of(|r| (r.new[1] / MM).into()),
             quantity("new_error_z_mm", decimals(4), "The same, z.").of(|r| (r.new[2] / MM).into()),
-            quantity("error_x_mm", decimals(4), "Reached less commanded place at the planned hours, x.").of(|r| (r.end[0] / MM).into()),
+            quantity("error_x_mm", decimals(4), "Reached less commanded place at the planned hours, x.")
+                .of(|r| (r.end[0] / MM).into()),
             quantity("error_y_mm", decimals(4), "The same, y.").of(|r| (r.end[1] / MM).into()),
             quantity("error_z_mm", decimals(4), "The same, z.").of(|r| (r.end[2] / MM).into()),
         ]
@@ -312,9 +354,20 @@ const COMPENSATION: TableOf<Entry> = TableOf {
         vec![
             JOINT.of(|r: &Entry| r.joint.clone().into()),
             ROBOT_HOURS.of(|r| r.hours.into()),
-            quantity("outer_torque_n_m", decimals(1), "Torque on the output from outside: the reaction of the torque on the link.").of(|r| r.torque.into()),
-            quantity("torque_is", PLAIN, "Whether it was `rising` or `falling`.").of(|r| if r.rises { "rising" } else { "falling" }.into()),
-            quantity("error_arcmin", decimals(4), "Angle of the output against motor angle / ratio: subtract it from the commanded angle.").of(|r| (r.error / ARCMIN).into()),
+            quantity(
+                "outer_torque_n_m",
+                decimals(1),
+                "Torque on the output from outside: the reaction of the torque on the link.",
+            )
+            .of(|r| r.torque.into()),
+            quantity("torque_is", PLAIN, "Whether it was `rising` or `falling`.")
+                .of(|r| if r.rises { "rising" } else { "falling" }.into()),
+            quantity(
+                "error_arcmin",
+                decimals(4),
+                "Angle of the output against motor angle / ratio: subtract it from the commanded angle.",
+            )
+            .of(|r| (r.error / ARCMIN).into()),
         ]
     },
 };
@@ -326,9 +379,11 @@ const WAVES: TableOf<WaveEntry> = TableOf {
         vec![
             JOINT.of(|r: &WaveEntry| r.joint.clone().into()),
             ROBOT_HOURS.of(|r| r.hours.into()),
-            quantity("outer_torque_n_m", decimals(1), "Torque on the output from outside.").of(|r| r.torque.into()),
+            quantity("outer_torque_n_m", decimals(1), "Torque on the output from outside.")
+                .of(|r| r.torque.into()),
             quantity("order", PLAIN, "Waves per turn of the joint.").of(|r| r.order.into()),
-            quantity("amplitude_arcmin", digits(4), "Of cos(order × joint angle + phase).").of(|r| (r.amplitude / ARCMIN).into()),
+            quantity("amplitude_arcmin", digits(4), "Of cos(order × joint angle + phase).")
+                .of(|r| (r.amplitude / ARCMIN).into()),
             quantity("phase_deg", decimals(2), "Phase at joint angle 0.").of(|r| (r.phase / DEG).into()),
         ]
     },
@@ -358,12 +413,23 @@ const VARIANTS: TableOf<VariantRow> = TableOf {
     columns: || {
         vec![
             quantity("variant", PLAIN, "Name of the variant.").of(|r: &VariantRow| r.0.name.clone().into()),
-            quantity("cycles_share", digits(3), "Cycles an hour as a share of those given.").of(|r| r.0.cycles.into()),
-            quantity("torque_share", digits(3), "Largest torque of the axis that rises most, as a share of the robot's as it is.").of(|r| r.0.hardest.1.into()),
+            quantity("cycles_share", digits(3), "Cycles an hour as a share of those given.")
+                .of(|r| r.0.cycles.into()),
+            quantity(
+                "torque_share",
+                digits(3),
+                "Largest torque of the axis that rises most, as a share of the robot's as it is.",
+            )
+            .of(|r| r.0.hardest.1.into()),
             POSITION.of(|r| (r.0.figures.position / MM).into()),
             REPEATABILITY.of(|r| (r.0.figures.repeatability / MM).into()),
             PATH.of(|r| (r.0.figures.path / MM).into()),
-            quantity("hours_to_limit", decimals(0), "Hours until the first limit is left; empty where none is.").of(|r| r.0.end.map(|end| end.hours).into()),
+            quantity(
+                "hours_to_limit",
+                decimals(0),
+                "Hours until the first limit is left; empty where none is.",
+            )
+            .of(|r| r.0.end.map(|end| end.hours).into()),
             quantity("limited_by", PLAIN, "Axis that makes most of it then.").of(|r| r.1.clone().into()),
         ]
     },
@@ -374,10 +440,18 @@ const REACH: TableOf<super::reach::ReachPoint> = TableOf {
     what: "Repeatability over the reach: the second and third axis over their ranges, the others as on average",
     columns: || {
         vec![
-            quantity("radius_mm", decimals(0), "Distance of the tool from the first axis.").of(|r: &super::reach::ReachPoint| (r.radius / MM).into()),
-            quantity("height_mm", decimals(0), "Height of the tool along the first axis.").of(|r| (r.height / MM).into()),
-            quantity("new_repeatability_mm", decimals(4), "Repeatability of the new robot there, from all sides.").of(|r| (r.repeatability[0] / MM).into()),
-            quantity("repeatability_mm", decimals(4), "The same at the planned hours.").of(|r| (r.repeatability[1] / MM).into()),
+            quantity("radius_mm", decimals(0), "Distance of the tool from the first axis.")
+                .of(|r: &super::reach::ReachPoint| (r.radius / MM).into()),
+            quantity("height_mm", decimals(0), "Height of the tool along the first axis.")
+                .of(|r| (r.height / MM).into()),
+            quantity(
+                "new_repeatability_mm",
+                decimals(4),
+                "Repeatability of the new robot there, from all sides.",
+            )
+            .of(|r| (r.repeatability[0] / MM).into()),
+            quantity("repeatability_mm", decimals(4), "The same at the planned hours.")
+                .of(|r| (r.repeatability[1] / MM).into()),
         ]
     },
 };
@@ -390,8 +464,10 @@ const POPULATION: TableOf<DrawnRow> = TableOf {
     columns: || {
         vec![
             quantity("robot", PLAIN, "Counted from 1.").of(|r: &DrawnRow| (r.0 + 1).into()),
-            quantity("new_position_error_mm", decimals(3), "Pose accuracy, new.").of(|r| (r.1[0].position / MM).into()),
-            quantity("new_repeatability_mm", decimals(3), "Repeatability, new.").of(|r| (r.1[0].repeatability / MM).into()),
+            quantity("new_position_error_mm", decimals(3), "Pose accuracy, new.")
+                .of(|r| (r.1[0].position / MM).into()),
+            quantity("new_repeatability_mm", decimals(3), "Repeatability, new.")
+                .of(|r| (r.1[0].repeatability / MM).into()),
             POSITION.of(|r| (r.1[1].position / MM).into()),
             REPEATABILITY.of(|r| (r.1[1].repeatability / MM).into()),
             PATH.of(|r| (r.1[1].path / MM).into()),
@@ -603,8 +679,12 @@ impl Robot {
             tables.push(self.variant_table(tool));
         }
         if let Some(population) = &tool.population {
-            let rows: Vec<DrawnRow> =
-                population.robots.iter().enumerate().map(|(number, robot)| DrawnRow(number, *robot)).collect();
+            let rows: Vec<DrawnRow> = population
+                .robots
+                .iter()
+                .enumerate()
+                .map(|(number, robot)| DrawnRow(number, *robot))
+                .collect();
             tables.push(POPULATION.fill(rows.iter()));
         }
         tables

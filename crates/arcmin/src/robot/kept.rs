@@ -59,12 +59,15 @@ pub fn of<'a>(
     design: &Design,
 ) -> Result<&'a KeptJoint, AnalysisError> {
     let hash = design.hash();
-    let same: Vec<&KeptJoint> = list.iter().filter(|joint| joint.design == hash && joint.work > 0.0).collect();
-    same.iter().find(|joint| joint.axis == axis).or(same.first()).copied().ok_or_else(|| AnalysisError::Input {
-        file: file.0.clone(),
-        line: None,
-        message: format!("there is no life of the joint \"{axis}\" with its present design"),
-        help: "run without --lives once, and again whenever a design changes".to_owned(),
+    let same: Vec<&KeptJoint> =
+        list.iter().filter(|joint| joint.design == hash && joint.work > 0.0).collect();
+    same.iter().find(|joint| joint.axis == axis).or(same.first()).copied().ok_or_else(|| {
+        AnalysisError::Input {
+            file: file.0.clone(),
+            line: None,
+            message: format!("there is no life of the joint \"{axis}\" with its present design"),
+            help: "run without --lives once, and again whenever a design changes".to_owned(),
+        }
     })
 }
 

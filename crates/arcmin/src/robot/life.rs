@@ -108,7 +108,8 @@ impl JointDuty {
             ("duty".into(), Value::LeftOut),
         ];
         for (index, row) in self.rows.iter().enumerate() {
-            let mut set = |key: &str, value: f64| changes.push((format!("duty[{index}].{key}"), value.into()));
+            let mut set =
+                |key: &str, value: f64| changes.push((format!("duty[{index}].{key}"), value.into()));
             set("torque_n_m", row.torque);
             set("input_speed_rpm", row.input_speed / RPM);
             set("share", row.share);
@@ -239,11 +240,8 @@ pub fn live(
 
 /// Name of a life in a cache: of all that it depends on.
 fn key(design: &Design, measured: &Measured, rests: bool) -> String {
-    let text = format!(
-        "joint life 1\n{}\n{}\n{measured:?}\n{rests}",
-        env!("CARGO_PKG_VERSION"),
-        design.canonical()
-    );
+    let text =
+        format!("joint life 1\n{}\n{}\n{measured:?}\n{rests}", env!("CARGO_PKG_VERSION"), design.canonical());
     let digits: String =
         Sha256::digest(text.as_bytes()).iter().take(16).map(|byte| format!("{byte:02x}")).collect();
     format!("joint-life-{digits}.reduced")

@@ -146,8 +146,11 @@ impl<'a> Standing<'a> {
         let rises = to.0 > from.0;
         let shape = |torque: f64| self.curve.branch(rises, torque);
         let whole = shape(to.0) - shape(from.0);
-        let share =
-            if whole == 0.0 { (torque - from.0) / (to.0 - from.0) } else { (shape(torque) - shape(from.0)) / whole };
+        let share = if whole == 0.0 {
+            (torque - from.0) / (to.0 - from.0)
+        } else {
+            (shape(torque) - shape(from.0)) / whole
+        };
         from.1 + share * (to.1 - from.1)
     }
 
@@ -249,7 +252,10 @@ mod tests {
             let wind_up = standing.load(next);
             assert!((wind_up - before) * (next - torque) >= -1e-16);
             let bounds = [curve.outer(true, next), curve.outer(false, next)];
-            assert!(wind_up >= bounds[0] - 1e-15 && wind_up <= bounds[1] + 1e-15, "{next} {wind_up} {bounds:?}");
+            assert!(
+                wind_up >= bounds[0] - 1e-15 && wind_up <= bounds[1] + 1e-15,
+                "{next} {wind_up} {bounds:?}"
+            );
             (torque, before) = (next, wind_up);
         }
     }

@@ -263,7 +263,8 @@ mod tests {
         let (motion, ends) = through(&stops, &paces, 1e-3);
         assert_eq!(ends.len(), 3);
         for (stop, end) in stops.iter().zip(&ends) {
-            let off = motion.angles_at(*end).iter().zip(&stop.angles).map(|(a, b)| (a - b).abs()).sum::<f64>();
+            let off =
+                motion.angles_at(*end).iter().zip(&stop.angles).map(|(a, b)| (a - b).abs()).sum::<f64>();
             assert!(off < 1e-12 && motion.rests(*end));
         }
         let most = |of: &[f64]| of.iter().fold(0.0, |most: f64, x| most.max(x.abs()));

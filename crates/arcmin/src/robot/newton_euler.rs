@@ -262,9 +262,8 @@ mod tests {
         let energy = |q: &DVector<f64>, v: &DVector<f64>| -> f64 {
             let m = mass_matrix(&arm, q.as_slice());
             let posture = arm.posture(q.as_slice());
-            let lift = |(axis, link): (&Axis, &Pose)| {
-                -axis.link.mass * arm.gravity.dot(&link.at(&axis.link.centre))
-            };
+            let lift =
+                |(axis, link): (&Axis, &Pose)| -axis.link.mass * arm.gravity.dot(&link.at(&axis.link.centre));
             0.5 * v.dot(&(m * v)) + arm.axes.iter().zip(&posture.links).map(lift).sum::<f64>()
         };
         let mut q = DVector::from_row_slice(&[0.3, -0.8, 1.2, 0.1, 2.0, -0.4]);

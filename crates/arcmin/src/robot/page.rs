@@ -94,7 +94,9 @@ impl Robot {
             return None;
         }
         Some(match &tool.plan {
-            None => "No plan of overhauls keeps the limits: new reducers leave them as well, or soon.".to_owned(),
+            None => {
+                "No plan of overhauls keeps the limits: new reducers leave them as well, or soon.".to_owned()
+            }
             Some((plan, _)) if plan.is_empty() => {
                 format!("No overhaul is needed in {:.0} h.", self.planned)
             }
@@ -105,7 +107,12 @@ impl Robot {
                     .collect();
                 let word = if plan.len() == 1 { "overhaul keeps" } else { "overhauls keep" };
                 let sure = if *fewest { "" } else { " (fewer may exist)" };
-                format!("{} {word} the limits over {:.0} h{sure}: {}.", plan.len(), self.planned, steps.join(", "))
+                format!(
+                    "{} {word} the limits over {:.0} h{sure}: {}.",
+                    plan.len(),
+                    self.planned,
+                    steps.join(", ")
+                )
             }
         })
     }
@@ -123,17 +130,27 @@ fn said(robot: &Robot) -> Vec<Said> {
     let tables = Robot::tables(robot);
     let find = |name: &str| tables.iter().find(|table| table.name == name);
     if let Some(table) = find("tool") {
-        let keys = ["hours", "position_error_mm", "repeatability_mm", "path_error_mm", "orientation_error_deg"];
+        let keys =
+            ["hours", "position_error_mm", "repeatability_mm", "path_error_mm", "orientation_error_deg"];
         said.push(Said::columns(table, &keys, 0..table.rows()));
     }
     if let Some(table) = find("joints") {
         let count = robot.joints.len();
         said.push(Said::line(format!("joints after {:.0} h:", robot.planned)));
-        let keys = ["joint", "torque_rms_n_m", "lost_motion_arcmin", "share_at_tool_mm", "repeatability_alone_mm"];
+        let keys =
+            ["joint", "torque_rms_n_m", "lost_motion_arcmin", "share_at_tool_mm", "repeatability_alone_mm"];
         said.push(Said::columns(table, &keys, table.rows() - count..table.rows()));
     }
     if let Some(table) = find("loads") {
-        let keys = ["joint", "design", "torque_rms_n_m", "torque_peak_n_m", "rated_torque_n_m", "moving_share", "motor_torque_peak_n_m"];
+        let keys = [
+            "joint",
+            "design",
+            "torque_rms_n_m",
+            "torque_peak_n_m",
+            "rated_torque_n_m",
+            "moving_share",
+            "motor_torque_peak_n_m",
+        ];
         said.push(Said::columns(table, &keys, 0..table.rows()));
     }
     if let Some(table) = find("variants") {
@@ -190,10 +207,13 @@ fn verdict(robot: &Robot) -> Verdict {
         };
         verdict.figures = vec![
             match robot.end {
-                Some(end) => {
-                    KeyFigure::new("Within limits", format!("{:.0}", end.hours), "h", format!("{:.0} h planned", robot.planned))
-                        .kept(false)
-                }
+                Some(end) => KeyFigure::new(
+                    "Within limits",
+                    format!("{:.0}", end.hours),
+                    "h",
+                    format!("{:.0} h planned", robot.planned),
+                )
+                .kept(false),
                 None => KeyFigure::new("Within limits", format!("> {:.0}", robot.planned), "h", "planned"),
             },
             tile("Pose accuracy", Figure::Position, |f| f.position),
@@ -246,7 +266,11 @@ fn compensates(robot: &Robot) -> &'static str {
 }
 
 fn over_hours(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
-    let mut plot = Plot::new("Tool over the hours", Axis::new("hours of the robot", "h"), Axis::new("off", "mm").from_zero());
+    let mut plot = Plot::new(
+        "Tool over the hours",
+        Axis::new("hours of the robot", "h"),
+        Axis::new("off", "mm").from_zero(),
+    );
     let lines: [(&str, Figure, fn(&Figures) -> f64); 3] = [
         ("pose accuracy", Figure::Position, |f| f.position),
         ("repeatability", Figure::Repeatability, |f| f.repeatability),
@@ -254,7 +278,8 @@ fn over_hours(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     ];
     for (index, (name, figure, of)) in lines.into_iter().enumerate() {
         let points = tool.figures.iter().map(|(hours, f)| (*hours, of(f) / MM));
-        plot.series.push(Series::new(name, Style::LineMarkers, points).coloured(Colour::Palette(index as u8)));
+        plot.series
+            .push(Series::new(name, Style::LineMarkers, points).coloured(Colour::Palette(index as u8)));
         if let Some(limit) = robot.limits.iter().find(|limit| limit.figure == figure) {
             plot.limit_at(limit.allowed / MM, format!("limit of {name}"));
         }
@@ -263,12 +288,18 @@ fn over_hours(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
             let band = (0..2).map(|age| {
                 (hours[age], population.quantile(age, 0.05, of) / MM, population.quantile(age, 0.95, of) / MM)
             });
-            plot.series.push(Series::band(format!("{name}, 90 % of drawn robots"), band).coloured(Colour::Palette(index as u8)));
+            plot.series.push(
+                Series::band(format!("{name}, 90 % of drawn robots"), band)
+                    .coloured(Colour::Palette(index as u8)),
+            );
         }
     }
     let note = "All reducers of one age. Pose accuracy: test poses as the program reaches them. Repeatability: the same \
                 poses approached from thirty sides. Path accuracy: distance from the commanded path.";
-    vec![Block::Plot(plot.noted(note)), shown(&robot.tool_table(tool), "Figures by ISO 9283", 0..tool.figures.len())]
+    vec![
+        Block::Plot(plot.noted(note)),
+        shown(&robot.tool_table(tool), "Figures by ISO 9283", 0..tool.figures.len()),
+    ]
 }
 
 /// A filled table as one of the report.
@@ -316,7 +347,11 @@ fn shares(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     let causes = mapped.shares(&ages);
     let each = (0..4).map(|cause| {
         let sum: f64 = causes.iter().map(|causes| causes[cause]).sum();
-        (CAUSES[cause].to_owned(), sum.abs() / MM, if sum < 0.0 { "against the others".to_owned() } else { String::new() })
+        (
+            CAUSES[cause].to_owned(),
+            sum.abs() / MM,
+            if sum < 0.0 { "against the others".to_owned() } else { String::new() },
+        )
     });
     let table = robot.joint_table(tool);
     let last = table.rows() - robot.joints.len()..table.rows();
@@ -366,16 +401,15 @@ fn arm(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     let largest = tool.sorted.ways.iter().map(|place| off(*place).norm()).fold(0.0, f64::max);
     let span = |axis: usize| {
         let all = tool.sorted.ways.iter().map(|place| tool.places.places[*place].posture.tool.position[axis]);
-        let (low, high) =
-            all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+        let (low, high) = all
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
         high - low
     };
     let size = (0..3).map(span).fold(0.1, f64::max);
     let power = (0.1 * size / largest.max(1e-9)).log10().floor();
     let magnified = 10.0_f64.powf(power).max(1.0);
     let mut blocks = Vec::new();
-    for (title, [x, y], names) in
-        [("From the side", [0, 2], ["x", "z"]), ("From above", [0, 1], ["x", "y"])]
+    for (title, [x, y], names) in [("From the side", [0, 2], ["x", "z"]), ("From above", [0, 1], ["x", "y"])]
     {
         let mut plot = Plot::new(title, Axis::new(names[0], "mm"), Axis::new(names[1], "mm")).half();
         plot.equal_scales = true;
@@ -400,13 +434,20 @@ fn arm(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
         }
         plot.series.push(Series::line("commanded path", way(0.0)).coloured(Colour::Palette(0)));
         plot.series.push(
-            Series::line(format!("path after {:.0} h, error × {}", robot.planned, compact(magnified, 3)), way(magnified))
-                .coloured(Colour::Palette(1))
-                .strong(),
+            Series::line(
+                format!("path after {:.0} h, error × {}", robot.planned, compact(magnified, 3)),
+                way(magnified),
+            )
+            .coloured(Colour::Palette(1))
+            .strong(),
         );
         blocks.push(Block::Plot(plot));
     }
-    let mut plot = Plot::new("Distance from the path along the programs", Axis::new("time", "s"), Axis::new("off", "mm").from_zero());
+    let mut plot = Plot::new(
+        "Distance from the path along the programs",
+        Axis::new("time", "s"),
+        Axis::new("off", "mm").from_zero(),
+    );
     let new = vec![0.0; robot.joints.len()];
     for (name, hours) in [("new", &new), ("at the planned hours", &ages)] {
         let points = tool.sorted.ways.iter().filter_map(|place| {
@@ -428,9 +469,10 @@ fn reach_map(robot: &Robot, tool: &ToolAnswer) -> Option<Block> {
         return None;
     }
     let bounds = |of: fn(&super::reach::ReachPoint) -> f64| {
-        points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), x| {
-            (low.min(x), high.max(x))
-        })
+        points
+            .iter()
+            .map(of)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), x| (low.min(x), high.max(x)))
     };
     let (r, z) = (bounds(|p| p.radius), bounds(|p| p.height));
     let at = |(low, high): (f64, f64), cell: usize| low + (high - low) * cell as f64 / (CELLS - 1) as f64;
@@ -467,7 +509,10 @@ fn remains(robot: &Robot) -> Vec<Block> {
             .to_owned(),
     )];
     blocks.extend(
-        tables.iter().find(|table| table.name == "remains").map(|table| shown(table, "What remains", 0..table.rows())),
+        tables
+            .iter()
+            .find(|table| table.name == "remains")
+            .map(|table| shown(table, "What remains", 0..table.rows())),
     );
     blocks
 }
@@ -486,9 +531,9 @@ fn loads(robot: &Robot) -> Vec<Block> {
         );
         let stride = program.motion.len().div_ceil(1500).max(1);
         for (axis, joint) in robot.joints.iter().enumerate() {
-            let points = (0..program.motion.len())
-                .step_by(stride)
-                .map(|sample| (program.motion.time[sample], 100.0 * course.loads[sample][axis].torque / joint.rated));
+            let points = (0..program.motion.len()).step_by(stride).map(|sample| {
+                (program.motion.time[sample], 100.0 * course.loads[sample][axis].torque / joint.rated)
+            });
             plot.series.push(Series::line(joint.axis.clone(), points).coloured(Colour::Palette(axis as u8)));
         }
         blocks.push(Block::Plot(plot));

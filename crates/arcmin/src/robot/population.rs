@@ -42,9 +42,8 @@ pub(super) fn population(
     let Some(section) = &*file.population else { return Ok(None) };
     let (count, seed) = (*section.robots, *section.seed as u64);
     let axes = models.len();
-    let drawn = |axis: usize| {
-        before[axis].design.as_ref().filter(|design| design.drawing_tolerances().is_some())
-    };
+    let drawn =
+        |axis: usize| before[axis].design.as_ref().filter(|design| design.drawing_tolerances().is_some());
     let jobs: Vec<(usize, usize)> = (0..count)
         .flat_map(|number| (0..axes).map(move |axis| (number, axis)))
         .filter(|(_, axis)| drawn(*axis).is_some())

@@ -46,8 +46,7 @@ pub fn reach(
     };
     let usual: Vec<f64> = (0..arm.count()).map(mean).collect();
     let at = |axis: usize, step: usize| {
-        let (low, high) =
-            (arm.axes[axis].lower.max(-UNLIMITED), arm.axes[axis].upper.min(UNLIMITED));
+        let (low, high) = (arm.axes[axis].lower.max(-UNLIMITED), arm.axes[axis].upper.min(UNLIMITED));
         low + (high - low) * step as f64 / (STEPS - 1) as f64
     };
     let mut postures = Vec::with_capacity(STEPS * STEPS);

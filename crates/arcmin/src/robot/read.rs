@@ -114,13 +114,21 @@ impl RobotFile {
             [xx, yy, zz, xy, xz, yz] => (xx, yy, zz, xy, xz, yz),
             _ => {
                 let message = format!("`inertia_kg_m2` has {} numbers", list.value.len());
-                return Err(self.wrong(message, list.span.clone(), "write xx, yy, zz, or xx, yy, zz, xy, xz, yz"));
+                return Err(self.wrong(
+                    message,
+                    list.span.clone(),
+                    "write xx, yy, zz, or xx, yy, zz, xy, xz, yz",
+                ));
             }
         };
         let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         if inertia.symmetric_eigenvalues().min() < -1e-9 * inertia.norm() {
             let message = "the inertia has a negative principal moment: no body has it";
-            return Err(self.wrong(message, list.span.clone(), "check the products of inertia and their signs"));
+            return Err(self.wrong(
+                message,
+                list.span.clone(),
+                "check the products of inertia and their signs",
+            ));
         }
         Ok(inertia)
     }
@@ -148,11 +156,13 @@ impl RobotFile {
                     message: kind.to_string(),
                     help: "save it as UTF-8".to_owned(),
                 })?;
-                urdf::read(&text, &section.base, &section.tip, gravity).map_err(|error| AnalysisError::Input {
-                    file: section.file.0.clone(),
-                    line: Some(error.line),
-                    message: error.message,
-                    help: error.remedy,
+                urdf::read(&text, &section.base, &section.tip, gravity).map_err(|error| {
+                    AnalysisError::Input {
+                        file: section.file.0.clone(),
+                        line: Some(error.line),
+                        message: error.message,
+                        help: error.remedy,
+                    }
                 })?
             }
             (None, []) => {
@@ -176,8 +186,10 @@ impl RobotFile {
                         self.wrong(message, section.direction.span.clone(), "write one such as [0, 0, 1]")
                     })?;
                     if !(*section.lower_deg < *section.upper_deg) {
-                        let message =
-                            format!("the axis may turn from {}° to {}°", *section.lower_deg, *section.upper_deg);
+                        let message = format!(
+                            "the axis may turn from {}° to {}°",
+                            *section.lower_deg, *section.upper_deg
+                        );
                         return Err(self.wrong(message, section.lower_deg.span.clone(), "swap them"));
                     }
                     axes.push(Axis {
@@ -215,7 +227,11 @@ impl RobotFile {
             let Some(axis) = arm.axes.iter_mut().find(|axis| axis.name == *section.axis.value) else {
                 let names: Vec<&str> = self.names(&arm);
                 let message = format!("no axis is called \"{}\"", *section.axis);
-                return Err(self.wrong(message, section.axis.span.clone(), format!("axes are {}", names.join(", "))));
+                return Err(self.wrong(
+                    message,
+                    section.axis.span.clone(),
+                    format!("axes are {}", names.join(", ")),
+                ));
             };
             if self.joint.iter().take(index).any(|other| *other.axis == *section.axis) {
                 let message = format!("the axis \"{}\" has two reducers", *section.axis);
@@ -254,11 +270,8 @@ impl RobotFile {
     /// # Errors
     /// Files that cannot be read; neither of both, or both.
     pub fn reducer(&self, section: &JointSection, host: &dyn Host) -> Result<Reducer> {
-        let input = |file: &InputFile, line: Option<usize>, message: String, help: &str| AnalysisError::Input {
-            file: file.0.clone(),
-            line,
-            message,
-            help: help.to_owned(),
+        let input = |file: &InputFile, line: Option<usize>, message: String, help: &str| {
+            AnalysisError::Input { file: file.0.clone(), line, message, help: help.to_owned() }
         };
         match (&*section.design, &*section.table) {
             (Some(file), None) => {
@@ -352,17 +365,26 @@ impl RobotFile {
         let mut stops = Vec::with_capacity(poses.len());
         for (index, pose) in poses.iter().enumerate() {
             if pose.angles_deg.len() != arm.count() {
-                let message =
-                    format!("pose {} has {} angles, the arm {} axes", index + 1, pose.angles_deg.len(), arm.count());
+                let message = format!(
+                    "pose {} has {} angles, the arm {} axes",
+                    index + 1,
+                    pose.angles_deg.len(),
+                    arm.count()
+                );
                 let hint = format!("one for each of {}", self.names(arm).join(", "));
                 return Err(self.wrong(message, pose.angles_deg.span.clone(), hint));
             }
             let angles: Vec<f64> = pose.angles_deg.iter().map(|angle| DEG * angle).collect();
             for (axis, angle) in arm.axes.iter().zip(&angles) {
                 if *angle < axis.lower - SAME || *angle > axis.upper + SAME {
-                    let message =
-                        format!("pose {} takes the axis \"{}\" to {}°", index + 1, axis.name, degrees(*angle));
-                    let hint = format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper));
+                    let message = format!(
+                        "pose {} takes the axis \"{}\" to {}°",
+                        index + 1,
+                        axis.name,
+                        degrees(*angle)
+                    );
+                    let hint =
+                        format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper));
                     return Err(self.wrong(message, pose.angles_deg.span.clone(), hint));
                 }
             }
@@ -376,13 +398,17 @@ impl RobotFile {
         let mut paces = Vec::with_capacity(arm.count());
         for (axis, joint) in arm.axes.iter().zip(&joints) {
             let Some(acceleration) = *joint.acceleration_deg_s2 else {
-                let message =
-                    format!("the program \"{}\" visits poses, and the joint \"{}\" has no acceleration", *section.name, axis.name);
+                let message = format!(
+                    "the program \"{}\" visits poses, and the joint \"{}\" has no acceleration",
+                    *section.name, axis.name
+                );
                 return Err(self.wrong(message, joint.axis.span.clone(), "add acceleration_deg_s2 = …"));
             };
             if !axis.speed.is_finite() {
-                let message =
-                    format!("the program \"{}\" visits poses, and the joint \"{}\" has no speed", *section.name, axis.name);
+                let message = format!(
+                    "the program \"{}\" visits poses, and the joint \"{}\" has no speed",
+                    *section.name, axis.name
+                );
                 return Err(self.wrong(message, joint.axis.span.clone(), "add speed_deg_s = …"));
             }
             paces.push(Pace {
@@ -403,12 +429,16 @@ impl RobotFile {
         let table = Form::new(&columns).read(&bytes, &file.0)?;
         let time = table.numbers("time_s")?.to_vec();
         if time.len() < 3 {
-            return Err(table.wrong(0, "a program of fewer than three readings", "give the motion in steps of some ms").into());
+            return Err(table
+                .wrong(0, "a program of fewer than three readings", "give the motion in steps of some ms")
+                .into());
         }
         let mut angles = Vec::with_capacity(names.len());
         for (axis, name) in arm.axes.iter().zip(&names) {
             let degrees_read = table.numbers(name)?;
-            let wrong = |row: usize, message: String, remedy: String| AnalysisError::from(table.wrong(row, message, remedy));
+            let wrong = |row: usize, message: String, remedy: String| {
+                AnalysisError::from(table.wrong(row, message, remedy))
+            };
             if let Some(row) = degrees_read
                 .iter()
                 .position(|angle| DEG * angle < axis.lower - SAME || DEG * angle > axis.upper + SAME)
@@ -432,7 +462,9 @@ impl RobotFile {
                     degrees(motion.speed[index][row]),
                     degrees(axis.speed)
                 );
-                return Err(table.wrong(row, message, "slow the program down there, or correct the limit").into());
+                return Err(table
+                    .wrong(row, message, "slow the program down there, or correct the limit")
+                    .into());
             }
         }
         Ok(motion)

@@ -229,7 +229,14 @@ pub fn run(file: &RobotFile, options: &RobotOptions, host: &dyn Host) -> Result<
     let levers = levers(&tool, planned);
     let remaining = remaining(&places, &sorted, &models, &moving, planned);
     stage("answers");
-    let reach = reach(&robot.arm, &models, &moving, (robot.compensates, *file.controller.approach_mm * MM), planned, &robot.programs);
+    let reach = reach(
+        &robot.arm,
+        &models,
+        &moving,
+        (robot.compensates, *file.controller.approach_mm * MM),
+        planned,
+        &robot.programs,
+    );
     stage("reach");
     let variants = variants(file, &bare, &payload, &before, &models, &robot, host)?;
     stage("variants");
@@ -299,9 +306,7 @@ fn joint_before<'a>(
             let name = design.name.value.clone();
             (Some(design), name, ratio, rated)
         }
-        Reducer::Table(export) => {
-            (None, export.design_name.clone(), export.ratio, export.rated_torque_n_m)
-        }
+        Reducer::Table(export) => (None, export.design_name.clone(), export.ratio, export.rated_torque_n_m),
     };
     let name = &arm.axes[axis].name;
     let given = arm.axes[axis].torque;
@@ -364,8 +369,11 @@ fn joint_answer(
 /// Options of the model as words of the fidelity.
 pub(super) fn measured(file: &RobotFile) -> Result<Measured, AnalysisError> {
     let model = &file.model;
-    let words =
-        format!("joints = \"bearings\"\ndiscs = {:?}\nbodies = {:?}\n", model.discs.word(), model.bodies.word());
+    let words = format!(
+        "joints = \"bearings\"\ndiscs = {:?}\nbodies = {:?}\n",
+        model.discs.word(),
+        model.bodies.word()
+    );
     Ok(Measured {
         fidelity: <FidelityOptions as crate::design::OptionSet>::parse(&words, "the section [model]")?,
         ages: *model.ages,
@@ -481,8 +489,7 @@ fn models(
         .collect::<Result<_, AnalysisError>>()?;
     let mut models = Vec::with_capacity(found.len());
     for (axis, (model, kept, bearing, source)) in found.into_iter().enumerate() {
-        robot.joints[axis].motor =
-            Some(motor_torques(&robot.programs, &robot.courses, axis, &model));
+        robot.joints[axis].motor = Some(motor_torques(&robot.programs, &robot.courses, axis, &model));
         robot.joints[axis].bearing = bearing;
         robot.joints[axis].source = source;
         robot.kept.extend(kept);
@@ -513,8 +520,12 @@ fn leaning_of(joint: &Before<'_>) -> Result<(Leaning, Option<f64>), AnalysisErro
 }
 
 fn drag_of(joint: &Before<'_>) -> f64 {
-    let of_design =
-        || joint.design.as_ref().map_or(0.0, |design| with_friction(&design.machine(), false).0.friction.seal_drag);
+    let of_design = || {
+        joint
+            .design
+            .as_ref()
+            .map_or(0.0, |design| with_friction(&design.machine(), false).0.friction.seal_drag)
+    };
     joint.section.output_drag_n_m.unwrap_or_else(of_design)
 }
 

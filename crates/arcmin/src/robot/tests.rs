@@ -28,7 +28,9 @@ impl Host for Files {
 }
 
 fn files() -> Files {
-    Files(example().designs.iter().map(|(name, text)| ((*name).to_owned(), text.as_bytes().to_vec())).collect())
+    Files(
+        example().designs.iter().map(|(name, text)| ((*name).to_owned(), text.as_bytes().to_vec())).collect(),
+    )
 }
 
 #[test]
@@ -123,7 +125,8 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
     let joint = &tool.joints[0];
 
     // The bench, asked anew for the design that the run has written.
-    let design = crate::design::Design::parse(robot.joints[0].design_text.as_ref().unwrap(), "joint").unwrap();
+    let design =
+        crate::design::Design::parse(robot.joints[0].design_text.as_ref().unwrap(), "joint").unwrap();
     let options = crate::analyses::joint::JointOptions {
         fidelity: <crate::fidelity::FidelityOptions as crate::design::OptionSet>::parse(
             "joints = \"bearings\"",
@@ -143,7 +146,8 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
         assert!(off.abs() < 1e-12);
         assert!((age.curve.lost_motion() / state.lost_motion_rad - 1.0).abs() < 1e-9);
     }
-    let life_options = crate::analyses::life::Options::parse("quasi_static = true\nbodies = \"rigid\"", "test");
+    let life_options =
+        crate::analyses::life::Options::parse("quasi_static = true\nbodies = \"rigid\"", "test");
     let life = crate::analyses::life::run(&design, &life_options.unwrap(), &NoHost).unwrap();
     let life_end = life.last().lost_motion.radians();
     println!("life: {:.6e} rad, {:.4} of the bench's", life_end, life_end / joint.ages[1].lost_motion);
@@ -153,10 +157,8 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
         let loop_points = &state.torsion_loop;
         let half = loop_points.len() / 2;
         let between = |branch: &[(f64, f64)], torque: f64| -> f64 {
-            let pair = branch
-                .windows(2)
-                .find(|pair| (pair[0].0 - torque) * (pair[1].0 - torque) <= 0.0)
-                .unwrap();
+            let pair =
+                branch.windows(2).find(|pair| (pair[0].0 - torque) * (pair[1].0 - torque) <= 0.0).unwrap();
             pair[0].1 + (torque - pair[0].0) / (pair[1].0 - pair[0].0) * (pair[1].1 - pair[0].1)
         };
         let (mut seen, mut worst) = (0, 0.0_f64);
@@ -244,7 +246,11 @@ fn signs_are_those_that_everybody_sees() {
     });
     let differ = (along(pose[from_above]) - along(pose[from_below])).dot(&forward);
     let lost = tool.joints[0].ages[0].lost_motion;
-    println!("from above and from below {:.4} mm apart, lost motion on a metre {:.4} mm", differ * 1e3, lost * 1e3);
+    println!(
+        "from above and from below {:.4} mm apart, lost motion on a metre {:.4} mm",
+        differ * 1e3,
+        lost * 1e3
+    );
     assert!(differ > lost && differ < 1.6 * lost, "{differ} {lost}");
     // Braking hard without drag: the arm goes on past the place.
     let robot = slow(0.0, 0.8);

@@ -211,7 +211,13 @@ impl Places {
     }
 
     /// What one axis is off at all places with this reducer; `new` is the joint that the controller knows.
-    pub fn off(&self, axis: usize, joint: &JointModel, age: &AgedJoint, compensates: Compensation) -> Vec<Off> {
+    pub fn off(
+        &self,
+        axis: usize,
+        joint: &JointModel,
+        age: &AgedJoint,
+        compensates: Compensation,
+    ) -> Vec<Off> {
         let nothing = Off { about: [0.0; 3], tilt: Vector3::zeros() };
         let mut off = vec![nothing; self.places.len()];
         let known = &joint.ages[0];
@@ -273,7 +279,8 @@ fn straight(posture: &Posture, way: Vector3<f64>) -> Vec<f64> {
     // Arms of fewer than six axes turn their tool; the way counts.
     let matrix = if jacobian.len() < 6 { matrix.rows(0, 3).into_owned() } else { matrix };
     let wanted = wanted.rows(0, matrix.nrows()).into_owned();
-    let found = matrix.svd(true, true).solve(&wanted, 1e-3).unwrap_or_else(|_| DVector::zeros(jacobian.len()));
+    let found =
+        matrix.svd(true, true).solve(&wanted, 1e-3).unwrap_or_else(|_| DVector::zeros(jacobian.len()));
     let longest = found.amax();
     let scale = if longest > LONGEST { LONGEST / longest } else { 1.0 };
     found.iter().map(|angle| scale * angle).collect()
@@ -292,15 +299,13 @@ pub struct Field {
 }
 
 impl Field {
-    pub fn of(
-        places: &Places,
-        joints: &[JointModel],
-        moving: &[f64],
-        compensates: Compensation,
-    ) -> Field {
+    pub fn of(places: &Places, joints: &[JointModel], moving: &[f64], compensates: Compensation) -> Field {
         use rayon::prelude::*;
-        let jobs: Vec<(usize, usize)> =
-            joints.iter().enumerate().flat_map(|(axis, joint)| (0..joint.ages.len()).map(move |age| (axis, age))).collect();
+        let jobs: Vec<(usize, usize)> = joints
+            .iter()
+            .enumerate()
+            .flat_map(|(axis, joint)| (0..joint.ages.len()).map(move |age| (axis, age)))
+            .collect();
         let mut found: Vec<Vec<Off>> = jobs
             .par_iter()
             .map(|(axis, age)| places.off(*axis, &joints[*axis], &joints[*axis].ages[*age], compensates))

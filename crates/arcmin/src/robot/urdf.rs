@@ -67,7 +67,11 @@ fn three(node: Node<'_, '_>, name: &str, default: [f64; 3]) -> Result<[f64; 3]> 
     let numbers: Option<Vec<f64>> =
         text.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
     numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
-        wrong(node, format!("{name}=\"{text}\" is no list of three numbers"), "write three with spaces between")
+        wrong(
+            node,
+            format!("{name}=\"{text}\" is no list of three numbers"),
+            "write three with spaces between",
+        )
     })
 }
 
@@ -81,17 +85,15 @@ fn origin(node: Node<'_, '_>) -> Result<Pose> {
 /// Mass of a link in its own frame; `None` if the file gives none.
 fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
     let Some(inertial) = child(link, "inertial") else { return Ok(None) };
-    let missing = |what: &str| {
-        wrong(inertial, format!("<inertial> has no <{what}>"), format!("add it: <{what} …/>"))
-    };
+    let missing =
+        |what: &str| wrong(inertial, format!("<inertial> has no <{what}>"), format!("add it: <{what} …/>"));
     let mass_node = child(inertial, "mass").ok_or_else(|| missing("mass"))?;
     let mass = number(mass_node, "value")?;
     if mass < 0.0 {
         return Err(wrong(mass_node, format!("a mass of {mass} kg"), "write a mass that is not negative"));
     }
     let node = child(inertial, "inertia").ok_or_else(|| missing("inertia"))?;
-    let [xx, xy, xz, yy, yz, zz] =
-        ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|name| number(node, name));
+    let [xx, xy, xz, yy, yz, zz] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|name| number(node, name));
     let (xx, xy, xz, yy, yz, zz) = (xx?, xy?, xz?, yy?, yz?, zz?);
     let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let least = inertia.symmetric_eigenvalues().min();
@@ -147,8 +149,13 @@ fn joints<'a, 'i>(robot: Node<'a, 'i>, links: &[Link<'a, 'i>]) -> Result<Vec<Joi
                 wrong(inner, message, format!("links are {}", known.join(", ")))
             })
         };
-        let joint =
-            Joint { name, node, kind: attribute(node, "type")?, parent: end("parent")?, child: end("child")? };
+        let joint = Joint {
+            name,
+            node,
+            kind: attribute(node, "type")?,
+            parent: end("parent")?,
+            child: end("child")?,
+        };
         if let Some(other) = joints.iter().find(|other| other.child == joint.child) {
             let message = format!(
                 "the link \"{}\" hangs on two joints, \"{}\" and \"{name}\": the tree has a loop or a double parent",
@@ -187,7 +194,11 @@ fn chain(
         ("", many) => {
             let names: Vec<&str> = many.iter().map(|link| links[*link].name).collect();
             let message = format!("several links hang on nothing: {}", names.join(", "));
-            return Err(wrong(links[many[1]].node, message, "join them, or name the base: [urdf] base = \"…\""));
+            return Err(wrong(
+                links[many[1]].node,
+                message,
+                "join them, or name the base: [urdf] base = \"…\"",
+            ));
         }
         (word, _) => named(word, "base")?,
     };
@@ -203,8 +214,10 @@ fn chain(
                     [] => break at,
                     [one] => at = one.child,
                     many => {
-                        let turning: Vec<&&Joint> =
-                            many.iter().filter(|joint| reaches(joints, joint.child, &moves) || moves(joint)).collect();
+                        let turning: Vec<&&Joint> = many
+                            .iter()
+                            .filter(|joint| reaches(joints, joint.child, &moves) || moves(joint))
+                            .collect();
                         if let [one] = &turning[..] {
                             at = one.child;
                             continue;
@@ -254,12 +267,7 @@ fn reaches(joints: &[Joint<'_, '_>], link: usize, moves: &dyn Fn(&Joint<'_, '_>)
     false
 }
 
-fn arm(
-    links: &[Link<'_, '_>],
-    joints: &[Joint<'_, '_>],
-    chain: &[usize],
-    gravity: [f64; 3],
-) -> Result<Arm> {
+fn arm(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>], chain: &[usize], gravity: [f64; 3]) -> Result<Arm> {
     let mut axes: Vec<Axis> = Vec::new();
     // From the frame of the last axis to the link at hand.
     let mut place = Pose::identity();
@@ -273,7 +281,8 @@ fn arm(
                 place = Pose::identity();
             }
             kind => {
-                let message = format!("joint \"{}\" is {kind}: only turning joints have a reducer", joint.name);
+                let message =
+                    format!("joint \"{}\" is {kind}: only turning joints have a reducer", joint.name);
                 let remedy = "make it fixed, or name a base and tip between which all joints turn";
                 return Err(wrong(joint.node, message, remedy));
             }
@@ -291,7 +300,8 @@ fn arm(
         }
         if mass.is_none() && joint.kind != "fixed" && next.is_some_and(|next| joints[next].kind != "fixed") {
             let message = format!("the link \"{}\" moves but has no <inertial>", links[link].name);
-            let remedy = "add <inertial> with <mass> and <inertia>: without them its weight would be left out";
+            let remedy =
+                "add <inertial> with <mass> and <inertia>: without them its weight would be left out";
             return Err(wrong(links[link].node, message, remedy));
         }
         if let Some(mass) = mass {
@@ -337,7 +347,8 @@ fn beside(
                     "joint \"{}\" moves beside the chain, on the link \"{}\"",
                     joint.name, links[link].name
                 );
-                let remedy = "make it fixed in the posture that it has (a gripper, say), so that its mass counts";
+                let remedy =
+                    "make it fixed in the posture that it has (a gripper, say), so that its mass counts";
                 return Err(wrong(joint.node, message, remedy));
             }
             let inner = pose.then(&origin(joint.node)?);
@@ -385,7 +396,11 @@ fn axis(joint: &Joint<'_, '_>, place: Pose) -> Result<Axis> {
         }
         None if joint.kind == "revolute" => {
             let message = format!("the revolute joint \"{}\" has no <limit>", joint.name);
-            return Err(wrong(joint.node, message, "add <limit lower upper effort velocity>, or make it continuous"));
+            return Err(wrong(
+                joint.node,
+                message,
+                "add <limit lower upper effort velocity>, or make it continuous",
+            ));
         }
         None => {}
     }

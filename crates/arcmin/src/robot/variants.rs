@@ -74,8 +74,7 @@ pub(super) fn variants(
             let asked = (MM * *joint.section.bearings_mm, joint.ratio, *file.model.duty_rows);
             let changed = duty(&programs, &courses, axis, asked);
             let rate = |work: f64, moving: f64| if moving > 0.0 { work / moving } else { 0.0 };
-            let (own, other) =
-                (rate(joint.duty.work, joint.duty.moving), rate(changed.work, changed.moving));
+            let (own, other) = (rate(joint.duty.work, joint.duty.moving), rate(changed.work, changed.moving));
             if own > 0.0 && other > 0.0 {
                 joints[axis].ages.iter_mut().for_each(|age| age.hours *= own / other);
             }
