@@ -491,6 +491,9 @@ pub const SUMMARY: SummaryOf<Robot> = SummaryOf {
             quantity("planned_hours", decimals(0), "Hours that the robot is to work.").of(|r| r.planned.into()),
             quantity("hours_to_limit", decimals(0), "Hours until the first limit at the tool is left; absent where none is within the planned hours.").of(|r| r.hours_to_limit().into()),
             quantity("limited_by", PLAIN, "Joint that makes most of the figure then.").of(|r| r.end.map(|end| r.joints[end.axis].axis.clone()).into()),
+            quantity("verdict.ok", PLAIN, "Whether the tool keeps all limits over the planned hours.").of(|r| r.tool.as_ref().map(|_| r.end.is_none()).into()),
+            quantity("verdict.limited_by", PLAIN, "The figure that leaves its limit first.").of(|r| r.end.map(|end| end.limit.figure.word()).into()),
+            quantity("verdict.limits", PLAIN, "Every limit with its value at the planned hours: `{limit, value, allowed, hours}`, in mm, orientation in °.").of(Robot::judged),
             quantity("limited_by_cause", PLAIN, "What of that joint makes most of it.").of(|r| r.end.map(|end| super::tool::CAUSES[end.cause]).into()),
             quantity("limit", PLAIN, "Which figure leaves its limit first: position, orientation, repeatability, path.").of(|r| r.end.map(|end| end.limit.figure.word()).into()),
             quantity("plan.overhauls", PLAIN, "Fewest overhauls found that keep all limits over the planned hours; absent where there is no plan or no limit.").of(|r| r.plan().map(|(plan, _)| plan.len()).into()),
@@ -553,6 +556,22 @@ impl Robot {
             joint.bearing.as_ref().map(|(name, hours)| (joint.axis.clone(), name.clone(), *hours))
         };
         self.joints.iter().filter_map(of).min_by(|a, b| a.2.total_cmp(&b.2))
+    }
+
+    fn judged(&self) -> Value {
+        let Some(tool) = &self.tool else { return Value::Absent };
+        let (mapped, ages) = (tool.mapped(), vec![self.planned; self.joints.len()]);
+        let one = |limit: &super::answers::ToolLimit| {
+            let unit = if limit.figure == super::figures::Figure::Orientation { DEG } else { MM };
+            let end = mapped.end(&[*limit], &[], (0.0, self.planned));
+            Value::Record(vec![
+                ("limit", limit.figure.word().into()),
+                ("value", (mapped.figure(limit.figure, &ages) / unit).into()),
+                ("allowed", (limit.allowed / unit).into()),
+                ("hours", end.map(|end| end.hours).into()),
+            ])
+        };
+        Value::List(self.limits.iter().map(one).collect())
     }
 
     fn band(&self, of: fn(&Figures) -> f64) -> Value {
