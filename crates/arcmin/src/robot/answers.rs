@@ -26,7 +26,7 @@ pub struct Overhaul {
 }
 
 /// Steps of the planned hours between which a crossing is looked for.
-const STEPS: usize = 240;
+const STEPS: usize = 60;
 /// Plans kept of each length, those that reach farthest.
 const BEAM: usize = 64;
 /// No plan has more overhauls.

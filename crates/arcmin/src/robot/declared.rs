@@ -582,7 +582,16 @@ impl Robot {
     }
 
     /// All tables.
-    pub fn tables(&self) -> Vec<Table> {
+    pub fn tables(&self) -> &[Table] {
+        self.tables.get_or_init(|| self.fill_tables())
+    }
+
+    /// A table by its name.
+    pub fn table(&self, name: &str) -> Option<&Table> {
+        self.tables().iter().find(|table| table.name == name)
+    }
+
+    fn fill_tables(&self) -> Vec<Table> {
         let mut tables = vec![LOADS.fill(self.joints.iter()), self.duty_table(), self.motion_table()];
         if let Some(tool) = &self.tool {
             tables.splice(0..0, self.tool_tables(tool));

@@ -138,9 +138,11 @@ impl JointModel {
     pub fn between(&self, hours: f64, of: impl Fn(&AgedJoint) -> f64) -> f64 {
         let last = self.ages.len() - 1;
         let upper = self.ages.partition_point(|age| age.hours <= hours * (1.0 + 1e-12));
-        if upper == 0 || upper > last {
-            return of(&self.ages[upper.min(last)]);
+        if upper == 0 || last == 0 {
+            return of(&self.ages[0]);
         }
+        // Beyond the last age it goes on as between the last two.
+        let upper = upper.min(last);
         let (a, b) = (&self.ages[upper - 1], &self.ages[upper]);
         of(a) + (hours - a.hours) / (b.hours - a.hours) * (of(b) - of(a))
     }

@@ -1,4 +1,4 @@
-//! Where a joint stands in its hysteresis loop: the measured loop with a memory of turning points.
+//! Where a joint stands in its hysteresis loop: the measured loop with a memory of where it came from.
 
 /// The loop of a joint: wind-up (rad) over the torque on the output flange from outside (N·m).
 #[derive(Debug, Clone, PartialEq)]
@@ -31,11 +31,14 @@ impl Loop {
             let middle = 0.5 * (rising[tip] + falling[tip]);
             (rising[tip], falling[tip]) = (middle, middle);
         }
-        // Balances scatter by less than any figure; a branch that falls would have no inverse.
+        // Balances scatter by less than any figure; no torque may make the wind-up fall, and no way cross the other.
         for branch in [&mut rising, &mut falling] {
             for i in 1..half {
                 branch[i] = branch[i].max(branch[i - 1]);
             }
+        }
+        for (low, high) in rising.iter_mut().zip(&mut falling) {
+            (*low, *high) = (low.min(*high), low.max(*high));
         }
         Some(Loop { torques, rising, falling, lost_motion_torque: crate::rig::LOST_MOTION_SHARE * rated })
     }
@@ -94,99 +97,44 @@ impl Loop {
     }
 }
 
-/// Where the joint stands: the torques at which it turned round and that no larger swing has wiped out since.
+/// Where the joint stands in its loop: a generalised play (Krasnosel'skii and Pokrovskii) between the measured branches.
 ///
-/// Rules of Madelung: the way from a turning point leads to the one before it, and there goes on as if nothing had
-/// been between. Its shape is the outer branch, scaled so that it meets both. On the outer loop that is the bench's
-/// loop to the last digit.
+/// After a reversal friction holds the wind-up where it is until the torque has left the band of both branches:
+/// φ ← min(max(φ, rising(T)), falling(T)). On the outer loop that is the bench's loop to the last digit; it remembers
+/// where it turned round, and a larger swing wipes a smaller one out.
 #[derive(Debug, Clone)]
 pub struct Standing<'a> {
     curve: &'a Loop,
-    /// Torque and wind-up, from the tip that all began at.
-    turns: Vec<(f64, f64)>,
     torque: f64,
+    wind_up: f64,
+    rises: bool,
 }
 
-/// Swings of the way from the largest torque to none.
-const SETTLING: i32 = 24;
-
 impl<'a> Standing<'a> {
-    /// Without load after swings that have died away: in the middle of all that hysteresis allows.
+    /// Without load, in the middle of what friction and play allow.
     pub fn settled(curve: &'a Loop) -> Standing<'a> {
-        let [low, high] = curve.tips();
-        let mut standing = Standing { curve, turns: vec![low, high], torque: high.0 };
-        for swing in 0..SETTLING {
-            let share = 1.0 - f64::from(swing) / f64::from(SETTLING);
-            standing.load(share * low.0);
-            standing.load((share - 0.5 / f64::from(SETTLING)) * high.0);
-        }
-        standing.load(0.0);
-        standing
+        Standing { curve, torque: 0.0, wind_up: curve.middle(0.0), rises: true }
     }
 
     /// Wind-up in rad.
     pub fn wind_up(&self) -> f64 {
-        self.at(self.torque)
+        self.wind_up
     }
 
     /// Whether the torque rose last.
     pub fn rises(&self) -> bool {
-        let last = self.turns.len() - 1;
-        self.turns[last - 1].0 > self.turns[last].0
+        self.rises
     }
 
-    /// The way from the last turning point to the one before.
-    fn at(&self, torque: f64) -> f64 {
-        let [low, high] = self.curve.range();
-        if torque <= low || torque >= high {
-            return self.curve.branch(true, torque);
-        }
-        let last = self.turns.len() - 1;
-        let (from, to) = (self.turns[last], self.turns[last - 1]);
-        let rises = to.0 > from.0;
-        let shape = |torque: f64| self.curve.branch(rises, torque);
-        let whole = shape(to.0) - shape(from.0);
-        let share = if whole == 0.0 {
-            (torque - from.0) / (to.0 - from.0)
-        } else {
-            (shape(torque) - shape(from.0)) / whole
-        };
-        from.1 + share * (to.1 - from.1)
-    }
-
-    /// Goes to another torque on the straight way; the wind-up there.
+    /// Goes to another torque; the wind-up there.
     pub fn load(&mut self, torque: f64) -> f64 {
-        if torque == self.torque {
-            return self.at(torque);
-        }
-        let [low, high] = self.curve.tips();
-        if torque >= high.0 || torque <= low.0 {
-            // A tip wipes all out.
-            self.turns.clear();
-            self.turns.extend(if torque >= high.0 { [low, high] } else { [high, low] });
+        if torque != self.torque {
+            self.rises = torque > self.torque;
             self.torque = torque;
-            return self.at(torque);
         }
-        let towards = (torque - self.torque).signum();
-        let last = self.turns.len() - 1;
-        if towards != (self.turns[last - 1].0 - self.turns[last].0).signum() {
-            let here = (self.torque.clamp(low.0, high.0), self.at(self.torque.clamp(low.0, high.0)));
-            if here.0 != self.turns[last].0 {
-                self.turns.push(here);
-            } else if self.turns.len() > 2 {
-                // Back from a turning point at once: it never was one.
-                self.turns.pop();
-            }
-        }
-        while self.turns.len() > 2 {
-            let target = self.turns[self.turns.len() - 2].0;
-            if towards * (torque - target) < 0.0 {
-                break;
-            }
-            self.turns.truncate(self.turns.len() - 2);
-        }
-        self.torque = torque;
-        self.at(torque)
+        let (low, high) = (self.curve.branch(true, torque), self.curve.branch(false, torque));
+        self.wind_up = self.wind_up.max(low).min(high);
+        self.wind_up
     }
 }
 
@@ -212,10 +160,10 @@ mod tests {
         standing.load(100.0);
         for _ in 0..3 {
             for (torque, angle) in curve.torques.iter().zip(&curve.falling).rev() {
-                assert!((standing.load(*torque) - angle).abs() < 1e-19);
+                assert_eq!(standing.load(*torque), *angle);
             }
             for (torque, angle) in curve.torques.iter().zip(&curve.rising) {
-                assert!((standing.load(*torque) - angle).abs() < 1e-19);
+                assert_eq!(standing.load(*torque), *angle);
             }
         }
         assert!((curve.lost_motion() - 26e-6).abs() < 1e-15);
@@ -233,7 +181,6 @@ mod tests {
             standing.load(inner);
             assert!((standing.load(-20.0) - first).abs() < 1e-18, "{inner}");
         }
-        assert_eq!(standing.turns.len(), plain.turns.len());
         for torque in [0.0, 30.0, 60.0, 10.0] {
             assert!((standing.load(torque) - plain.load(torque)).abs() < 1e-18);
         }

@@ -17,7 +17,7 @@ impl Outcome for Robot {
     }
 
     fn tables(&self) -> Vec<Filled> {
-        Robot::tables(self)
+        Robot::tables(self).to_vec()
     }
 
     fn said(&self) -> Vec<Said> {
@@ -127,8 +127,7 @@ fn said(robot: &Robot) -> Vec<Said> {
     let mut said = vec![Said::line(robot.name.clone()), Said::line(format!("{mark} {}", robot.headline()))];
     said.extend(robot.plan_sentence().map(Said::line));
     said.push(Said::line(""));
-    let tables = Robot::tables(robot);
-    let find = |name: &str| tables.iter().find(|table| table.name == name);
+    let find = |name: &str| robot.table(name);
     if let Some(table) = find("tool") {
         let keys =
             ["hours", "position_error_mm", "repeatability_mm", "path_error_mm", "orientation_error_deg"];
@@ -371,7 +370,6 @@ fn shares(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
 }
 
 fn overhaul(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
-    let tables = Robot::tables(robot);
     let mut blocks: Vec<Block> = robot.plan_sentence().map(Block::Text).into_iter().collect();
     let titles = [
         ("plan", "Plan"),
@@ -380,7 +378,7 @@ fn overhaul(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
         ("variants", "What a change of the program buys"),
     ];
     for (name, title) in titles {
-        if let Some(table) = tables.iter().find(|table| table.name == name && table.rows() > 0) {
+        if let Some(table) = robot.table(name).filter(|table| table.rows() > 0) {
             blocks.push(shown(table, title, 0..table.rows()));
         }
     }
@@ -501,26 +499,19 @@ fn reach_map(robot: &Robot, tool: &ToolAnswer) -> Option<Block> {
 }
 
 fn remains(robot: &Robot) -> Vec<Block> {
-    let tables = Robot::tables(robot);
     let mut blocks = vec![Block::Text(
         "The table of a controller: `compensation.csv` has the mean error of every joint over load and direction at \
          every age, `compensation_waves.csv` its transmission error over the angle. Below is what remains with nothing, \
          with the stiffness and with the whole table of the new joints made up for."
             .to_owned(),
     )];
-    blocks.extend(
-        tables
-            .iter()
-            .find(|table| table.name == "remains")
-            .map(|table| shown(table, "What remains", 0..table.rows())),
-    );
+    blocks.extend(robot.table("remains").map(|table| shown(table, "What remains", 0..table.rows())));
     blocks
 }
 
 fn loads(robot: &Robot) -> Vec<Block> {
-    let tables = Robot::tables(robot);
     let mut blocks = Vec::new();
-    if let Some(table) = tables.iter().find(|table| table.name == "loads") {
+    if let Some(table) = robot.table("loads") {
         blocks.push(shown(table, "Joints", 0..table.rows()));
     }
     for (program, course) in robot.programs.iter().zip(&robot.courses) {

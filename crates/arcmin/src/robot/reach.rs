@@ -24,7 +24,7 @@ pub struct ReachPoint {
 }
 
 /// Steps over the range of each of both axes.
-const STEPS: usize = 15;
+const STEPS: usize = 13;
 /// An axis without limits is shown over this range, rad.
 const UNLIMITED: f64 = std::f64::consts::PI;
 
@@ -59,7 +59,18 @@ pub fn reach(
     }
     let places = Places::at_rest(arm, &postures, approach);
     let sorted = Sorted::of(&places);
-    let field = Field::of(&places, joints, moving, compensates);
+    // Nobody asks for the ages between: new, and those about the planned hours.
+    let joints: Vec<JointModel> = joints
+        .iter()
+        .zip(moving)
+        .map(|(joint, moving)| {
+            let hours = planned * moving * (1.0 - 1e-9);
+            let after = joint.ages.partition_point(|age| age.hours < hours).min(joint.ages.len() - 1);
+            let kept = (0..joint.ages.len()).filter(|age| *age == 0 || *age == after || *age + 1 == after);
+            JointModel { ages: kept.map(|age| joint.ages[age].clone()).collect(), ..joint.clone() }
+        })
+        .collect();
+    let field = Field::of(&places, &joints, moving, compensates);
     let tool = Tool { places: &places, sorted: &sorted, field: &field };
     let scatter = |pose: usize, hours: f64| {
         let hours = vec![hours; arm.count()];

@@ -1,5 +1,7 @@
 //! The whole way from the robot file to the answers.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use super::answers::{End, Overhaul, ToolLimit, ages};
@@ -132,6 +134,8 @@ pub struct Robot {
     pub end: Option<End>,
     /// What is assumed or beyond what was measured, as sentences.
     pub notes: Vec<String>,
+    /// Filled when they are asked for.
+    pub(super) tables: OnceLock<Vec<crate::results::Table>>,
     /// For `lives.json`.
     pub(super) kept: Vec<KeptJoint>,
     pub seeds: Vec<u64>,
@@ -200,6 +204,7 @@ pub fn run(file: &RobotFile, options: &RobotOptions, host: &dyn Host) -> Result<
         tool: None,
         end: None,
         notes,
+        tables: OnceLock::new(),
         kept: Vec::new(),
         seeds: Vec::new(),
         stages: Vec::new(),

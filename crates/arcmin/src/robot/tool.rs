@@ -2,6 +2,7 @@
 //! from all sides, and along the path.
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use rayon::prelude::*;
 
 use super::arm::{Arm, Posture};
 use super::file::Compensation;
@@ -153,61 +154,34 @@ impl Places {
             all.histories.push(History { steps, asked, repeats: true });
         }
         all.poses = known.len();
-        for (pose, angles) in known.iter().enumerate() {
-            for index in 0..APPROACHES {
-                all.approach(arm, pose, angles, (index, side(index)), approach);
-            }
-        }
+        all.approach_all(arm, &known, approach);
         all
+    }
+
+    /// Every pose from all sides.
+    fn approach_all(&mut self, arm: &Arm, poses: &[Vec<f64>], length: f64) {
+        let ways: Vec<(Place, Vec<Vec<(f64, f64)>>)> = (0..poses.len() * APPROACHES)
+            .into_par_iter()
+            .map(|number| {
+                let (pose, index) = (number / APPROACHES, number % APPROACHES);
+                approach(arm, pose, &poses[pose], (index, side(index)), length)
+            })
+            .collect();
+        for (place, steps) in ways {
+            self.histories.push(History {
+                steps,
+                asked: vec![(2 * STEPS, self.places.len())],
+                repeats: false,
+            });
+            self.places.push(place);
+        }
     }
 
     /// Postures at rest with their approaches, without a program.
     pub fn at_rest(arm: &Arm, postures: &[Vec<f64>], approach: f64) -> Places {
         let mut all = Places { places: Vec::new(), histories: Vec::new(), poses: postures.len() };
-        for (pose, angles) in postures.iter().enumerate() {
-            for index in 0..APPROACHES {
-                all.approach(arm, pose, angles, (index, side(index)), approach);
-            }
-        }
+        all.approach_all(arm, postures, approach);
         all
-    }
-
-    /// From the far end of the way through the pose to the side, and back to it.
-    fn approach(
-        &mut self,
-        arm: &Arm,
-        pose: usize,
-        angles: &[f64],
-        (index, side): (usize, Vector3<f64>),
-        length: f64,
-    ) {
-        let posture = arm.posture(angles);
-        let step = straight(&posture, side * length);
-        let still = vec![0.0; arm.count()];
-        let mut steps: Vec<Vec<(f64, f64)>> = vec![Vec::new(); arm.count()];
-        for turn in 0..=2 * STEPS {
-            // From −1 to 1 and back to 0.
-            let (share, sense) = match turn {
-                turn if turn <= STEPS => (2.0 * turn as f64 / STEPS as f64 - 1.0, 1.0),
-                turn => (1.0 - (turn - STEPS) as f64 / STEPS as f64, -1.0),
-            };
-            let at: Vec<f64> = angles.iter().zip(&step).map(|(a, d)| a + share * d).collect();
-            let loads = inverse_dynamics(arm, &arm.posture(&at), &still, &still);
-            for (axis, load) in loads.iter().enumerate() {
-                let sense = if step[axis].abs() > MOVES { sense * step[axis].signum() } else { 0.0 };
-                steps[axis].push((-load.torque, sense));
-            }
-        }
-        let loads = inverse_dynamics(arm, &posture, &still, &still);
-        self.histories.push(History { steps, asked: vec![(2 * STEPS, self.places.len())], repeats: false });
-        self.places.push(Place {
-            kind: Kind::Approach { pose, side: index },
-            posture,
-            loads,
-            angles: angles.to_vec(),
-            along: Vector3::zeros(),
-            time: 0.0,
-        });
     }
 
     /// What one axis is off at all places with this reducer; `new` is the joint that the controller knows.
@@ -270,6 +244,44 @@ impl Places {
     }
 }
 
+/// From the far end of the way through the pose to the side, and back to it: the pose, and torque and sense of every
+/// joint on the way.
+fn approach(
+    arm: &Arm,
+    pose: usize,
+    angles: &[f64],
+    (index, side): (usize, Vector3<f64>),
+    length: f64,
+) -> (Place, Vec<Vec<(f64, f64)>>) {
+    let posture = arm.posture(angles);
+    let step = straight(&posture, side * length);
+    let still = vec![0.0; arm.count()];
+    let mut steps: Vec<Vec<(f64, f64)>> = vec![Vec::new(); arm.count()];
+    for turn in 0..=2 * STEPS {
+        // From −1 to 1 and back to 0.
+        let (share, sense) = match turn {
+            turn if turn <= STEPS => (2.0 * turn as f64 / STEPS as f64 - 1.0, 1.0),
+            turn => (1.0 - (turn - STEPS) as f64 / STEPS as f64, -1.0),
+        };
+        let at: Vec<f64> = angles.iter().zip(&step).map(|(a, d)| a + share * d).collect();
+        let loads = inverse_dynamics(arm, &arm.posture(&at), &still, &still);
+        for (axis, load) in loads.iter().enumerate() {
+            let sense = if step[axis].abs() > MOVES { sense * step[axis].signum() } else { 0.0 };
+            steps[axis].push((-load.torque, sense));
+        }
+    }
+    let loads = inverse_dynamics(arm, &posture, &still, &still);
+    let place = Place {
+        kind: Kind::Approach { pose, side: index },
+        posture,
+        loads,
+        angles: angles.to_vec(),
+        along: Vector3::zeros(),
+        time: 0.0,
+    };
+    (place, steps)
+}
+
 /// Joint angles that move the tool straight by `way` without turning it, by least squares; an arm of few axes comes as
 /// near as it can.
 fn straight(posture: &Posture, way: Vector3<f64>) -> Vec<f64> {
@@ -300,7 +312,6 @@ pub struct Field {
 
 impl Field {
     pub fn of(places: &Places, joints: &[JointModel], moving: &[f64], compensates: Compensation) -> Field {
-        use rayon::prelude::*;
         let jobs: Vec<(usize, usize)> = joints
             .iter()
             .enumerate()
