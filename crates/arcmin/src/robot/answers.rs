@@ -1,6 +1,8 @@
 //! Hours until the tool leaves its limits, what an overhaul buys, and the plan with the fewest overhauls.
 
-use super::figures::{Figure, Tool};
+use rayon::prelude::*;
+
+use super::figures::{Figure, Sorted, Tool};
 
 /// A limit of the tool, in m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,12 +27,15 @@ pub struct Overhaul {
     pub hours: f64,
 }
 
-/// Steps of the planned hours between which a crossing is looked for.
+/// Steps of the planned hours between which a crossing is looked for, and fewer while a plan is looked for.
 const STEPS: usize = 60;
+const PLAN_STEPS: usize = 8;
 /// Plans kept of each length, those that reach farthest.
-const BEAM: usize = 64;
+const BEAM: usize = 32;
 /// No plan has more overhauls.
-pub const MOST_OVERHAULS: usize = 24;
+pub const MOST_OVERHAULS: usize = 8;
+/// Places on the way that a plan is looked for at: those farthest off, new and at the planned hours.
+const PLAN_PLACES: usize = 200;
 
 /// Hours of each axis since its reducer was new.
 pub fn ages(axes: usize, hours: f64, overhauls: &[Overhaul]) -> Vec<f64> {
@@ -55,9 +60,19 @@ impl Tool<'_> {
         overhauls: &[Overhaul],
         (from, planned): (f64, f64),
     ) -> Option<End> {
+        self.end_in_steps(limits, overhauls, (from, planned), STEPS)
+    }
+
+    fn end_in_steps(
+        &self,
+        limits: &[ToolLimit],
+        overhauls: &[Overhaul],
+        (from, planned): (f64, f64),
+        steps: usize,
+    ) -> Option<End> {
         let axes = self.field.axes();
         let at = |hours: f64| self.used(limits, &ages(axes, hours, overhauls));
-        let step = planned / STEPS as f64;
+        let step = planned / steps as f64;
         let mut before = from;
         let mut now = from;
         loop {
@@ -90,34 +105,58 @@ impl Tool<'_> {
             return None;
         }
         let Some(first) = self.end(limits, &[], (0.0, planned)) else { return Some((Vec::new(), true)) };
+        let sorted = self.farthest(planned);
+        let quick = Tool { sorted: &sorted, ..*self };
         let mut open: Vec<(Vec<Overhaul>, f64)> = vec![(Vec::new(), first.hours)];
         let mut complete = true;
         for _ in 0..MOST_OVERHAULS {
-            let mut next: Vec<(Vec<Overhaul>, f64)> = Vec::new();
-            for (done, hours) in &open {
-                for axis in 0..axes {
-                    if done.last().is_some_and(|last| last.hours == *hours && last.axis >= axis) {
-                        // The same set at one time in another order.
-                        continue;
-                    }
-                    let mut more = done.clone();
-                    more.push(Overhaul { axis, hours: *hours });
-                    match self.end(limits, &more, (*hours, planned)) {
-                        None => return Some((more, complete)),
-                        Some(end) => next.push((more, end.hours)),
-                    }
-                }
+            let tries: Vec<Vec<Overhaul>> = open
+                .iter()
+                .flat_map(|(done, hours)| {
+                    // Two at one time are one set, whatever their order.
+                    let after =
+                        done.last().filter(|last| last.hours == *hours).map_or(0, |last| last.axis + 1);
+                    (after..axes).map(move |axis| [&done[..], &[Overhaul { axis, hours: *hours }]].concat())
+                })
+                .collect();
+            let reached: Vec<Option<f64>> = tries
+                .par_iter()
+                .map(|plan| {
+                    let from = plan.last().map_or(0.0, |last| last.hours);
+                    quick.end_in_steps(limits, plan, (from, planned), PLAN_STEPS).map(|end| end.hours)
+                })
+                .collect();
+            // What keeps the limits at the places that count most is looked at everywhere.
+            let kept = |(plan, end): &(&Vec<Overhaul>, &Option<f64>)| {
+                end.is_none() && self.end(limits, plan, (0.0, planned)).is_none()
+            };
+            if let Some((plan, _)) = tries.iter().zip(&reached).find(kept) {
+                return Some((plan.clone(), complete));
             }
+            let mut next: Vec<(Vec<Overhaul>, f64)> =
+                tries.into_iter().zip(reached).filter_map(|(plan, end)| Some((plan, end?))).collect();
             next.sort_by(|a, b| b.1.total_cmp(&a.1));
             if next.len() > BEAM {
                 complete = false;
                 next.truncate(BEAM);
             }
-            if next.is_empty() {
-                return None;
-            }
             open = next;
         }
         None
+    }
+
+    /// The same with the places on the way that are farthest off.
+    fn farthest(&self, planned: f64) -> Sorted {
+        let mut ways = Vec::new();
+        for hours in [0.0, planned] {
+            let ages = vec![hours; self.field.axes()];
+            let mut each: Vec<(usize, f64)> =
+                self.sorted.ways.iter().map(|place| (*place, self.off_the_path(&ages, *place))).collect();
+            each.sort_by(|a, b| b.1.total_cmp(&a.1));
+            ways.extend(each.into_iter().take(PLAN_PLACES).map(|(place, _)| place));
+        }
+        ways.sort_unstable();
+        ways.dedup();
+        Sorted { visits: self.sorted.visits.clone(), approaches: self.sorted.approaches.clone(), ways }
     }
 }

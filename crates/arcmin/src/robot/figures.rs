@@ -70,6 +70,7 @@ impl Sorted {
 }
 
 /// The tool of one robot.
+#[derive(Debug, Clone, Copy)]
 pub struct Tool<'a> {
     pub places: &'a Places,
     pub sorted: &'a Sorted,
@@ -118,12 +119,14 @@ impl Tool<'_> {
 
     /// The place on the way that is farthest from the path, and its distance.
     pub fn worst_way(&self, hours: &[f64]) -> (usize, f64) {
-        let off = |place: usize| {
-            let (moved, along) = (self.moved(hours, place)[0], self.places.places[place].along);
-            (moved - moved.dot(&along) * along).norm()
-        };
-        let each = self.sorted.ways.iter().map(|place| (*place, off(*place)));
+        let each = self.sorted.ways.iter().map(|place| (*place, self.off_the_path(hours, *place)));
         each.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+    }
+
+    /// Distance of the tool from the commanded path at a place, in m.
+    pub fn off_the_path(&self, hours: &[f64], place: usize) -> f64 {
+        let (moved, along) = (self.moved(hours, place)[0], self.places.places[place].along);
+        (moved - moved.dot(&along) * along).norm()
     }
 
     /// One figure, each axis this many hours of the robot old.

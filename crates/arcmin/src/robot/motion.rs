@@ -57,9 +57,12 @@ impl Motion {
         RESTS * self.speed[axis].iter().fold(0.0, |most: f64, speed| most.max(speed.abs()))
     }
 
-    /// Whether all axes rest.
-    pub fn rests(&self, sample: usize) -> bool {
-        (0..self.angle.len()).all(|axis| self.speed[axis][sample].abs() <= self.rest_speed(axis))
+    /// At which samples all axes rest.
+    pub fn rests(&self) -> Vec<bool> {
+        let slow: Vec<f64> = (0..self.angle.len()).map(|axis| self.rest_speed(axis)).collect();
+        let rests =
+            |sample: usize| self.speed.iter().zip(&slow).all(|(axis, slow)| axis[sample].abs() <= *slow);
+        (0..self.len()).map(rests).collect()
     }
 
     /// The same ways at another pace.
@@ -265,7 +268,7 @@ mod tests {
         for (stop, end) in stops.iter().zip(&ends) {
             let off =
                 motion.angles_at(*end).iter().zip(&stop.angles).map(|(a, b)| (a - b).abs()).sum::<f64>();
-            assert!(off < 1e-12 && motion.rests(*end));
+            assert!(off < 1e-12 && motion.rests()[*end]);
         }
         let most = |of: &[f64]| of.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let mut used = 0.0_f64;

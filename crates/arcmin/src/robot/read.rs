@@ -489,8 +489,7 @@ fn column(axis: &str) -> &'static str {
 fn rests(motion: &Motion) -> Vec<usize> {
     let mut found: Vec<usize> = Vec::new();
     let mut since: Option<usize> = None;
-    for sample in 0..motion.len() {
-        let rests = motion.rests(sample);
+    for (sample, rests) in motion.rests().into_iter().enumerate() {
         if rests {
             since.get_or_insert(sample);
         }
