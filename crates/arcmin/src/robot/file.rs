@@ -213,6 +213,22 @@ section! {
     }
 }
 
+const INTRODUCTION: &str = "\
+# The robot file
+
+What `arcmin robot` reads ([From the joint to the tool](robot.md)): [TOML](https://toml.io), as the design file, with the \
+units in the keys. `arcmin robot new FILE` writes a complete file to start from.
+
+This chapter is the output of `arcmin keys --robot`.
+";
+
+/// The chapter on the keys of the robot file, in Markdown.
+pub fn reference_of_keys() -> String {
+    let mut out = INTRODUCTION.to_owned();
+    crate::design::reference_of_section(&mut out, &RobotSections::SCHEMA, "", "Top of the file");
+    out
+}
+
 const OPTIONAL_SECTION: crate::design::Rule = optional(0.0, 0.0);
 
 /// What a controller makes up for.

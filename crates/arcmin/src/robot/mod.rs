@@ -44,7 +44,7 @@ pub use arm::{Arm, Axis, Body, Pose, Posture};
 pub use declared::{SUMMARY, declared};
 pub use example::{Example, example};
 pub use figures::{Figure, Figures, repeatability};
-pub use file::{Compensation, RobotSections};
+pub use file::{Compensation, RobotSections, reference_of_keys};
 pub use joint::{AgedJoint, JointModel, Leaning};
 pub use life::{JointDuty, JointLife};
 pub use memory::{Loop, Standing};

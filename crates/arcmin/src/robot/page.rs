@@ -5,8 +5,8 @@ use super::run::{Robot, ToolAnswer};
 use super::tool::{CAUSES, Kind};
 use crate::analyses::{Outcome, Said};
 use crate::report::{
-    Axis, Block, Colour, Column, HeatMap, KeyFigure, Page, Plot, Provenance, Section, Series, Shares, Style,
-    Table, Tone, Verdict, Width, capitalised, compact, significant,
+    ArmFrame, ArmPicture, Axis, Block, Colour, Column, HeatMap, KeyFigure, Page, Plot, Provenance, Section,
+    Series, Shares, Style, Table, Tone, Verdict, Width, capitalised, compact, significant,
 };
 use crate::results::{Summary, Table as Filled};
 use crate::units::{ARCMIN, DEG, MM};
@@ -406,7 +406,7 @@ fn arm(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     let size = (0..3).map(span).fold(0.1, f64::max);
     let power = (0.1 * size / largest.max(1e-9)).log10().floor();
     let magnified = 10.0_f64.powf(power).max(1.0);
-    let mut blocks = Vec::new();
+    let mut blocks = vec![Block::Arm(picture(robot, tool, magnified))];
     for (title, [x, y], names) in [("From the side", [0, 2], ["x", "z"]), ("From above", [0, 1], ["x", "y"])]
     {
         let mut plot = Plot::new(title, Axis::new(names[0], "mm"), Axis::new(names[1], "mm")).half();
@@ -458,6 +458,50 @@ fn arm(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     blocks.push(Block::Plot(plot.noted(format!("Program \"{}\".", robot.programs[0].name))));
     blocks.extend(reach_map(robot, tool));
     blocks
+}
+
+/// The arm along its first program, and what the tool is off at the planned hours.
+fn picture(robot: &Robot, tool: &ToolAnswer, magnified: f64) -> ArmPicture {
+    const FRAMES: usize = 400;
+    let ages = vec![robot.planned; robot.joints.len()];
+    let rounded = |v: nalgebra::Vector3<f64>, to: f64| [0, 1, 2].map(|axis| (v[axis] / MM / to).round() * to);
+    let ways: Vec<usize> = tool
+        .sorted
+        .ways
+        .iter()
+        .copied()
+        .filter(|place| tool.places.places[*place].kind == Kind::Way { program: 0 })
+        .collect();
+    let frames = ways
+        .iter()
+        .step_by(ways.len().div_ceil(FRAMES).max(1))
+        .map(|place| {
+            let here = &tool.places.places[*place];
+            let joints = here.posture.links.iter().map(|link| link.position);
+            let points = std::iter::once(nalgebra::Vector3::zeros()).chain(joints);
+            ArmFrame {
+                time_s: (here.time * 1e3).round() / 1e3,
+                points_mm: points
+                    .chain(std::iter::once(here.posture.tool.position))
+                    .map(|point| rounded(point, 0.1))
+                    .collect(),
+                error_mm: rounded(tool.field.tool(&tool.places, &ages, *place)[0], 1e-5),
+            }
+        })
+        .collect();
+    let shares = tool.mapped().shares(&ages);
+    ArmPicture {
+        title: format!("The arm along \"{}\"", robot.programs[0].name),
+        joints: robot.joints.iter().map(|joint| joint.axis.clone()).collect(),
+        shares_mm: shares.iter().map(|causes| causes.iter().sum::<f64>() / MM).collect(),
+        magnified,
+        frames,
+        note: format!(
+            "Grey: the commanded path of the tool; red: after {:.0} h, the error magnified. Joints are coloured by what \
+             they add at the test pose that is off most. Drag to turn it.",
+            robot.planned
+        ),
+    }
 }
 
 fn reach_map(robot: &Robot, tool: &ToolAnswer) -> Option<Block> {

@@ -319,3 +319,9 @@ fn inner_loops_are_near_the_bench() {
         assert!(worst < 0.01 * span, "{share}: {worst} {span}");
     }
 }
+
+#[test]
+fn the_chapter_of_the_robot_file_is_current() {
+    let book = include_str!("../../../../docs/src/robot-file.md");
+    assert!(book == reference_of_keys(), "rewrite it with `arcmin keys --robot > docs/src/robot-file.md`");
+}
