@@ -247,6 +247,12 @@ pub fn run(file: &RobotFile, options: &RobotOptions, host: &dyn Host) -> Result<
     stage("variants");
     let population = population(file, &before, &models, (&places, &sorted, &moving), &robot, host)?;
     robot.seeds = population.as_ref().map_or_else(Vec::new, |population| vec![population.seed]);
+    if let Some(population) = population.as_ref().filter(|population| !population.alike.is_empty()) {
+        let alike = population.alike.join(", ");
+        robot
+            .notes
+            .push(format!("drawn robots all have the same reducers in {alike}: no tolerances to draw from"));
+    }
     stage("population");
     robot.tool = Some(ToolAnswer {
         joints: models,
