@@ -12,7 +12,7 @@ use super::memory::Standing;
 use super::newton_euler::{AxisLoad, inverse_dynamics};
 use super::read::Program;
 
-/// Why a joint is off, in the order of [`Causes`].
+/// Why a joint is off, in the order in which results list them.
 pub const CAUSES: [&str; 4] = ["lost motion", "wind-up", "transmission error", "tilt"];
 
 /// A place at which the tool is looked at.
