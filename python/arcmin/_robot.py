@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from arcmin._arcmin import Table
-from arcmin._errors import ComputeError
+from arcmin import _files
 from arcmin._results import Result
 
 __all__ = ["RobotResult", "robot"]
@@ -25,46 +18,23 @@ class RobotResult(Result):
     _core: None
 
 
-def _column(name: str, cells: list[str]) -> tuple[str, str, str, Any]:
-    try:
-        numbers = np.array([float(cell) if cell else np.nan for cell in cells])
-    except ValueError:
-        return name, "", "", cells
-    return name, "", "", numbers
-
-
-def _table(path: Path) -> Table:
-    with path.open(newline="", encoding="utf-8") as file:
-        header, *rows = list(csv.reader(file))
-    columns = [_column(name, [row[index] for row in rows]) for index, name in enumerate(header)]
-    return Table(path.stem, "", columns)
-
-
 def _read(directory: Path, text: str) -> RobotResult:
     summary = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
     files = [directory / name for name in summary["files"]]
     lines = [line for line in text.splitlines() if line.strip()]
-    name = summary["design"]["name"]
-    headline = lines[1] if len(lines) > 1 else name
-    glance = {"title": name, "subtitle": "robot", "headline": headline, "tone": "neutral", "figures": []}
     known = {".csv", ".html"}
-    result = RobotResult.__new__(RobotResult)
-    result._core = None
-    result._call = "arcmin.robot"
-    result._kept = {
+    kept = {
         "summary": summary,
-        "tables": {file.stem: _table(file) for file in files if file.suffix == ".csv"},
+        "tables": {file.stem: _files.table(file) for file in files if file.suffix == ".csv"},
         "html": (directory / "report.html").read_text(encoding="utf-8"),
         "text": text,
-        "glance": {**glance, "plot": None},
-        "failure": None,
         "attachments": {
             file.name: file.read_bytes()
             for file in files
             if file.suffix not in known and file.name != "summary.json"
         },
     }
-    return result
+    return _files.result(RobotResult, "arcmin.robot", kept, lines[1] if len(lines) > 1 else "", "robot")
 
 
 def robot(
@@ -102,13 +72,10 @@ def robot(
     """
     path = Path(file)
     directory = Path("out") / path.stem / "robot" if out is None else Path(out)
-    words = [sys.executable, "-m", "arcmin", "robot", os.fspath(path), "--out", os.fspath(directory)]
+    words = ["robot", path, "--out", directory]
     words += ["--loads"] if loads else []
-    words += [] if lives is None else ["--lives", os.fspath(lives)]
-    words += [] if cache is None else ["--cache", os.fspath(cache)]
+    words += [] if lives is None else ["--lives", lives]
+    words += [] if cache is None else ["--cache", cache]
     words += [] if threads is None else ["--threads", str(threads)]
     words += ["--force"] if force else []
-    ran = subprocess.run(words, capture_output=True, text=True, encoding="utf-8", check=False)
-    if ran.returncode != 0:
-        raise ComputeError(ran.stderr.strip() or f"the run ended with status {ran.returncode}")
-    return _read(directory, ran.stdout)
+    return _read(directory, _files.run("run", *words))

@@ -10,6 +10,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::json;
 
 use super::Ending;
+use crate::arguments::{of_a_run, take_threads};
 use crate::failure::{Failure, Start};
 use crate::run::{Cache, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
 
@@ -42,7 +43,7 @@ pub fn command() -> Command {
                 .help("Robot file to write; designs go beside it"),
         )
         .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite existing files"));
-    Command::new("robot")
+    let command = Command::new("robot")
         .about(arcmin::robot::declared().about)
         .long_about(format!("{}.\n\n{GUIDE}", arcmin::robot::declared().about))
         .after_help(EXAMPLES)
@@ -66,42 +67,13 @@ pub fn command() -> Command {
                 .value_name("FILE")
                 .conflicts_with("loads")
                 .help("lives.json of an earlier run: its joints, their hours scaled by what wears them"),
-        )
-        .arg(
-            Arg::new("out")
-                .long("out")
-                .value_name("DIR")
-                .value_parser(value_parser!(PathBuf))
-                .help("Directory for the results [default: out/<robot>/robot]"),
-        )
-        .arg(
-            Arg::new("cache")
-                .long("cache")
-                .value_name("DIR")
-                .value_parser(value_parser!(PathBuf))
-                .help("Directory for lives of joints and elastic bodies [default: the user's cache]"),
-        )
-        .arg(
-            Arg::new("threads")
-                .long("threads")
-                .value_name("N")
-                .value_parser(value_parser!(u16).range(1..=1024))
-                .help("Threads to compute with; results do not depend on it [default: all cores]"),
-        )
-        .arg(
-            Arg::new("force")
-                .long("force")
-                .action(ArgAction::SetTrue)
-                .help("Write over the results of another robot"),
-        )
-        .arg(
-            Arg::new("quiet")
-                .long("quiet")
-                .short('q')
-                .action(ArgAction::SetTrue)
-                .help("Print nothing but errors"),
-        )
-        .subcommand(new)
+        );
+    of_a_run(
+        command,
+        "Directory for the results [default: out/<robot>/robot]",
+        "Write over the results of another robot",
+    )
+    .subcommand(new)
 }
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
@@ -109,10 +81,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return write_new(matches);
     }
     let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap asks for a robot") };
-    if let Some(threads) = matches.get_one::<u16>("threads") {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
-        pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
-    }
+    take_threads(matches)?;
     let file = read(path)?;
     let quiet = matches.get_flag("quiet");
     let out = matches

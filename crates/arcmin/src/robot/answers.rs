@@ -126,15 +126,14 @@ impl Tool<'_> {
                     quick.end_in_steps(limits, plan, (from, planned), PLAN_STEPS).map(|end| end.hours)
                 })
                 .collect();
-            // What keeps the limits at the places that count most is looked at everywhere.
-            let kept = |(plan, end): &(&Vec<Overhaul>, &Option<f64>)| {
-                end.is_none() && self.end(limits, plan, (0.0, planned)).is_none()
-            };
-            if let Some((plan, _)) = tries.iter().zip(&reached).find(kept) {
-                return Some((plan.clone(), complete));
+            let mut next: Vec<(Vec<Overhaul>, f64)> = Vec::with_capacity(tries.len());
+            for (plan, end) in tries.into_iter().zip(reached) {
+                // What keeps the limits at the places that count most is looked at everywhere.
+                match end.or_else(|| Some(self.end(limits, &plan, (0.0, planned))?.hours)) {
+                    Some(end) => next.push((plan, end)),
+                    None => return Some((plan, complete)),
+                }
             }
-            let mut next: Vec<(Vec<Overhaul>, f64)> =
-                tries.into_iter().zip(reached).filter_map(|(plan, end)| Some((plan, end?))).collect();
             next.sort_by(|a, b| b.1.total_cmp(&a.1));
             if next.len() > BEAM {
                 complete = false;

@@ -63,7 +63,7 @@ pub fn table(joints: &[JointModel], moving: &[f64]) -> Vec<Entry> {
                         hours: if *moving > 0.0 { age.hours / moving } else { 0.0 },
                         torque,
                         rises,
-                        error: age.curve.outer(rises, torque),
+                        error: age.curve.branch(rises, torque),
                     });
                 }
             }

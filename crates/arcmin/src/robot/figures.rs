@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::tool::{APPROACHES, Field, Kind, Places};
+use super::tool::{ALONG_AXES, Field, Kind, Places};
 
 /// What is asked of the tool. Lengths in m, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -154,7 +154,7 @@ impl Tool<'_> {
         let mut largest = 0.0_f64;
         for sides in &self.sorted.approaches {
             let reached: Vec<Vector3<f64>> =
-                sides.iter().take(6.min(APPROACHES)).map(|place| self.moved(hours, *place)[0]).collect();
+                sides.iter().take(ALONG_AXES).map(|place| self.moved(hours, *place)[0]).collect();
             for (i, a) in reached.iter().enumerate() {
                 largest = reached[..i].iter().fold(largest, |most, b| most.max((a - b).norm()));
             }

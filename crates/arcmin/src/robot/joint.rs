@@ -136,14 +136,19 @@ impl JointModel {
 
     /// A figure after these hours in motion, between the ages measured.
     pub fn between(&self, hours: f64, of: impl Fn(&AgedJoint) -> f64) -> f64 {
-        let last = self.ages.len() - 1;
-        let upper = self.ages.partition_point(|age| age.hours <= hours * (1.0 + 1e-12));
-        if upper == 0 || last == 0 {
-            return of(&self.ages[0]);
-        }
-        // Beyond the last age it goes on as between the last two.
-        let upper = upper.min(last);
-        let (a, b) = (&self.ages[upper - 1], &self.ages[upper]);
-        of(a) + (hours - a.hours) / (b.hours - a.hours) * (of(b) - of(a))
+        let measured: Vec<f64> = self.ages.iter().map(|age| age.hours).collect();
+        let ([a, b], share) = neighbours(&measured, hours);
+        let (a, b) = (of(&self.ages[a]), of(&self.ages[b]));
+        a + share * (b - a)
+    }
+}
+
+/// The two ages (h, rising) between which these hours lie, and their share of the way from the one to the other. Beyond
+/// the last age, where a variant wears faster, it goes on as between the last two; a single age stands for all.
+pub(super) fn neighbours(ages: &[f64], hours: f64) -> ([usize; 2], f64) {
+    let upper = ages.partition_point(|age| *age <= hours * (1.0 + 1e-12)).min(ages.len() - 1);
+    match upper.checked_sub(1) {
+        None => ([0, 0], 0.0),
+        Some(lower) => ([lower, upper], (hours - ages[lower]) / (ages[upper] - ages[lower])),
     }
 }

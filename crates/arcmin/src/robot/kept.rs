@@ -1,10 +1,9 @@
 //! Lives of joints kept from one run for others: what wears a joint decides how fast it ages.
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::joint::AgedJoint;
-use super::life::{JointDuty, JointLife};
+use super::life::{JointDuty, JointLife, scale_hours, work_in_motion};
 use crate::analyses::AnalysisError;
 use crate::design::{Design, InputFile};
 
@@ -22,15 +21,9 @@ pub struct KeptJoint {
 }
 
 impl KeptJoint {
-    /// Turns the hours of ages into those of another duty: wear by Archard's law goes with Σ |T| |ω| t, so that the same
-    /// work leaves about the same surfaces. Exact where torques keep their mix; [`super::run::Source::Scaled`].
+    /// Turns the hours of ages into those of another duty.
     pub fn scale(&self, ages: &mut [AgedJoint], duty: &JointDuty) {
-        let rate = |work: f64, moving: f64| if moving > 0.0 { work / moving } else { 0.0 };
-        let (own, other) = (rate(self.work, self.moving), rate(duty.work, duty.moving));
-        if own == other || other == 0.0 {
-            return;
-        }
-        ages.iter_mut().for_each(|age| age.hours *= own / other);
+        scale_hours(ages, work_in_motion(self.work, self.moving), duty.work_in_motion());
     }
 }
 
@@ -69,9 +62,4 @@ pub fn of<'a>(
             help: "run without --lives once, and again whenever a design changes".to_owned(),
         }
     })
-}
-
-/// SHA-256 of a text, in hexadecimal digits.
-pub fn hash(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -53,8 +53,9 @@ impl Loop {
         self.tips().map(|tip| tip.0)
     }
 
-    /// A branch between its points; beyond the tips both go on as steep as the outer half on average.
-    fn branch(&self, rises: bool, torque: f64) -> f64 {
+    /// Wind-up on the outer branch of a torque that rises, or falls: between its points, beyond the tips as steep as the
+    /// outer half is on average.
+    pub fn branch(&self, rises: bool, torque: f64) -> f64 {
         let angles = if rises { &self.rising } else { &self.falling };
         let last = self.torques.len() - 1;
         let tip = match torque {
@@ -72,11 +73,6 @@ impl Loop {
         let (a, b) = (upper - 1, upper);
         let share = (torque - self.torques[a]) / (self.torques[b] - self.torques[a]);
         angles[a] + share * (angles[b] - angles[a])
-    }
-
-    /// Wind-up on the outer branch of a torque that rises, or falls.
-    pub fn outer(&self, rises: bool, torque: f64) -> f64 {
-        self.branch(rises, torque)
     }
 
     /// Mean of both branches.
@@ -198,7 +194,7 @@ mod tests {
             let next = ((seed >> 33) as f64 / (1_u64 << 31) as f64 - 0.5) * 240.0;
             let wind_up = standing.load(next);
             assert!((wind_up - before) * (next - torque) >= -1e-16);
-            let bounds = [curve.outer(true, next), curve.outer(false, next)];
+            let bounds = [curve.branch(true, next), curve.branch(false, next)];
             assert!(
                 wind_up >= bounds[0] - 1e-15 && wind_up <= bounds[1] + 1e-15,
                 "{next} {wind_up} {bounds:?}"

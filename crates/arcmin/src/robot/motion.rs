@@ -57,6 +57,13 @@ impl Motion {
         RESTS * self.speed[axis].iter().fold(0.0, |most: f64, speed| most.max(speed.abs()))
     }
 
+    /// The first sample at which an axis turns faster than allowed (rad/s), and its speed.
+    pub fn too_fast(&self, axis: usize, allowed: f64) -> Option<(usize, f64)> {
+        // What smoothing and rounding add is no fault of the program.
+        let speeds = self.speed[axis].iter().copied().enumerate();
+        speeds.into_iter().find(|(_, speed)| speed.abs() > 1.02 * allowed)
+    }
+
     /// At which samples all axes rest.
     pub fn rests(&self) -> Vec<bool> {
         let slow: Vec<f64> = (0..self.angle.len()).map(|axis| self.rest_speed(axis)).collect();

@@ -9,7 +9,7 @@ use super::read::RobotFile;
 use super::run::{Before, Robot, ages_of, measured, of_joint};
 use super::tool::{Field, Places};
 use crate::analyses::{AnalysisError, Host};
-use crate::design::OptionSet;
+use crate::design::{Design, OptionSet};
 use crate::fidelity::FidelityOptions;
 use crate::progress::Counter;
 
@@ -42,27 +42,17 @@ pub(super) fn population(
     let Some(section) = &*file.population else { return Ok(None) };
     let (count, seed) = (*section.robots, *section.seed as u64);
     let axes = models.len();
-    let drawn =
-        |axis: usize| before[axis].design.as_ref().filter(|design| design.drawing_tolerances().is_some());
-    let jobs: Vec<(usize, usize)> = (0..count)
+    let drawn = |axis: usize| before[axis].design().filter(|design| design.drawing_tolerances().is_some());
+    let jobs: Vec<(usize, usize, &Design)> = (0..count)
         .flat_map(|number| (0..axes).map(move |axis| (number, axis)))
-        .filter(|(_, axis)| drawn(*axis).is_some())
+        .filter_map(|(number, axis)| Some((number, axis, drawn(axis)?)))
         .collect();
     let done = Counter::new("drawn joints", jobs.len(), host);
     let found: Vec<((usize, usize), JointModel)> = jobs
         .par_iter()
-        .map(|(number, axis)| {
+        .map(|(number, axis, design)| {
             let joint = &before[*axis];
-            let Some(design) = drawn(*axis) else { unreachable!("jobs are of drawn designs") };
-            let rests = joint.duty.rows.is_empty();
-            let on = match rests {
-                true => design.clone(),
-                false => joint.duty.put_on(
-                    design,
-                    robot.planned * joint.duty.moving,
-                    *file.model.moments_in_wear,
-                )?,
-            };
+            let on = joint.on_duty(design, robot.planned, *file.model.moments_in_wear)?;
             let words = measured(file)?.fidelity.canonical();
             let kept: Vec<&str> = words
                 .lines()
@@ -80,7 +70,8 @@ pub(super) fn population(
                 error_positions: ERROR_POSITIONS,
             };
             let name = &robot.joints[*axis].axis;
-            let life = live(&on, &measured, rests, host).map_err(|error| of_joint(name, error))?;
+            let life = live(&on, &measured, joint.duty.rows.is_empty(), host)
+                .map_err(|error| of_joint(name, error))?;
             let ages = ages_of(name, &life.export)?;
             Ok(done.after(|| ((*number, *axis), JointModel { ages, ..models[*axis].clone() })))
         })

@@ -453,13 +453,11 @@ impl RobotFile {
         }
         let motion = Motion::of_readings(time, angles, window);
         for (index, axis) in arm.axes.iter().enumerate() {
-            // What smoothing and rounding add is no fault of the program.
-            let allowed = 1.02 * axis.speed;
-            if let Some(row) = motion.speed[index].iter().position(|speed| speed.abs() > allowed) {
+            if let Some((row, speed)) = motion.too_fast(index, axis.speed) {
                 let message = format!(
                     "the axis \"{}\" turns at {}°/s, {}°/s are allowed",
                     axis.name,
-                    degrees(motion.speed[index][row]),
+                    degrees(speed),
                     degrees(axis.speed)
                 );
                 return Err(table

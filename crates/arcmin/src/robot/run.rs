@@ -11,7 +11,7 @@ use super::figures::{Figure, Figures, Sorted, Tool};
 use super::file::{Compensation, JointSection};
 use super::joint::{AgedJoint, JointModel, Leaning};
 use super::kept::{self, KeptJoint};
-use super::life::{JointDuty, Measured, leaning, live, mounted};
+use super::life::{JointDuty, Measured, hash, leaning, live, mounted};
 use super::loads::{Course, beyond, duty, motor_torques};
 use super::population::{Population, population};
 use super::reach::{Reach, reach};
@@ -151,13 +151,36 @@ const ENOUGH: f64 = 0.99;
 /// A joint before its life.
 pub(super) struct Before<'a> {
     pub section: &'a JointSection,
+    /// A design as mounted.
     pub reducer: Reducer,
-    /// The design as mounted.
-    pub design: Option<Design>,
     pub design_name: String,
     pub ratio: f64,
     pub rated: f64,
+    /// Largest torque allowed for a moment, N·m.
+    pub allowed: f64,
     pub duty: JointDuty,
+}
+
+impl Before<'_> {
+    pub fn design(&self) -> Option<&Design> {
+        match &self.reducer {
+            Reducer::Design(design) => Some(design),
+            Reducer::Table(_) => None,
+        }
+    }
+
+    /// The design with the duty of the joint over the planned hours of the robot; as it is where the joint never turns.
+    pub fn on_duty(
+        &self,
+        design: &Design,
+        planned: f64,
+        moments_in_wear: bool,
+    ) -> Result<Design, AnalysisError> {
+        match self.duty.rows.is_empty() {
+            true => Ok(design.clone()),
+            false => self.duty.put_on(design, planned * self.duty.moving, moments_in_wear),
+        }
+    }
 }
 
 /// Answers a robot file.
@@ -189,7 +212,7 @@ pub fn run(file: &RobotFile, options: &RobotOptions, host: &dyn Host) -> Result<
     let mut robot = Robot {
         name: file.name.value.clone(),
         text: file.text().to_owned(),
-        hash: kept::hash(&file.canonical()),
+        hash: hash(&file.canonical()),
         planned,
         compensates: *file.controller.compensates,
         joints: before
@@ -308,16 +331,14 @@ fn joint_before<'a>(
     host: &dyn Host,
     notes: &mut Vec<String>,
 ) -> Result<Before<'a>, AnalysisError> {
-    let reducer = file.reducer(section, host)?;
-    let (design, design_name, ratio, rated) = match &reducer {
+    let mut reducer = file.reducer(section, host)?;
+    let (design_name, ratio, rated) = match &mut reducer {
         Reducer::Design(design) => {
-            let design = mounted(design, *section.mounting, *section.motor_inertia_kg_m2)?;
+            **design = mounted(design, *section.mounting, *section.motor_inertia_kg_m2)?;
             let machine = design.machine();
-            let (ratio, rated) = (machine.kinematics().ratio(), machine.rated.torque.abs());
-            let name = design.name.value.clone();
-            (Some(design), name, ratio, rated)
+            (design.name.value.clone(), machine.kinematics().ratio(), machine.rated.torque.abs())
         }
-        Reducer::Table(export) => (None, export.design_name.clone(), export.ratio, export.rated_torque_n_m),
+        Reducer::Table(export) => (export.design_name.clone(), export.ratio, export.rated_torque_n_m),
     };
     let name = &arm.axes[axis].name;
     let given = arm.axes[axis].torque;
@@ -345,7 +366,7 @@ fn joint_before<'a>(
             duty.torque_peak
         ));
     }
-    Ok(Before { section, reducer, design, design_name, ratio, rated, duty })
+    Ok(Before { section, reducer, design_name, ratio, rated, allowed, duty })
 }
 
 fn joint_answer(
@@ -353,12 +374,8 @@ fn joint_answer(
     axis: &str,
     (planned, moments): (f64, bool),
 ) -> Result<JointAnswer, AnalysisError> {
-    let text = match &joint.design {
-        Some(design) if !joint.duty.rows.is_empty() => {
-            let on = joint.duty.put_on(design, planned * joint.duty.moving, moments)?;
-            Some(on.text().to_owned())
-        }
-        Some(design) => Some(design.text().to_owned()),
+    let text = match joint.design() {
+        Some(design) => Some(joint.on_duty(design, planned, moments)?.text().to_owned()),
         None => None,
     };
     Ok(JointAnswer {
@@ -427,21 +444,17 @@ fn models(
         .map(|(joint, axis)| {
             let needed = planned * joint.duty.moving;
             let mut source = Source::Computed;
-            let (ages, bearings, motor, kept) = match (&joint.design, &joint.reducer) {
-                (Some(design), _) => {
+            let (ages, bearings, motor, kept) = match &joint.reducer {
+                Reducer::Design(design) => {
                     let kept = match &earlier {
                         Some((name, list)) => {
                             source = Source::Scaled;
                             kept::of(list, name, &axis.name, design)?.clone()
                         }
                         None => {
-                            let rests = joint.duty.rows.is_empty();
-                            let on = match rests {
-                                true => design.clone(),
-                                false => joint.duty.put_on(design, needed, *file.model.moments_in_wear)?,
-                            };
-                            let life =
-                                live(&on, &measured, rests, host).map_err(|error| of_joint(&axis.name, error))?;
+                            let on = joint.on_duty(design, planned, *file.model.moments_in_wear)?;
+                            let life = live(&on, &measured, joint.duty.rows.is_empty(), host)
+                                .map_err(|error| of_joint(&axis.name, error))?;
                             KeptJoint {
                                 axis: axis.name.clone(),
                                 design: design.hash(),
@@ -459,7 +472,7 @@ fn models(
                     };
                     (ages, bearings, kept.life.export.inertia.motor_kg_m2, Some(kept))
                 }
-                (None, Reducer::Table(export)) => {
+                Reducer::Table(export) => {
                     source = Source::Table;
                     let ages = ages_of(&axis.name, export)?;
                     let last = ages.last().map_or(0.0, |age| age.hours);
@@ -474,7 +487,6 @@ fn models(
                     }
                     (ages, Vec::new(), export.inertia.motor_kg_m2, None)
                 }
-                (None, Reducer::Design(_)) => unreachable!("a design is mounted"),
             };
             let (leaning, main) = leaning_of(joint).map_err(|error| of_joint(&axis.name, error))?;
             let clock = |hours: f64| hours / joint.duty.moving;
@@ -523,7 +535,7 @@ pub(super) fn ages_of(
 
 fn leaning_of(joint: &Before<'_>) -> Result<(Leaning, Option<f64>), AnalysisError> {
     let given = *joint.section.moment_stiffness_n_m_per_arcmin;
-    let Some(design) = &joint.design else {
+    let Some(design) = joint.design() else {
         return Ok((given.map_or(Leaning::Rigid, |k| Leaning::Stiffness(k / ARCMIN)), None));
     };
     let (curve, life) = leaning(design, &joint.duty, 3.0 * joint.duty.forces.moment)?;
@@ -531,12 +543,8 @@ fn leaning_of(joint: &Before<'_>) -> Result<(Leaning, Option<f64>), AnalysisErro
 }
 
 fn drag_of(joint: &Before<'_>) -> f64 {
-    let of_design = || {
-        joint
-            .design
-            .as_ref()
-            .map_or(0.0, |design| with_friction(&design.machine(), false).0.friction.seal_drag)
-    };
+    let of_design =
+        || joint.design().map_or(0.0, |design| with_friction(&design.machine(), false).0.friction.seal_drag);
     joint.section.output_drag_n_m.unwrap_or_else(of_design)
 }
 

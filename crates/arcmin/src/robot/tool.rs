@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::arm::{Arm, Posture};
 use super::file::Compensation;
-use super::joint::{AgedJoint, JointModel};
+use super::joint::{AgedJoint, JointModel, neighbours};
 use super::loads::Course;
 use super::memory::Standing;
 use super::newton_euler::{AxisLoad, inverse_dynamics};
@@ -51,6 +51,8 @@ pub struct Off {
 
 /// Approaches of a test pose: along ± x, y, z of the base, and from sides spread evenly over all directions.
 pub const APPROACHES: usize = 30;
+/// The first of them, along the axes of the base.
+pub const ALONG_AXES: usize = 6;
 /// Places along the ways of all programs.
 const WAY_PLACES: usize = 4000;
 /// Steps of an approach.
@@ -63,16 +65,16 @@ const LONGEST: f64 = 0.1;
 /// Direction of the side that a pose is approached from.
 pub fn side(index: usize) -> Vector3<f64> {
     match index {
-        0..6 => {
+        0..ALONG_AXES => {
             let mut side = Vector3::zeros();
             side[index / 2] = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
             side
         }
         _ => {
             // A Fibonacci lattice on the sphere.
-            let n = (APPROACHES - 6) as f64;
-            let z = 1.0 - (2.0 * (index - 6) as f64 + 1.0) / n;
-            let turn = (index - 6) as f64 * std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+            let n = (APPROACHES - ALONG_AXES) as f64;
+            let z = 1.0 - (2.0 * (index - ALONG_AXES) as f64 + 1.0) / n;
+            let turn = (index - ALONG_AXES) as f64 * std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
             let r = (1.0 - z * z).sqrt();
             Vector3::new(r * turn.cos(), r * turn.sin(), z)
         }
@@ -230,7 +232,7 @@ impl Places {
                         }
                         Compensation::Table => {
                             let known_elastic = known.curve.elastic(torque);
-                            about[0] -= known.curve.outer(standing.rises(), torque) - known_elastic;
+                            about[0] -= known.curve.branch(standing.rises(), torque) - known_elastic;
                             about[1] -= known_elastic;
                             about[2] -= known.transmission_error(joint.offset + here.angles[axis], torque);
                             tilt = Vector3::zeros();
@@ -339,16 +341,8 @@ impl Field {
 
     /// Angles of an axis at a place, after these hours of the robot since its reducer was new.
     pub fn at(&self, axis: usize, hours: f64, place: usize) -> Off {
-        let (ages, moved) = (&self.hours[axis], hours * self.moving[axis]);
-        let last = ages.len() - 1;
-        let upper = ages.partition_point(|age| *age <= moved * (1.0 + 1e-12));
-        if upper == 0 || last == 0 {
-            return self.off[axis][0][place];
-        }
-        // Beyond the last age, where a variant wears faster, it goes on as between the last two.
-        let upper = upper.min(last);
-        let share = (moved - ages[upper - 1]) / (ages[upper] - ages[upper - 1]);
-        let (a, b) = (&self.off[axis][upper - 1][place], &self.off[axis][upper][place]);
+        let ([a, b], share) = neighbours(&self.hours[axis], hours * self.moving[axis]);
+        let (a, b) = (&self.off[axis][a][place], &self.off[axis][b][place]);
         Off {
             about: [0, 1, 2].map(|cause| a.about[cause] + share * (b.about[cause] - a.about[cause])),
             tilt: a.tilt + share * (b.tilt - a.tilt),

@@ -4,6 +4,7 @@ use super::answers::End;
 use super::arm::{Arm, Body};
 use super::figures::{Figures, Tool};
 use super::joint::JointModel;
+use super::life::{degrees, scale_hours};
 use super::loads::{Course, beyond, duty};
 use super::read::{Program, RobotFile};
 use super::run::{Before, Robot, mapped};
@@ -62,7 +63,7 @@ pub(super) fn variants(
         let (mut joints, mut moving) = (models.to_vec(), Vec::with_capacity(models.len()));
         let mut hardest = (String::new(), 0.0);
         for (axis, joint) in before.iter().enumerate() {
-            let limit = arm.axes[axis].torque;
+            let limit = joint.allowed;
             if let Some((_, _, torque)) = beyond(&programs, &courses, axis, limit) {
                 let message = format!(
                     "the variant \"{}\" asks the axis \"{}\" for {torque:.0} N·m; {limit:.0} N·m are allowed",
@@ -71,13 +72,21 @@ pub(super) fn variants(
                 let hint = "slow the variant down, or take a lighter payload";
                 return Err(file.wrong(message, section.name.span.clone(), hint));
             }
+            if let Some(speed) =
+                programs.iter().find_map(|program| program.motion.too_fast(axis, arm.axes[axis].speed))
+            {
+                let message = format!(
+                    "the variant \"{}\" turns the axis \"{}\" at {}°/s, {}°/s are allowed",
+                    *section.name,
+                    arm.axes[axis].name,
+                    degrees(speed.1),
+                    degrees(arm.axes[axis].speed)
+                );
+                return Err(file.wrong(message, section.speed_share.span.clone(), "slow the variant down"));
+            }
             let asked = (MM * *joint.section.bearings_mm, joint.ratio, *file.model.duty_rows);
             let changed = duty(&programs, &courses, axis, asked);
-            let rate = |work: f64, moving: f64| if moving > 0.0 { work / moving } else { 0.0 };
-            let (own, other) = (rate(joint.duty.work, joint.duty.moving), rate(changed.work, changed.moving));
-            if own > 0.0 && other > 0.0 {
-                joints[axis].ages.iter_mut().for_each(|age| age.hours *= own / other);
-            }
+            scale_hours(&mut joints[axis].ages, joint.duty.work_in_motion(), changed.work_in_motion());
             let ratio = changed.torque_peak / joint.duty.torque_peak.max(f64::MIN_POSITIVE);
             if ratio > hardest.1 {
                 hardest = (arm.axes[axis].name.clone(), ratio);
