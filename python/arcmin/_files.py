@@ -7,12 +7,15 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from arcmin._arcmin import Table
 from arcmin._errors import ComputeError
+from arcmin._results import Result
+
+_Kind = TypeVar("_Kind", bound=Result)
 
 
 def run(what: str, *words: str | os.PathLike[str]) -> str:
@@ -41,7 +44,7 @@ def table(path: Path, title: str = "", words: tuple[str, ...] = ()) -> Table:
     return Table(path.stem, title, [column(index, name) for index, name in enumerate(header)])
 
 
-def result(kind: Any, call: str, kept: dict[str, Any], headline: str, subtitle: str) -> Any:
+def result(kind: type[_Kind], call: str, kept: dict[str, Any], headline: str, subtitle: str) -> _Kind:
     """A result of this kind from what is kept of a run."""
     made = kind.__new__(kind)
     made._core = None

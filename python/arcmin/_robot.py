@@ -72,7 +72,7 @@ def robot(
     """
     path = Path(file)
     directory = Path("out") / path.stem / "robot" if out is None else Path(out)
-    words = ["robot", path, "--out", directory]
+    words: list[str | os.PathLike[str]] = ["robot", path, "--out", directory]
     words += ["--loads"] if loads else []
     words += [] if lives is None else ["--lives", lives]
     words += [] if cache is None else ["--cache", cache]

@@ -57,7 +57,7 @@ def study(
     """
     path = Path(file)
     directory = Path("out") / path.stem if out is None else Path(out)
-    words = ["study", path, "--out", directory]
+    words: list[str | os.PathLike[str]] = ["study", path, "--out", directory]
     words += [] if threads is None else ["--threads", str(threads)]
     words += ["--force"] if force else []
     return _read(directory, _files.run("study", *words))
