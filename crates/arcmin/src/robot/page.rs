@@ -439,23 +439,26 @@ fn arm(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
             .coloured(Colour::Palette(1))
             .strong(),
         );
-        blocks.push(Block::Plot(plot));
+        blocks.push(Block::Plot(
+            plot.noted("The tool goes along the commanded path; the arm stands at a test pose."),
+        ));
     }
-    let mut plot = Plot::new(
-        "Distance from the path along the programs",
-        Axis::new("time", "s"),
-        Axis::new("off", "mm").from_zero(),
-    );
+    let mut plot =
+        Plot::new("Distance from the path", Axis::new("time", "s"), Axis::new("off", "mm").from_zero());
     let new = vec![0.0; robot.joints.len()];
     for (name, hours) in [("new", &new), ("at the planned hours", &ages)] {
         let points = tool.sorted.ways.iter().filter_map(|place| {
             let here = &tool.places.places[*place];
             let Kind::Way { program: 0 } = here.kind else { return None };
-            Some((here.time, tool.field.tool(&tool.places, hours, *place)[0].norm() / MM))
+            Some((here.time, tool.mapped().off_the_path(hours, *place) / MM))
         });
         plot.series.push(Series::line(name, points));
     }
-    blocks.push(Block::Plot(plot.noted(format!("Program \"{}\".", robot.programs[0].name))));
+    blocks.push(Block::Plot(plot.noted(format!(
+        "Along the program \"{}\": distance of the tool from the commanded path, at right angles to it; at rest from the \
+         commanded place.",
+        robot.programs[0].name
+    ))));
     blocks.extend(reach_map(robot, tool));
     blocks
 }

@@ -38,7 +38,7 @@ class ArmFigure {
     const key = htmlElement('div', { class: 'row' }, this.stage, 'Share at the tool: ');
     arm.joints.forEach((name, joint) => {
       const one = htmlElement('span', {}, key);
-      htmlElement('span', { style: `display:inline-block;width:10px;height:10px;border-radius:5px;margin-right:4px;background:${this.colour(joint)}` }, one);
+      htmlElement('span', { style: `display:inline-block;width:10px;height:10px;border-radius:5px;margin-right:4px;outline:1px solid var(--soft);background:${this.colour(joint)}` }, one);
       htmlElement('span', {}, one, `${name} ${formatValue(arm.shares_mm[joint], 2)} mm`);
     });
     const all = arm.frames.flatMap(frame => frame.points_mm);
