@@ -25,6 +25,7 @@ from arcmin._errors import (
     UnknownKeyError,
 )
 from arcmin._results import Result, Verdict
+from arcmin._robot import RobotResult, robot
 from arcmin._study import StudyResult, study
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "Key",
     "OptionError",
     "Result",
+    "RobotResult",
     "Simulation",
     "State",
     "StudyResult",
@@ -44,6 +46,7 @@ __all__ = [
     "UnknownKeyError",
     "Verdict",
     "__version__",
+    "robot",
     "sample",
     "study",
 ]

@@ -42,6 +42,10 @@ from arcmin._results import (
     Result as Result,
     Verdict as Verdict,
 )
+from arcmin._robot import (
+    RobotResult as RobotResult,
+    robot as robot,
+)
 from arcmin._study import (
     StudyResult as StudyResult,
     study as study,
@@ -57,6 +61,7 @@ __all__ = [
     "Key",
     "OptionError",
     "Result",
+    "RobotResult",
     "Simulation",
     "State",
     "StudyResult",
@@ -64,6 +69,7 @@ __all__ = [
     "UnknownKeyError",
     "Verdict",
     "__version__",
+    "robot",
     "sample",
     "study",
     "check",

@@ -7,6 +7,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::commands;
+use crate::failure::Failure;
 
 const ABOUT: &str = "Accuracy, wear and dynamics of RV (cycloidal) reducers, from one design file";
 
@@ -36,6 +37,7 @@ pub fn command() -> Command {
     }
     command
         .subcommand(commands::study::command())
+        .subcommand(commands::robot::command())
         .subcommand(commands::exchange::export())
         .subcommand(commands::exchange::import())
         .subcommand(commands::shell::completions())
@@ -80,14 +82,22 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
         );
     }
     let common = "Common options";
+    of_a_run(
+        command.next_help_heading(common),
+        "Directory for the results [default: out/<design>/<command>]",
+        "Write over the results of another design",
+    )
+}
+
+/// Adds what every run of one machine or robot takes: where results and what is kept go, threads, silence.
+pub fn of_a_run(command: Command, out: &'static str, force: &'static str) -> Command {
     command
-        .next_help_heading(common)
         .arg(
             Arg::new("out")
                 .long("out")
                 .value_name("DIR")
                 .value_parser(value_parser!(std::path::PathBuf))
-                .help("Directory for the results [default: out/<design>/<command>]"),
+                .help(out),
         )
         .arg(
             Arg::new("cache")
@@ -106,8 +116,18 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
                 .value_parser(value_parser!(u16).range(1..=1024))
                 .help("Threads to compute with; results do not depend on it [default: all cores]"),
         )
-        .arg(flag("force", "Write over the results of another design"))
+        .arg(flag("force", force))
         .arg(flag("quiet", "Print nothing but errors").short('q'))
+}
+
+/// Takes as many threads as `--threads` says.
+///
+/// # Errors
+/// [`Failure::Threads`] where the system gives none.
+pub fn take_threads(matches: &ArgMatches) -> Result<(), Failure> {
+    let Some(threads) = matches.get_one::<u16>("threads") else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
+    pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })
 }
 
 fn flag(name: &'static str, help: &'static str) -> Arg {

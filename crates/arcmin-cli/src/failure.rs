@@ -111,6 +111,7 @@ fn as_typed(text: &str, options: Option<&SectionSchema>) -> String {
 pub enum Start {
     Design,
     Study,
+    Robot,
     Elsewhere,
 }
 
@@ -119,6 +120,7 @@ impl Start {
         match self {
             Start::Design => "`arcmin new FILE` writes a design file to start from",
             Start::Study => "`arcmin study new FILE` writes a study file to start from",
+            Start::Robot => "`arcmin robot new FILE` writes a robot file to start from",
             Start::Elsewhere => "check its name and place",
         }
     }

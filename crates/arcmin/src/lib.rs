@@ -27,6 +27,7 @@ mod property_tests;
 pub mod report;
 pub mod results;
 pub mod rig;
+pub mod robot;
 pub mod study;
 pub mod tables;
 pub mod templates;

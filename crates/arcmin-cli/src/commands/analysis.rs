@@ -11,17 +11,14 @@ use serde_json::json;
 
 use super::Ending;
 use super::study::Lives;
-use crate::arguments::options_text;
+use crate::arguments::{options_text, take_threads};
 use crate::failure::Failure;
 use crate::run::{Cache, Results, Terminal, is_checkpointed, read_design, say, say_findings, terminal_text};
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
     let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
     let design = read_design(path)?;
-    if let Some(threads) = matches.get_one::<u16>("threads") {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
-        pool.map_err(|cause| Failure::Threads { cause: cause.to_string() })?;
-    }
+    take_threads(matches)?;
     let options = options_text(analysis, matches);
     let schema = (analysis.options)();
     let is_check = analysis.name == "check";

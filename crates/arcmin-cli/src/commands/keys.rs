@@ -20,10 +20,17 @@ pub fn command() -> Command {
                 .help("The results in place of the design file"),
         )
         .arg(
+            Arg::new("robot")
+                .long("robot")
+                .action(ArgAction::SetTrue)
+                .conflicts_with("results")
+                .help("The keys of the robot file in place of the design file"),
+        )
+        .arg(
             Arg::new("json-schema")
                 .long("json-schema")
                 .action(ArgAction::SetTrue)
-                .conflicts_with_all(["FILTER", "results"])
+                .conflicts_with_all(["FILTER", "results", "robot"])
                 .help("A JSON Schema of the design file, for editors that complete and check while one writes"),
         )
 }
@@ -34,8 +41,11 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return Ok(Ending::Fine);
     }
     let text = if matches.get_flag("results") {
-        let declared: Vec<_> = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)()).collect();
+        let analyses = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)());
+        let declared: Vec<_> = analyses.chain([arcmin::robot::declared()]).collect();
         arcmin::results::reference_of_results(&declared)
+    } else if matches.get_flag("robot") {
+        arcmin::robot::reference_of_keys()
     } else {
         arcmin::design::reference_of_keys()
     };

@@ -6,6 +6,7 @@ mod fmu;
 mod joint;
 pub mod keys;
 pub mod new;
+pub mod robot;
 pub mod shell;
 pub mod study;
 
@@ -35,6 +36,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("new", matches)) => new::run(matches),
         Some(("keys", matches)) => keys::run(matches),
+        Some(("robot", matches)) => robot::run(matches),
         Some(("study", matches)) => study::run(matches),
         Some(("export", matches)) => exchange::run_export(matches),
         Some(("import", matches)) => exchange::run_import(matches),

@@ -52,6 +52,11 @@ impl Results {
     /// Makes the directory and tries to write there, so that an unusable one is noticed before the
     /// computation. Results of another design are not written over unless `force` says so.
     pub fn prepare(out: &Path, design: &Design, force: bool) -> Result<Results, Failure> {
+        Results::prepare_for(out, &design.name, force)
+    }
+
+    /// [`Results::prepare`] of a design, or a robot, by its name.
+    pub fn prepare_for(out: &Path, name: &str, force: bool) -> Result<Results, Failure> {
         let try_it = || {
             std::fs::create_dir_all(out)?;
             remove_forgotten(out);
@@ -63,12 +68,12 @@ impl Results {
             bytes.and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or(Value::Null)
         };
         let (before, replaced) = (read(SUMMARY), read(REPLACED));
-        if let Some(name) = before["design"]["name"].as_str()
-            && name != design.name.value
+        if let Some(other) = before["design"]["name"].as_str()
+            && other != name
             && !force
         {
             return Err(Failure::Usage {
-                message: format!("{} holds results of another design, \"{name}\"", out.display()),
+                message: format!("{} holds results of another design, \"{other}\"", out.display()),
                 help: "choose another place with --out, or write over them with --force".to_owned(),
             });
         }

@@ -8,6 +8,7 @@ mod exchange;
 mod kills;
 mod logs;
 mod messages;
+mod robot;
 mod runs;
 mod studies;
 mod surface;

@@ -47,6 +47,7 @@ pub use option_values::InputFile;
 pub(crate) use options::options;
 pub use options::{OptionReader, OptionSet};
 pub use reference::markdown as reference_of_keys;
+pub(crate) use reference::section as reference_of_section;
 pub use resolve::StaleMass;
 pub(crate) use schema::unit_of;
 pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};

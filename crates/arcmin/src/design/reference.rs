@@ -33,7 +33,8 @@ pub fn markdown() -> String {
     out
 }
 
-fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
+/// The keys of a section and of those inside of it.
+pub(crate) fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
     let (inner, own): (Vec<&Key>, Vec<&Key>) = schema
         .keys
         .iter()

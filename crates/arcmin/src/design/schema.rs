@@ -77,7 +77,6 @@ pub const fn default_flag(flag: bool) -> Rule {
 }
 
 /// A list of numbers in `low..=high` that is `numbers` where it is left out.
-#[cfg(test)]
 pub const fn default_numbers(numbers: &'static [f64], low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Numbers(numbers), low, high }
 }
@@ -139,7 +138,7 @@ impl Key {
 }
 
 /// Suffixes that name a unit, longest first, and how the unit is written.
-pub(super) const UNIT_SUFFIXES: [(&str, &str); 33] = [
+pub(super) const UNIT_SUFFIXES: [(&str, &str); 37] = [
     ("_n_m_per_arcmin", "N·m/arcmin"),
     ("_n_s_per_m", "N·s/m"),
     ("_n_per_mm_e", "N/mm^e"),
@@ -157,7 +156,11 @@ pub(super) const UNIT_SUFFIXES: [(&str, &str); 33] = [
     ("_mpa_s", "mPa·s"),
     ("_arcmin", "arcmin"),
     ("_arcsec", "arcsec"),
+    ("_rad_s2", "rad/s²"),
     ("_rad_s", "rad/s"),
+    ("_deg_s2", "°/s²"),
+    ("_deg_s", "°/s"),
+    ("_m_s2", "m/s²"),
     ("_deg", "°"),
     ("_rad", "rad"),
     ("_rpm", "rpm"),

@@ -211,6 +211,21 @@ pub fn import_duty(
     Ok(import)
 }
 
+/// Rows of a duty from readings of a joint in motion: torque in N·m (positive drives positive motion), speed of the
+/// output in rad/s, and the time in s for which they stand.
+pub fn reduce_duty(
+    readings: &[[f64; 3]],
+    rows: usize,
+    wear_exponent: f64,
+    ratio: f64,
+) -> (Vec<DutyRow>, Reduction) {
+    let samples: Vec<Sample> = readings
+        .iter()
+        .map(|[torque, speed, time]| Sample { torque: *torque, speed: *speed, time: *time })
+        .collect();
+    merge::reduce(&samples, rows, wear_exponent, ratio)
+}
+
 /// What is done with steps that are much longer than the others.
 fn held_note(steps: &[f64], gaps: &[f64], holding: holding::Holding) -> Option<String> {
     let longest = steps.iter().copied().filter(|step| *step <= holding.longest).fold(0.0, f64::max);

@@ -39,7 +39,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty};
+pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty, reduce_duty};
 pub use dxf::Contour;
 pub use fit::{FlankFit, Outlier};
 pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};

@@ -18,6 +18,7 @@ const SCRIPT: &[&str] = &[
     include_str!("assets/heatmap.js"),
     include_str!("assets/mechanism.js"),
     include_str!("assets/mesh.js"),
+    include_str!("assets/arm.js"),
     include_str!("assets/samples.js"),
     include_str!("assets/page.js"),
 ];
@@ -213,6 +214,7 @@ impl Writer<'_> {
             Block::Mesh(mesh) => {
                 self.figure("mesh", &mesh.title, &mesh.note, Width::Full, mesh);
             }
+            Block::Arm(arm) => self.figure("arm", &arm.title, &arm.note, Width::Full, arm),
             Block::Samples(samples) => {
                 self.figure("samples", &samples.title, &samples.note, Width::Full, samples);
             }

@@ -54,7 +54,8 @@ mod traces;
 
 pub use causes::lost_motion_causes;
 pub use drawing::{
-    CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture, mesh_picture,
+    ArmFrame, ArmPicture, CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField,
+    MeshPicture, mesh_picture,
 };
 pub use literature::references_to;
 pub use mechanism::{findings_table, mechanism};
@@ -174,6 +175,7 @@ pub enum Block {
     HeatMap(HeatMap),
     Mechanism(Mechanism),
     Mesh(MeshPicture),
+    Arm(ArmPicture),
     Samples(Samples),
     /// Text shown as written (the design file), folded when long.
     Code {

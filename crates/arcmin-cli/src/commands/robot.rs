@@ -1,0 +1,182 @@
+//! `arcmin robot`: what the tool of a robot does over the life of its reducers.
+
+use std::path::{Path, PathBuf};
+
+use arcmin::analyses::{AnalysisError, Outcome};
+use arcmin::design::InputFile;
+use arcmin::report::Provenance;
+use arcmin::robot::{Robot, RobotFile, RobotOptions, example, run as answer};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use serde_json::json;
+
+use super::Ending;
+use crate::arguments::{of_a_run, take_threads};
+use crate::failure::{Failure, Start};
+use crate::run::{Cache, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
+
+const GUIDE: &str = "\
+Reads a robot file (TOML): the arm as URDF or as a table of axes, the reducer of every joint, what the hand carries,
+programs (joint angles over time, or poses visited), planned hours and limits at the tool.
+
+Torques and speeds of all joints follow by inverse dynamics and become the duty of each; every reducer wears by its
+own. What joints are off at every age (place in the hysteresis loop, wind-up, transmission error, tilt of the output
+bearings) is mapped to the tool: figures of ISO 9283, split by joint and cause; hours until a limit is left, which
+joint ends it, what an overhaul buys, the plan with the fewest overhauls, a table for the controller.
+
+Lives of joints are kept in the cache: the same joint with the same duty is not computed again, and a run that was
+stopped goes on from the joints it has finished.";
+
+const EXAMPLES: &str = "Examples:
+  arcmin robot new arm.toml                write a six-axis example with its designs
+  arcmin robot arm.toml                    run it
+  arcmin robot arm.toml --loads            torques and duties alone
+  arcmin robot other.toml --lives out/arm/robot/lives.json
+                                           another program, the joints of an earlier run, their hours scaled";
+
+pub fn command() -> Command {
+    let new = Command::new("new")
+        .about("Write a commented robot file and the designs it names")
+        .arg(
+            Arg::new("FILE")
+                .required(true)
+                .value_parser(value_parser!(PathBuf))
+                .help("Robot file to write; designs go beside it"),
+        )
+        .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite existing files"));
+    let command = Command::new("robot")
+        .about(arcmin::robot::declared().about)
+        .long_about(format!("{}.\n\n{GUIDE}", arcmin::robot::declared().about))
+        .after_help(EXAMPLES)
+        .args_conflicts_with_subcommands(true)
+        .subcommand_negates_reqs(true)
+        .arg(
+            Arg::new("ROBOT")
+                .required(true)
+                .value_parser(value_parser!(PathBuf))
+                .help("Robot file (TOML); `arcmin robot new` writes one"),
+        )
+        .arg(
+            Arg::new("loads")
+                .long("loads")
+                .action(ArgAction::SetTrue)
+                .help("Loads and duties of the joints alone, without their lives"),
+        )
+        .arg(
+            Arg::new("lives")
+                .long("lives")
+                .value_name("FILE")
+                .conflicts_with("loads")
+                .help("lives.json of an earlier run: its joints, their hours scaled by what wears them"),
+        );
+    of_a_run(
+        command,
+        "Directory for the results [default: out/<robot>/robot]",
+        "Write over the results of another robot",
+    )
+    .subcommand(new)
+}
+
+pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
+    if let Some(("new", matches)) = matches.subcommand() {
+        return write_new(matches);
+    }
+    let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap asks for a robot") };
+    take_threads(matches)?;
+    let file = read(path)?;
+    let quiet = matches.get_flag("quiet");
+    let out = matches
+        .get_one::<PathBuf>("out")
+        .cloned()
+        .unwrap_or_else(|| Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot"));
+    let results = Results::prepare_for(&out, &file.name, matches.get_flag("force"))?;
+    let chosen = matches.get_one::<PathBuf>("cache").map(|chosen| Cache::new(chosen));
+    let host = Terminal::new(path, &out, chosen.unwrap_or_else(|| Cache::of_user(&out)), quiet);
+    let options = RobotOptions {
+        loads: matches.get_flag("loads"),
+        lives: matches.get_one::<String>("lives").map(|name| InputFile(name.clone())),
+    };
+    let robot = answer(&file, &options, &host).map_err(|error| told(error, &file))?;
+    host.clear();
+    publish(&robot, results, quiet, &out)?;
+    Ok(Ending::Fine)
+}
+
+fn read(path: &Path) -> Result<RobotFile, Failure> {
+    const LARGEST: u64 = 1 << 24;
+    let bytes = read_bounded(path, LARGEST).map_err(|cause| Failure::Read {
+        path: path.to_owned(),
+        cause,
+        start: Start::Robot,
+    })?;
+    let text = text_of(path, &bytes)?;
+    RobotFile::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
+}
+
+/// What an error of the robot file marks is in its text.
+fn told(error: AnalysisError, file: &RobotFile) -> Failure {
+    match error {
+        AnalysisError::Design(error) if error.file_name == file.file_name() => {
+            Failure::design(error, file.text())
+        }
+        error => Failure::Analysis { error, options: None, finding: None },
+    }
+}
+
+fn publish(robot: &Robot, mut results: Results, quiet: bool, out: &Path) -> Result<(), Failure> {
+    for table in Robot::tables(robot) {
+        results.file(&table.file_name(), table.to_csv().as_bytes())?;
+    }
+    let attachments =
+        robot.attachments().map_err(|error| Failure::Analysis { error, options: None, finding: None })?;
+    for attachment in attachments {
+        results.file(&attachment.name, &attachment.bytes)?;
+    }
+    let short = robot.hash.get(..12).unwrap_or_default().to_owned();
+    let mut page = robot.page();
+    page.provenance = Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        design_hash: short.clone(),
+        command: crate::command_line(),
+        seeds: robot.seeds.clone(),
+    };
+    results.file("report.html", page.render().as_bytes())?;
+    let mut summary = robot.summary().to_json();
+    summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
+    summary.insert("command".to_owned(), json!("robot"));
+    summary.insert("command_line".to_owned(), json!(crate::typed()));
+    summary
+        .insert("design".to_owned(), json!({ "name": robot.name, "hash": robot.hash, "short_hash": short }));
+    let names = results.publish(summary)?;
+    if !quiet {
+        say(&terminal_text(&robot.said()))?;
+        say(&format!("{} in {}", names.join(", "), out.display()))?;
+    }
+    Ok(())
+}
+
+fn write_new(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let Some(path) = matches.get_one::<PathBuf>("FILE") else { unreachable!("clap asks for a file") };
+    let force = matches.get_flag("force");
+    let example = example();
+    let beside = path.parent().unwrap_or(Path::new(""));
+    let mut files = vec![(path.clone(), example.text)];
+    files.extend(example.designs.iter().map(|(name, text)| (beside.join(name), *text)));
+    for (path, text) in &files {
+        // A design that is there already and the same is no reason to stop.
+        let same = std::fs::read(path).is_ok_and(|there| there == text.as_bytes());
+        if path.exists() && !same && !force {
+            return Err(Failure::Exists { path: path.clone() });
+        }
+    }
+    for (path, text) in &files {
+        write_file(path, text.as_bytes())?;
+    }
+    let names: Vec<String> = files[1..].iter().map(|(path, _)| path.display().to_string()).collect();
+    say(&format!(
+        "{}: six-axis arm for 20 kg, with {}\nnext: arcmin robot {}",
+        path.display(),
+        names.join(", "),
+        path.display()
+    ))?;
+    Ok(Ending::Fine)
+}

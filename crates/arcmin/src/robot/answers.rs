@@ -1,0 +1,161 @@
+//! Hours until the tool leaves its limits, what an overhaul buys, and the plan with the fewest overhauls.
+
+use rayon::prelude::*;
+
+use super::figures::{Figure, Sorted, Tool};
+
+/// A limit of the tool, in m or rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToolLimit {
+    pub figure: Figure,
+    pub allowed: f64,
+}
+
+/// When the first limit is left, by which one, which axis and cause makes most of it then.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    pub hours: f64,
+    pub limit: ToolLimit,
+    pub axis: usize,
+    pub cause: usize,
+}
+
+/// A reducer overhauled: as new from then on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overhaul {
+    pub axis: usize,
+    pub hours: f64,
+}
+
+/// Steps of the planned hours between which a crossing is looked for, and fewer while a plan is looked for.
+const STEPS: usize = 60;
+const PLAN_STEPS: usize = 8;
+/// Plans kept of each length, those that reach farthest.
+const BEAM: usize = 32;
+/// No plan has more overhauls.
+pub const MOST_OVERHAULS: usize = 8;
+/// Places on the way that a plan is looked for at: those farthest off, new and at the planned hours.
+const PLAN_PLACES: usize = 200;
+
+/// Hours of each axis since its reducer was new.
+pub fn ages(axes: usize, hours: f64, overhauls: &[Overhaul]) -> Vec<f64> {
+    let mut ages = vec![hours; axes];
+    for overhaul in overhauls.iter().filter(|overhaul| overhaul.hours <= hours) {
+        ages[overhaul.axis] = hours - overhaul.hours;
+    }
+    ages
+}
+
+impl Tool<'_> {
+    /// The limit that is left most at these ages, as a ratio.
+    fn used(&self, limits: &[ToolLimit], ages: &[f64]) -> Option<(f64, ToolLimit)> {
+        let each = limits.iter().map(|limit| (self.figure(limit.figure, ages) / limit.allowed, *limit));
+        each.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The first time from `from` to `planned` at which a limit is not kept.
+    pub fn end(
+        &self,
+        limits: &[ToolLimit],
+        overhauls: &[Overhaul],
+        (from, planned): (f64, f64),
+    ) -> Option<End> {
+        self.end_in_steps(limits, overhauls, (from, planned), STEPS)
+    }
+
+    fn end_in_steps(
+        &self,
+        limits: &[ToolLimit],
+        overhauls: &[Overhaul],
+        (from, planned): (f64, f64),
+        steps: usize,
+    ) -> Option<End> {
+        let axes = self.field.axes();
+        let at = |hours: f64| self.used(limits, &ages(axes, hours, overhauls));
+        let step = planned / steps as f64;
+        let mut before = from;
+        let mut now = from;
+        loop {
+            if at(now)?.0 > 1.0 {
+                break;
+            }
+            if now >= planned {
+                return None;
+            }
+            before = now;
+            now = (((now / step) + 1e-9).floor() * step + step).min(planned);
+        }
+        // Bisection to a ten-thousandth of the planned hours.
+        while now - before > 1e-4 * planned {
+            let middle = 0.5 * (before + now);
+            if at(middle)?.0 > 1.0 { now = middle } else { before = middle }
+        }
+        let (_, limit) = at(now)?;
+        let (axis, cause) = self.culprit(limit.figure, &ages(axes, now, overhauls));
+        Some(End { hours: before, limit, axis, cause })
+    }
+
+    /// The fewest overhauls found that keep all limits over the planned hours, and whether none with fewer exists among
+    /// plans that overhaul when a limit is reached; `None` where even new reducers do not keep the limits or no plan is
+    /// short enough. Waiting until a limit is reached never costs more: an overhaul later leaves younger reducers at
+    /// every time after.
+    pub fn plan(&self, limits: &[ToolLimit], planned: f64) -> Option<(Vec<Overhaul>, bool)> {
+        let axes = self.field.axes();
+        if self.used(limits, &vec![0.0; axes])?.0 > 1.0 {
+            return None;
+        }
+        let Some(first) = self.end(limits, &[], (0.0, planned)) else { return Some((Vec::new(), true)) };
+        let sorted = self.farthest(planned);
+        let quick = Tool { sorted: &sorted, ..*self };
+        let mut open: Vec<(Vec<Overhaul>, f64)> = vec![(Vec::new(), first.hours)];
+        let mut complete = true;
+        for _ in 0..MOST_OVERHAULS {
+            let tries: Vec<Vec<Overhaul>> = open
+                .iter()
+                .flat_map(|(done, hours)| {
+                    // Two at one time are one set, whatever their order.
+                    let after =
+                        done.last().filter(|last| last.hours == *hours).map_or(0, |last| last.axis + 1);
+                    (after..axes).map(move |axis| [&done[..], &[Overhaul { axis, hours: *hours }]].concat())
+                })
+                .collect();
+            let reached: Vec<Option<f64>> = tries
+                .par_iter()
+                .map(|plan| {
+                    let from = plan.last().map_or(0.0, |last| last.hours);
+                    quick.end_in_steps(limits, plan, (from, planned), PLAN_STEPS).map(|end| end.hours)
+                })
+                .collect();
+            let mut next: Vec<(Vec<Overhaul>, f64)> = Vec::with_capacity(tries.len());
+            for (plan, end) in tries.into_iter().zip(reached) {
+                // What keeps the limits at the places that count most is looked at everywhere.
+                match end.or_else(|| Some(self.end(limits, &plan, (0.0, planned))?.hours)) {
+                    Some(end) => next.push((plan, end)),
+                    None => return Some((plan, complete)),
+                }
+            }
+            next.sort_by(|a, b| b.1.total_cmp(&a.1));
+            if next.len() > BEAM {
+                complete = false;
+                next.truncate(BEAM);
+            }
+            open = next;
+        }
+        None
+    }
+
+    /// The same with the places on the way that are farthest off.
+    fn farthest(&self, planned: f64) -> Sorted {
+        let mut ways = Vec::new();
+        for hours in [0.0, planned] {
+            let ages = vec![hours; self.field.axes()];
+            let mut each: Vec<(usize, f64)> =
+                self.sorted.ways.iter().map(|place| (*place, self.off_the_path(&ages, *place))).collect();
+            each.sort_by(|a, b| b.1.total_cmp(&a.1));
+            ways.extend(each.into_iter().take(PLAN_PLACES).map(|(place, _)| place));
+        }
+        ways.sort_unstable();
+        ways.dedup();
+        Sorted { visits: self.sorted.visits.clone(), approaches: self.sorted.approaches.clone(), ways }
+    }
+}

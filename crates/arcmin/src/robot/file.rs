@@ -1,0 +1,250 @@
+//! The robot file: declared and read like a design, with the same messages.
+
+use crate::design::schema::{default_flag, default_numbers, required, section};
+use crate::design::{At, Choice, InputFile, Section, default, default_word, optional, word};
+use crate::fidelity::{DiscBodies, FrameBodies};
+use crate::machine::FixedMember;
+
+section! {
+    /// A robot file.
+    pub struct RobotSections {
+        /// Name of the robot, for reports.
+        name: String => word(),
+        /// One sentence for reports.
+        description: String => default_word(""),
+        /// Hours by the clock that the robot is to work.
+        planned_hours: f64 => required(1e-2, 1e6),
+        /// Gravity in the frame of the base, in m/s².
+        gravity_m_s2: Vec<f64> => default_numbers(&[0.0, 0.0, -9.80665], -100.0, 100.0),
+        /// Arm from a URDF file. Left out: from the table of axes.
+        urdf: Option<Section<UrdfSection>> => optional(0.0, 0.0),
+        /// Arm as a table of axes, from the base to the flange. Left out: from the URDF file.
+        axis: Vec<At<Section<AxisSection>>> => optional(0.0, 0.0),
+        /// Tool point in the frame of the last axis, or of the URDF's tip.
+        tool: Section<ToolSection> => OPTIONAL_SECTION,
+        /// What the hand carries.
+        payload: Option<Section<BodySection>> => optional(0.0, 0.0),
+        /// Reducers, one for each axis.
+        joint: Vec<At<Section<JointSection>>> => optional(0.0, 0.0),
+        /// What the robot does.
+        program: Vec<At<Section<ProgramSection>>> => optional(0.0, 0.0),
+        /// What the tool is allowed to be off.
+        limits: Section<RobotLimitsSection> => OPTIONAL_SECTION,
+        /// What the controller knows of its reducers.
+        controller: Section<ControllerSection> => OPTIONAL_SECTION,
+        /// How finely joints are modelled.
+        model: Section<ModelSection> => OPTIONAL_SECTION,
+        /// Changes to ask about.
+        variant: Vec<At<Section<VariantSection>>> => optional(0.0, 0.0),
+        /// Robots whose reducers are drawn from the tolerances of their designs. Left out: none.
+        population: Option<Section<PopulationSection>> => optional(0.0, 0.0),
+    }
+
+    /// A URDF file.
+    pub struct UrdfSection {
+        /// The file, relative to this one.
+        file: InputFile => word(),
+        /// Link that does not move. Left out: the root of the tree.
+        base: String => default_word(""),
+        /// Link that carries the tool. Left out: the only end of the tree.
+        tip: String => default_word(""),
+    }
+
+    /// A turning axis and the link behind it.
+    pub struct AxisSection {
+        /// Its name.
+        name: String => word(),
+        /// Place of its frame at angle 0 in the frame of the axis before.
+        position_mm: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -1e5, 1e5),
+        /// Orientation of its frame at angle 0: roll, pitch and yaw about the fixed axes of the frame before.
+        rpy_deg: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -360.0, 360.0),
+        /// Direction of the axis in its own frame; angles count by the right-hand rule.
+        direction: Vec<f64> => default_numbers(&[0.0, 0.0, 1.0], -1e3, 1e3),
+        /// Mass of the link behind it, with the motors on it.
+        mass_kg: f64 => required(0.0, 1e5),
+        /// Centre of mass in the frame of the axis.
+        centre_mm: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -1e5, 1e5),
+        /// Moments of inertia about the centre of mass: xx, yy, zz, and if they are not 0 xy, xz, yz.
+        inertia_kg_m2: Vec<f64> => required(-1e6, 1e6),
+        /// Least angle.
+        lower_deg: f64 => default(-360.0, -1e5, 1e5),
+        /// Largest angle.
+        upper_deg: f64 => default(360.0, -1e5, 1e5),
+        /// Largest speed. Left out: none, unless the joint names one.
+        speed_deg_s: Option<f64> => optional(1e-3, 1e5),
+    }
+
+    /// The tool point.
+    pub struct ToolSection {
+        /// Its place.
+        position_mm: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -1e5, 1e5),
+        /// Its orientation: roll, pitch and yaw.
+        rpy_deg: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -360.0, 360.0),
+    }
+
+    /// A body in the frame of the last axis, or of the URDF's tip.
+    pub struct BodySection {
+        /// Its mass.
+        mass_kg: f64 => required(0.0, 1e5),
+        /// Its centre of mass.
+        centre_mm: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -1e5, 1e5),
+        /// Moments of inertia about the centre of mass: xx, yy, zz, and if they are not 0 xy, xz, yz.
+        inertia_kg_m2: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -1e6, 1e6),
+    }
+
+    /// The reducer of an axis.
+    pub struct JointSection {
+        /// Name of the axis, or of the URDF's joint.
+        axis: String => word(),
+        /// Design file, relative to this one.
+        design: Option<InputFile> => optional(0.0, 0.0),
+        /// In place of a design: `joint.json` of `arcmin export joint`, whose ages are hours in motion.
+        table: Option<InputFile> => optional(0.0, 0.0),
+        /// Member at rest. Left out: as the design says.
+        mounting: Option<FixedMember> => optional(0.0, 0.0),
+        /// Moment of inertia of the motor's rotor at the input. Left out: as the design or the table says.
+        motor_inertia_kg_m2: Option<f64> => optional(0.0, 1e3),
+        /// Drag between the output flange and the member at rest: seals, grease. Left out: the drag of the seals of the
+        /// design, with assumed friction where it gives none; none with a table.
+        output_drag_n_m: Option<f64> => optional(0.0, 1e5),
+        /// Largest torque allowed at the output. Left out: that of the URDF, or five times the rated torque.
+        torque_limit_n_m: Option<f64> => optional(1e-6, 1e7),
+        /// Largest speed. Left out: that of the axis.
+        speed_deg_s: Option<f64> => optional(1e-3, 1e5),
+        /// Largest acceleration between poses. Needed where a program visits poses.
+        acceleration_deg_s2: Option<f64> => optional(1e-3, 1e6),
+        /// Angle of the reducer's output where the joint's angle is 0: the phase of its transmission error.
+        output_angle_deg: f64 => default(0.0, -1e5, 1e5),
+        /// Middle of the output bearings along the axis from the origin of its frame.
+        bearings_mm: f64 => default(0.0, -1e5, 1e5),
+        /// Stiffness of the output bearings against tilting. Left out: that of the design; with a table they are rigid.
+        moment_stiffness_n_m_per_arcmin: Option<f64> => optional(1e-6, 1e9),
+    }
+
+    /// What the robot does over and over.
+    pub struct ProgramSection {
+        /// Its name.
+        name: String => word(),
+        /// Table of `time_s` and the angles of all axes, each named as its axis with the unit behind.
+        file: Option<InputFile> => optional(0.0, 0.0),
+        /// In place of a table: poses visited one after the other and from the last to the first again.
+        pose: Vec<At<Section<PoseSection>>> => optional(0.0, 0.0),
+        /// Times an hour that it runs.
+        cycles_per_hour: f64 => required(1e-6, 1e7),
+        /// Share of the planned hours.
+        share: f64 => default(1.0, 1e-9, 1.0),
+        /// Speed between poses as a share of what the axes allow.
+        speed_share: f64 => default(1.0, 1e-3, 1.0),
+        /// Acceleration between poses as a share of what the axes allow.
+        acceleration_share: f64 => default(1.0, 1e-3, 1.0),
+        /// Time step of the motion between poses.
+        step_ms: f64 => default(2.0, 0.1, 100.0),
+        /// Speeds and accelerations of a table are those of parabolas through all readings within this time on either
+        /// side, through three at least.
+        smoothing_ms: f64 => default(8.0, 0.0, 1e4),
+    }
+
+    /// A pose at rest.
+    pub struct PoseSection {
+        /// Angles of all axes in their order.
+        angles_deg: Vec<f64> => required(-1e5, 1e5),
+        /// Time that it is held.
+        hold_s: f64 => default(0.5, 0.0, 1e6),
+        /// Whether accuracy counts there.
+        test: bool => default_flag(true),
+    }
+
+    /// Limits at the tool. Left out: not asked for.
+    pub struct RobotLimitsSection {
+        /// Distance of a test pose as reached in the program from where it should be (pose accuracy, ISO 9283).
+        position_mm: Option<f64> => optional(1e-6, 1e4),
+        /// Turn of the tool there.
+        orientation_deg: Option<f64> => optional(1e-6, 180.0),
+        /// Repeatability of a test pose that is approached from all sides.
+        repeatability_mm: Option<f64> => optional(1e-6, 1e4),
+        /// Distance of the tool from the path of the program (path accuracy).
+        path_mm: Option<f64> => optional(1e-6, 1e4),
+    }
+
+    /// The controller.
+    pub struct ControllerSection {
+        /// What it makes up for.
+        compensates: Compensation => default_word("stiffness"),
+        /// Length of the straight ways on which a test pose is approached from all sides.
+        approach_mm: f64 => default(30.0, 1e-2, 1e4),
+    }
+
+    /// How finely joints are modelled.
+    pub struct ModelSection {
+        /// Cycloid discs.
+        discs: DiscBodies => default_word("rigid"),
+        /// Carrier, housing and rims of the discs.
+        bodies: FrameBodies => default_word("rigid"),
+        /// Ages at which joints are measured, evenly many hours apart, new and the planned hours among them.
+        ages: usize => default(7.0, 2.0, 31.0),
+        /// Crank positions of the hysteresis loops.
+        positions: usize => default(5.0, 1.0, 360.0),
+        /// Places over the turn of the output.
+        te_positions: usize => default(1024.0, 64.0, 65536.0),
+        /// Rows of a joint's duty at most.
+        duty_rows: usize => default(12.0, 8.0, 1000.0),
+        /// Whether the moments on the output bearings act on the wear as well; takes about five times as long.
+        moments_in_wear: bool => default_flag(false),
+    }
+
+    /// A change to ask about: all that is left out stays.
+    pub struct VariantSection {
+        /// Its name.
+        name: String => word(),
+        /// Programs run at this share of their speed; cycles an hour fall with it where they no longer fit.
+        speed_share: f64 => default(1.0, 1e-2, 10.0),
+        /// Mass in the hand as a share of the payload.
+        payload_share: f64 => default(1.0, 0.0, 100.0),
+        /// Cycles an hour as a share.
+        cycles_share: f64 => default(1.0, 1e-6, 100.0),
+    }
+
+    /// Robots with drawn reducers.
+    pub struct PopulationSection {
+        /// How many.
+        robots: usize => default(20.0, 2.0, 1e5),
+        /// Seed.
+        seed: usize => default(1.0, 0.0, 9007199254740991.0),
+    }
+}
+
+const INTRODUCTION: &str = "\
+# The robot file
+
+What `arcmin robot` reads ([From the joint to the tool](robot.md)): [TOML](https://toml.io), as the design file, with the \
+units in the keys. `arcmin robot new FILE` writes a complete file to start from.
+
+This chapter is the output of `arcmin keys --robot`.
+";
+
+/// The chapter on the keys of the robot file, in Markdown.
+pub fn reference_of_keys() -> String {
+    let mut out = INTRODUCTION.to_owned();
+    crate::design::reference_of_section(&mut out, &RobotSections::SCHEMA, "", "Top of the file");
+    out
+}
+
+const OPTIONAL_SECTION: crate::design::Rule = optional(0.0, 0.0);
+
+/// What a controller makes up for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compensation {
+    None,
+    Stiffness,
+    Table,
+}
+
+impl Choice for Compensation {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("none", "nothing: deviations from the commanded pose"),
+        ("stiffness", "mean wind-up and tilt of the new joints under the load at hand"),
+        ("table", "the compensation table of the new joints: load, direction, transmission error"),
+    ];
+    const VALUES: &'static [Compensation] =
+        &[Compensation::None, Compensation::Stiffness, Compensation::Table];
+}

@@ -1,0 +1,326 @@
+//! Every joint wears by what the programs do to it: its duty, its design with that duty, and the bench at every age.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::joint::AgedJoint;
+use crate::analyses::life::bearing_lives;
+use crate::analyses::rig::with_friction;
+use crate::analyses::{AnalysisError, Host};
+use crate::design::{Choice, Design, Value};
+use crate::exchange::{DutyRow, JointExport, JointInertia, JointState, Reduction, Stamp, reduce_duty};
+use crate::fidelity::{Fidelity, FidelityOptions};
+use crate::life::{Course, WornState};
+use crate::machine::{FixedMember, OutputForces};
+use crate::progress::Unseen;
+use crate::rig::{Curves, RigPlan, RigState, error_curve, loss_lines, main_bearing_load};
+use crate::units::{DEG, HOUR, RPM};
+use crate::wear::CoupledOptions;
+
+/// What the programs do to a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointDuty {
+    pub rows: Vec<DutyRow>,
+    /// Errors of the rows against the programs; none where the joint never turns.
+    pub reduction: Option<Reduction>,
+    /// Hours in motion for each hour of the robot.
+    pub moving: f64,
+    /// Power means over the turns with the exponent 10/3 of bearings: tilting moment in N·m, axial and radial force in
+    /// N on the output.
+    pub forces: OutputForces,
+    /// Σ |T| |ω| t in J for each hour of the robot: what wears.
+    pub work: f64,
+    /// Root mean square over the time of the programs, largest, N·m.
+    pub torque_rms: f64,
+    pub torque_peak: f64,
+    /// rad/s.
+    pub speed_peak: f64,
+}
+
+/// One reading of a joint.
+#[derive(Debug, Clone, Copy)]
+pub struct Moment {
+    /// On the link, N·m, and rad/s.
+    pub torque: f64,
+    pub speed: f64,
+    /// Seconds in an hour of the robot.
+    pub time: f64,
+    pub moves: bool,
+    /// N·m and N on the output from outside.
+    pub tilting: f64,
+    pub axial: f64,
+    pub radial: f64,
+}
+
+/// Exponent of life of roller bearings.
+const LIFE: f64 = 10.0 / 3.0;
+
+impl JointDuty {
+    pub fn of(moments: &[Moment], ratio: f64, rows: usize) -> JointDuty {
+        let moving: Vec<&Moment> = moments.iter().filter(|m| m.moves && m.time > 0.0).collect();
+        let samples: Vec<[f64; 3]> = moving.iter().map(|m| [m.torque, m.speed, m.time]).collect();
+        let turns: f64 = moving.iter().map(|m| m.speed.abs() * m.time).sum();
+        let mean = |of: &dyn Fn(&Moment) -> f64| {
+            let sum: f64 = moving.iter().map(|m| of(m).abs().powf(LIFE) * m.speed.abs() * m.time).sum();
+            if turns > 0.0 { (sum / turns).powf(1.0 / LIFE) } else { 0.0 }
+        };
+        let pulls: f64 = moving.iter().map(|m| m.axial * m.speed.abs() * m.time).sum();
+        let forces = OutputForces {
+            moment: mean(&|m| m.tilting),
+            axial: mean(&|m| m.axial).copysign(pulls),
+            radial: mean(&|m| m.radial),
+        };
+        let worn = samples.iter().any(|[torque, speed, _]| *torque != 0.0 && *speed != 0.0);
+        let (rows, reduction) = match worn {
+            true => {
+                let (rows, reduction) = reduce_duty(&samples, rows, 1.0, ratio);
+                (rows, Some(reduction))
+            }
+            false => (Vec::new(), None),
+        };
+        let time: f64 = moments.iter().map(|m| m.time).sum();
+        let squares: f64 = moments.iter().map(|m| m.torque * m.torque * m.time).sum();
+        let most = |of: fn(&Moment) -> f64| moments.iter().map(of).fold(0.0, |a: f64, b| a.max(b.abs()));
+        JointDuty {
+            rows,
+            reduction,
+            moving: moving.iter().map(|m| m.time).sum::<f64>() / HOUR,
+            forces,
+            work: moving.iter().map(|m| (m.torque * m.speed).abs() * m.time).sum(),
+            torque_rms: if time > 0.0 { (squares / time).sqrt() } else { 0.0 },
+            torque_peak: most(|m| m.torque),
+            speed_peak: most(|m| m.speed),
+        }
+    }
+
+    /// What wears an hour in motion, in J.
+    pub fn work_in_motion(&self) -> f64 {
+        work_in_motion(self.work, self.moving)
+    }
+
+    /// The design with this duty over these hours in motion: what `arcmin life` of it says is what the joint does.
+    ///
+    /// # Errors
+    /// What a design file could not have either.
+    pub fn put_on(
+        &self,
+        design: &Design,
+        hours: f64,
+        moments_in_wear: bool,
+    ) -> Result<Design, AnalysisError> {
+        let mut changes: Vec<(String, Value)> = vec![
+            ("unknowns".into(), Value::LeftOut),
+            ("limits.service_life_h".into(), hours.into()),
+            ("duty".into(), Value::LeftOut),
+        ];
+        for (index, row) in self.rows.iter().enumerate() {
+            let mut set =
+                |key: &str, value: f64| changes.push((format!("duty[{index}].{key}"), value.into()));
+            set("torque_n_m", row.torque);
+            set("input_speed_rpm", row.input_speed / RPM);
+            set("share", row.share);
+            if moments_in_wear {
+                set("moment_n_m", self.forces.moment);
+                set("axial_n", self.forces.axial);
+                set("radial_n", self.forces.radial);
+            }
+        }
+        Ok(design.with_all(changes)?)
+    }
+}
+
+/// What wears an hour in motion (J), from the work and the hours in motion for each hour of the robot.
+pub fn work_in_motion(work: f64, moving: f64) -> f64 {
+    if moving > 0.0 { work / moving } else { 0.0 }
+}
+
+/// Turns the hours of ages under one work in an hour of motion (J) into those under another: wear by Archard's law goes
+/// with Σ |T| |ω| t, so that the same work leaves about the same surfaces. Exact where torques keep their mix.
+pub fn scale_hours(ages: &mut [AgedJoint], work: f64, other: f64) {
+    if work > 0.0 && other > 0.0 {
+        ages.iter_mut().for_each(|age| age.hours *= work / other);
+    }
+}
+
+/// A design mounted as the joint is.
+///
+/// # Errors
+/// What a design file could not have either.
+pub fn mounted(
+    design: &Design,
+    mounting: Option<FixedMember>,
+    motor_inertia: Option<f64>,
+) -> Result<Design, AnalysisError> {
+    let mut changes: Vec<(&str, Value)> = Vec::new();
+    if let Some(member) = mounting {
+        changes.push(("fixed_member", member.word().into()));
+    }
+    if let Some(inertia) = motor_inertia {
+        changes.push(("gear_stage.motor_inertia_kg_m2", inertia.into()));
+    }
+    Ok(if changes.is_empty() { design.clone() } else { design.with_all(changes)? })
+}
+
+/// How finely joints are measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    pub fidelity: FidelityOptions,
+    pub ages: usize,
+    pub positions: usize,
+    pub error_positions: usize,
+}
+
+/// A joint over its life, as it is kept from one run to the next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointLife {
+    pub export: JointExport,
+    /// Name and L10 in hours in motion, at the duty.
+    pub bearings: Vec<(String, f64)>,
+}
+
+/// Fraction of the rated torque of a further pair of error curves, as `arcmin export joint` has it.
+const BETWEEN: f64 = 0.5;
+/// Crank positions of bearing loads, as `life` has them.
+const BEARING_POSITIONS: usize = 72;
+
+/// A life with all that it depends on.
+#[derive(Serialize, Deserialize)]
+struct Entry<L> {
+    key: String,
+    life: L,
+}
+
+/// Bytes of an entry of the cache: the SHA-256 of the rest in hexadecimal digits, a line feed, JSON.
+fn entry(key: &str, life: &JointLife) -> Option<Vec<u8>> {
+    let text = serde_json::to_string(&Entry { key: key.to_owned(), life }).ok()?;
+    Some(format!("{}\n{text}", hash(&text)).into_bytes())
+}
+
+/// The life in an entry; `None` where it is damaged or that of another joint.
+fn read_entry(bytes: &[u8], key: &str) -> Option<JointLife> {
+    let (checksum, text) = std::str::from_utf8(bytes).ok()?.split_once('\n')?;
+    let entry: Entry<JointLife> = serde_json::from_str(text).ok().filter(|_| checksum == hash(text))?;
+    (entry.key == key).then_some(entry.life)
+}
+
+/// The life of a joint of a design with its duty; `rests` for one that never turns and does not age.
+///
+/// # Errors
+/// [`AnalysisError`]: no load sharing, states without balance, wear that runs away, loops that cannot be fitted.
+pub fn live(
+    design: &Design,
+    measured: &Measured,
+    rests: bool,
+    host: &dyn Host,
+) -> Result<JointLife, AnalysisError> {
+    let key = key(design, measured, rests);
+    let name = format!("joint-life-{}.reduced", &hash(&key)[..32]);
+    if let Some(kept) = host.cached(&name).and_then(|bytes| read_entry(&bytes, &key)) {
+        return Ok(kept);
+    }
+    let nominal = design.machine();
+    let (machine, friction_assumed) = with_friction(&nominal, false);
+    let fidelity = Fidelity::resolve(design, &measured.fidelity, host)?;
+    let inertia = JointInertia::of(&machine).map_err(AnalysisError::compute("find the inertias"))?;
+    let service = nominal.limits.service_life / HOUR;
+    let bench = |error| AnalysisError::compute("run the test bench")(error);
+    let plan = RigPlan {
+        loop_positions: measured.positions,
+        error_positions: measured.error_positions,
+        curves: Curves::Every,
+        pins: false,
+        running: true,
+    };
+    let rated = machine.rated.torque.abs();
+    let mut course = match rests {
+        true => None,
+        false => Some(Course::new(&nominal, &fidelity, CoupledOptions::default())?),
+    };
+    let mut states = Vec::with_capacity(measured.ages);
+    for age in 0..if rests { 1 } else { measured.ages } {
+        let hours = service * age as f64 / (measured.ages - 1) as f64;
+        let worn = match &mut course {
+            Some(course) if age > 0 => {
+                course.advance_to(hours, host).map_err(AnalysisError::wear("compute the wear"))?;
+                course.state()
+            }
+            _ => WornState::new(),
+        };
+        let settings = worn.on(fidelity.joint_settings()?);
+        let state = RigState::measure(&machine, &settings, hours, plan, &Unseen(host))
+            .map_err(bench)?
+            .ok_or(AnalysisError::Stopped)?;
+        let curve = |direction: f64| {
+            error_curve(&machine, &settings, measured.error_positions, direction, BETWEEN * rated)
+                .map_err(bench)
+        };
+        let further = [curve(1.0)?, curve(-1.0)?];
+        let losses = loss_lines(&machine, &settings).map_err(bench)?;
+        let of = JointState::of(&state, &further, losses, (machine.kinematics().ratio(), rated));
+        states.push(of.map_err(AnalysisError::compute("describe the joint"))?);
+    }
+    let bearings = match rests {
+        true => Vec::new(),
+        false => bearing_lives(&nominal, &fidelity.joint_settings()?, BEARING_POSITIONS)?
+            .bearings
+            .into_iter()
+            .map(|bearing| (bearing.name, bearing.life_h))
+            .collect(),
+    };
+    let stamp = Stamp::of(design);
+    let sentence = fidelity.sentence();
+    let export =
+        JointExport::new(&machine, &stamp, sentence, friction_assumed, inertia, (1e-3, None), states);
+    let life = JointLife { export, bearings };
+    if let Some(bytes) = entry(&key, &life) {
+        host.cache(&name, &bytes);
+    }
+    Ok(life)
+}
+
+/// All that a life depends on.
+fn key(design: &Design, measured: &Measured, rests: bool) -> String {
+    format!("joint life 2\n{}\n{}\n{measured:?}\n{rests}", env!("CARGO_PKG_VERSION"), design.canonical())
+}
+
+/// SHA-256 of a text, in hexadecimal digits.
+pub fn hash(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Tilt of the output (rad) over moments up to `largest` (N·m), under the axial and radial force of the duty, and the
+/// life of the main bearings in hours in motion.
+///
+/// # Errors
+/// [`AnalysisError`] where the load finds no hold.
+pub fn leaning(
+    design: &Design,
+    duty: &JointDuty,
+    largest: f64,
+) -> Result<(Vec<(f64, f64)>, Option<f64>), AnalysisError> {
+    const STEPS: usize = 12;
+    let machine = design.machine();
+    let at = |moment: f64| {
+        main_bearing_load(&machine, OutputForces { moment, ..duty.forces })
+            .map_err(AnalysisError::compute("load the main bearings"))
+    };
+    let straight = at(0.0)?.tilt;
+    let most = largest.max(1e-3 * machine.rated.torque.abs());
+    let mut points = Vec::with_capacity(STEPS + 1);
+    for step in 0..=STEPS {
+        let moment = most * step as f64 / STEPS as f64;
+        // A radial force tilts a little by itself, which is no moment's doing.
+        points.push((moment, (at(moment)?.tilt - straight).max(0.0)));
+    }
+    let speed: f64 = duty.rows.iter().map(|row| row.share * row.input_speed.abs()).sum();
+    let life = match speed > 0.0 && !duty.forces.is_zero() {
+        true => Some(at(duty.forces.moment)?.life_h() * machine.rated.input_speed.abs() / speed),
+        false => None,
+    };
+    Ok((points, life))
+}
+
+/// Degrees for messages.
+pub(super) fn degrees(angle: f64) -> String {
+    crate::report::compact(angle / DEG, 4)
+}

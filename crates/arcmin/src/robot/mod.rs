@@ -1,0 +1,56 @@
+//! From the joint to the tool: what the tool point of a robot does over the life of its reducers.
+//!
+//! A [`RobotFile`] names an arm, its reducers and what it does. [`run`] finds the loads of every joint by inverse
+//! dynamics, reduces them to its duty, lets every reducer wear by it, and maps what joints are off at every age to the
+//! tool.
+//!
+//! ```no_run
+//! use arcmin::analyses::NoHost;
+//! use arcmin::robot::{RobotFile, RobotOptions, run};
+//!
+//! let file = RobotFile::parse(&std::fs::read_to_string("arm.toml")?, "arm.toml")?;
+//! let answer = run(&file, &RobotOptions::default(), &NoHost)?;
+//! println!("{:?}", answer.end);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod answers;
+mod arm;
+mod compensation;
+mod declared;
+mod example;
+mod figures;
+mod file;
+mod joint;
+mod kept;
+mod life;
+mod loads;
+mod memory;
+mod motion;
+mod newton_euler;
+mod page;
+mod population;
+mod reach;
+mod read;
+mod run;
+#[cfg(test)]
+mod tests;
+mod tool;
+mod urdf;
+mod variants;
+
+pub use answers::{End, Overhaul, ToolLimit};
+pub use arm::{Arm, Axis, Body, Pose, Posture};
+pub use declared::{SUMMARY, declared};
+pub use example::{Example, example};
+pub use figures::{Figure, Figures, repeatability};
+pub use file::{Compensation, RobotSections, reference_of_keys};
+pub use joint::{AgedJoint, JointModel, Leaning};
+pub use life::{JointDuty, JointLife};
+pub use memory::{Loop, Standing};
+pub use motion::Motion;
+pub use newton_euler::{AxisLoad, holding_loads, inverse_dynamics};
+pub use read::{Program, RobotFile};
+pub use run::{Robot, RobotOptions, run};
+pub use tool::CAUSES;
+pub use urdf::{UrdfError, read as read_urdf};

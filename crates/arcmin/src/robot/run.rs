@@ -1,0 +1,615 @@
+//! The whole way from the robot file to the answers.
+
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+
+use super::answers::{End, Overhaul, ToolLimit, ages};
+use super::arm::Arm;
+use super::compensation::{Remaining, remaining};
+use super::figures::{Figure, Figures, Sorted, Tool};
+use super::file::{Compensation, JointSection};
+use super::joint::{AgedJoint, JointModel, Leaning};
+use super::kept::{self, KeptJoint};
+use super::life::{JointDuty, Measured, hash, leaning, live, mounted};
+use super::loads::{Course, beyond, duty, motor_torques};
+use super::population::{Population, population};
+use super::reach::{Reach, reach};
+use super::read::{Program, Reducer, RobotFile};
+use super::tool::{Field, Places};
+use super::variants::{VariantAnswer, variants};
+use crate::analyses::rig::with_friction;
+use crate::analyses::{AnalysisError, Host, Origin};
+use crate::design::{Choice, Design, InputFile};
+use crate::fidelity::FidelityOptions;
+use crate::progress::Counter;
+use crate::units::{ARCMIN, DEG, HOUR, MM};
+
+/// What is asked beside the robot file.
+#[derive(Debug, Clone, Default)]
+pub struct RobotOptions {
+    /// Loads and duties alone, without lives.
+    pub loads: bool,
+    /// `lives.json` of an earlier run: its joints, their hours scaled by what wears them, in place of lives computed.
+    pub lives: Option<InputFile>,
+}
+
+/// A reducer of an axis and what the programs ask of it.
+#[derive(Debug, Clone)]
+pub struct JointAnswer {
+    pub axis: String,
+    /// Name of its design.
+    pub design_name: String,
+    pub ratio: f64,
+    /// N·m.
+    pub rated: f64,
+    pub duty: JointDuty,
+    /// N·m at the motor's shaft, root mean square and largest; none without lives.
+    pub motor: Option<(f64, f64)>,
+    /// The design with the joint's duty, as text; none of a table.
+    pub design_text: Option<String>,
+    /// The bearing that lasts shortest and its L10 in hours of the robot.
+    pub bearing: Option<(String, f64)>,
+    /// Where its life comes from.
+    pub source: Source,
+}
+
+/// Where the life of a joint comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    Computed,
+    Table,
+    /// An earlier run, hours scaled.
+    Scaled,
+}
+
+impl Source {
+    pub fn word(self) -> &'static str {
+        match self {
+            Source::Computed => "computed",
+            Source::Table => "table",
+            Source::Scaled => "scaled",
+        }
+    }
+}
+
+/// What an overhaul of one axis buys.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverhaulGain {
+    pub overhaul: Overhaul,
+    /// When a limit is left then; none within the planned hours.
+    pub end: Option<f64>,
+    /// Pose accuracy and repeatability at the planned hours, m.
+    pub position: f64,
+    pub repeatability: f64,
+}
+
+/// How an axis acts on the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lever {
+    /// Largest distance of the tool from the axis over the test poses, m.
+    pub lever: f64,
+    /// Change of pose accuracy and repeatability at the planned hours for each rad that the axis is off less, and its
+    /// lost motion is less: m/rad.
+    pub position: f64,
+    pub repeatability: f64,
+}
+
+/// The tool over the hours.
+#[derive(Debug)]
+pub struct ToolAnswer {
+    pub joints: Vec<JointModel>,
+    pub places: Places,
+    pub sorted: Sorted,
+    pub field: Field,
+    /// Hours of the robot and its figures.
+    pub figures: Vec<(f64, Figures)>,
+    pub overhauls: Vec<OverhaulGain>,
+    /// Fewest overhauls, and whether there are surely none fewer; none where there is no plan.
+    pub plan: Option<(Vec<Overhaul>, bool)>,
+    pub levers: Vec<Lever>,
+    pub remaining: Vec<Remaining>,
+    pub variants: Vec<VariantAnswer>,
+    pub reach: Reach,
+    pub population: Option<Population>,
+}
+
+/// The answer to a robot file.
+#[derive(Debug)]
+pub struct Robot {
+    pub name: String,
+    pub text: String,
+    pub hash: String,
+    pub arm: Arm,
+    /// h.
+    pub planned: f64,
+    pub compensates: Compensation,
+    pub programs: Vec<Program>,
+    pub courses: Vec<Course>,
+    pub joints: Vec<JointAnswer>,
+    pub limits: Vec<ToolLimit>,
+    /// None where loads alone were asked for.
+    pub tool: Option<ToolAnswer>,
+    /// The first limit left within the planned hours.
+    pub end: Option<End>,
+    /// What is assumed or beyond what was measured, as sentences.
+    pub notes: Vec<String>,
+    /// Filled when they are asked for.
+    pub(super) tables: OnceLock<Vec<crate::results::Table>>,
+    /// For `lives.json`.
+    pub(super) kept: Vec<KeptJoint>,
+    pub seeds: Vec<u64>,
+    /// Wall seconds of the stages.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+/// Largest torque of a reducer for a moment, as a multiple of the rated one: usual in catalogues of RV reducers.
+const MOMENTARY: f64 = 5.0;
+/// Ages may end this much before the planned hours.
+const ENOUGH: f64 = 0.99;
+
+/// A joint before its life.
+pub(super) struct Before<'a> {
+    pub section: &'a JointSection,
+    /// A design as mounted.
+    pub reducer: Reducer,
+    pub design_name: String,
+    pub ratio: f64,
+    pub rated: f64,
+    /// Largest torque allowed for a moment, N·m.
+    pub allowed: f64,
+    pub duty: JointDuty,
+}
+
+impl Before<'_> {
+    pub fn design(&self) -> Option<&Design> {
+        match &self.reducer {
+            Reducer::Design(design) => Some(design),
+            Reducer::Table(_) => None,
+        }
+    }
+
+    /// The design with the duty of the joint over the planned hours of the robot; as it is where the joint never turns.
+    pub fn on_duty(
+        &self,
+        design: &Design,
+        planned: f64,
+        moments_in_wear: bool,
+    ) -> Result<Design, AnalysisError> {
+        match self.duty.rows.is_empty() {
+            true => Ok(design.clone()),
+            false => self.duty.put_on(design, planned * self.duty.moving, moments_in_wear),
+        }
+    }
+}
+
+/// Answers a robot file.
+///
+/// # Errors
+/// [`AnalysisError`]: files that cannot be read, limits that programs do not keep, lives that cannot be found.
+pub fn run(file: &RobotFile, options: &RobotOptions, host: &dyn Host) -> Result<Robot, AnalysisError> {
+    let mut since = host.seconds();
+    let mut stages: Vec<(&'static str, f64)> = Vec::new();
+    let mut stage = |name: &'static str| {
+        let now = host.seconds();
+        stages.push((name, now - since));
+        since = now;
+    };
+    let (bare, payload) = file.arm(host)?;
+    let arm = bare.carrying(&payload);
+    let sections = file.joints(&arm)?;
+    let programs = file.programs(&arm, host)?;
+    host.report("inverse dynamics", 0.0);
+    let courses: Vec<Course> = programs.iter().map(|program| Course::of(&arm, program)).collect();
+    let mut notes = Vec::new();
+    let mut before = Vec::with_capacity(arm.count());
+    for (axis, section) in sections.iter().enumerate() {
+        before.push(joint_before(file, section, (&arm, axis), (&programs, &courses), host, &mut notes)?);
+    }
+    stage("loads");
+    let planned = *file.planned_hours;
+    let limits = limits(file);
+    let mut robot = Robot {
+        name: file.name.value.clone(),
+        text: file.text().to_owned(),
+        hash: hash(&file.canonical()),
+        planned,
+        compensates: *file.controller.compensates,
+        joints: before
+            .iter()
+            .zip(&arm.axes)
+            .map(|(joint, axis)| joint_answer(joint, &axis.name, (planned, *file.model.moments_in_wear)))
+            .collect::<Result<_, _>>()?,
+        arm,
+        programs,
+        courses,
+        limits,
+        tool: None,
+        end: None,
+        notes,
+        tables: OnceLock::new(),
+        kept: Vec::new(),
+        seeds: Vec::new(),
+        stages: Vec::new(),
+    };
+    if options.loads {
+        robot.stages = stages;
+        return Ok(robot);
+    }
+    let models = models(file, options, &before, &mut robot, host)?;
+    stage("lives");
+    host.report("tool", 0.0);
+    let moving: Vec<f64> = before.iter().map(|joint| joint.duty.moving).collect();
+    let (places, sorted, field) = mapped(file, &robot.arm, &robot.programs, &robot.courses, &models, &moving);
+    let tool = Tool { places: &places, sorted: &sorted, field: &field };
+    let count = *file.model.ages;
+    let figures = (0..count)
+        .map(|age| {
+            let hours = planned * age as f64 / (count - 1) as f64;
+            (hours, tool.figures(&vec![hours; robot.arm.count()]))
+        })
+        .collect();
+    stage("tool");
+    host.report("answers", 0.0);
+    robot.end = tool.end(&robot.limits, &[], (0.0, planned));
+    let overhauls = overhauls(&tool, &robot.limits, planned, robot.end);
+    let plan = tool.plan(&robot.limits, planned);
+    let levers = levers(&tool, planned);
+    let remaining = remaining(&places, &sorted, &models, &moving, planned);
+    stage("answers");
+    let reach = reach(
+        &robot.arm,
+        &models,
+        &moving,
+        (robot.compensates, *file.controller.approach_mm * MM),
+        planned,
+        &robot.programs,
+    );
+    stage("reach");
+    let variants = variants(file, &bare, &payload, &before, &models, &robot, host)?;
+    stage("variants");
+    let population = population(file, &before, &models, (&places, &sorted, &moving), &robot, host)?;
+    robot.seeds = population.as_ref().map_or_else(Vec::new, |population| vec![population.seed]);
+    if let Some(population) = population.as_ref().filter(|population| !population.alike.is_empty()) {
+        let alike = population.alike.join(", ");
+        robot
+            .notes
+            .push(format!("drawn robots all have the same reducers in {alike}: no tolerances to draw from"));
+    }
+    stage("population");
+    robot.tool = Some(ToolAnswer {
+        joints: models,
+        places,
+        sorted,
+        field,
+        figures,
+        overhauls,
+        plan,
+        levers,
+        remaining,
+        variants,
+        reach,
+        population,
+    });
+    robot.stages = stages;
+    Ok(robot)
+}
+
+/// Places along programs and what joints do there.
+pub(super) fn mapped(
+    file: &RobotFile,
+    arm: &Arm,
+    programs: &[Program],
+    courses: &[Course],
+    models: &[JointModel],
+    moving: &[f64],
+) -> (Places, Sorted, Field) {
+    let places = Places::of(arm, programs, courses, *file.controller.approach_mm * MM);
+    let sorted = Sorted::of(&places);
+    let field = Field::of(&places, models, moving, *file.controller.compensates);
+    (places, sorted, field)
+}
+
+fn limits(file: &RobotFile) -> Vec<ToolLimit> {
+    let section = &file.limits;
+    [
+        (Figure::Position, section.position_mm.map(|x| x * MM)),
+        (Figure::Orientation, section.orientation_deg.map(|x| x * DEG)),
+        (Figure::Repeatability, section.repeatability_mm.map(|x| x * MM)),
+        (Figure::Path, section.path_mm.map(|x| x * MM)),
+    ]
+    .into_iter()
+    .filter_map(|(figure, allowed)| Some(ToolLimit { figure, allowed: allowed? }))
+    .collect()
+}
+
+fn joint_before<'a>(
+    file: &RobotFile,
+    section: &'a JointSection,
+    (arm, axis): (&Arm, usize),
+    (programs, courses): (&[Program], &[Course]),
+    host: &dyn Host,
+    notes: &mut Vec<String>,
+) -> Result<Before<'a>, AnalysisError> {
+    let mut reducer = file.reducer(section, host)?;
+    let (design_name, ratio, rated) = match &mut reducer {
+        Reducer::Design(design) => {
+            **design = mounted(design, *section.mounting, *section.motor_inertia_kg_m2)?;
+            let machine = design.machine();
+            (design.name.value.clone(), machine.kinematics().ratio(), machine.rated.torque.abs())
+        }
+        Reducer::Table(export) => (export.design_name.clone(), export.ratio, export.rated_torque_n_m),
+    };
+    let name = &arm.axes[axis].name;
+    let given = arm.axes[axis].torque;
+    let allowed = if given.is_finite() { given } else { MOMENTARY * rated };
+    if let Some((program, sample, torque)) = beyond(programs, courses, axis, allowed) {
+        let program = &programs[program];
+        let message = format!(
+            "the program \"{}\" asks the axis \"{name}\" for {torque:.0} N·m at {:.3} s; {allowed:.0} N·m are allowed",
+            program.name, program.motion.time[sample]
+        );
+        let hint = match given.is_finite() {
+            true => "slow the program down, take a lighter payload, or correct the limit",
+            false => {
+                "five times the rated torque is usual for a moment: slow the program down, take a larger reducer, or \
+                 set torque_limit_n_m"
+            }
+        };
+        return Err(file.wrong(message, section.axis.span.clone(), hint));
+    }
+    let bearings = MM * *section.bearings_mm;
+    let duty = duty(programs, courses, axis, (bearings, ratio, *file.model.duty_rows));
+    if duty.torque_peak > rated {
+        notes.push(format!(
+            "{name}: up to {:.0} N·m, rated {rated:.0} N·m; beyond ± rated torque the hysteresis loop goes on straight",
+            duty.torque_peak
+        ));
+    }
+    Ok(Before { section, reducer, design_name, ratio, rated, allowed, duty })
+}
+
+fn joint_answer(
+    joint: &Before<'_>,
+    axis: &str,
+    (planned, moments): (f64, bool),
+) -> Result<JointAnswer, AnalysisError> {
+    let text = match joint.design() {
+        Some(design) => Some(joint.on_duty(design, planned, moments)?.text().to_owned()),
+        None => None,
+    };
+    Ok(JointAnswer {
+        axis: axis.to_owned(),
+        design_name: joint.design_name.clone(),
+        ratio: joint.ratio,
+        rated: joint.rated,
+        duty: joint.duty.clone(),
+        motor: None,
+        design_text: text,
+        bearing: None,
+        source: match joint.reducer {
+            Reducer::Table(_) => Source::Table,
+            Reducer::Design(_) => Source::Computed,
+        },
+    })
+}
+
+/// Options of the model as words of the fidelity.
+pub(super) fn measured(file: &RobotFile) -> Result<Measured, AnalysisError> {
+    let model = &file.model;
+    let words = format!(
+        "joints = \"bearings\"\ndiscs = {:?}\nbodies = {:?}\n",
+        model.discs.word(),
+        model.bodies.word()
+    );
+    Ok(Measured {
+        fidelity: <FidelityOptions as crate::design::OptionSet>::parse(&words, "the section [model]")?,
+        ages: *model.ages,
+        positions: *model.positions,
+        error_positions: *model.te_positions,
+    })
+}
+
+/// Names the joint in an error about its life.
+pub(super) fn of_joint(axis: &str, error: AnalysisError) -> AnalysisError {
+    match error {
+        AnalysisError::Compute { task, cause } => {
+            AnalysisError::Compute { task, cause: format!("{cause} (joint \"{axis}\")").into() }
+        }
+        AnalysisError::Usage { message, help } => {
+            AnalysisError::Usage { message: format!("{message} (joint \"{axis}\")"), help }
+        }
+        error => error,
+    }
+}
+
+/// The life of every joint; those of one design with one duty once.
+fn models(
+    file: &RobotFile,
+    options: &RobotOptions,
+    before: &[Before<'_>],
+    robot: &mut Robot,
+    host: &dyn Host,
+) -> Result<Vec<JointModel>, AnalysisError> {
+    let measured = measured(file)?;
+    let earlier = match &options.lives {
+        Some(name) => Some((name, kept::read(name, &host.read(name, Origin::Options)?)?)),
+        None => None,
+    };
+    let planned = robot.planned;
+    let done = Counter::new("lives of the joints", before.len(), host);
+    let found: Vec<(JointModel, Option<KeptJoint>, Option<(String, f64)>, Source)> = before
+        .par_iter()
+        .zip(&robot.arm.axes)
+        .map(|(joint, axis)| {
+            let needed = planned * joint.duty.moving;
+            let mut source = Source::Computed;
+            let (ages, bearings, motor, kept) = match &joint.reducer {
+                Reducer::Design(design) => {
+                    let kept = match &earlier {
+                        Some((name, list)) => {
+                            source = Source::Scaled;
+                            kept::of(list, name, &axis.name, design)?.clone()
+                        }
+                        None => {
+                            let on = joint.on_duty(design, planned, *file.model.moments_in_wear)?;
+                            let life = live(&on, &measured, joint.duty.rows.is_empty(), host)
+                                .map_err(|error| of_joint(&axis.name, error))?;
+                            KeptJoint {
+                                axis: axis.name.clone(),
+                                design: design.hash(),
+                                moving: joint.duty.moving,
+                                work: joint.duty.work,
+                                life,
+                            }
+                        }
+                    };
+                    let mut ages = ages_of(&axis.name, &kept.life.export)?;
+                    kept.scale(&mut ages, &joint.duty);
+                    let bearings = match source {
+                        Source::Scaled => Vec::new(),
+                        _ => kept.life.bearings.clone(),
+                    };
+                    (ages, bearings, kept.life.export.inertia.motor_kg_m2, Some(kept))
+                }
+                Reducer::Table(export) => {
+                    source = Source::Table;
+                    let ages = ages_of(&axis.name, export)?;
+                    let last = ages.last().map_or(0.0, |age| age.hours);
+                    if last < ENOUGH * needed {
+                        return Err(AnalysisError::usage(
+                            format!(
+                                "the table of the joint \"{}\" ends at {last} h in motion; {planned} h of the robot are {needed:.0}",
+                                axis.name
+                            ),
+                            format!("`arcmin export joint` its design with --hours 0,…,{:.0}", needed.ceil()),
+                        ));
+                    }
+                    (ages, Vec::new(), export.inertia.motor_kg_m2, None)
+                }
+            };
+            let (leaning, main) = leaning_of(joint).map_err(|error| of_joint(&axis.name, error))?;
+            let clock = |hours: f64| hours / joint.duty.moving;
+            let shortest = bearings
+                .into_iter()
+                .chain(main.map(|hours| ("main bearings".to_owned(), hours)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(name, hours)| (name, clock(hours)));
+            let model = JointModel {
+                axis: axis.name.clone(),
+                design: joint.design_name.clone(),
+                ratio: joint.ratio,
+                rated: joint.rated,
+                ages,
+                leaning,
+                bearings: MM * *joint.section.bearings_mm,
+                drag: drag_of(joint),
+                motor_inertia: joint.section.motor_inertia_kg_m2.unwrap_or(motor),
+                offset: DEG * *joint.section.output_angle_deg,
+            };
+            Ok(done.after(|| (model, kept, shortest, source)))
+        })
+        .collect::<Result<_, AnalysisError>>()?;
+    let mut models = Vec::with_capacity(found.len());
+    for (axis, (model, kept, bearing, source)) in found.into_iter().enumerate() {
+        robot.joints[axis].motor = Some(motor_torques(&robot.programs, &robot.courses, axis, &model));
+        robot.joints[axis].bearing = bearing;
+        robot.joints[axis].source = source;
+        robot.kept.extend(kept);
+        models.push(model);
+    }
+    Ok(models)
+}
+
+pub(super) fn ages_of(
+    axis: &str,
+    export: &crate::exchange::JointExport,
+) -> Result<Vec<AgedJoint>, AnalysisError> {
+    JointModel::ages_of(export).filter(|ages| !ages.is_empty()).ok_or_else(|| {
+        AnalysisError::usage(
+            format!("the hysteresis loop of the joint \"{axis}\" is no loop from + to − and back"),
+            "look at it with `arcmin rig`, or export the table anew",
+        )
+    })
+}
+
+fn leaning_of(joint: &Before<'_>) -> Result<(Leaning, Option<f64>), AnalysisError> {
+    let given = *joint.section.moment_stiffness_n_m_per_arcmin;
+    let Some(design) = joint.design() else {
+        return Ok((given.map_or(Leaning::Rigid, |k| Leaning::Stiffness(k / ARCMIN)), None));
+    };
+    let (curve, life) = leaning(design, &joint.duty, 3.0 * joint.duty.forces.moment)?;
+    Ok((given.map_or(Leaning::Curve(curve), |k| Leaning::Stiffness(k / ARCMIN)), life))
+}
+
+fn drag_of(joint: &Before<'_>) -> f64 {
+    let of_design =
+        || joint.design().map_or(0.0, |design| with_friction(&design.machine(), false).0.friction.seal_drag);
+    joint.section.output_drag_n_m.unwrap_or_else(of_design)
+}
+
+fn overhauls(tool: &Tool<'_>, limits: &[ToolLimit], planned: f64, end: Option<End>) -> Vec<OverhaulGain> {
+    let hours = end.map_or(0.5 * planned, |end| end.hours);
+    (0..tool.field.axes())
+        .map(|axis| {
+            let overhaul = Overhaul { axis, hours };
+            let then = ages(tool.field.axes(), planned, &[overhaul]);
+            OverhaulGain {
+                overhaul,
+                end: tool.end(limits, &[overhaul], (hours, planned)).map(|end| end.hours),
+                position: tool.figure(Figure::Position, &then),
+                repeatability: tool.figure(Figure::Repeatability, &then),
+            }
+        })
+        .collect()
+}
+
+/// By differences: what the figure is without the axis, for each rad that it is off on average.
+fn levers(tool: &Tool<'_>, planned: f64) -> Vec<Lever> {
+    let hours = vec![planned; tool.field.axes()];
+    let (visit, size) = tool.worst_visit(&hours);
+    let moved = tool.field.tool(tool.places, &hours, visit)[0];
+    let along = if size > 0.0 { moved / size } else { moved };
+    let alone = tool.repeatability_by_axis(&hours);
+    let (pose, _) = tool.worst_pose(&hours);
+    (0..tool.field.axes())
+        .map(|axis| {
+            let at = |place: usize| {
+                let posture = &tool.places.places[place].posture;
+                posture.moved_by(axis, &posture.axes[axis], 0.0)[0]
+            };
+            let lever = tool.sorted.visits.iter().map(|(place, _)| at(*place).norm()).fold(0.0, f64::max);
+            let approaches = &tool.sorted.approaches[pose];
+            let turns: Vec<f64> = approaches
+                .iter()
+                .map(|place| tool.field.at(axis, planned, *place).about.iter().sum::<f64>())
+                .collect();
+            let spread = turns.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+                - turns.iter().copied().fold(f64::INFINITY, f64::min);
+            Lever {
+                lever,
+                position: at(visit).dot(&along).abs(),
+                repeatability: if spread > 0.0 { alone[axis] / spread } else { 0.0 },
+            }
+        })
+        .collect()
+}
+
+impl Robot {
+    /// Hours until the first limit is left.
+    pub fn hours_to_limit(&self) -> Option<f64> {
+        self.end.map(|end| end.hours)
+    }
+
+    /// Share of the hours in which a program runs.
+    pub fn busy(&self) -> f64 {
+        self.programs.iter().map(|program| program.cycles * program.motion.duration()).sum::<f64>() / HOUR
+    }
+}
+
+impl ToolAnswer {
+    /// What the joints do at all places.
+    pub fn mapped(&self) -> Tool<'_> {
+        Tool { places: &self.places, sorted: &self.sorted, field: &self.field }
+    }
+}

@@ -1,0 +1,107 @@
+//! What a change of the program buys: slower, lighter, less often.
+
+use super::answers::End;
+use super::arm::{Arm, Body};
+use super::figures::{Figures, Tool};
+use super::joint::JointModel;
+use super::life::{degrees, scale_hours};
+use super::loads::{Course, beyond, duty};
+use super::read::{Program, RobotFile};
+use super::run::{Before, Robot, mapped};
+use crate::analyses::{AnalysisError, Host};
+use crate::units::{HOUR, MM};
+
+/// The robot with a change. Its joints are those of the robot, their hours scaled by the work that wears them.
+#[derive(Debug, Clone)]
+pub struct VariantAnswer {
+    pub name: String,
+    /// At the planned hours.
+    pub figures: Figures,
+    pub end: Option<End>,
+    /// Cycles an hour of all programs, as a share of those given.
+    pub cycles: f64,
+    /// Largest torque of an axis as a share of what the robot as it is asks for, the axis named.
+    pub hardest: (String, f64),
+}
+
+/// All variants of the file.
+///
+/// # Errors
+/// A variant that asks an axis for more than is allowed.
+pub(super) fn variants(
+    file: &RobotFile,
+    bare: &Arm,
+    payload: &Body,
+    before: &[Before<'_>],
+    models: &[JointModel],
+    robot: &Robot,
+    host: &dyn Host,
+) -> Result<Vec<VariantAnswer>, AnalysisError> {
+    let mut found = Vec::new();
+    for (index, section) in file.variant.iter().enumerate() {
+        host.report("variants", index as f64 / file.variant.len() as f64);
+        if host.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+        let share = *section.payload_share;
+        let arm =
+            bare.carrying(&Body { mass: share * payload.mass, inertia: share * payload.inertia, ..*payload });
+        let mut cycles = (0.0, 0.0);
+        let programs: Vec<Program> = robot
+            .programs
+            .iter()
+            .zip(&*file.program.value)
+            .map(|(program, given)| {
+                let motion = program.motion.at_pace(*section.speed_share);
+                let most = HOUR / motion.duration() * *given.share;
+                let now = (program.cycles * *section.cycles_share).min(most);
+                cycles = (cycles.0 + now, cycles.1 + program.cycles);
+                Program { motion, cycles: now, ..program.clone() }
+            })
+            .collect();
+        let courses: Vec<Course> = programs.iter().map(|program| Course::of(&arm, program)).collect();
+        let (mut joints, mut moving) = (models.to_vec(), Vec::with_capacity(models.len()));
+        let mut hardest = (String::new(), 0.0);
+        for (axis, joint) in before.iter().enumerate() {
+            let limit = joint.allowed;
+            if let Some((_, _, torque)) = beyond(&programs, &courses, axis, limit) {
+                let message = format!(
+                    "the variant \"{}\" asks the axis \"{}\" for {torque:.0} N·m; {limit:.0} N·m are allowed",
+                    *section.name, arm.axes[axis].name
+                );
+                let hint = "slow the variant down, or take a lighter payload";
+                return Err(file.wrong(message, section.name.span.clone(), hint));
+            }
+            if let Some(speed) =
+                programs.iter().find_map(|program| program.motion.too_fast(axis, arm.axes[axis].speed))
+            {
+                let message = format!(
+                    "the variant \"{}\" turns the axis \"{}\" at {}°/s, {}°/s are allowed",
+                    *section.name,
+                    arm.axes[axis].name,
+                    degrees(speed.1),
+                    degrees(arm.axes[axis].speed)
+                );
+                return Err(file.wrong(message, section.speed_share.span.clone(), "slow the variant down"));
+            }
+            let asked = (MM * *joint.section.bearings_mm, joint.ratio, *file.model.duty_rows);
+            let changed = duty(&programs, &courses, axis, asked);
+            scale_hours(&mut joints[axis].ages, joint.duty.work_in_motion(), changed.work_in_motion());
+            let ratio = changed.torque_peak / joint.duty.torque_peak.max(f64::MIN_POSITIVE);
+            if ratio > hardest.1 {
+                hardest = (arm.axes[axis].name.clone(), ratio);
+            }
+            moving.push(changed.moving);
+        }
+        let (places, sorted, field) = mapped(file, &arm, &programs, &courses, &joints, &moving);
+        let tool = Tool { places: &places, sorted: &sorted, field: &field };
+        found.push(VariantAnswer {
+            name: section.name.value.clone(),
+            figures: tool.figures(&vec![robot.planned; arm.count()]),
+            end: tool.end(&robot.limits, &[], (0.0, robot.planned)),
+            cycles: cycles.0 / cycles.1,
+            hardest,
+        });
+    }
+    Ok(found)
+}
