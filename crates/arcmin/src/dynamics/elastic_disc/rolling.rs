@@ -11,6 +11,8 @@ struct Travel {
     pull: f64,
     /// φ′ of the modes.
     turns: Vec<f64>,
+    /// C′ of this place under a force on each contact, in m/(N·rad); zero for its own.
+    crossed: Vec<f64>,
 }
 
 impl ElasticDiscs {
@@ -34,7 +36,8 @@ impl ElasticDiscs {
         let (width, first) = (force.len(), 3 + motion.modes.len());
         let (mut by_place, mut pushed) = (vec![0.0; width], vec![0.0; width]);
         for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| state.forces.force[*i] > 0.0) {
-            let Travel { rolling, bent, pull, turns } = self.travel(disc, ring, state, motion.modes, i);
+            let Travel { rolling, bent, pull, turns, crossed } =
+                self.travel(disc, ring, state, motion.modes, i);
             let own = state.forces.force[i];
             // As in `PinContacts::steering`: how the force changes with the curvature and the flank's error.
             let by_curvature =
@@ -52,7 +55,20 @@ impl ElasticDiscs {
                 let row = all[i * width..][..width].iter_mut();
                 row.zip(&pushed).for_each(|(entry, steered)| *entry += steered);
             }
+            // So do those of its neighbours, C_ij being taken at another place i.
+            for (j, slope) in crossed.iter().enumerate().filter(|(_, slope)| **slope != 0.0) {
+                for all in [&mut *rows, &mut *pushes] {
+                    let row = all[j * width..][..width].iter_mut();
+                    row.zip(&by_place).for_each(|(entry, by)| *entry += own * slope * by);
+                }
+            }
             let Some(products) = products.as_deref_mut() else { continue };
+            let bent_by_others = self.bend_with_others(disc, state, i, |j| {
+                let mut by_place = vec![0.0; width];
+                let contact = &state.contacts[j];
+                motion.spread(disc, contact.pin, ring.rolling(contact).by_pose, &mut by_place);
+                by_place
+            });
             let turn = |row: &mut [f64]| {
                 row[3..first].iter_mut().zip(&turns).for_each(|(entry, turn)| *entry = -own * turn);
             };
@@ -62,6 +78,10 @@ impl ElasticDiscs {
             products.push(
                 |row| row.copy_from_slice(&by_place),
                 |row| row.iter_mut().zip(&by_place).for_each(|(entry, by)| *entry = -bend * by),
+            );
+            products.push(
+                |row| row.copy_from_slice(&by_place),
+                |row| row.iter_mut().zip(&bent_by_others).for_each(|(entry, by)| *entry = -own * by),
             );
             let of_place = ring.place_bend(contact, &rolling);
             for (a, row_of_place) in of_place.iter().enumerate() {
@@ -81,16 +101,17 @@ impl ElasticDiscs {
         let (body, forces, contact) = (&self.bodies[disc], &state.forces.force, &state.contacts[i]);
         let slope = self.discs.slope_stencil(disc, contact.tau);
         let rolling = ring.rolling(contact);
-        let others: f64 = (0..forces.len())
-            .filter(|j| *j != i && forces[*j] > 0.0)
-            .map(|j| forces[j] * body.residual.cross(&slope, &state.coupled[j].place))
-            .sum();
+        let cross = |j: usize| {
+            if j == i { 0.0 } else { body.residual.cross(&slope, &state.coupled[j].place) }
+        };
+        let crossed: Vec<f64> = (0..forces.len()).map(cross).collect();
+        let others: f64 = forces.iter().zip(&crossed).map(|(force, slope)| force * slope).sum();
         let turns: Vec<f64> = (0..q.len()).map(|m| body.modes.at(m, &slope)).collect();
         let mut bent = forces[i] * body.residual.own(&slope) + others;
         q.iter().zip(&turns).for_each(|(q, turn)| bent += q * turn);
         let pull = forces[i] * (bent - 0.5 * forces[i] * body.residual.own(&slope))
             - ring.contact().energy_by_log_radius(forces[i]) * rolling.log_radius_slope;
-        Travel { rolling, bent, pull, turns }
+        Travel { rolling, bent, pull, turns, crossed }
     }
 
     /// Second derivative of the bent flank with the place of one contact at constant forces, in m/rad².
@@ -102,6 +123,27 @@ impl ElasticDiscs {
             others.map(|j| forces[j] * body.residual.cross(&place, &state.coupled[j].place)).sum();
         let modal: f64 = q.iter().enumerate().map(|(m, q)| q * body.modes.at(m, &place)).sum();
         modal + crossed + 0.5 * forces[i] * body.residual.own(&place)
+    }
+
+    /// Σ_j F_j ∂²C_ij/∂τ_i∂τ_j ∂τ_j/∂z over the contacts j that carry beside contact i, in m/rad per unit of z.
+    fn bend_with_others(
+        &self,
+        disc: usize,
+        state: &DiscContacts,
+        i: usize,
+        by_place: impl Fn(usize) -> Vec<f64>,
+    ) -> Vec<f64> {
+        let (body, forces) = (&self.bodies[disc], &state.forces.force);
+        let slope = |j: usize| self.discs.slope_stencil(disc, state.contacts[j].tau);
+        let here = slope(i);
+        let mut sum = Vec::new();
+        for j in (0..forces.len()).filter(|j| *j != i && forces[*j] > 0.0) {
+            let factor = forces[j] * body.residual.cross(&here, &slope(j));
+            let by = by_place(j);
+            sum.resize(by.len(), 0.0);
+            sum.iter_mut().zip(&by).for_each(|(sum, by)| *sum += factor * by);
+        }
+        sum
     }
 
     /// What the disc does to its pins: (pin, force in N in the frame of the ring), friction aside.

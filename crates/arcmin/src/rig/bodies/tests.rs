@@ -408,7 +408,7 @@ fn discs_with_windows_balance_with_everything_else_elastic() {
             let slope = (behind[j] - ahead[j]) / (2.0 * step);
             let size = (tangent.stiffness(i, i) * tangent.stiffness(j, j)).abs().sqrt();
             assert!(
-                (slope - tangent.stiffness(j, i)).abs() < 5e-3 * size,
+                (slope - tangent.stiffness(j, i)).abs() < 1e-4 * size,
                 "{j} {i}: {} {}",
                 slope / size,
                 tangent.stiffness(j, i) / size
