@@ -96,12 +96,12 @@ pub(super) fn beyond(
 ) -> Beyond {
     let limit = machine.limits.lost_motion;
     let latest = fitted.iter().chain(others).map(|observed| observed.reading.time).fold(0.0, f64::max);
-    let mut ends = vec![(0.0, limit - predicted)];
+    // The value when new may be less than the one predicted or given, and with it the limit farther.
+    let new = std::iter::once(predicted).chain(known.iter().flatten().map(|new| new.value));
+    let mut ends: Vec<(f64, f64)> = new.map(|new| (0.0, limit - (1.0 - 2.0 * ASSUMED_NEW) * new)).collect();
     ends.extend(fitted.iter().filter_map(|observed| {
         let reading = observed.reading;
         matches!(reading.measured, Measured::LostMotion(_)).then_some((reading.time, limit - reading.value))
     }));
-    // An assumed value may be a good deal less.
-    ends.extend(known.iter().flatten().map(|new| (0.0, limit - (1.0 - 2.0 * ASSUMED_NEW) * new.value)));
     Beyond { latest, ends, time: SEARCH_FACTOR * machine.limits.service_life.max(latest) }
 }
