@@ -332,7 +332,7 @@ impl ElasticDiscs {
         ring: &PinContacts,
         motion: DiscMotion<'_>,
         tangents: bool,
-        mut wanted: Option<(Wanted, &mut Vec<Shown>)>,
+        mut wanted: Option<(Wanted, &mut dyn FnMut(&Shown<'_>))>,
     ) -> ElasticReaction {
         let count = motion.modes.len();
         let (first, width) = (3 + count, motion.width());
@@ -440,8 +440,8 @@ impl ElasticDiscs {
         let matrices = (&mut rows[..], &mut pushes[..]);
         let summed = whole.then_some(&mut products);
         self.add_rolling(disc, ring, &state, motion, matrices, (&mut reaction.force, summed));
-        if let Some((_, shown)) = &mut wanted {
-            self.show(disc, ring, &state, motion, (&rows, &pushes), interval, shown);
+        if let Some((_, see)) = &mut wanted {
+            self.show(disc, ring, &state, motion, (&rows, &pushes), interval, see);
         }
         if whole {
             // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
@@ -465,38 +465,37 @@ impl ElasticDiscs {
         motion: DiscMotion<'_>,
         (rows, pushes): (&[f64], &[f64]),
         interval: Option<f64>,
-        shown: &mut Vec<Shown>,
+        see: &mut dyn FnMut(&Shown<'_>),
     ) {
         let (count, width) = (motion.modes.len(), motion.width());
         let law = *ring.contact();
-        let mut show = |contact: &PinContact,
-                        coupled: &CoupledContact,
-                        local: f64,
-                        row: &[f64],
-                        push: Option<&[f64]>| {
-            let place = Some(FlankPlace { disc, stencil: coupled.place });
-            let radius = coupled.equivalent_radius;
-            let Some(lean) = motion.lean else {
-                let spring = ContactSpring::Line { law, radius, share: 1.0 };
-                let (gradient, push) = (row.to_vec(), push.map(<[f64]>::to_vec));
-                return shown.push(Shown { gap: -local, gradient, push, spring, place });
-            };
-            let mut along = vec![0.0; width];
-            let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
-            motion.spread(disc, contact.pin, lean.by_pose(1.0, &hessian), &mut along);
-            (0..2).for_each(|a| along[width - 2 + a] = lean.reach * contact.gradient[a]);
-            for side in [1.0, -1.0] {
-                let spring = ContactSpring::Line { law, radius, share: 0.5 };
-                let leaned = |row: &[f64]| {
-                    row.iter().zip(&along).map(|(row, along)| row + side * along).collect::<Vec<f64>>()
+        let mut show =
+            |contact: &PinContact, coupled: &CoupledContact, local: f64, row: &[f64], push: &[f64]| {
+                let place = Some(FlankPlace { disc, stencil: coupled.place });
+                let radius = coupled.equivalent_radius;
+                let Some(lean) = motion.lean else {
+                    let spring = ContactSpring::Line { law, radius, share: 1.0 };
+                    let pressed = spring.at(local);
+                    return see(&Shown { gap: -local, gradient: row, push, spring, pressed, place });
                 };
-                let (gradient, push) = (leaned(row), push.map(leaned));
-                shown.push(Shown { gap: -(local + side * coupled.skew), gradient, push, spring, place });
-            }
-        };
+                let mut along = vec![0.0; width];
+                let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
+                motion.spread(disc, contact.pin, lean.by_pose(1.0, &hessian), &mut along);
+                (0..2).for_each(|a| along[width - 2 + a] = lean.reach * contact.gradient[a]);
+                for side in [1.0, -1.0] {
+                    let spring = ContactSpring::Line { law, radius, share: 0.5 };
+                    let leaned = |row: &[f64]| {
+                        row.iter().zip(&along).map(|(row, along)| row + side * along).collect::<Vec<f64>>()
+                    };
+                    let (gradient, push) = (&leaned(row), &leaned(push));
+                    let approach = local + side * coupled.skew;
+                    let pressed = spring.at(approach);
+                    see(&Shown { gap: -approach, gradient, push, spring, pressed, place });
+                }
+            };
         for (i, contact) in state.contacts.iter().enumerate() {
             let (row, push) = (&rows[i * width..][..width], &pushes[i * width..][..width]);
-            let push = (state.forces.force[i] > 0.0).then_some(push);
+            let push = if state.forces.force[i] > 0.0 { push } else { row };
             show(contact, &state.coupled[i], state.forces.local[i], row, push);
         }
         let mut row = vec![0.0; width];
@@ -510,19 +509,16 @@ impl ElasticDiscs {
                 coupled,
                 coupled.approach - state.bent_at(&self.bodies[disc].residual, coupled),
                 &row,
-                None,
+                &row,
             );
         }
         if let (Some(sliding), Some(interval)) = (ring.sliding(), interval) {
             for (contact, force) in
                 state.contacts.iter().zip(&state.forces.force).filter(|(_, force)| **force > 0.0)
             {
-                let widened = |along: [f64; 3]| {
-                    let mut row = vec![0.0; width];
-                    row[..3].copy_from_slice(&along);
-                    row
-                };
-                shown.push(Shown::slip(sliding, contact, *force, widened, interval));
+                row.fill(0.0);
+                row[..3].copy_from_slice(&contact.along);
+                see(&Shown::slip(sliding, contact, *force, &row, interval));
             }
         }
     }

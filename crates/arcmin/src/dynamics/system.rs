@@ -3,7 +3,7 @@ use std::ops::Range;
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use serde::{Deserialize, Serialize};
 
-use crate::contact::ContactSpring;
+use crate::contact::{ContactSpring, Pressed};
 use crate::fem::Stencil;
 use crate::geometry::Vec2;
 use crate::kernels::cleared;
@@ -89,8 +89,17 @@ pub struct Contact<'a> {
     /// m; negative where the bodies press. On an elastic flank what is left after the flank has given way.
     pub gap: f64,
     pub spring: ContactSpring,
+    /// What the law makes of the gap.
+    pub pressed: Pressed,
     /// Where it stands on an elastic flank, whose contacts make each other give way.
     pub place: Option<FlankPlace>,
+}
+
+impl<'a> Contact<'a> {
+    /// Without friction, off elastic flanks.
+    pub fn new(index: &'a [usize], gradient: &'a [f64], gap: f64, spring: ContactSpring) -> Contact<'a> {
+        Contact { index, gradient, push: gradient, gap, spring, pressed: spring.at(-gap), place: None }
+    }
 }
 
 /// Where a contact stands on an elastic flank.
@@ -200,6 +209,7 @@ pub(super) struct OneContact {
     pub range: Range<usize>,
     pub gap: f64,
     pub spring: ContactSpring,
+    pub pressed: Pressed,
     /// Number of the place on an elastic body where it bears.
     pub place: Option<usize>,
 }
@@ -261,7 +271,8 @@ impl Contacts {
         let (range, elastic) = (start..self.index.len(), elastic_start..self.elastic_index.len());
         let is_elastic = !elastic.is_empty() || contact.place.is_some();
         let place = is_elastic.then(|| self.place(&range, elastic, contact.place));
-        self.list.push(OneContact { range, gap: contact.gap, spring: contact.spring, place });
+        let Contact { gap, spring, pressed, .. } = *contact;
+        self.list.push(OneContact { range, gap, spring, pressed, place });
     }
 
     /// Number of the place of the contact that comes next.

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::rim::{OutOfRound, RIM};
-use crate::contact::{ContactSpring, slice_height};
+use crate::contact::{ContactSpring, Pressed, slice_height};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::{RollerBearing, RollerKind};
 
@@ -208,8 +208,9 @@ impl RollingBearing {
         self.contact.x.powi(2) * self.exponent * self.stiffness * 1e-6_f64.powf(self.exponent - 1.0)
     }
 
-    /// How one of `slices` of an element presses at its approach.
-    fn spring(&self, slices: usize) -> ContactSpring {
+    /// Law of one contact of an element: of the whole, or of a slice where the rings lean.
+    pub(super) fn spring_at(&self, stand: &Stand) -> ContactSpring {
+        let slices = self.places(stand.slope.is_some()).len();
         ContactSpring::Power { stiffness: self.stiffness / slices as f64, exponent: self.exponent }
     }
 
@@ -276,7 +277,7 @@ impl RollingBearing {
     }
 
     /// As [`RollingBearing::react_at`], with every element, or slice of one, that presses or is nearer than `reach` (m)
-    /// shown to `see`: its approach in m, the gradient of that, and its law. What these stiffen along their approaches
+    /// shown to `see`: its approach in m, the gradient of that, and how it presses. What these stiffen along their approaches
     /// is not in the Hessian of the state but the second matrix.
     #[inline]
     pub(super) fn react_within<const N: usize>(
@@ -284,7 +285,7 @@ impl RollingBearing {
         stand: &Stand,
         tangents: bool,
         reach: f64,
-        mut see: impl FnMut(f64, &[f64; N], ContactSpring),
+        mut see: impl FnMut(f64, &[f64; N], Pressed),
     ) -> (BearingState<N>, [[f64; N]; N]) {
         assert!(N > SLOPE || stand.slope.is_none(), "variables of the slope");
         assert!(N > BODY || stand.rim.is_none(), "variables of the rim");
@@ -335,11 +336,12 @@ impl RollingBearing {
                     continue;
                 }
                 let way = way(contact, place);
-                see(approach, &way, self.spring(places.len()));
                 if !(approach > 0.0) {
+                    see(approach, &way, Pressed::default());
                     continue;
                 }
                 let (force, stiffness) = self.press(approach, places.len());
+                see(approach, &way, Pressed { force, stiffness });
                 (0..N).for_each(|a| state.gradient[a] += force * way[a]);
                 if tangents {
                     stiffen(&mut along_gaps, stiffness, &way);

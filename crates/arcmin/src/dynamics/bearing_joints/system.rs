@@ -90,15 +90,7 @@ impl BearingJoints {
                 Some(interval) => {
                     let presliding = self.drag_speed * interval;
                     let spring = ContactSpring::Slip { limit: self.drag, presliding };
-                    let (gradient, gap) = (&[1.0], v[output] * interval);
-                    assembly.contact(&Contact {
-                        index: &[output],
-                        gradient,
-                        push: gradient,
-                        gap,
-                        spring,
-                        place: None,
-                    });
+                    assembly.contact(&Contact::new(&[output], &[1.0], v[output] * interval, spring));
                     0.0
                 }
             };

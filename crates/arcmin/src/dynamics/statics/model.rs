@@ -171,7 +171,7 @@ impl Model {
         for contact in &look.contacts.list {
             let given_way = contact.place.map_or(0.0, |place| self.compliance.places[place].given_way);
             let begin = contact.gap + given_way;
-            let pressed = contact.spring.at(-contact.gap);
+            let pressed = contact.pressed;
             if let Some(place) = contact.place {
                 self.compliance.places[place].begin += pressed.force;
             }

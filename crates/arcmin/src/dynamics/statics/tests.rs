@@ -90,7 +90,7 @@ impl Bead {
             let gap = place - normal[0] * q[0] - normal[1] * q[1] + give * q[2];
             let gradient = [-normal[0], -normal[1], give];
             let (index, place) = (&[0, 1, 2][..], None);
-            see(&Contact { index, gradient: &gradient, push: &gradient, gap, spring: WALL, place });
+            see(&Contact { place, ..Contact::new(index, &gradient, gap, WALL) });
         }
     }
 

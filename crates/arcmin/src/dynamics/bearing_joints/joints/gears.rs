@@ -43,16 +43,7 @@ impl Gears {
                 }
             }
             if -overlap < wanted.reach {
-                let gradient = &slope.map(|s| -s);
-                let index = &self.index;
-                sink.contact(&Contact {
-                    index,
-                    gradient,
-                    push: gradient,
-                    gap: -overlap,
-                    spring,
-                    place: None,
-                });
+                sink.contact(&Contact::new(&self.index, &slope.map(|s| -s), -overlap, spring));
             }
         }
     }
@@ -86,15 +77,9 @@ impl Joint for Gears {
             force[5] += torque * share;
             if let Some(interval) = sink.wants_contacts().and_then(|wanted| wanted.slip_interval) {
                 let spring = self.losses.slip(friction * mesh.elastic_force().abs(), interval);
-                let gradient = &[self.sliding, -self.sliding];
-                sink.contact(&Contact {
-                    index: &[index[2], index[5]],
-                    gradient,
-                    push: gradient,
-                    gap: speed * self.sliding * interval,
-                    spring,
-                    place: None,
-                });
+                let gradient = [self.sliding, -self.sliding];
+                let gap = speed * self.sliding * interval;
+                sink.contact(&Contact::new(&[index[2], index[5]], &gradient, gap, spring));
             } else {
                 let c = torque * slope * self.sliding;
                 for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {

@@ -1,3 +1,5 @@
+use smallvec::{SmallVec, smallvec};
+
 use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, damp};
 use crate::dynamics::Contact;
 use crate::dynamics::bearing_joints::assembly::Element;
@@ -51,6 +53,10 @@ impl Place {
 const PLACES: usize = 6;
 /// Coordinates that lean the rings of a bearing: two of the shaft, two of the body.
 pub(in super::super) const SLOPES: usize = 4;
+
+/// Over the coordinates of a bearing, on the heap only where bodies lean or bend.
+type Row<T> = SmallVec<[T; PLACES]>;
+type Square = SmallVec<[f64; PLACES * PLACES]>;
 
 /// A rolling bearing between a shaft that carries its inner ring around and a body with a bore.
 #[derive(Debug, Clone, PartialEq)]
@@ -188,7 +194,7 @@ impl Journal {
         let bent = PLACES + slopes.len();
         let width = bent + modes.len();
         let coordinates = self.index.iter().copied().chain(slopes.iter().map(|(at, _)| *at));
-        let index: Vec<usize> = coordinates.chain(modes.iter().map(|mode| mode.at)).collect();
+        let index: Row<usize> = coordinates.chain(modes.iter().map(|mode| mode.at)).collect();
         // From the variables to the coordinates.
         let spread = |by: &[f64; N], into: &mut [f64]| {
             for i in 0..PLACES {
@@ -209,15 +215,17 @@ impl Journal {
         };
         let stand = self.stand_at(at.q, displacement);
         let wanted = sink.wants_contacts();
-        let mut along = vec![0.0; width];
+        let mut along: Row<f64> = smallvec![0.0; width];
         let (mut state, along_gaps) = match wanted {
             None => (self.law.react_at::<N>(&stand, tangents), [[0.0; N]; N]),
             Some(wanted) => {
-                self.law.react_within::<N>(&stand, tangents, wanted.reach, |approach, way, spring| {
+                let spring = self.law.spring_at(&stand);
+                self.law.react_within::<N>(&stand, tangents, wanted.reach, |approach, way, pressed| {
                     spread(way, &mut along);
                     along.iter_mut().for_each(|by| *by = -*by);
                     let (index, gradient, gap) = (&index, &along, -approach);
-                    sink.contact(&Contact { index, gradient, push: gradient, gap, spring, place: None });
+                    let push = gradient;
+                    sink.contact(&Contact { index, gradient, push, gap, spring, pressed, place: None });
                 })
             }
         };
@@ -232,9 +240,9 @@ impl Journal {
         self.damp_lean(&state, at, sink);
         // Modes that are searched for come first.
         let known = bent + modes.iter().take_while(|mode| sink.searches(mode.at)).count();
-        let mut matrix = vec![0.0; if sink.takes_stiffness() { known * known } else { 0 }];
+        let mut matrix: Square = smallvec![0.0; if sink.takes_stiffness() { known * known } else { 0 }];
         if !matrix.is_empty() {
-            let mut rows = vec![0.0; N * known];
+            let mut rows: Square = smallvec![0.0; N * known];
             rows.chunks_exact_mut(known).zip(&without_gaps).for_each(|(row, by)| spread(by, row));
             for (i, line) in matrix.chunks_exact_mut(known).enumerate() {
                 let mut column = [0.0; N];
@@ -289,15 +297,9 @@ impl Journal {
             force[2] -= torque * share;
             force[5] += torque * share;
             if let Some(interval) = wanted.and_then(|wanted| wanted.slip_interval) {
-                let gradient = &[radius, -radius];
-                sink.contact(&Contact {
-                    index: &[self.index[2], self.index[5]],
-                    gradient,
-                    push: gradient,
-                    gap: speed * radius * interval,
-                    spring: self.losses.slip(friction.bearing * load, interval),
-                    place: None,
-                });
+                let spring = self.losses.slip(friction.bearing * load, interval);
+                let (index, gradient) = ([self.index[2], self.index[5]], [radius, -radius]);
+                sink.contact(&Contact::new(&index, &gradient, speed * radius * interval, spring));
             } else {
                 let c = torque * slope * radius;
                 for (i, j, sign) in [(2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)] {

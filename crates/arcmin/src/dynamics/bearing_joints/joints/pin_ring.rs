@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Sink, State, Wanted};
 use crate::contact::{
-    ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Sliding, slice_height,
+    ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Pressed, Sliding, slice_height,
 };
 use crate::dynamics::elastic_disc::{DiscLean, DiscMotion, DiscSplit, HousingMotion};
 use crate::dynamics::{Contact, ElasticDiscs, ElasticHousing, FlankPlace, ForceSummary};
@@ -67,13 +67,42 @@ impl Motion {
 }
 
 /// A contact over (x, y, θ in the ring, modes of disc and housing, slopes in the ring).
-pub(in crate::dynamics) struct Shown {
+pub(in crate::dynamics) struct Shown<'a> {
     pub gap: f64,
-    pub gradient: Vec<f64>,
-    /// What its force does, where that is not along the gradient.
-    pub push: Option<Vec<f64>>,
+    pub gradient: &'a [f64],
+    /// What its force does: along the gradient without friction.
+    pub push: &'a [f64],
     pub spring: ContactSpring,
+    pub pressed: Pressed,
     pub place: Option<FlankPlace>,
+}
+
+/// Takes contacts over the coordinates of the ring.
+struct Shows<'a> {
+    index: Vec<usize>,
+    /// What coordinates move of those of a ring that moves.
+    motions: Vec<Motion>,
+    gradient: Vec<f64>,
+    push: Vec<f64>,
+    sink: &'a mut dyn Sink,
+}
+
+impl Shows<'_> {
+    fn show(&mut self, shown: &Shown<'_>) {
+        let Shown { gap, gradient, push, spring, pressed, place } = *shown;
+        let Shows { index, motions, gradient: by_gap, push: by_force, sink } = self;
+        if motions.is_empty() {
+            return sink.contact(&Contact { index, gradient, push, gap, spring, pressed, place });
+        }
+        let along = |row: &[f64], into: &mut Vec<f64>| {
+            into.clear();
+            let by = |motion: &Motion| motion.list().iter().map(|(a, g)| g * row[*a]).sum::<f64>();
+            into.extend(motions.iter().map(by));
+        };
+        along(gradient, by_gap);
+        along(push, by_force);
+        sink.contact(&Contact { index, gradient: by_gap, push: by_force, gap, spring, pressed, place });
+    }
 }
 
 /// Forces on (x, y, θ in the ring, modes of disc and housing, slopes in the ring) with −∂Q/∂q and −∂Q/∂q̇, row by
@@ -272,29 +301,12 @@ impl PinRing {
         motions
     }
 
-    /// Hands on contacts given over (x, y, θ in the ring, modes, slopes).
-    fn show(&self, shown: &[Shown], pose: DiscPose, q: &[f64], sink: &mut dyn Sink) {
-        let Some(first) = shown.first() else { return };
-        let own = first.gradient.len();
-        let others = self.others();
-        let index: Vec<usize> = if self.moves {
-            self.place.iter().copied().chain(others).collect()
-        } else {
-            self.place[..3].iter().copied().chain(others).collect()
-        };
-        let motions = if self.moves { self.motions(pose, q, own) } else { Vec::new() };
-        let on_coordinates = |row: &[f64]| -> Vec<f64> {
-            if !self.moves {
-                return row.to_vec();
-            }
-            motions.iter().map(|motion| motion.list().iter().map(|(a, g)| g * row[*a]).sum()).collect()
-        };
-        for Shown { gap, gradient, push, spring, place } in shown {
-            let gradient = on_coordinates(gradient);
-            let push = push.as_ref().map_or_else(|| gradient.clone(), |push| on_coordinates(push));
-            let (gap, spring, place) = (*gap, *spring, *place);
-            sink.contact(&Contact { index: &index, gradient: &gradient, push: &push, gap, spring, place });
-        }
+    /// Takes contacts given over (x, y, θ in the ring, modes, slopes) to the coordinates.
+    fn shows<'a>(&self, pose: DiscPose, q: &[f64], sink: &'a mut dyn Sink) -> Shows<'a> {
+        let places = if self.moves { &self.place[..] } else { &self.place[..3] };
+        let index: Vec<usize> = places.iter().copied().chain(self.others()).collect();
+        let motions = if self.moves { self.motions(pose, q, index.len() - 3) } else { Vec::new() };
+        Shows { index, motions, gradient: Vec::new(), push: Vec::new(), sink }
     }
 
     /// Q = Gᵀ f with G from [`Self::seen`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f where that is
@@ -354,17 +366,28 @@ impl Joint for PinRing {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let motion = self.motion(at);
         let wanted = sink.wants_contacts();
-        let mut shown = Vec::new();
         match &self.elastic {
             None => {
-                let sum = self.react_of_slices(at, wanted, &mut shown);
                 let width = if self.slopes.is_some() { 5 } else { 3 };
+                let sum = match wanted {
+                    None => self.react_of_slices(at, None),
+                    Some(wanted) => {
+                        let mut shows = self.shows(motion.pose, at.q, sink);
+                        self.react_of_slices(at, Some((wanted, &mut |shown| shows.show(shown))))
+                    }
+                };
                 self.hand_on(motion.pose, at.q, &sum.forces(width), sink);
             }
             Some(Modes { body, .. }) => {
                 let tangents = sink.takes_stiffness();
-                let reaction =
-                    body.react(self.disc, &self.contacts, motion, tangents, wanted.map(|w| (w, &mut shown)));
+                let reaction = match wanted {
+                    None => body.react(self.disc, &self.contacts, motion, tangents, None),
+                    Some(wanted) => {
+                        let mut shows = self.shows(motion.pose, at.q, sink);
+                        let mut show = |shown: &Shown<'_>| shows.show(shown);
+                        body.react(self.disc, &self.contacts, motion, tangents, Some((wanted, &mut show)))
+                    }
+                };
                 let forces = Forces {
                     force: &reaction.force,
                     stiffness: &reaction.stiffness,
@@ -374,7 +397,6 @@ impl Joint for PinRing {
                 self.hand_on(motion.pose, at.q, &forces, sink);
             }
         }
-        self.show(&shown, motion.pose, at.q, sink);
     }
 
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {

@@ -1,7 +1,7 @@
 //! A rigid disc against its pins: as a whole where it stands straight, as two slices where it leans.
 
 use super::{Forces, PinRing, Shown, State, Wanted};
-use crate::contact::{ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, Sliding};
+use crate::contact::{ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, Pressed, Sliding};
 
 /// One slice of a rigid disc.
 #[derive(Clone, Copy)]
@@ -37,25 +37,19 @@ impl RigidReaction {
     }
 }
 
-impl Shown {
-    /// Friction of a pressed contact on what has slid over an interval (s).
+impl<'a> Shown<'a> {
+    /// Friction of a pressed contact on what has slid over an interval (s), along the motion that slides it.
     pub fn slip(
         sliding: &Sliding,
         contact: &PinContact,
         force: f64,
-        widened: impl Fn([f64; 3]) -> Vec<f64>,
+        along: &'a [f64],
         interval: f64,
-    ) -> Shown {
-        Shown {
-            gap: contact.sliding_speed * interval,
-            gradient: widened(contact.along),
-            push: None,
-            spring: ContactSpring::Slip {
-                limit: sliding.coefficient * force,
-                presliding: sliding.regularisation_speed * interval,
-            },
-            place: None,
-        }
+    ) -> Shown<'a> {
+        let gap = contact.sliding_speed * interval;
+        let presliding = sliding.regularisation_speed * interval;
+        let spring = ContactSpring::Slip { limit: sliding.coefficient * force, presliding };
+        Shown { gap, gradient: along, push: along, spring, pressed: spring.at(-gap), place: None }
     }
 }
 
@@ -86,45 +80,44 @@ impl PinRing {
     pub(super) fn react_of_slices(
         &self,
         at: State<'_>,
-        wanted: Option<Wanted>,
-        shown: &mut Vec<Shown>,
+        mut wanted: Option<(Wanted, &mut dyn FnMut(&Shown<'_>))>,
     ) -> RigidReaction {
         let mut sum = RigidReaction::default();
-        let lift = wanted.map_or(0.0, |wanted| wanted.reach);
-        let interval = wanted.and_then(|wanted| wanted.slip_interval);
+        let lift = wanted.as_ref().map_or(0.0, |(wanted, _)| wanted.reach);
         let width = if self.slopes.is_some() { 5 } else { 3 };
         for Slice { share, height, pose, velocity } in self.slices(at) {
             let moves = &of_slice(height)[..width];
-            let widened = |row: [f64; 3]| moves.iter().map(|(i, by)| by * row[*i]).collect::<Vec<f64>>();
+            let widened = |row: [f64; 3]| {
+                let mut wide = [0.0; 5];
+                wide.iter_mut().zip(moves).for_each(|(wide, (i, by))| *wide = by * row[*i]);
+                wide
+            };
             let moved = Moved { shifts: &[], lift };
             // What sliding friction grows by with speed goes with its contact, where displacements make the speeds.
             let mut rubbing = [[0.0; 3]; 3];
             let along_gaps = wanted.is_none();
             let slice = self.contacts.react_within(pose, velocity, moved, along_gaps, |contact, gradient| {
-                if wanted.is_none() {
-                    return;
-                }
+                let Some((Wanted { slip_interval, .. }, show)) = &mut wanted else { return };
                 let sliding = self.contacts.sliding().filter(|_| contact.force > 0.0);
-                let push = sliding.map(|sliding| {
-                    let (rubs, along) = (sliding.share(contact.sliding_speed).0, contact.along);
-                    widened(std::array::from_fn(|a| gradient[a] - rubs * along[a]))
-                });
-                let spring = self.contacts.spring(contact, share);
-                shown.push(Shown {
+                let rubs = sliding.map_or(0.0, |sliding| sliding.share(contact.sliding_speed).0);
+                let push = widened(std::array::from_fn(|a| gradient[a] - rubs * contact.along[a]));
+                show(&Shown {
                     gap: contact.gap,
-                    gradient: widened(gradient),
-                    push,
-                    spring,
+                    gradient: &widened(gradient)[..width],
+                    push: &push[..width],
+                    spring: self.contacts.spring(contact, share),
+                    pressed: Pressed { force: share * contact.elastic, stiffness: share * contact.stiffness },
                     place: None,
                 });
-                if let (Some(sliding), Some(interval)) = (sliding, interval) {
+                if let (Some(sliding), Some(interval)) = (sliding, *slip_interval) {
                     let slope = sliding.share(contact.sliding_speed).1;
                     for (row, a) in rubbing.iter_mut().zip(contact.along) {
                         row.iter_mut()
                             .zip(contact.along)
                             .for_each(|(sum, b)| *sum += contact.force * slope * a * b);
                     }
-                    shown.push(Shown::slip(sliding, contact, share * contact.force, widened, interval));
+                    let along = &widened(contact.along)[..width];
+                    show(&Shown::slip(sliding, contact, share * contact.force, along, interval));
                 }
             });
             for (a, (i, by)) in moves.iter().enumerate() {
