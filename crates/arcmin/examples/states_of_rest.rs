@@ -68,7 +68,7 @@ fn main() {
                         let Some(from) = from else { continue };
                         let tally = tallies.entry((state.to_owned(), format!("{share}"), start)).or_default();
                         let begin = Instant::now();
-                        let found = solve_equilibrium(&model, 0.0, &from, control);
+                        let found = solve_equilibrium(&*model, 0.0, &from, control);
                         tally.time += begin.elapsed();
                         match found {
                             Ok(found) => {

@@ -10,7 +10,7 @@ pub(super) use reaction::ElasticReaction;
 use reaction::Products;
 pub(super) use split::DiscSplit;
 
-use super::bearing_joints::{Shown, Wanted};
+use super::mechanism::{Shown, Wanted};
 use super::system::FlankPlace;
 use super::{DynamicsError, ElasticHousing};
 use crate::contact::{ContactSpring, DiscPose, DiscVelocity, PinContact, PinContacts, TOLERABLE_DEPTH};

@@ -12,6 +12,7 @@ mod ideal_joints;
 mod inputs;
 mod integrator;
 mod load;
+pub mod mechanism;
 mod model;
 mod reducer;
 mod ring_bearing;
@@ -25,11 +26,7 @@ mod system;
 mod table;
 
 pub use bearing_drag::BearingDrag;
-pub(crate) use bearing_joints::Wanted;
-pub use bearing_joints::{
-    BearingJoints, BearingMeshing, Cause, ElementLoad, JointSettings, Lean, LostMotionSplit, Part,
-    RollingBearing,
-};
+pub use bearing_joints::{BearingJoints, BearingMeshing, JointSettings, Lean, LostMotionSplit};
 pub use drive::{Drive, InputMotion};
 pub use elastic_carrier::ElasticCarrier;
 pub use elastic_disc::{ElasticDiscs, FlexibleOptions};
@@ -39,6 +36,8 @@ pub use ideal_joints::{FlexibleJoints, IdealJoints};
 pub use inputs::{GivenMotion, GivenTorque, LoadInput, MotorInput};
 pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepControl, StepCounts};
 pub use load::OutputLoad;
+pub use mechanism::{Cause, ElementLoad, Part, RollingBearing};
+pub(crate) use mechanism::{Motion, QuasiStatic};
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};
 pub use ring_bearing::{Five, MainBalance, MainBearings, RingState};

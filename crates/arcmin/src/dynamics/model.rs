@@ -1,3 +1,4 @@
+use super::mechanism::Mechanism;
 use super::{
     Balance, BearingJoints, DenseLinearisation, Drive, FlexibleJoints, ForceSummary, IdealJoints, OutputLoad,
     Reducer, System,
@@ -10,8 +11,8 @@ pub enum Model {
     Ideal(Box<IdealJoints>),
     /// Elastic discs in ideal joints.
     Flexible(Box<FlexibleJoints>),
-    /// Rigid or elastic discs in bearings.
-    Bearings(Box<BearingJoints>),
+    /// Bodies in bearings, gears and pins.
+    Mechanism(Box<Mechanism>),
 }
 
 impl From<IdealJoints> for Model {
@@ -28,7 +29,13 @@ impl From<FlexibleJoints> for Model {
 
 impl From<BearingJoints> for Model {
     fn from(model: BearingJoints) -> Model {
-        Model::Bearings(Box::new(model))
+        model.into_mechanism().into()
+    }
+}
+
+impl From<Mechanism> for Model {
+    fn from(model: Mechanism) -> Model {
+        Model::Mechanism(Box::new(model))
     }
 }
 
@@ -38,7 +45,7 @@ macro_rules! each {
         match $model {
             Model::Ideal($inner) => $call,
             Model::Flexible($inner) => $call,
-            Model::Bearings($inner) => $call,
+            Model::Mechanism($inner) => $call,
         }
     };
 }
@@ -49,7 +56,7 @@ impl Model {
         match self {
             Model::Ideal(_) => 0,
             Model::Flexible(_) => 1,
-            Model::Bearings(_) => 2,
+            Model::Mechanism(_) => 2,
         }
     }
 }
@@ -101,7 +108,7 @@ impl Reducer for Model {
     }
 
     fn output_index(&self) -> usize {
-        each!(self, model => Reducer::output_index(model.as_ref()))
+        each!(self, model => model.output_index())
     }
 
     fn ratio(&self) -> f64 {
@@ -129,7 +136,7 @@ impl Reducer for Model {
     }
 
     fn nominal_position_at(&self, input: f64) -> Vec<f64> {
-        each!(self, model => Reducer::nominal_position_at(model.as_ref(), input))
+        each!(self, model => model.nominal_position_at(input))
     }
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {

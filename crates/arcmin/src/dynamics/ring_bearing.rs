@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::DynamicsError;
-use super::bearing_joints::{AXIAL, ElementLoad, ROW, RollingBearing, SLOPE, Stand};
+use super::mechanism::{AXIAL, ElementLoad, ROW, RollingBearing, SLOPE, Stand};
 use crate::machine::{Machine, MainRows};
 
 /// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner against the outer ring, or the load on the inner

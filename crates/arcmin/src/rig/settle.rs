@@ -1,36 +1,8 @@
-use std::borrow::Cow;
-
 use super::RigError;
 use crate::dynamics::{
-    Balance, BearingJoints, DenseLinearisation, ElasticCoordinates, EquilibriumControl, FlankPlace, Look,
-    System, Wanted, by_larger_loads, solve_equilibrium,
+    BearingJoints, EquilibriumControl, Motion, QuasiStatic, System, by_larger_loads, solve_equilibrium,
 };
 use crate::load::LOST_MOTION_SHARE;
-
-/// What the friction sees while the machine is in balance without inertia.
-enum Motion<'a> {
-    /// Velocities as given: steady running.
-    Running(Vec<f64>),
-    /// (q − q_before)/Δt: a slow change of load from the state before.
-    Creeping { from: &'a [f64], interval: f64 },
-}
-
-/// The model without inertia, moving slowly.
-struct Slow<'a> {
-    model: &'a BearingJoints,
-    motion: Motion<'a>,
-}
-
-impl Slow<'_> {
-    fn velocity(&self, position: &[f64]) -> Cow<'_, [f64]> {
-        match &self.motion {
-            Motion::Running(velocity) => Cow::Borrowed(velocity),
-            Motion::Creeping { from, interval } => {
-                position.iter().zip(*from).map(|(q, q0)| (q - q0) / interval).collect()
-            }
-        }
-    }
-}
 
 /// Sliding in m within one step below which regularised friction still grows. Real contacts give way by some
 /// tenths of a micrometre before they slide.
@@ -44,52 +16,6 @@ const TOLERANCE: f64 = 1e-6;
 /// below 1e-5'.
 const FORCE_TOLERANCE: f64 = 2e-5;
 
-impl System for Slow<'_> {
-    fn linearisation(&self) -> DenseLinearisation {
-        self.model.linearisation()
-    }
-
-    fn mass(&self) -> &[f64] {
-        self.model.mass()
-    }
-
-    fn scale(&self) -> &[f64] {
-        self.model.scale()
-    }
-
-    fn evaluate(
-        &self,
-        time: f64,
-        position: &[f64],
-        _: &[f64],
-        force: &mut [f64],
-        linearisation: &mut DenseLinearisation,
-    ) -> Balance {
-        self.model.evaluate(time, position, &self.velocity(position), force, linearisation)
-    }
-
-    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
-        let slip_interval = match self.motion {
-            Motion::Running(_) => None,
-            Motion::Creeping { interval, .. } => Some(interval),
-        };
-        let wanted = Wanted { reach, slip_interval };
-        self.model.look_in_motion(time, position, &self.velocity(position), wanted, look);
-    }
-
-    fn elastic(&self) -> Option<&ElasticCoordinates> {
-        self.model.elastic()
-    }
-
-    fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
-        self.model.flank_compliance(of, force)
-    }
-
-    fn crank_angle(&self, position: &[f64]) -> f64 {
-        self.model.crank_angle(position)
-    }
-}
-
 /// The balance of one motion near `start`; where none is found from there, by way of larger torques.
 fn settle<'a>(
     model: &BearingJoints,
@@ -102,8 +28,8 @@ fn settle<'a>(
             force_tolerance: FORCE_TOLERANCE,
             ..EquilibriumControl::default()
         };
-        let slow = Slow { model, motion: motion() };
-        Ok(solve_equilibrium(&slow, 0.0, start, control)?.position)
+        let system = QuasiStatic { mechanism: model, motion: motion() };
+        Ok(solve_equilibrium(&system, 0.0, start, control)?.position)
     };
     solve(model, start).or_else(|failure| {
         let mut loaded = model.clone();

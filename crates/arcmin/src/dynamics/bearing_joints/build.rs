@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use super::elastic::BoreMode;
-use super::joints::{
-    Bending, Designed, Frame, Gears, Joint, Journal, Losses, MainPair, Modes, OutsideForces, PinRing, Place,
-    SLOPES, Support, Torsion,
-};
 use super::layout::{Degrees, Layout};
 use super::shaft::Shaft;
-use super::{Arm, BearingJoints, Cause, Input, JointSettings, Part, RollingBearing};
+use super::{BearingJoints, JointSettings};
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES};
-use crate::dynamics::{DynamicsError, ElasticCoordinates, ElasticDiscs, ElasticHousing, OutputLoad};
+use crate::dynamics::mechanism::{
+    Arm, Bending, BoreMode, Cause, Designed, Frame, Gears, Input, Joint, Journal, Losses, MainPair,
+    Mechanism, Modes, OutsideForces, Part, PinRing, Place, Resistance, RollingBearing, SLOPES, Support,
+    Torsion,
+};
+use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, OutputLoad, Reducer};
 use crate::fem::carrier::RIM_WAYS;
 use crate::geometry::{Vec2, quarter_turn, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
@@ -90,29 +90,24 @@ impl BearingJoints {
         let parts = Parts { machine, settings, kinematics: &kinematics, layout: &layout, losses };
         let (joints, bearings) = parts.joints();
         let rings = parts.rings(elastic);
-        let mut model = BearingJoints {
-            joints,
-            rings,
-            bearings,
-            mass: layout.coordinates().mass(),
-            scale: layout.coordinates().scale(),
-            input,
-            load,
+        let resistance = Resistance {
             drag: drag + machine.friction.seal_drag,
             drag_speed: (0.01 * machine.rated.input_speed / kinematics.ratio()).abs().max(1e-6),
-            oil_drag: machine.friction.oil_drag,
+            oil: (layout.sun_angle(), machine.friction.oil_drag),
+        };
+        let (coordinates, flanges) = (layout.coordinates().clone(), layout.flanges(&kinematics));
+        let mut mechanism = Mechanism::with_pins(coordinates, joints, rings, flanges, resistance)?;
+        mechanism.set_input(input);
+        mechanism.set_output_load(load);
+        let mut model = BearingJoints {
+            mechanism,
+            bearings,
             has_errors: !settings.errors.is_zero(),
-            elastic: ElasticCoordinates::new(layout.size()),
             rated: machine.rated.torque.abs(),
             layout,
             kinematics,
         };
         model.set_part_wear(settings.part_wear);
-        let mut elastic = std::mem::take(&mut model.elastic);
-        model
-            .elements()
-            .for_each(|joint| joint.elastic(&mut |index, stiffness| elastic.add(index, stiffness)));
-        model.elastic = elastic;
         Ok(model)
     }
 }
@@ -154,7 +149,8 @@ impl Parts<'_> {
             bearings.turning_arms.push(arms.collect());
             let places = layout.stations(k).iter().chain(layout.shaft_slopes(k).into_iter().flatten());
             let index = [0, 1].map(|axis| places.clone().map(|place| place[axis]).collect());
-            add(Box::new(Bending::new(&shaft, index, loss_time)));
+            let laws = (&shaft.departures[..], &shaft.stiffness[..]);
+            add(Box::new(Bending::new(index, shaft.stations, laws, loss_time)));
             add(Box::new(self.gears(k, shaft.torsion)));
         }
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());

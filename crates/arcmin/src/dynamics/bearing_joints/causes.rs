@@ -1,88 +1,11 @@
 //! What makes up an output error in a state of balance: virtual work with the forces of that very balance.
 
 use super::BearingJoints;
-use super::joints::{Nominal, State};
 use crate::dynamics::System;
+use crate::dynamics::mechanism::{Cause, Nominal, State};
 use crate::load::LOST_MOTION_SHARE;
 use crate::units::ARCMIN;
 use crate::wear::PartLoads;
-
-/// Where lost motion comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Cause {
-    FlankWear,
-    PinWear,
-    FlankModification,
-    /// Ways through all clearances are no straight lines: contacts come nearer to the root, where normals turn,
-    /// and cranks lead the discs along circles. Of second order in the way, of either sign.
-    Curvature,
-    TurningArmClearance,
-    TurningArmWear,
-    CrankSupportClearance,
-    CrankSupportWear,
-    GearBacklash,
-    GearWear,
-    MainBearingClearance,
-    Elastic,
-    /// Gaps opened (or, negative, closed) by manufacturing errors.
-    ManufacturingErrors,
-}
-
-impl Cause {
-    pub const ALL: [Cause; 13] = [
-        Cause::FlankWear,
-        Cause::PinWear,
-        Cause::FlankModification,
-        Cause::Curvature,
-        Cause::TurningArmClearance,
-        Cause::TurningArmWear,
-        Cause::CrankSupportClearance,
-        Cause::CrankSupportWear,
-        Cause::GearBacklash,
-        Cause::GearWear,
-        Cause::MainBearingClearance,
-        Cause::Elastic,
-        Cause::ManufacturingErrors,
-    ];
-
-    /// Words for tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Cause::FlankWear => "wear of the disc flanks",
-            Cause::PinWear => "wear of the pins",
-            Cause::FlankModification => "modification of the flanks",
-            Cause::Curvature => "curvature of flanks and cranks on the way",
-            Cause::TurningArmClearance => "clearance of the turning-arm bearings, new",
-            Cause::TurningArmWear => "wear of the turning-arm bearings",
-            Cause::CrankSupportClearance => "clearance of the crank supports, new",
-            Cause::CrankSupportWear => "wear of the crank supports",
-            Cause::GearBacklash => "backlash of the gears, new",
-            Cause::GearWear => "wear of the gears",
-            Cause::MainBearingClearance => "clearance of the main bearings",
-            Cause::Elastic => "elastic, at ±3 % of rated torque",
-            Cause::ManufacturingErrors => "manufacturing errors",
-        }
-    }
-
-    /// Word for columns and keys.
-    pub fn key(self) -> &'static str {
-        match self {
-            Cause::FlankWear => "flank_wear",
-            Cause::PinWear => "pin_wear",
-            Cause::FlankModification => "flank_modification",
-            Cause::Curvature => "curvature",
-            Cause::TurningArmClearance => "turning_arm_clearance",
-            Cause::TurningArmWear => "turning_arm_wear",
-            Cause::CrankSupportClearance => "crank_support_clearance",
-            Cause::CrankSupportWear => "crank_support_wear",
-            Cause::GearBacklash => "gear_backlash",
-            Cause::GearWear => "gear_wear",
-            Cause::MainBearingClearance => "main_bearing_clearance",
-            Cause::Elastic => "elastic",
-            Cause::ManufacturingErrors => "manufacturing_errors",
-        }
-    }
-}
 
 /// rad; work that is left of a balance and would turn the lightly loaded output by less is not looked at.
 const UNSEEN: f64 = 1e-3 * ARCMIN;
@@ -141,13 +64,13 @@ impl BearingJoints {
         let works = |place: &[f64]| -> Vec<f64> {
             let mut force = rest.clone();
             self.evaluate_forces(0.0, place, &rest, &mut force);
-            force.iter().zip(&self.scale).map(|(force, scale)| force * scale).collect()
+            force.iter().zip(self.scale()).map(|(force, scale)| force * scale).collect()
         };
-        let nominal = self.nominal_position_at(self.held_sun());
+        let nominal = self.nominal_position_at(self.held_input());
         let way: Vec<f64> = position
             .iter()
             .zip(&nominal)
-            .zip(&self.scale)
+            .zip(self.scale())
             .map(|((q, from), scale)| (q - from) / scale)
             .collect();
         let unseen = UNSEEN * LOST_MOTION_SHARE * self.rated_torque();
@@ -160,7 +83,7 @@ impl BearingJoints {
             let size = dot(&left, &left).sqrt();
             let place = |reach: f64| -> Vec<f64> {
                 let steps =
-                    left.iter().zip(&self.scale).map(|(work, scale)| JUMP_WIDTH * work / size * scale);
+                    left.iter().zip(self.scale()).map(|(work, scale)| JUMP_WIDTH * work / size * scale);
                 from.iter().zip(steps).map(|(q, step)| q + reach * step).collect()
             };
             // The next jump on the way: behind it there may be others.
@@ -189,7 +112,7 @@ impl BearingJoints {
     fn causes_of_one_side(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut causes = [0.0; Cause::ALL.len()];
-        let nominal = self.nominal_position_at(self.held_sun());
+        let nominal = self.nominal_position_at(self.held_input());
         let nominal = self.full(0.0, &nominal, &vec![0.0; nominal.len()]).0;
         let nominal = Nominal { q: &nominal, has_errors: self.has_errors };
         let at = State { q: &q, v: &v };

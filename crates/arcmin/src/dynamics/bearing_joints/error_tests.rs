@@ -7,7 +7,7 @@
 use super::*;
 use crate::contact::{ContactLaw, PinContact};
 use crate::dynamics::{EquilibriumControl, Reducer, solve_equilibrium};
-use crate::geometry::quarter_turn;
+use crate::geometry::{quarter_turn, unit};
 use crate::load::ShareLoad;
 use crate::machine::{
     BoreError, CrankAngle, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut, Tolerances,
@@ -38,7 +38,7 @@ fn model(machine: &Machine, errors: &ManufacturingErrors, sun: f64) -> (BearingJ
     model.set_load(TORQUE);
     // Bearings a million times stiffer leave rounding of some mN.
     let control = EquilibriumControl { tolerance: 1e-9, ..EquilibriumControl::default() };
-    let q = solve_equilibrium(&model, 0.0, &model.nominal_position_at(sun), control).unwrap().position;
+    let q = solve_equilibrium(&*model, 0.0, &model.nominal_position_at(sun), control).unwrap().position;
     (model, q)
 }
 

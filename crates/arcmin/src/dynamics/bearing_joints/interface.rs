@@ -1,8 +1,7 @@
 //! What bearings and pins do to carrier and housing, in the interface coordinates of their elastic solids.
 
 use super::BearingJoints;
-use super::assembly::{Element, Sink};
-use super::joints::State;
+use crate::dynamics::mechanism::{Element, Sink, State};
 use crate::fem::carrier::{RIM_ORDER, SEAT_COORDINATES};
 use crate::geometry::{Vec2, unit};
 

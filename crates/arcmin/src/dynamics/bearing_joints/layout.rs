@@ -1,5 +1,6 @@
-use super::Arm;
-use super::registry::{Axis, Body, BodyId, Coordinates, Follows, Registry};
+use crate::dynamics::mechanism::{
+    Arm, Axis, Body, BodyId, Coordinates, Flanges, NominalMotion, Registry, Turn,
+};
 use crate::fem::carrier::SEAT_COORDINATES;
 use crate::machine::{FixedMember, Kinematics, Machine};
 use crate::units::ARCMIN;
@@ -80,13 +81,14 @@ impl Layout {
         let axis = |mass: f64, scale: f64, free: bool| Axis { mass, scale, free };
         let place = |mass: f64, free: bool| [axis(mass, place_scale, free); 2];
         let mut registry = Registry::default();
+        let nominal = Nominal::new(at_rest, kinematics);
         // Shaft stations come first of all: elimination then fills little.
         let count = discs + 2;
         // What leans turns in the plane as a way does.
         let slopes = |across: f64| Body {
             axes: vec![axis(across, ARCMIN, true); 2],
             has_place: true,
-            follows: Follows::Centre,
+            nominal: NominalMotion::default(),
         };
         let slices = if degrees.lean { count } else { 0 };
         let shafts: Vec<(Vec<BodyId>, Vec<BodyId>, BodyId)> = carrier_bores
@@ -96,14 +98,14 @@ impl Layout {
                 let station = Body {
                     axes: place(mass, true).to_vec(),
                     has_place: true,
-                    follows: Follows::Carried(*bore),
+                    nominal: NominalMotion::carried(*bore, nominal.carrier),
                 };
                 let stations = (0..count).map(|_| registry.add(station.clone())).collect();
                 // About a diameter, as long as it is thick: an assumption for vibrations.
                 let across = mass * (3.0 / 16.0 + 1.0 / 12.0) * cranks.shaft_diameter.powi(2);
                 let slopes = (0..slices).map(|_| registry.add(slopes(across))).collect();
                 let turn = axis(cranks.inertia, kinematics.lobe_count * ARCMIN, true);
-                (stations, slopes, registry.add_turn(turn, Follows::Crank))
+                (stations, slopes, registry.add_turn(turn, NominalMotion::turning(nominal.crank)))
             })
             .collect();
         let disc_bodies: Vec<BodyId> = modes
@@ -113,7 +115,7 @@ impl Layout {
                 let mut axes = place(machine.disc.mass, true).to_vec();
                 axes.push(axis(machine.disc.inertia, ARCMIN, true));
                 axes.extend(vec![axis(1.0, mode_scale, true); *count]);
-                registry.add(Body { axes, has_place: true, follows: Follows::Disc(j) })
+                registry.add(Body { axes, has_place: true, nominal: nominal.disc(kinematics, j) })
             })
             .collect();
         // Half of the moment of inertia about the axis is that of a thin body across it.
@@ -126,7 +128,7 @@ impl Layout {
         let row = |mass: f64, scale: f64, count: usize| Body {
             axes: vec![axis(mass, scale, true); count],
             has_place: false,
-            follows: Follows::Centre,
+            nominal: NominalMotion::default(),
         };
         let seat_bodies: Vec<[BodyId; 2]> = (0..if degrees.seats { cranks.count } else { 0 })
             .map(|_| {
@@ -151,22 +153,23 @@ impl Layout {
         let sun = registry.add(Body {
             axes: place(sun_mass(machine), true).to_vec(),
             has_place: true,
-            follows: Follows::Centre,
+            nominal: NominalMotion::default(),
         });
         let carrier_moves = at_rest == FixedMember::Housing;
         let add_carrier = |registry: &mut Registry| {
             // Half of an elastic carrier's inertia goes with its flange.
             let halves = if degrees.flange { 0.5 } else { 1.0 };
             let turn = axis(halves * machine.carrier.inertia, ARCMIN, carrier_moves);
+            let turning = NominalMotion::turning(nominal.carrier);
             let mut axes = place(machine.carrier.mass, carrier_moves).to_vec();
             axes.push(Axis { free: carrier_moves || degrees.flange, ..turn });
-            let carrier = registry.add(Body { axes, has_place: true, follows: Follows::Carrier });
-            (carrier, degrees.flange.then(|| registry.add_turn(turn, Follows::Carrier)))
+            let carrier = registry.add(Body { axes, has_place: true, nominal: turning });
+            (carrier, degrees.flange.then(|| registry.add_turn(turn, turning)))
         };
         let add_housing = |registry: &mut Registry| {
             let mut axes = place(machine.housing.mass, !carrier_moves).to_vec();
             axes.push(axis(machine.housing.inertia, ARCMIN, !carrier_moves));
-            registry.add(Body { axes, has_place: true, follows: Follows::Housing })
+            registry.add(Body { axes, has_place: true, nominal: NominalMotion::turning(nominal.housing) })
         };
         let ((carrier, flange), housing) = if carrier_moves {
             let carrier = add_carrier(&mut registry);
@@ -177,11 +180,12 @@ impl Layout {
         };
         let stage = &machine.gear_stage;
         let turn = |mass: f64, free: bool| axis(mass, kinematics.housing_fixed_ratio().abs() * ARCMIN, free);
+        let sun_turn = NominalMotion::turning(1.0);
         let (sun_angle, input) = if degrees.input_shaft {
-            let sun = registry.add_turn(turn(stage.sun_inertia, true), Follows::Sun);
-            (sun, registry.add_turn(turn(stage.motor_inertia, degrees.free_input), Follows::Sun))
+            let sun = registry.add_turn(turn(stage.sun_inertia, true), sun_turn);
+            (sun, registry.add_turn(turn(stage.motor_inertia, degrees.free_input), sun_turn))
         } else {
-            let input = registry.add_turn(turn(stage.motor_inertia, degrees.free_input), Follows::Sun);
+            let input = registry.add_turn(turn(stage.motor_inertia, degrees.free_input), sun_turn);
             registry.add_mass(input, 0, stage.sun_inertia);
             (input, input)
         };
@@ -277,11 +281,6 @@ impl Layout {
         self.lean.as_ref().map(|lean| lean.discs[j])
     }
 
-    /// x of every centre that moves in the plane.
-    pub fn centres(&self) -> impl Iterator<Item = usize> + '_ {
-        self.coordinates.centres()
-    }
-
     /// x of the sun.
     pub fn sun(&self) -> usize {
         self.sun[0]
@@ -320,29 +319,40 @@ impl Layout {
         self.input
     }
 
-    pub fn has_free_input(&self) -> bool {
-        self.input < self.size()
-    }
-
     /// Number of free coordinates.
     pub fn size(&self) -> usize {
         self.coordinates.size
     }
 
-    /// Number of all coordinates.
-    pub fn whole(&self) -> usize {
-        self.coordinates.whole
+    /// The coordinates by which a mechanism is known.
+    pub fn flanges(&self, kinematics: &Kinematics) -> Flanges {
+        let (input, output, phase) = (self.input, self.output(), self.crank_angles[0]);
+        Flanges { input, output, phase, ratio: kinematics.ratio() }
     }
+}
 
-    /// Free coordinates of the nominal machine at the sun angle `sun`.
-    pub fn nominal(&self, kinematics: &Kinematics, sun: f64) -> Vec<f64> {
-        let output = sun / kinematics.ratio();
-        let (carrier, housing) = match self.at_rest {
+/// Turns of the bodies of a reducer without play and load, per turn of the sun.
+struct Nominal {
+    carrier: f64,
+    housing: f64,
+    crank: f64,
+}
+
+impl Nominal {
+    fn new(at_rest: FixedMember, kinematics: &Kinematics) -> Nominal {
+        let output = 1.0 / kinematics.ratio();
+        let (carrier, housing) = match at_rest {
             FixedMember::Housing => (output, 0.0),
             FixedMember::Carrier => (0.0, output),
         };
-        let crank = housing - kinematics.lobe_count * (carrier - housing);
-        self.coordinates.nominal(kinematics, carrier, housing, crank, sun)
+        Nominal { carrier, housing, crank: housing - kinematics.lobe_count * (carrier - housing) }
+    }
+
+    /// Of a disc: carried round by the cranks, turning with the carrier.
+    fn disc(&self, kinematics: &Kinematics, disc: usize) -> NominalMotion {
+        let arm = Arm { radius: kinematics.eccentricity, phase: kinematics.phases[disc] };
+        let turn = Turn { per_input: self.carrier, offset: kinematics.mounting_angle(disc) };
+        NominalMotion { place: Some((arm, Turn::of(self.crank))), turn: Some(turn) }
     }
 }
 

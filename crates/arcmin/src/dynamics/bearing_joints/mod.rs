@@ -1,46 +1,32 @@
 //! The machine with real joints: every body free in the plane, held by its bearings.
 
-mod assembly;
 mod build;
 mod causes;
-mod elastic;
+#[cfg(test)]
+mod elastic_tests;
 #[cfg(test)]
 mod error_tests;
 mod freeing;
 mod interface;
-mod joints;
 mod layout;
+#[cfg(test)]
+mod lean_tests;
 mod preload;
-mod registry;
-mod rim;
-mod roller;
-mod running;
 mod shaft;
 mod sharing;
-mod system;
-mod tangent;
 #[cfg(test)]
 mod tests;
 
-pub use assembly::Part;
-pub(crate) use assembly::Wanted;
-pub use causes::Cause;
-pub(super) use joints::Shown;
-pub(super) use roller::{AXIAL, ROW, SLOPE, Stand};
-pub use roller::{BearingState, ElementLoad, RollingBearing};
+use std::ops::{Deref, DerefMut};
+
 pub use sharing::{BearingMeshing, LostMotionSplit};
 
-use assembly::Sink;
 use build::Bearings;
-use joints::{Joint, PinRing, State};
 use layout::Layout;
-use roller::VARIABLES;
 
-use super::{
-    Drive, DynamicsError, ElasticCarrier, ElasticCoordinates, ElasticDiscs, ElasticHousing, MainBearings,
-    OutputLoad,
-};
-use crate::geometry::{Relief, Vec2, unit};
+use super::mechanism::{BearingState, Input, Mechanism, State, VARIABLES};
+use super::{Drive, DynamicsError, ElasticCarrier, ElasticDiscs, ElasticHousing, MainBearings, OutputLoad};
+use crate::geometry::Relief;
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, PartWear};
 
 /// An output that leans in its main bearings.
@@ -102,34 +88,6 @@ impl Default for JointSettings {
     }
 }
 
-/// How the sun moves.
-#[derive(Debug, Clone, PartialEq)]
-enum Input {
-    Driven(Drive),
-    /// At an angle (rad) with a speed (rad/s) that only friction sees.
-    Held {
-        angle: f64,
-        speed: f64,
-    },
-}
-
-/// A centre that goes round with a body: place in polar coordinates of the body.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Arm {
-    radius: f64,
-    phase: f64,
-}
-
-impl Arm {
-    fn new(place: Vec2) -> Arm {
-        Arm { radius: place.norm(), phase: place.y.atan2(place.x) }
-    }
-
-    fn at(&self, angle: f64) -> Vec2 {
-        self.radius * unit(angle + self.phase)
-    }
-}
-
 /// Discs, crankshafts, carrier and sun free in the plane, in roller bearings with clearance.
 ///
 /// Coordinates are absolute places (m) and angles (rad): per crankshaft the shaft at both supports and at
@@ -156,25 +114,27 @@ impl Arm {
 /// the carrier give way to couples.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
+    mechanism: Mechanism,
     kinematics: Kinematics,
     layout: Layout,
-    /// Everything between the bodies but the pins.
-    joints: Vec<Box<dyn Joint>>,
-    /// The pins, disc by disc.
-    rings: Vec<PinRing>,
     bearings: Bearings,
-    input: Input,
-    load: OutputLoad,
-    drag: f64,
-    drag_speed: f64,
-    /// N·m·s/rad at the sun.
-    oil_drag: f64,
     has_errors: bool,
-    elastic: ElasticCoordinates,
-    mass: Vec<f64>,
-    scale: Vec<f64>,
     /// Size of the rated torque in N·m.
     rated: f64,
+}
+
+impl Deref for BearingJoints {
+    type Target = Mechanism;
+
+    fn deref(&self) -> &Mechanism {
+        &self.mechanism
+    }
+}
+
+impl DerefMut for BearingJoints {
+    fn deref_mut(&mut self) -> &mut Mechanism {
+        &mut self.mechanism
+    }
 }
 
 impl BearingJoints {
@@ -202,89 +162,35 @@ impl BearingJoints {
         BearingJoints::build(machine, settings, Input::Held { angle: 0.0, speed: 0.0 }, OutputLoad::None, 0.0)
     }
 
+    /// The bodies and joints, without the names of an RV reducer's parts.
+    pub fn into_mechanism(self) -> Mechanism {
+        self.mechanism
+    }
+
     pub fn kinematics(&self) -> &Kinematics {
         &self.kinematics
     }
 
     /// Holds the sun at an angle (rad); friction sees the speed (rad/s).
     pub fn hold_sun(&mut self, angle: f64, speed: f64) {
-        self.input = Input::Held { angle, speed };
+        self.mechanism.hold_input(angle, speed);
     }
 
-    /// Constant torque at the output in N·m, positive against positive motion.
-    pub fn set_load(&mut self, torque: f64) {
-        self.load = OutputLoad::Constant { torque };
+    /// The same machine with all friction and drag multiplied by `share`.
+    pub(crate) fn with_friction(&self, share: f64) -> BearingJoints {
+        let mut model = self.clone();
+        model.scale_friction(share);
+        model
     }
 
-    /// Index of the output's angle among the coordinates.
-    pub fn output_index(&self) -> usize {
-        self.layout.output()
-    }
-
-    /// Coordinates of the nominal machine at a sun angle in rad.
-    pub fn nominal_position_at(&self, sun: f64) -> Vec<f64> {
-        self.layout.nominal(&self.kinematics, sun)
-    }
-
-    /// Velocities of the nominal machine at a sun angle (rad) and speed (rad/s).
-    pub fn nominal_velocity_at(&self, sun: f64, speed: f64) -> Vec<f64> {
-        // Nominal motion is smooth: a central difference over 1e-6 rad is exact to rounding.
-        let h = 1e-6;
-        let (ahead, behind) = (self.nominal_position_at(sun + h), self.nominal_position_at(sun - h));
-        ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
+    /// Size of the rated torque in N·m.
+    pub(crate) fn rated_torque(&self) -> f64 {
+        self.rated
     }
 
     /// Angle of the nominal carrier in rad at a sun angle.
     pub(crate) fn carrier_angle_at(&self, sun: f64) -> f64 {
         if self.layout.housing_moves() { 0.0 } else { sun / self.kinematics.ratio() }
-    }
-
-    /// Turns what is a way in the plane of every body, and how an elastic housing gives way, by an angle (rad), in place.
-    pub(crate) fn turn_ways(&self, ways: &mut [f64], angle: f64) {
-        let (sin, cos) = angle.sin_cos();
-        for x in self.layout.centres() {
-            (ways[x], ways[x + 1]) = (cos * ways[x] - sin * ways[x + 1], sin * ways[x] + cos * ways[x + 1]);
-        }
-        if let Some(housing) = self.rings.first().and_then(|ring| ring.housing.as_ref()) {
-            housing.body.turn(&mut ways[housing.at.clone()], angle);
-        }
-    }
-
-    /// θ_out − θ_in/i in rad with the input held; for a carrier at rest θ_out is the turn of the housing and
-    /// i the ratio of that case.
-    pub fn output_error(&self, position: &[f64]) -> f64 {
-        position[self.layout.output()] - self.held_sun() / self.kinematics.ratio()
-    }
-
-    /// Angle at which the sun is held, 0 where it is not.
-    fn held_sun(&self) -> f64 {
-        match self.input {
-            Input::Held { angle, .. } => angle,
-            Input::Driven(_) => 0.0,
-        }
-    }
-
-    /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates
-    /// (rad/(N·m), m/(N·m)).
-    pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
-        let mut whole = motion.to_vec();
-        whole.resize(self.layout.whole(), 0.0);
-        let mut compliance = [0.0; Part::ALL.len()];
-        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let mut add = |part: Part, share: f64| compliance[part as usize] += share;
-        self.elements().for_each(|joint| joint.split(State { q: &q, v: &v }, &whole, &mut add));
-        compliance
-    }
-
-    /// All joints, the pins last.
-    fn elements(&self) -> impl Iterator<Item = &dyn Joint> {
-        self.joints.iter().map(AsRef::as_ref).chain(self.rings.iter().map(|ring| ring as &dyn Joint))
-    }
-
-    /// Hands all springs, dampers and frictions to `sink`. `q` and `v` are of all coordinates, those held or
-    /// prescribed included.
-    fn visit(&self, q: &[f64], v: &[f64], sink: &mut dyn Sink) {
-        self.elements().for_each(|joint| joint.visit(State { q, v }, sink));
     }
 
     /// Force (N) on the inner ring and rolling element forces of a bearing.

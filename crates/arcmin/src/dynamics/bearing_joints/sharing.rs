@@ -4,9 +4,10 @@ mod balance;
 
 pub(super) use self::balance::Known;
 use super::preload::Freed;
-use super::{BearingJoints, Cause, JointSettings};
+use super::{BearingJoints, JointSettings};
 use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::DynamicsError;
+use crate::dynamics::mechanism::Cause;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, OutputForces, PartWear};

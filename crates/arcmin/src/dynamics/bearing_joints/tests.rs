@@ -1,7 +1,7 @@
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{
-    EquilibriumControl, IdealJoints, Model, Reducer, Run, RunPlan, RunResult, StepControl, System,
+    EquilibriumControl, IdealJoints, Model, Part, Reducer, Run, RunPlan, RunResult, StepControl, System,
     solve_equilibrium,
 };
 use crate::machine::{FixedMember, RunOut};
@@ -17,7 +17,7 @@ pub(super) fn machine() -> Machine {
 
 pub(super) fn settle(model: &BearingJoints, sun: f64) -> Vec<f64> {
     let control = EquilibriumControl { tolerance: 1e-9, ..EquilibriumControl::default() };
-    solve_equilibrium(model, 0.0, &model.nominal_position_at(sun), control).unwrap().position
+    solve_equilibrium(&**model, 0.0, &model.nominal_position_at(sun), control).unwrap().position
 }
 
 /// Every force against the numerical derivative of the stored energy, every tangent against the forces.
@@ -214,7 +214,7 @@ fn tangent_by_differences_is_that_of_balances() {
         let mut balance = |share: f64, start: &[f64]| {
             model.set_load(share * rated);
             let control = EquilibriumControl { tolerance: 1e-11, ..EquilibriumControl::default() };
-            solve_equilibrium(&model, 0.0, start, control).unwrap().position
+            solve_equilibrium(&*model, 0.0, start, control).unwrap().position
         };
         let q = balance(1.0, &BearingJoints::held(&machine, &settings).unwrap().nominal_position_at(2.0));
         let [less, more] = [1.0 - 1e-4, 1.0 + 1e-4].map(|share| balance(share, &q)[output]);

@@ -41,7 +41,7 @@ fn balances_do_not_depend_on_the_start() {
                 model.hold_sun(sun, 0.0);
                 model.set_load(share * machine.rated.torque);
                 let nominal = model.nominal_position_at(sun);
-                let found = solve_equilibrium(&model, 0.0, &nominal, control)
+                let found = solve_equilibrium(&*model, 0.0, &nominal, control)
                     .unwrap_or_else(|error| panic!("{} {share}: {error}", machine.name));
                 counts.push(found.iterations);
                 let mut force = vec![0.0; nominal.len()];
@@ -56,7 +56,7 @@ fn balances_do_not_depend_on_the_start() {
                     .replace(found.position.iter().zip(&nominal).map(|(q, n)| q - n).collect::<Vec<f64>>())
                 {
                     let start: Vec<f64> = nominal.iter().zip(way).map(|(n, d)| n + d).collect();
-                    let again = solve_equilibrium(&model, 0.0, &start, control).unwrap();
+                    let again = solve_equilibrium(&*model, 0.0, &start, control).unwrap();
                     let [a, b] = [&found, &again].map(|found| model.output_error(&found.position));
                     assert!((a - b).abs() < 1e-6 * ARCMIN, "{} {share}: {a} {b}", machine.name);
                 }

@@ -350,10 +350,10 @@ fn kept_tangents_lead_to_the_same_balance() {
     for sun in [0.0, 3.3, 17.0] {
         model.hold_sun(sun, 0.0);
         model.set_load(0.9 * machine.rated.torque);
-        let near = solve_equilibrium(&model, 0.0, &model.nominal_position_at(sun), control).unwrap();
+        let near = solve_equilibrium(&*model, 0.0, &model.nominal_position_at(sun), control).unwrap();
         model.set_load(machine.rated.torque);
-        let short = solve_equilibrium(&model, 0.0, &near.position, control).unwrap();
-        let long = solve_equilibrium(&model, 0.0, &near.position, exact).unwrap();
+        let short = solve_equilibrium(&*model, 0.0, &near.position, control).unwrap();
+        let long = solve_equilibrium(&*model, 0.0, &near.position, exact).unwrap();
         assert!(short.iterations < 12, "{}", short.iterations);
         for ((a, b), scale) in short.position.iter().zip(&long.position).zip(model.scale()) {
             assert!((a - b).abs() < 1e-7 * scale, "{sun}: {a} {b}");

@@ -4,8 +4,9 @@
 mod quadratic_program;
 
 use self::quadratic_program::{Limits, Price};
-use super::joints::{Distance, Limit, PIN};
 use super::{BearingJoints, BearingMeshing};
+use crate::dynamics::System;
+use crate::dynamics::mechanism::{Distance, Limit, PIN};
 use crate::machine::CrankAngle;
 
 /// What is left to gain where a search ends, in units of the system's scale: 1e-12 m.
@@ -66,7 +67,7 @@ impl<'a> Search<'a> {
             *column = width;
             width += 1;
         }
-        let unit = model.scale[layout.disc(0)];
+        let unit = model.scale()[layout.disc(0)];
         Search { model, columns, width: width + 1, unit }
     }
 
@@ -77,7 +78,7 @@ impl<'a> Search<'a> {
         rows.slopes.resize(start + self.width, 0.0);
         for (at, slope) in distance.index.iter().zip(distance.gradient) {
             if let Some(Some(column)) = self.columns.get(*at) {
-                rows.slopes[start + column] += weight * slope * self.model.scale[*at];
+                rows.slopes[start + column] += weight * slope * self.model.scale()[*at];
             }
         }
         rows.values.push(weight * distance.value);
@@ -123,7 +124,7 @@ impl<'a> Search<'a> {
     }
 
     fn moved(&self, position: &[f64], step: &[f64]) -> Vec<f64> {
-        let columns = self.columns.iter().zip(&self.model.scale);
+        let columns = self.columns.iter().zip(self.model.scale());
         position
             .iter()
             .zip(columns)

@@ -13,7 +13,7 @@ fn check_gradients(name: &str, machine: &Machine) -> usize {
     let mut meshing = BearingMeshing::new(machine, &settings).unwrap();
     meshing.model.hold_sun(2.2, 0.0);
     let model = &meshing.model;
-    let scale = model.scale.clone();
+    let scale = model.scale().to_vec();
     let place: Vec<f64> = model
         .nominal_position_at(2.2)
         .iter()

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::BearingMeshing;
-use crate::dynamics::bearing_joints::running::Running;
+use crate::dynamics::mechanism::{Motion, QuasiStatic};
 use crate::dynamics::statics::by_larger_loads;
 use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
 use crate::load::LoadError;
@@ -109,10 +109,12 @@ impl BearingMeshing {
             ..EquilibriumControl::default()
         };
         let found = match self.running {
-            None => solve_equilibrium(&self.model, 0.0, &place, control),
+            None => solve_equilibrium(&*self.model, 0.0, &place, control),
             Some(speed) => {
                 self.model.hold_sun(sun, speed);
-                solve_equilibrium(&Running::new(&self.model, sun, speed), 0.0, &place, control)
+                let motion = Motion::Running(self.model.nominal_velocity_at(sun, speed));
+                let running = QuasiStatic { mechanism: &self.model, motion };
+                solve_equilibrium(&running, 0.0, &place, control)
             }
         };
         match found {

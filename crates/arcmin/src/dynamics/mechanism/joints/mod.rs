@@ -11,18 +11,19 @@ mod torsion;
 
 use std::fmt::Debug;
 
-pub(super) use bending::Bending;
-pub(super) use frame::Frame;
-pub(super) use gears::Gears;
-pub(super) use journal::{Journal, Place, SLOPES};
-pub(super) use main_pair::{MainPair, OutsideForces};
+pub(in crate::dynamics) use bending::Bending;
+pub(in crate::dynamics) use frame::Frame;
+pub(in crate::dynamics) use gears::Gears;
+pub(in crate::dynamics) use journal::SLOPES;
+pub use journal::{Journal, Place};
+pub(in crate::dynamics) use main_pair::{MainPair, OutsideForces};
 pub(in crate::dynamics) use pin_ring::Shown;
-pub(super) use pin_ring::{Designed, Modes, PIN, PinRing};
-pub(super) use support::Support;
-pub(super) use torsion::Torsion;
+pub(in crate::dynamics) use pin_ring::{Designed, Modes, PIN, PinRing};
+pub use support::Support;
+pub use torsion::Torsion;
 
-use super::Cause;
-use super::assembly::{Element, Part, Sink, Split, Wanted};
+use super::assembly::{Element, Sink, Split, Wanted};
+use super::labels::{Cause, Part};
 use crate::contact::ContactSpring;
 use crate::dynamics::ForceSummary;
 use crate::machine::{Friction, OutputForces, PartWear};
@@ -30,14 +31,14 @@ use crate::wear::PartLoads;
 
 /// Coordinates and velocities of all bodies, those held or prescribed included.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct State<'a> {
+pub struct State<'a> {
     pub q: &'a [f64],
     pub v: &'a [f64],
 }
 
 /// Where the machine would stand without wear, play and errors.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Nominal<'a> {
+pub struct Nominal<'a> {
     /// All coordinates.
     pub q: &'a [f64],
     /// Whether the machine has manufacturing errors, which displace parts in that very place.
@@ -53,7 +54,7 @@ impl<'a> Nominal<'a> {
 
 /// What a joint lets bodies do while nothing presses, to first order in their displacement.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Limit<'a> {
+pub enum Limit<'a> {
     /// A gap that does not close any further than to nothing.
     Gap(Distance<'a>),
     /// The same between a pin and a flank, which a relief of the flank widens.
@@ -67,7 +68,7 @@ pub(super) enum Limit<'a> {
 /// A length in m or an angle in rad, with its gradient by the coordinates listed, and about how stiff the joint is
 /// against its going below nothing, in N/m or N·m/rad.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Distance<'a> {
+pub struct Distance<'a> {
     pub index: &'a [usize],
     pub gradient: &'a [f64],
     pub value: f64,
@@ -78,7 +79,7 @@ pub(super) struct Distance<'a> {
 ///
 /// Springs derive from energies; [`Joint::visit`] hands them on with gradient and Hessian, so that forces,
 /// tangents, the split of compliance and the stored energy come from one place.
-pub(super) trait Joint: Debug + Send + Sync {
+pub trait Joint: Debug + Send + Sync {
     /// Hands springs, dampers and frictions to `sink`.
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink);
 
@@ -193,7 +194,7 @@ impl Sink for Way<'_> {
 
 /// What joints lose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Losses {
+pub struct Losses {
     /// Ratio of damping to tangent stiffness in s.
     pub time: f64,
     pub friction: Friction,

@@ -29,15 +29,15 @@ pub struct RollingBearing {
     /// K in N/m^n.
     pub(in crate::dynamics) stiffness: f64,
     pub(in crate::dynamics) exponent: f64,
-    pub(super) half_clearance: f64,
+    pub(in crate::dynamics) half_clearance: f64,
     /// The same as drawn, m.
-    pub(super) drawn_half_clearance: f64,
+    pub(in crate::dynamics) drawn_half_clearance: f64,
     /// Cosine and sine of the contact angle.
     pub(in crate::dynamics) contact: Vec2,
     /// A in m; none where the contact angle does not turn.
     groove_distance: Option<f64>,
     /// w: how far the cage follows the inner ring.
-    pub(super) inner_share: f64,
+    pub(in crate::dynamics) inner_share: f64,
     /// R in m, on which friction acts.
     pub(in crate::dynamics) pitch_radius: f64,
     /// Where the two slices of a roller that stand for its length sit from its middle, in m: t = l/√12 where the ring bears
@@ -50,16 +50,16 @@ pub struct RollingBearing {
 
 /// Variables of a bearing: displacement of the inner ring (x, y), angle of the cage, slope of the inner against the outer
 /// ring (x, y), way along the axis, angle of the rim's body, ways of the rim. A state over fewer takes the first.
-pub(super) const CAGE: usize = 2;
+pub(in crate::dynamics) const CAGE: usize = 2;
 pub(in crate::dynamics) const SLOPE: usize = 3;
 pub(in crate::dynamics) const AXIAL: usize = 5;
-pub(super) const BODY: usize = 6;
-pub(super) const WAYS: usize = 7;
+pub(in crate::dynamics) const BODY: usize = 6;
+pub(in crate::dynamics) const WAYS: usize = 7;
 /// Of rings that stay parallel, that lean, that lean and move along the axis, and of all variables.
-pub(super) const PARALLEL: usize = SLOPE;
-pub(super) const LEANING: usize = AXIAL;
+pub(in crate::dynamics) const PARALLEL: usize = SLOPE;
+pub(in crate::dynamics) const LEANING: usize = AXIAL;
 pub(in crate::dynamics) const ROW: usize = BODY;
-pub(super) const VARIABLES: usize = WAYS + RIM;
+pub(in crate::dynamics) const VARIABLES: usize = WAYS + RIM;
 
 /// How the rings of a bearing stand to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -204,24 +204,24 @@ impl RollingBearing {
     }
 
     /// Radial stiffness of one element that gives way by a micrometre, in N/m; it hardly depends on that.
-    pub(super) fn stiffness_of_an_element(&self) -> f64 {
+    pub(in crate::dynamics) fn stiffness_of_an_element(&self) -> f64 {
         self.contact.x.powi(2) * self.exponent * self.stiffness * 1e-6_f64.powf(self.exponent - 1.0)
     }
 
     /// Law of one contact of an element: of the whole, or of a slice where the rings lean.
-    pub(super) fn spring_at(&self, stand: &Stand) -> ContactSpring {
+    pub(in crate::dynamics) fn spring_at(&self, stand: &Stand) -> ContactSpring {
         let slices = self.places(stand.slope.is_some()).len();
         ContactSpring::Power { stiffness: self.stiffness / slices as f64, exponent: self.exponent }
     }
 
     /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.
-    pub(super) fn centring_stiffness(&self) -> f64 {
+    pub(in crate::dynamics) fn centring_stiffness(&self) -> f64 {
         0.25 * self.count as f64 * self.stiffness_of_an_element()
     }
 
     /// Direction e of every rolling element.
     #[inline]
-    pub(super) fn directions(&self, cage: f64) -> impl Iterator<Item = Vec2> + use<> {
+    pub(in crate::dynamics) fn directions(&self, cage: f64) -> impl Iterator<Item = Vec2> + use<> {
         let step = unit(TAU / self.count as f64);
         let mut next = unit(cage);
         (0..self.count).map(move |_| {
@@ -280,7 +280,7 @@ impl RollingBearing {
     /// shown to `see`: its approach in m, the gradient of that, and how it presses. What these stiffen along their approaches
     /// is not in the Hessian of the state but the second matrix.
     #[inline]
-    pub(super) fn react_within<const N: usize>(
+    pub(in crate::dynamics) fn react_within<const N: usize>(
         &self,
         stand: &Stand,
         tangents: bool,

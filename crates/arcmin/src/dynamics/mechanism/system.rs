@@ -1,27 +1,32 @@
 use super::assembly::{Assembly, Sink, Wanted};
 use super::joints::State;
-use super::{BearingJoints, Input};
+use super::{Input, Mechanism};
 use crate::contact::ContactSpring;
 use crate::dynamics::{
     Balance, Columns, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace,
     ForceSummary, Look, OutputLoad, Reducer, System,
 };
 
-impl BearingJoints {
+impl Mechanism {
     /// All coordinates and velocities, those held or prescribed included.
-    pub(super) fn full(&self, time: f64, position: &[f64], velocity: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(in crate::dynamics) fn full(
+        &self,
+        time: f64,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> (Vec<f64>, Vec<f64>) {
         let (mut q, mut v) =
-            (Vec::with_capacity(self.layout.whole()), Vec::with_capacity(self.layout.whole()));
+            (Vec::with_capacity(self.coordinates.whole), Vec::with_capacity(self.coordinates.whole));
         q.extend_from_slice(position);
         v.extend_from_slice(velocity);
-        q.resize(self.layout.whole(), 0.0);
-        v.resize(self.layout.whole(), 0.0);
-        if !self.layout.has_free_input() {
-            let input = self.layout.input();
+        q.extend_from_slice(&self.held);
+        v.resize(self.coordinates.whole, 0.0);
+        if !self.has_free_input() {
+            let input = self.flanges.input;
             (q[input], v[input]) = self.input_motion(time);
         }
         if let Some(motion) = self.load.motion() {
-            let output = self.layout.output();
+            let output = self.flanges.output;
             (q[output], v[output]) = motion.at(time);
         }
         (q, v)
@@ -38,7 +43,7 @@ impl BearingJoints {
     }
 
     /// Everything at one state, tangents where they are wanted; returns powers and the torque (N·m) that the drive
-    /// puts on the sun.
+    /// puts on the input.
     pub fn evaluate_with_input(
         &self,
         time: f64,
@@ -50,7 +55,7 @@ impl BearingJoints {
         self.evaluate_for(time, position, velocity, force, linearisation, None)
     }
 
-    /// As [`BearingJoints::evaluate_with_input`], with single contacts where they are looked for.
+    /// As [`Mechanism::evaluate_with_input`], with single contacts where they are looked for.
     fn evaluate_for(
         &self,
         time: f64,
@@ -66,7 +71,7 @@ impl BearingJoints {
             linearisation.clear();
         }
         force.fill(0.0);
-        let (size, input) = (self.layout.size(), self.layout.input());
+        let (size, input) = (self.coordinates.size, self.flanges.input);
         let mut assembly = Assembly {
             force,
             linearisation: linearisation.as_deref_mut(),
@@ -77,32 +82,31 @@ impl BearingJoints {
             look,
         };
         self.visit(&q, &v, &mut assembly);
-        let output = self.layout.output();
+        let output = self.flanges.output;
         let load = self.load.torque(time);
         assembly.add_force(output, -load);
         assembly.balance.load_torque = load;
         assembly.balance.load_power = load * v[output];
-        if self.drag > 0.0 {
-            let reach = 1.0 / v[output].hypot(self.drag_speed);
-            let torque = self.drag * v[output] * reach;
+        if self.resistance.drag > 0.0 {
+            let reach = 1.0 / v[output].hypot(self.resistance.drag_speed);
+            let torque = self.resistance.drag * v[output] * reach;
             let slope = match interval {
-                None => self.drag * self.drag_speed.powi(2) * reach.powi(3),
+                None => self.resistance.drag * self.resistance.drag_speed.powi(2) * reach.powi(3),
                 Some(interval) => {
-                    let presliding = self.drag_speed * interval;
-                    let spring = ContactSpring::Slip { limit: self.drag, presliding };
+                    let presliding = self.resistance.drag_speed * interval;
+                    let spring = ContactSpring::Slip { limit: self.resistance.drag, presliding };
                     assembly.contact(&Contact::new(&[output], &[1.0], v[output] * interval, spring));
                     0.0
                 }
             };
             assembly.damper(&[output], &[-torque], &[slope], torque * v[output]);
         }
-        let oil = self.oil_drag;
+        let (at, oil) = self.resistance.oil;
         if oil > 0.0 {
-            let sun = self.layout.sun_angle();
-            assembly.damper(&[sun], &[-oil * v[sun]], &[oil], oil * v[sun] * v[sun]);
+            assembly.damper(&[at], &[-oil * v[at]], &[oil], oil * v[at] * v[at]);
         }
         let input_torque = match &self.input {
-            Input::Driven(drive) if self.layout.has_free_input() => {
+            Input::Driven(drive) if self.has_free_input() => {
                 let (torque, slope) = drive.torque(time, v[input]);
                 assembly.damper(&[input], &[torque], &[slope], 0.0);
                 torque
@@ -119,7 +123,7 @@ impl BearingJoints {
     }
 }
 
-impl BearingJoints {
+impl Mechanism {
     /// What the static solver sees where friction sees velocities, given or as displacements over an interval.
     pub(crate) fn look_in_motion(
         &self,
@@ -135,13 +139,13 @@ impl BearingJoints {
     }
 }
 
-impl System for BearingJoints {
+impl System for Mechanism {
     fn linearisation(&self) -> DenseLinearisation {
-        DenseLinearisation::new(self.layout.size())
+        DenseLinearisation::new(self.coordinates.size)
     }
 
     fn linearisation_at_rest(&self) -> DenseLinearisation {
-        DenseLinearisation::at_rest(self.layout.size())
+        DenseLinearisation::at_rest(self.coordinates.size)
     }
 
     fn mass(&self) -> &[f64] {
@@ -186,25 +190,25 @@ impl System for BearingJoints {
     }
 
     fn crank_angle(&self, position: &[f64]) -> f64 {
-        position[self.layout.crank_angle(0)]
+        position[self.flanges.phase]
     }
 }
 
-impl Reducer for BearingJoints {
+impl Reducer for Mechanism {
     fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64) {
-        if self.layout.has_free_input() {
-            let input = self.layout.input();
+        if self.has_free_input() {
+            let input = self.flanges.input;
             return (position[input], velocity[input]);
         }
         self.input_motion(time)
     }
 
     fn output_index(&self) -> usize {
-        self.layout.output()
+        self.flanges.output
     }
 
     fn ratio(&self) -> f64 {
-        self.kinematics.ratio()
+        self.flanges.ratio
     }
 
     fn drive(&self) -> Option<&Drive> {
@@ -227,11 +231,11 @@ impl Reducer for BearingJoints {
     }
 
     fn free_input(&self) -> Option<usize> {
-        self.layout.has_free_input().then(|| self.layout.input())
+        self.has_free_input().then(|| self.flanges.input)
     }
 
     fn nominal_position_at(&self, input: f64) -> Vec<f64> {
-        self.layout.nominal(&self.kinematics, input)
+        self.coordinates.nominal(input)
     }
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {

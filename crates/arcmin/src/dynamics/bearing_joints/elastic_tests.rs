@@ -1,15 +1,14 @@
-use super::super::tests::{machine, settle};
-use super::super::{BearingJoints, JointSettings, Part};
-use super::*;
+use super::tests::{machine, settle};
+use super::{BearingJoints, JointSettings};
 use crate::contact::ContactLaw;
-use crate::dynamics::bearing_joints::assembly::Element;
+use crate::dynamics::mechanism::{Element, Part, Sink};
 use crate::dynamics::{
     Drive, ElasticDiscs, EquilibriumControl, FlexibleJoints, FlexibleOptions, OutputLoad, Reducer, Run,
     RunPlan, RunResult, StepControl, System, TimeTable, solve_equilibrium,
 };
 use crate::fem::tests::{discs, reduced};
 use crate::fem::{FemError, FlexibleDiscs};
-use crate::geometry::Relief;
+use crate::geometry::{Relief, Vec2};
 use crate::machine::Machine;
 use crate::progress::Silent;
 use crate::units::ARCMIN;

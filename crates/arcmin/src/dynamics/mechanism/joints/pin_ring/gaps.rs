@@ -2,13 +2,13 @@
 
 use super::PinRing;
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts};
-use crate::dynamics::bearing_joints::Cause;
-use crate::dynamics::bearing_joints::joints::{Nominal, State};
+use crate::dynamics::mechanism::Cause;
+use crate::dynamics::mechanism::joints::{Nominal, State};
 use crate::geometry::{Relief, Vec2, unit};
 
 /// What is taken off the flank on purpose, to tell it from wear and from errors.
 #[derive(Debug, Clone)]
-pub(in super::super::super) struct Designed {
+pub(in crate::dynamics) struct Designed {
     pub relief: Relief,
     /// Offsets of the flank in m.
     pub equidistant: f64,

@@ -1,13 +1,13 @@
 //! How a machine in balance yields, and easier machines on the way to a hard one.
 
-use super::BearingJoints;
+use super::Mechanism;
 use super::joints::Joint;
 use crate::dynamics::{DenseLinearisation, System, Weights};
 
 /// Squares of 10 and 100 rad/s: inertia of a body at such a pace is some 1e-6 and 1e-4 of any contact's stiffness.
 const SLOW: [f64; 2] = [1e2, 1e4];
 
-impl BearingJoints {
+impl Mechanism {
     /// dq/dT per unit of torque applied at the output (rad/(N·m), m/(N·m)), friction left aside. A body that no
     /// contact holds, in the middle of its clearance, takes no force, but its place is not defined by
     /// stiffness; its inertia then keeps it where it is. `None` where not even the output is held.
@@ -20,7 +20,7 @@ impl BearingJoints {
             .or_else(|| self.motion_by(&mut self.tangent_by_differences(position, linearisation)))
     }
 
-    pub(super) fn motion_by(&self, linearisation: &mut DenseLinearisation) -> Option<Vec<f64>> {
+    pub(in crate::dynamics) fn motion_by(&self, linearisation: &mut DenseLinearisation) -> Option<Vec<f64>> {
         let output = self.output_index();
         [0.0, SLOW[0], SLOW[1]].into_iter().find_map(|mass| {
             let mut motion = vec![0.0; self.size()];
@@ -31,7 +31,7 @@ impl BearingJoints {
         })
     }
 
-    pub(super) fn forces_at_rest(
+    pub(in crate::dynamics) fn forces_at_rest(
         &self,
         position: &[f64],
         linearisation: &mut DenseLinearisation,
@@ -42,7 +42,7 @@ impl BearingJoints {
     }
 
     /// −∂Q/∂q by central differences, and as it is `known` where a coordinate acts on no force (it is held).
-    pub(super) fn tangent_by_differences(
+    pub(in crate::dynamics) fn tangent_by_differences(
         &self,
         position: &[f64],
         mut known: DenseLinearisation,
@@ -67,24 +67,12 @@ impl BearingJoints {
         known
     }
 
-    /// The same machine with all friction and drag multiplied by `share`.
-    pub(crate) fn with_friction(&self, share: f64) -> BearingJoints {
-        let mut model = self.clone();
-        model.joints.iter_mut().for_each(|joint| joint.scale_friction(share));
-        model.rings.iter_mut().for_each(|ring| ring.scale_friction(share));
-        model.drag *= share;
-        model.oil_drag *= share;
-        model
-    }
-
-    /// Size of the rated torque in N·m.
-    pub(crate) fn rated_torque(&self) -> f64 {
-        self.rated
-    }
-
-    /// Constant torque at the output in N·m.
-    pub(crate) fn constant_load(&self) -> f64 {
-        self.load.torque(0.0)
+    /// Multiplies all friction and drag.
+    pub(in crate::dynamics) fn scale_friction(&mut self, share: f64) {
+        self.joints.iter_mut().for_each(|joint| joint.scale_friction(share));
+        self.rings.iter_mut().for_each(|ring| ring.scale_friction(share));
+        self.resistance.drag *= share;
+        self.resistance.oil.1 *= share;
     }
 }
 

@@ -1,12 +1,11 @@
 use nalgebra::DMatrix;
 
 use super::{Distance, Joint, Limit, Part, Sink, State};
-use crate::dynamics::bearing_joints::assembly::Element;
-use crate::dynamics::bearing_joints::shaft::Shaft;
+use crate::dynamics::mechanism::assembly::Element;
 
 /// Bending and shear of a crankshaft between its stations: both supports, then the discs.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Bending {
+pub(in crate::dynamics) struct Bending {
     /// Coordinates along x and along y: places of the stations, and their slopes where these count.
     index: [Vec<usize>; 2],
     /// Number of stations.
@@ -22,11 +21,18 @@ pub(in super::super) struct Bending {
 
 impl Bending {
     /// `index` are the coordinates along x and along y: places of the stations, and their slopes where these count.
-    pub fn new(shaft: &Shaft, index: [Vec<usize>; 2], loss_time: f64) -> Bending {
+    /// `departures` gives, row by row over one direction, the departures from a straight line, `stiffness` (N/m, row by
+    /// row) the forces that go with them.
+    pub fn new(
+        index: [Vec<usize>; 2],
+        stations: usize,
+        (departures, stiffness): (&[f64], &[f64]),
+        loss_time: f64,
+    ) -> Bending {
         let width = index[0].len();
-        let count = shaft.departures.len() / width;
-        let departures = DMatrix::from_row_slice(count, width, &shaft.departures);
-        let stiffness = DMatrix::from_row_slice(count, count, &shaft.stiffness);
+        let count = departures.len() / width;
+        let departures = DMatrix::from_row_slice(count, width, departures);
+        let stiffness = DMatrix::from_row_slice(count, count, stiffness);
         let matrix = (departures.transpose() * &stiffness * &departures).as_slice().to_vec();
         let damping =
             if loss_time > 0.0 { matrix.iter().map(|k| loss_time * k).collect() } else { Vec::new() };
@@ -34,7 +40,7 @@ impl Bending {
         let root = stiffness.cholesky().map(|root| root.l().transpose());
         let departures =
             root.map_or_else(Vec::new, |root| (root * departures).transpose().as_slice().to_vec());
-        Bending { index, stations: shaft.stations, matrix, damping, departures }
+        Bending { index, stations, matrix, damping, departures }
     }
 
     /// The coordinates of one direction, places taken from the first one: what bends is a difference of nearby places,

@@ -1,11 +1,10 @@
 //! Bodies and their coordinates.
 
 use super::Arm;
-use crate::machine::Kinematics;
 
 /// One coordinate of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Axis {
+pub struct Axis {
     /// kg, kg·m², or 1 for a mode.
     pub mass: f64,
     /// What counts as one unit of error, in m or rad.
@@ -14,44 +13,63 @@ pub(super) struct Axis {
     pub free: bool,
 }
 
-/// Where a body stands in the nominal machine. Axes beyond those named stay at 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Follows {
-    /// (x, y) at the centre of the housing.
-    Centre,
-    /// (x, y) at a place of the carrier.
-    Carried(Arm),
-    /// The turn of the crankshafts.
-    Crank,
-    /// (x, y, θ) of a disc.
-    Disc(usize),
-    /// θ of the carrier as its last axis.
-    Carrier,
-    /// θ of the housing as its last axis.
-    Housing,
-    /// The turn of the sun.
-    Sun,
+/// A turn in the nominal mechanism: so much per turn of the input, from an offset in rad.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turn {
+    pub per_input: f64,
+    pub offset: f64,
+}
+
+impl Turn {
+    pub fn of(per_input: f64) -> Turn {
+        Turn { per_input, offset: 0.0 }
+    }
+
+    fn at(self, input: f64) -> f64 {
+        self.per_input * input + self.offset
+    }
+}
+
+/// How a body moves in the nominal mechanism: without play, errors and load. Axes that are not named stay at 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NominalMotion {
+    /// (x, y) at the end of an arm from the middle of the mechanism, and how the arm turns.
+    pub place: Option<(Arm, Turn)>,
+    /// The angle, after x and y where the body has a place, else its first axis.
+    pub turn: Option<Turn>,
+}
+
+impl NominalMotion {
+    /// Turns about the middle of the mechanism.
+    pub fn turning(per_input: f64) -> NominalMotion {
+        NominalMotion { place: None, turn: Some(Turn::of(per_input)) }
+    }
+
+    /// Carried around without an angle of its own.
+    pub fn carried(arm: Arm, per_input: f64) -> NominalMotion {
+        NominalMotion { place: Some((arm, Turn::of(per_input))), turn: None }
+    }
 }
 
 /// A body as it enters the registry.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Body {
+pub struct Body {
     pub axes: Vec<Axis>,
     /// Whether the first two axes are its place (x, y) in the plane.
     pub has_place: bool,
-    pub follows: Follows,
+    pub nominal: NominalMotion,
 }
 
 /// A body that has been registered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct BodyId(usize);
+pub struct BodyId(usize);
 
 /// Takes bodies and hands out coordinates.
 ///
 /// Free coordinates are numbered in the order of registration, those held or prescribed after them. That
 /// order is the order of elimination: bodies that touch few others go first, then elimination fills little.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Registry {
+pub struct Registry {
     bodies: Vec<Body>,
 }
 
@@ -62,8 +80,8 @@ impl Registry {
     }
 
     /// A body with a single axis.
-    pub fn add_turn(&mut self, axis: Axis, follows: Follows) -> BodyId {
-        self.add(Body { axes: vec![axis], has_place: false, follows })
+    pub fn add_turn(&mut self, axis: Axis, nominal: NominalMotion) -> BodyId {
+        self.add(Body { axes: vec![axis], has_place: false, nominal })
     }
 
     /// What is fastened to an axis of a body.
@@ -93,7 +111,7 @@ impl Registry {
 
 /// Where each coordinate sits: free ones first, those that are held or prescribed after them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Coordinates {
+pub struct Coordinates {
     bodies: Vec<Body>,
     /// Per body, the number of each axis.
     numbers: Vec<Vec<usize>>,
@@ -131,36 +149,25 @@ impl Coordinates {
             .map(|(_, numbers)| numbers[0])
     }
 
-    /// Free coordinates of the nominal machine with carrier, housing, crankshafts and sun at these angles in
-    /// rad.
-    pub fn nominal(
-        &self,
-        kinematics: &Kinematics,
-        carrier: f64,
-        housing: f64,
-        crank: f64,
-        sun: f64,
-    ) -> Vec<f64> {
+    /// Free coordinates of the nominal mechanism with the input at an angle in rad.
+    pub fn nominal(&self, input: f64) -> Vec<f64> {
+        let mut q = self.nominal_of_all(input);
+        q.truncate(self.size);
+        q
+    }
+
+    /// All coordinates of the nominal mechanism, those held or prescribed included.
+    pub fn nominal_of_all(&self, input: f64) -> Vec<f64> {
         let mut q = vec![0.0; self.whole];
-        for (body, at) in self.bodies.iter().zip(&self.numbers) {
-            let last = at[at.len() - 1];
-            match body.follows {
-                Follows::Centre => {}
-                Follows::Carried(arm) => {
-                    let place = arm.at(carrier);
-                    (q[at[0]], q[at[1]]) = (place.x, place.y);
-                }
-                Follows::Crank => q[last] = crank,
-                Follows::Disc(disc) => {
-                    let pose = kinematics.disc_pose(disc, crank, carrier);
-                    (q[at[0]], q[at[1]], q[at[2]]) = (pose.centre.x, pose.centre.y, pose.angle);
-                }
-                Follows::Carrier => q[last] = carrier,
-                Follows::Housing => q[last] = housing,
-                Follows::Sun => q[last] = sun,
+        for (Body { has_place, nominal, .. }, at) in self.bodies.iter().zip(&self.numbers) {
+            if let Some((arm, turn)) = nominal.place {
+                let place = arm.at(turn.at(input));
+                (q[at[0]], q[at[1]]) = (place.x, place.y);
+            }
+            if let Some(turn) = nominal.turn {
+                q[at[if *has_place { 2 } else { 0 }]] = turn.at(input);
             }
         }
-        q.truncate(self.size);
         q
     }
 }

@@ -7,7 +7,7 @@ use crate::geometry::Vec2;
 
 /// A coordinate of a body that moves the bore of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct BoreMode {
+pub struct BoreMode {
     /// Number of its coordinate.
     pub at: usize,
     /// Displacement of the bore centre per unit of it.
@@ -34,7 +34,7 @@ impl BoreMode {
 
 /// Hands on dampers of a bearing whose body, coordinates 3 and 4 of six, is moved by modes as well: what acts on the
 /// body's place acts on a mode by its displacement of the bore.
-pub(super) struct WithModes<'a> {
+pub(in crate::dynamics) struct WithModes<'a> {
     pub sink: &'a mut dyn Sink,
     /// Displacements in the housing frame.
     pub modes: &'a [BoreMode],
@@ -88,6 +88,3 @@ impl WithModes<'_> {
         self.sink.damper(&self.index(index), &self.vector(force), &matrix, dissipation);
     }
 }
-
-#[cfg(test)]
-mod tests;

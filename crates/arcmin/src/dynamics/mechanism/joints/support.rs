@@ -1,12 +1,12 @@
 use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
 use crate::dynamics::RoundSupport;
-use crate::dynamics::bearing_joints::Arm;
-use crate::dynamics::bearing_joints::assembly::Element;
+use crate::dynamics::mechanism::Arm;
+use crate::dynamics::mechanism::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn, unit};
 
 /// Linear support with radial clearance between two bodies.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Support {
+pub struct Support {
     pub part: Part,
     /// Under which name the clearance shows as lost motion; `None` of one without.
     pub cause: Option<Cause>,

@@ -1,9 +1,9 @@
 use super::{Joint, Limit, Part, Sink, State, damp};
-use crate::dynamics::bearing_joints::assembly::Element;
+use crate::dynamics::mechanism::assembly::Element;
 
 /// A body's elastic interface: displacements d of its seats in its own frame with U = ½ dᵀ K d.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Frame {
+pub(in crate::dynamics) struct Frame {
     pub part: Part,
     pub index: Vec<usize>,
     /// K in N/m, row by row.

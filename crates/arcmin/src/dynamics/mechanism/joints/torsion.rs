@@ -1,9 +1,9 @@
 use super::{Distance, Joint, Limit, Part, Sink, State};
-use crate::dynamics::bearing_joints::assembly::Element;
+use crate::dynamics::mechanism::assembly::Element;
 
 /// Torsion spring between two angles.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Torsion {
+pub struct Torsion {
     pub part: Part,
     pub index: [usize; 2],
     /// N·m/rad.

@@ -4,7 +4,7 @@ use crate::fem::carrier::{RIM_ORDER, RIM_WAYS};
 use crate::geometry::{Vec2, turned, unit};
 
 /// Coordinates of a rim: expansion, then cosine and sine of the orders 2 to [`RIM_ORDER`].
-pub(super) const RIM: usize = RIM_WAYS;
+pub(in crate::dynamics) const RIM: usize = RIM_WAYS;
 
 /// A rim at one state: w(ψ) = w₀ + Σ_n a_n cos n(ψ − χ) + b_n sin n(ψ − χ) outward, in m, χ the angle of its
 /// zero.
@@ -17,7 +17,7 @@ pub(in crate::dynamics) struct OutOfRound {
 impl OutOfRound {
     /// Shapes in the direction e(ψ − χ) with their first and second derivatives.
     #[inline]
-    pub(super) fn shapes(direction: Vec2) -> [[f64; RIM]; 3] {
+    pub(in crate::dynamics) fn shapes(direction: Vec2) -> [[f64; RIM]; 3] {
         let mut shapes = [[0.0; RIM]; 3];
         shapes[0][0] = 1.0;
         let mut multiple = direction;
@@ -34,7 +34,7 @@ impl OutOfRound {
     }
 
     #[inline]
-    pub(super) fn sum(&self, shapes: &[f64; RIM]) -> f64 {
+    pub(in crate::dynamics) fn sum(&self, shapes: &[f64; RIM]) -> f64 {
         self.ways.iter().zip(shapes).map(|(way, shape)| way * shape).sum()
     }
 

@@ -1,55 +1,5 @@
+use super::labels::Part;
 use crate::dynamics::{Balance, Columns, Contact, Contacts, DenseLinearisation, RoundSupport};
-
-/// Where compliance sits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Part {
-    TurningArm,
-    CrankSupport,
-    CrankBending,
-    Teeth,
-    PinSeat,
-    /// Of elastic discs.
-    Disc,
-    GearStage,
-    InputShaft,
-    Carrier,
-    Housing,
-    /// Of an elastic housing.
-    PinRing,
-}
-
-impl Part {
-    pub const ALL: [Part; 11] = [
-        Part::TurningArm,
-        Part::CrankSupport,
-        Part::CrankBending,
-        Part::Teeth,
-        Part::PinSeat,
-        Part::Disc,
-        Part::GearStage,
-        Part::InputShaft,
-        Part::Carrier,
-        Part::Housing,
-        Part::PinRing,
-    ];
-
-    /// Words for tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Part::TurningArm => "turning-arm bearings",
-            Part::CrankSupport => "crank supports",
-            Part::CrankBending => "crankshaft bending",
-            Part::Teeth => "cycloid teeth and pins",
-            Part::PinSeat => "pin seats",
-            Part::Disc => "cycloid discs",
-            Part::GearStage => "gear stage",
-            Part::InputShaft => "input shaft torsion",
-            Part::Carrier => "carrier",
-            Part::Housing => "main bearings in the housing",
-            Part::PinRing => "housing around the pins",
-        }
-    }
-}
 
 /// One spring-like part: energy with gradient and Hessian with respect to the coordinates listed.
 pub struct Element<'a> {

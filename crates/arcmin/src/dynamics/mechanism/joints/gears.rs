@@ -1,14 +1,14 @@
 use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, Wanted};
 use crate::contact::ContactSpring;
-use crate::dynamics::bearing_joints::assembly::Element;
 use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES, MeshState};
+use crate::dynamics::mechanism::assembly::Element;
 use crate::dynamics::{Contact, ForceSummary};
 use crate::machine::PartWear;
 use crate::wear::PartLoads;
 
 /// A mesh of sun and planet.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Gears {
+pub(in crate::dynamics) struct Gears {
     pub law: GearMesh,
     pub index: [usize; MESH_COORDINATES],
     pub losses: Losses,

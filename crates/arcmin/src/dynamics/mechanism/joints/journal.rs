@@ -2,18 +2,18 @@ use smallvec::{SmallVec, smallvec};
 
 use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, damp};
 use crate::dynamics::Contact;
-use crate::dynamics::bearing_joints::assembly::Element;
-use crate::dynamics::bearing_joints::elastic::{BoreMode, WithModes};
-use crate::dynamics::bearing_joints::rim::{OutOfRound, RIM};
-use crate::dynamics::bearing_joints::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, Stand, VARIABLES, WAYS};
-use crate::dynamics::bearing_joints::{Arm, BearingState, RollingBearing};
+use crate::dynamics::mechanism::assembly::Element;
+use crate::dynamics::mechanism::elastic::{BoreMode, WithModes};
+use crate::dynamics::mechanism::rim::{OutOfRound, RIM};
+use crate::dynamics::mechanism::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, Stand, VARIABLES, WAYS};
+use crate::dynamics::mechanism::{Arm, BearingState, RollingBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::PartWear;
 use crate::wear::PartLoads;
 
 /// Which of the rolling bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Place {
+pub enum Place {
     TurningArm,
     CrankSupport,
 }
@@ -52,7 +52,7 @@ impl Place {
 /// Coordinates that place shaft and body: (x, y, θ) of either.
 const PLACES: usize = 6;
 /// Coordinates that lean the rings of a bearing: two of the shaft, two of the body.
-pub(in super::super) const SLOPES: usize = 4;
+pub(in crate::dynamics) const SLOPES: usize = 4;
 
 /// Over the coordinates of a bearing, on the heap only where bodies lean or bend.
 type Row<T> = SmallVec<[T; PLACES]>;
@@ -60,7 +60,7 @@ type Square = SmallVec<[f64; PLACES * PLACES]>;
 
 /// A rolling bearing between a shaft that carries its inner ring around and a body with a bore.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Journal {
+pub struct Journal {
     pub place: Place,
     pub law: RollingBearing,
     /// (x, y, θ) of the shaft, (x, y, θ) of the body.

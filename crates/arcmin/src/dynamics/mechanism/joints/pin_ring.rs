@@ -14,22 +14,22 @@ use crate::dynamics::elastic_disc::{DiscLean, DiscMotion, DiscSplit, HousingMoti
 use crate::dynamics::{Contact, ElasticDiscs, ElasticHousing, FlankPlace, ForceSummary};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
-pub(in super::super) use gaps::Designed;
+pub(in crate::dynamics) use gaps::Designed;
 use slices::Slice;
 
 /// About how stiff a pin is on a flank, in N/m.
-pub(in super::super) const PIN: f64 = 2e8;
+pub(in crate::dynamics) const PIN: f64 = 2e8;
 
 /// Modes of an elastic body, and the coordinates that they are.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Modes<T> {
+pub(in crate::dynamics) struct Modes<T> {
     pub body: Arc<T>,
     pub at: Range<usize>,
 }
 
 /// The pins on one disc, and the disc's own elasticity where it has any.
 #[derive(Debug, Clone)]
-pub(in super::super) struct PinRing {
+pub(in crate::dynamics) struct PinRing {
     pub contacts: PinContacts,
     /// Number of the disc.
     pub disc: usize,

@@ -1,0 +1,322 @@
+//! Bodies with coordinates and the joints between them: a drive of any kind, as the solvers see it.
+//!
+//! A [`Mechanism`] names no machine. Its bodies have axes with mass and scale and a nominal motion, its joints act on
+//! coordinates, and three of these are its flanges: input, output, and the one whose angle names a place. The machines
+//! that are built from it are beside this module (`bearing_joints`: the RV reducer).
+
+mod assembly;
+mod elastic;
+mod joints;
+mod labels;
+mod quasi_static;
+mod registry;
+mod rim;
+mod roller;
+mod system;
+mod tangent;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use assembly::Wanted;
+pub use assembly::{Element, Sink};
+pub use elastic::BoreMode;
+pub(in crate::dynamics) use joints::{
+    Bending, Designed, Frame, Gears, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,
+};
+pub use joints::{Distance, Joint, Journal, Limit, Losses, Nominal, Place, State, Support, Torsion};
+pub use labels::{Cause, Part};
+pub(crate) use quasi_static::{Motion, QuasiStatic};
+pub use registry::{Axis, Body, BodyId, Coordinates, NominalMotion, Registry, Turn};
+pub(in crate::dynamics) use roller::{AXIAL, ROW, SLOPE, Stand, VARIABLES};
+pub use roller::{BearingState, ElementLoad, RollingBearing};
+
+use super::{Drive, DynamicsError, ElasticCoordinates, OutputLoad};
+use crate::geometry::{Vec2, unit};
+
+/// How the input moves.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Input {
+    Driven(Drive),
+    /// At an angle (rad) with a speed (rad/s) that only friction sees.
+    Held {
+        angle: f64,
+        speed: f64,
+    },
+}
+
+/// A centre that goes round with a body: place in polar coordinates of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Arm {
+    /// m.
+    pub radius: f64,
+    /// rad.
+    pub phase: f64,
+}
+
+impl Arm {
+    pub fn new(place: Vec2) -> Arm {
+        Arm { radius: place.norm(), phase: place.y.atan2(place.x) }
+    }
+
+    /// Place (m) with the body at an angle in rad.
+    pub fn at(&self, angle: f64) -> Vec2 {
+        self.radius * unit(angle + self.phase)
+    }
+}
+
+/// Coordinates of a mechanism by which others know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flanges {
+    /// Turn of the input.
+    pub input: usize,
+    /// Turn of the output.
+    pub output: usize,
+    /// The angle that error messages name.
+    pub phase: usize,
+    /// Turns of the input for one of the output.
+    pub ratio: f64,
+}
+
+/// What resists motion whatever the joints bear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resistance {
+    /// Steady torque at the output against its motion, N·m…
+    pub drag: f64,
+    /// …that sets in over this speed, rad/s.
+    pub drag_speed: f64,
+    /// A turn with the torque per speed on it, N·m·s/rad.
+    pub oil: (usize, f64),
+}
+
+impl Resistance {
+    pub fn none() -> Resistance {
+        Resistance { drag: 0.0, drag_speed: 1.0, oil: (0, 0.0) }
+    }
+}
+
+/// Bodies and joints with what drives and loads them: M q̈ = Q(q, q̇, t).
+#[derive(Debug, Clone)]
+pub struct Mechanism {
+    coordinates: Coordinates,
+    /// Everything between the bodies but pins on flanks.
+    pub(in crate::dynamics) joints: Vec<Box<dyn Joint>>,
+    /// The pins, disc by disc.
+    pub(in crate::dynamics) rings: Vec<PinRing>,
+    flanges: Flanges,
+    input: Input,
+    load: OutputLoad,
+    resistance: Resistance,
+    elastic: ElasticCoordinates,
+    mass: Vec<f64>,
+    scale: Vec<f64>,
+    /// Where coordinates that do not move are.
+    held: Vec<f64>,
+}
+
+impl Mechanism {
+    /// A mechanism of joints over coordinates, with its input held at 0 and without load.
+    ///
+    /// ```
+    /// use arcmin::dynamics::mechanism::{
+    ///     Axis, Body, Flanges, Input, Mechanism, NominalMotion, Part, Registry, Resistance, Torsion,
+    /// };
+    /// use arcmin::dynamics::{EquilibriumControl, solve_equilibrium};
+    ///
+    /// // Two discs on one axis with a torsion spring between them.
+    /// let mut bodies = Registry::default();
+    /// let turn = |free| Axis { mass: 1e-3, scale: 1e-4, free };
+    /// let output = bodies.add_turn(turn(true), NominalMotion::turning(1.0));
+    /// let input = bodies.add_turn(turn(false), NominalMotion::turning(1.0));
+    /// let coordinates = bodies.number();
+    /// let [output, input] = [output, input].map(|body| coordinates.of(body)[0]);
+    /// let spring = Torsion { part: Part::InputShaft, index: [output, input], stiffness: 500.0, loss_time: 0.0 };
+    /// let flanges = Flanges { input, output, phase: output, ratio: 1.0 };
+    /// let mut mechanism = Mechanism::new(coordinates, vec![Box::new(spring)], flanges, Resistance::none())?;
+    /// mechanism.set_load(2.0);
+    /// let rest = solve_equilibrium(&mechanism, 0.0, &[0.0], EquilibriumControl::default())?;
+    /// assert!((mechanism.output_error(&rest.position) + 2.0 / 500.0).abs() < 1e-12);
+    /// # Ok::<(), arcmin::dynamics::DynamicsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for an output or a phase that does not move, and for masses, scales, ratios and
+    /// resistances without meaning.
+    pub fn new(
+        coordinates: Coordinates,
+        joints: Vec<Box<dyn Joint>>,
+        flanges: Flanges,
+        resistance: Resistance,
+    ) -> Result<Mechanism, DynamicsError> {
+        Mechanism::with_pins(coordinates, joints, Vec::new(), flanges, resistance)
+    }
+
+    /// As [`Mechanism::new`], with pins on flanks.
+    pub(in crate::dynamics) fn with_pins(
+        coordinates: Coordinates,
+        joints: Vec<Box<dyn Joint>>,
+        rings: Vec<PinRing>,
+        flanges: Flanges,
+        resistance: Resistance,
+    ) -> Result<Mechanism, DynamicsError> {
+        let (mass, scale) = (coordinates.mass(), coordinates.scale());
+        let mut mechanism = Mechanism {
+            elastic: ElasticCoordinates::new(coordinates.size),
+            input: Input::Held { angle: 0.0, speed: 0.0 },
+            load: OutputLoad::None,
+            held: coordinates.nominal_of_all(0.0).split_off(coordinates.size),
+            coordinates,
+            joints,
+            rings,
+            flanges,
+            resistance,
+            mass,
+            scale,
+        };
+        mechanism.validate()?;
+        let mut elastic = std::mem::take(&mut mechanism.elastic);
+        let add = &mut |index: &[usize], stiffness: &[f64]| elastic.add(index, stiffness);
+        mechanism.elements().for_each(|joint| joint.elastic(add));
+        mechanism.elastic = elastic;
+        Ok(mechanism)
+    }
+
+    fn validate(&self) -> Result<(), DynamicsError> {
+        let check = DynamicsError::require;
+        let Mechanism { coordinates, flanges, resistance, .. } = self;
+        for (name, at) in [("output of a mechanism", flanges.output), ("phase of a mechanism", flanges.phase)]
+        {
+            check(at < coordinates.size, name, at as f64, "", "must be the number of a free coordinate")?;
+        }
+        let input = flanges.input;
+        check(
+            input < coordinates.whole,
+            "input of a mechanism",
+            input as f64,
+            "",
+            "must be the number of a coordinate",
+        )?;
+        for mass in &self.mass {
+            check(
+                *mass >= 0.0 && mass.is_finite(),
+                "mass of a coordinate",
+                *mass,
+                "kg",
+                "must not be negative",
+            )?;
+        }
+        for scale in &self.scale {
+            check(
+                *scale > 0.0 && scale.is_finite(),
+                "scale of a coordinate",
+                *scale,
+                "",
+                "must be positive",
+            )?;
+        }
+        let ratio = flanges.ratio;
+        check(ratio != 0.0 && ratio.is_finite(), "ratio", ratio, "", "must not be zero")?;
+        let Resistance { drag, drag_speed, oil: (_, oil) } = *resistance;
+        check(drag >= 0.0 && drag.is_finite(), "drag torque", drag, "N·m", "must not be negative")?;
+        check(drag_speed > 0.0, "speed at which drag sets in", drag_speed, "rad/s", "must be positive")?;
+        check(oil >= 0.0 && oil.is_finite(), "oil drag", oil, "N·m·s/rad", "must not be negative")
+    }
+
+    /// Drives the input, or holds it.
+    pub fn set_input(&mut self, input: Input) {
+        self.input = input;
+    }
+
+    /// Holds the input at an angle (rad); friction sees the speed (rad/s).
+    pub fn hold_input(&mut self, angle: f64, speed: f64) {
+        self.input = Input::Held { angle, speed };
+    }
+
+    /// Constant torque at the output in N·m, positive against positive motion.
+    pub fn set_load(&mut self, torque: f64) {
+        self.load = OutputLoad::Constant { torque };
+    }
+
+    /// Constant torque at the output in N·m.
+    pub(crate) fn constant_load(&self) -> f64 {
+        self.load.torque(0.0)
+    }
+
+    pub fn coordinates(&self) -> &Coordinates {
+        &self.coordinates
+    }
+
+    pub fn flanges(&self) -> Flanges {
+        self.flanges
+    }
+
+    /// Whether a torque moves the input.
+    pub fn has_free_input(&self) -> bool {
+        self.flanges.input < self.coordinates.size
+    }
+
+    /// Index of the output's angle among the coordinates.
+    pub fn output_index(&self) -> usize {
+        self.flanges.output
+    }
+
+    /// Coordinates of the nominal mechanism with the input at an angle in rad.
+    pub fn nominal_position_at(&self, input: f64) -> Vec<f64> {
+        self.coordinates.nominal(input)
+    }
+
+    /// Velocities of the nominal mechanism with the input at an angle (rad) and a speed (rad/s).
+    pub fn nominal_velocity_at(&self, input: f64, speed: f64) -> Vec<f64> {
+        // Nominal motion is smooth: a central difference over 1e-6 rad is exact to rounding.
+        let h = 1e-6;
+        let (ahead, behind) = (self.nominal_position_at(input + h), self.nominal_position_at(input - h));
+        ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
+    }
+
+    /// Turns what is a way in the plane of every body, and how an elastic ring of pins gives way, by an angle (rad), in
+    /// place.
+    pub(crate) fn turn_ways(&self, ways: &mut [f64], angle: f64) {
+        let (sin, cos) = angle.sin_cos();
+        for x in self.coordinates.centres() {
+            (ways[x], ways[x + 1]) = (cos * ways[x] - sin * ways[x + 1], sin * ways[x] + cos * ways[x + 1]);
+        }
+        if let Some(housing) = self.rings.first().and_then(|ring| ring.housing.as_ref()) {
+            housing.body.turn(&mut ways[housing.at.clone()], angle);
+        }
+    }
+
+    /// θ_out − θ_in/i in rad with the input held.
+    pub fn output_error(&self, position: &[f64]) -> f64 {
+        position[self.flanges.output] - self.held_input() / self.flanges.ratio
+    }
+
+    /// Angle (rad) at which the input is held, 0 where it is not.
+    pub(in crate::dynamics) fn held_input(&self) -> f64 {
+        match self.input {
+            Input::Held { angle, .. } => angle,
+            Input::Driven(_) => 0.0,
+        }
+    }
+
+    /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates
+    /// (rad/(N·m), m/(N·m)).
+    pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
+        let mut whole = motion.to_vec();
+        whole.resize(self.coordinates.whole, 0.0);
+        let mut compliance = [0.0; Part::ALL.len()];
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let mut add = |part: Part, share: f64| compliance[part as usize] += share;
+        self.elements().for_each(|joint| joint.split(State { q: &q, v: &v }, &whole, &mut add));
+        compliance
+    }
+
+    /// All joints, the pins last.
+    pub(in crate::dynamics) fn elements(&self) -> impl Iterator<Item = &dyn Joint> {
+        self.joints.iter().map(AsRef::as_ref).chain(self.rings.iter().map(|ring| ring as &dyn Joint))
+    }
+
+    /// Hands all springs, dampers and frictions to `sink`. `q` and `v` are of all coordinates, those held or
+    /// prescribed included.
+    pub(in crate::dynamics) fn visit(&self, q: &[f64], v: &[f64], sink: &mut dyn Sink) {
+        self.elements().for_each(|joint| joint.visit(State { q, v }, sink));
+    }
+}

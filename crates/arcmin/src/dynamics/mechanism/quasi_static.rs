@@ -1,0 +1,78 @@
+//! A mechanism that moves without inertia: friction sees velocities that the solver does not move.
+
+use std::borrow::Cow;
+
+use super::{Mechanism, Wanted};
+use crate::dynamics::{Balance, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, System};
+
+/// Velocities that friction sees.
+#[derive(Debug, Clone)]
+pub(crate) enum Motion<'a> {
+    /// As given, in m/s or rad/s: steady running.
+    Running(Vec<f64>),
+    /// (q − q_before)/Δt: a slow change of load over an interval (s) from the state before.
+    Creeping { from: &'a [f64], interval: f64 },
+}
+
+/// A mechanism in such a motion, as the static solver sees it.
+pub(crate) struct QuasiStatic<'a> {
+    pub mechanism: &'a Mechanism,
+    pub motion: Motion<'a>,
+}
+
+impl QuasiStatic<'_> {
+    fn velocity(&self, position: &[f64]) -> Cow<'_, [f64]> {
+        match &self.motion {
+            Motion::Running(velocity) => Cow::Borrowed(velocity),
+            Motion::Creeping { from, interval } => {
+                position.iter().zip(*from).map(|(q, q0)| (q - q0) / interval).collect()
+            }
+        }
+    }
+}
+
+impl System for QuasiStatic<'_> {
+    fn linearisation(&self) -> DenseLinearisation {
+        self.mechanism.linearisation()
+    }
+
+    fn mass(&self) -> &[f64] {
+        self.mechanism.mass()
+    }
+
+    fn scale(&self) -> &[f64] {
+        self.mechanism.scale()
+    }
+
+    fn evaluate(
+        &self,
+        time: f64,
+        position: &[f64],
+        _: &[f64],
+        force: &mut [f64],
+        linearisation: &mut DenseLinearisation,
+    ) -> Balance {
+        self.mechanism.evaluate(time, position, &self.velocity(position), force, linearisation)
+    }
+
+    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
+        let slip_interval = match self.motion {
+            Motion::Running(_) => None,
+            Motion::Creeping { interval, .. } => Some(interval),
+        };
+        let wanted = Wanted { reach, slip_interval };
+        self.mechanism.look_in_motion(time, position, &self.velocity(position), wanted, look);
+    }
+
+    fn elastic(&self) -> Option<&ElasticCoordinates> {
+        self.mechanism.elastic()
+    }
+
+    fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
+        self.mechanism.flank_compliance(of, force)
+    }
+
+    fn crank_angle(&self, position: &[f64]) -> f64 {
+        self.mechanism.crank_angle(position)
+    }
+}
