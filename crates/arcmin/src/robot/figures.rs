@@ -22,6 +22,20 @@ pub struct Figures {
     pub path: f64,
 }
 
+impl Figures {
+    /// In m and rad, as they are kept.
+    pub(super) fn numbers(&self) -> [f64; 6] {
+        [self.position, self.orientation, self.repeatability, self.directions, self.distance, self.path]
+    }
+
+    pub(super) fn of_numbers(numbers: &[f64]) -> Option<Figures> {
+        let [position, orientation, repeatability, directions, distance, path] = *numbers else {
+            return None;
+        };
+        Some(Figures { position, orientation, repeatability, directions, distance, path })
+    }
+}
+
 /// Which figures a limit can be set for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {

@@ -4,6 +4,7 @@ use super::*;
 use crate::analyses::{AnalysisError, Host, NoHost, Origin};
 use crate::design::InputFile;
 use crate::progress::{Progress, Silent};
+use crate::study::Memory;
 
 /// Files by their names.
 struct Files(Vec<(String, Vec<u8>)>);
@@ -37,7 +38,7 @@ fn files() -> Files {
 fn the_example_has_believable_loads() {
     let example = example();
     let file = RobotFile::parse(example.text, "arm.toml").unwrap_or_else(|error| panic!("{error}"));
-    let robot = run(&file, &RobotOptions { loads: true, lives: None }, &files()).unwrap();
+    let robot = run(&file, &RobotOptions { loads: true, lives: None }, &files(), &Memory::default()).unwrap();
     for joint in &robot.joints {
         let duty = &joint.duty;
         println!(
@@ -104,7 +105,7 @@ const READ: &str = "[[program]]\nname = \"p\"\nfile = \"p.csv\"\ncycles_per_hour
 
 fn answered(text: &str, files: &Files) -> Robot {
     let file = RobotFile::parse(text, "one.toml").unwrap_or_else(|error| panic!("{error}: {text}"));
-    run(&file, &RobotOptions::default(), files).unwrap_or_else(|error| panic!("{error}"))
+    run(&file, &RobotOptions::default(), files, &Memory::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A weight that takes the joint to ± its rated torque: the tool a metre away is where the bench's loop and its
@@ -355,7 +356,9 @@ fn variants_keep_the_limits_of_the_axes() {
         );
         let file = RobotFile::parse(&text, "one.toml").unwrap();
         let files = with_readings(&to_and_fro(-20.0, 0.0, 10.0));
-        run(&file, &RobotOptions::default(), &files).map(|_| ()).map_err(|error| error.to_string())
+        run(&file, &RobotOptions::default(), &files, &Memory::default())
+            .map(|_| ())
+            .map_err(|error| error.to_string())
     };
     // 20° in 10 s are 3.1 °/s at most; 21 times 20 kg on a metre ask for 4119 N·m, and without a limit five times the
     // rated torque are allowed.
@@ -398,7 +401,7 @@ fn kept_lives_are_checked() {
     let file = RobotFile::parse(&text, "one.toml").unwrap();
     let host = Keeping(with_readings(&to_and_fro(-20.0, 0.0, 10.0)), Mutex::new(Vec::new()), Mutex::new(0));
     let lost = || {
-        let robot = run(&file, &RobotOptions::default(), &host).unwrap();
+        let robot = run(&file, &RobotOptions::default(), &host, &Memory::default()).unwrap();
         robot.tool.unwrap().joints[0].ages[1].lost_motion
     };
     let computed = lost();
@@ -420,4 +423,54 @@ fn kept_lives_are_checked() {
 fn the_chapter_of_the_robot_file_is_current() {
     let book = include_str!("../../../../docs/src/robot-file.md");
     assert!(book == reference_of_keys(), "rewrite it with `arcmin keys --robot > docs/src/robot-file.md`");
+}
+
+#[test]
+#[ignore = "experiment"]
+fn experiment_lost_motion() {
+    use crate::dynamics::{BearingMeshing, JointSettings};
+    use crate::load::ShareLoad;
+    use crate::machine::Friction;
+    use crate::rig::{evaluate_loop, hysteresis_loop};
+    for name in ["rv-40e", "rv-80e"] {
+        let design = crate::templates::design(name).unwrap();
+        let (rubbed, _) = crate::analyses::rig::with_friction(&design.machine(), false);
+        let mut smooth = rubbed.clone();
+        smooth.friction =
+            Friction { regularisation_speed: rubbed.friction.regularisation_speed, ..Friction::default() };
+        let settings = JointSettings::default();
+        let mut meshing = BearingMeshing::new(&design.machine(), &settings).unwrap();
+        println!("{name}: alike {} {:?}", meshing.discs_alike(), rubbed.friction);
+        for n in [5, 12, 24] {
+            let life = meshing.lost_motion(n).unwrap();
+            let ratio = rubbed.kinematics().housing_fixed_ratio();
+            let turn = std::f64::consts::TAU * ratio / (rubbed.ring.pin_count as f64 - 1.0);
+            let mean = |machine: &crate::machine::Machine, of: &dyn Fn(usize) -> f64| {
+                let rated = machine.rated.torque.abs();
+                (0..n)
+                    .map(|i| {
+                        evaluate_loop(&hysteresis_loop(machine, &settings, of(i)).unwrap(), rated)
+                            .unwrap()
+                            .lost_motion
+                    })
+                    .sum::<f64>()
+                    / n as f64
+            };
+            let even = |i: usize| turn * i as f64 / n as f64;
+            let kin = rubbed.kinematics();
+            let lifes = |i: usize| {
+                let crank = meshing.crank_position(i, n, 0.0, 0).radians();
+                crank * turn / std::f64::consts::TAU
+            };
+            let places: Vec<f64> = (0..n.min(5)).map(|i| lifes(i) / turn).collect();
+            println!(
+                "  n {n}: life {life:.9e}; smooth loop at the bench's places {:.3e}, at life's {:.3e}; rubbed at the bench's {:.3e}, at life's {:.3e}  {places:?} {}",
+                mean(&smooth, &even) / life - 1.0,
+                mean(&smooth, &lifes) / life - 1.0,
+                mean(&rubbed, &even) / life - 1.0,
+                mean(&rubbed, &lifes) / life - 1.0,
+                kin.lobe_count
+            );
+        }
+    }
 }
