@@ -11,7 +11,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::json;
 
 use super::Ending;
-use super::study::{broken, engines, shard, shard_of};
+use super::study::{broken, common, engines, shard, shard_of};
 use crate::arguments::{of_a_run, take_threads};
 use crate::failure::{Failure, Start};
 use crate::run::{Cache, Parts, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
@@ -50,16 +50,14 @@ pub fn command() -> Command {
                 .help("Robot file to write; designs go beside it"),
         )
         .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite existing files"));
-    let of_population = |command: Command| {
-        of_a_run(
-            command.arg(robot_file()),
-            "Directory for the results [default: out/<robot>/robot]",
-            "Write over the results of another robot",
-        )
-    };
     let run = Command::new("run")
         .about("Compute one shard of the drawn robots of the population and keep its parts")
-        .arg(shard());
+        .args([robot_file(), shard()]);
+    // Shards take the cache of the user who runs them.
+    let submit = common(engines::command("robot", "arm.toml").arg(robot_file()))
+        .mut_arg("out", |out| out.help(OUT))
+        .mut_arg("force", |force| force.help(FORCE))
+        .mut_arg("threads", |threads| threads.help("Threads that the report takes [default: all cores]"));
     let command = Command::new("robot")
         .about(arcmin::robot::declared().about)
         .long_about(format!("{}.\n\n{GUIDE}", arcmin::robot::declared().about))
@@ -80,15 +78,11 @@ pub fn command() -> Command {
                 .conflicts_with("loads")
                 .help("lives.json of an earlier run: its joints, their hours scaled by what wears them"),
         );
-    of_a_run(
-        command,
-        "Directory for the results [default: out/<robot>/robot]",
-        "Write over the results of another robot",
-    )
-    .subcommand(new)
-    .subcommand(of_population(run))
-    .subcommand(of_population(engines::command("robot", "arm.toml")))
+    of_a_run(command, OUT, FORCE).subcommand(new).subcommand(of_a_run(run, OUT, FORCE)).subcommand(submit)
 }
+
+const OUT: &str = "Directory for the results [default: out/<robot>/robot]";
+const FORCE: &str = "Write over the results of another robot";
 
 fn robot_file() -> Arg {
     Arg::new("ROBOT")
@@ -129,7 +123,7 @@ impl Job {
         let (force, quiet) = (matches.get_flag("force"), matches.get_flag("quiet"));
         let beside = || Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot");
         let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(beside);
-        let chosen = matches.get_one::<PathBuf>("cache").map(|chosen| Cache::new(chosen));
+        let chosen = matches.try_get_one::<PathBuf>("cache").ok().flatten().map(|chosen| Cache::new(chosen));
         let host = Terminal::new(path, &out, chosen.unwrap_or_else(|| Cache::of_user(&out)), quiet);
         Ok(Job { path: path.clone(), file: read(path)?, out, host, force, quiet })
     }
@@ -199,9 +193,13 @@ fn read(path: &Path) -> Result<RobotFile, Failure> {
     RobotFile::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
 }
 
-/// What an error of the robot file marks is in its text.
+/// What an error of the robot file marks is in its text. What was finished is kept: lives of joints in the cache, drawn
+/// robots in parts.
 fn told(error: AnalysisError, file: &RobotFile) -> Failure {
     match error {
+        AnalysisError::Stopped => {
+            Failure::Unfinished { reason: format!("stopped; `{}` goes on from there", crate::command_line()) }
+        }
         AnalysisError::Design(error) if error.file_name == file.file_name() => {
             Failure::design(error, file.text())
         }

@@ -45,9 +45,11 @@ impl Loaded<'_> {
     /// Designs that the duties do not fit.
     pub fn population_plan(&self) -> Result<Option<Plan>, AnalysisError> {
         let Some(section) = &*self.file.population else { return Ok(None) };
-        // Neither their number nor what is asked beside them changes a robot.
+        // Neither their number nor what is asked of them changes a robot.
         let canonical = self.file.canonical();
-        let counts = |line: &&str| !["name", "population", "variant"].iter().any(|key| line.starts_with(key));
+        let counts = |line: &&str| {
+            !["name", "limits", "population", "variant"].iter().any(|key| line.starts_with(key))
+        };
         let mut what = format!("robots 1 {}\n", env!("CARGO_PKG_VERSION"));
         what.extend(canonical.lines().filter(counts).flat_map(|line| [line, "\n"]));
         // What comes from other files, as read.

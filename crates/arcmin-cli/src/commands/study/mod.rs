@@ -70,7 +70,7 @@ pub fn command() -> Command {
         ))
 }
 
-fn common(command: Command) -> Command {
+pub(super) fn common(command: Command) -> Command {
     command.arg(out()).arg(threads()).arg(force()).arg(quiet())
 }
 
