@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use arcmin::analyses::{AnalysisError, Outcome};
-use arcmin::design::InputFile;
+use arcmin::design::{Design, InputFile};
 use arcmin::report::Provenance;
 use arcmin::robot::{Loaded, Robot, RobotFile, RobotOptions, example, run as answer};
 use arcmin::study::{Plan, Shard, collect};
@@ -11,7 +11,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::json;
 
 use super::Ending;
-use super::study::{broken, common, engines, shard, shard_of};
+use super::study::{self, broken, common, engines, shard, shard_of};
 use crate::arguments::{of_a_run, take_threads};
 use crate::failure::{Failure, Start};
 use crate::run::{Cache, Parts, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
@@ -158,7 +158,7 @@ impl Job {
             loaded.draw(&plan, shard, &self.parts(), &self.host).map_err(|error| told(error, &self.file))?;
         self.host.clear();
         if !self.quiet {
-            say(&format!("{} drawn robots computed, {} were there", done.computed, done.found))?;
+            say(&study::told("drawn robots", &done))?;
         }
         Ok(Ending::Fine)
     }
@@ -190,7 +190,15 @@ fn read(path: &Path) -> Result<RobotFile, Failure> {
         start: Start::Robot,
     })?;
     let text = text_of(path, &bytes)?;
-    RobotFile::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
+    let name = path.display().to_string();
+    RobotFile::parse(&text, &name).map_err(|error| match Design::parse(&text, &name) {
+        Ok(_) => Failure::Usage {
+            message: format!("{name} is the design of a reducer, not a robot"),
+            help: "`arcmin robot new FILE` writes a robot file; its [[joint]] sections name designs"
+                .to_owned(),
+        },
+        Err(_) => Failure::design(error, &text),
+    })
 }
 
 /// What an error of the robot file marks is in its text. What was finished is kept: lives of joints in the cache, drawn

@@ -232,6 +232,8 @@ fn drawn_robots_go_on_after_a_kill() {
         assert!(script.contains(runs) && script.contains("one.toml"), "{script}");
     }
     write(d, "alone.toml", &DRAWN.replace("[population]\nrobots = 3\n", ""));
+    let said = refused(d, &["robot", "d.toml", "--out", "k"]);
+    assert!(said.contains("d.toml is the design of a reducer"), "{said}");
     let said = refused(d, &["robot", "run", "alone.toml", "--out", "k"]);
     assert!(said.contains("no drawn robots") && said.contains("[population]"), "{said}");
 }

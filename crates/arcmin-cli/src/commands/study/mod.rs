@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use arcmin::analyses::{Quiet, by_name, identity};
 use arcmin::design::{Choice, Design};
 use arcmin::report::Page;
-use arcmin::study::{Plan, Row, Rows, Shard, Study, StudyFile, Watch, collect, run as run_shard};
+use arcmin::study::{Done, Plan, Row, Rows, Shard, Study, StudyFile, Watch, collect, run as run_shard};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::{Map, Value, json};
 
@@ -251,12 +251,7 @@ impl Job {
                 .map_err(broken)?;
         drop(bar);
         if !self.quiet && self.study.search.is_none() {
-            let failed = match done.failed {
-                0 => String::new(),
-                failed => format!(", {failed} of them without result"),
-            };
-            let found = if done.found > 0 { format!(", {} were there", done.found) } else { String::new() };
-            say(&format!("{} samples computed{failed}{found}", done.computed))?;
+            say(&told("samples", &done))?;
         }
         Ok(done.cancelled)
     }
@@ -375,6 +370,16 @@ fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
         message: format!("{} does not name a study", path.display()),
         help: "run `arcmin study plan STUDY.toml` again".to_owned(),
     })
+}
+
+/// What a shard did.
+pub(super) fn told(what: &str, done: &Done) -> String {
+    let failed = match done.failed {
+        0 => String::new(),
+        failed => format!(", {failed} of them without result"),
+    };
+    let found = if done.found > 0 { format!(", {} were there", done.found) } else { String::new() };
+    format!("{} {what} computed{failed}{found}", done.computed)
 }
 
 /// What is no fault of the study file.
