@@ -178,7 +178,8 @@ def main():
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
     call(arcmin, "new", directory / "d.toml")
-    failures = sum(check(of, text, arcmin, directory, engines) for of, text in [("study", STUDY), ("robot", ROBOT)])
+    files = {"study": STUDY, "robot": ROBOT}
+    failures = sum(check(of, text, arcmin, directory, engines) for of, text in files.items())
     sys.exit(failures > 0)
 
 
@@ -207,9 +208,10 @@ def check(of, text, arcmin, directory, engines):
             failures += not same
             kills = ", ".join(f"{count} {kind}s" for kind, count in killer.killed.items() if count)
             what = "processes" if engine == "local" else "submissions"
+            rows = "the same rows" if same else "other rows"
             print(
                 f"{'ok  ' if same else 'FAIL'} {of}, {engine}, {shards} shards: killed {kills or 'nothing'}; "
-                f"{starts} {what}, {time.monotonic() - started:.0f} s; {'the same' if same else 'other'} rows",
+                f"{starts} {what}, {time.monotonic() - started:.0f} s; {rows}",
                 flush=True,
             )
     return failures
