@@ -49,8 +49,9 @@ def robot(
 ) -> RobotResult:
     """Tool error of a robot over the life of its joints, and which reducer to overhaul when.
 
-    Runs ``arcmin robot FILE`` in a process of its own. Lives of joints are kept in the user's cache: the same
-    call goes on after an interruption.
+    Runs ``arcmin robot FILE`` in a process of its own. Lives of joints are kept in the user's cache, drawn
+    robots in ``out``: the same call goes on after an interruption, and shares its parts with shards that run
+    elsewhere.
 
     Parameters
     ----------

@@ -15,7 +15,9 @@ from pathlib import Path
 import psutil
 
 HERE = Path(__file__).parent
-SHARDS = [2, 7, 50]
+SHARDS = {"study": [2, 7, 50], "robot": [2, 4]}
+TABLES = {"study": "samples.csv", "robot": "population.csv"}
+REPORTS = {"study": ["study", "collect"], "robot": ["robot"]}
 KILLS = 10  # for each number of shards: thirty for each engine
 STALLED_S = 60
 STUDY = """design = "d.toml"
@@ -34,6 +36,35 @@ kind = "latin-hypercube"
 samples = 100
 seed = 7
 samples_per_part = 2
+"""
+ROBOT = """name = "one"
+planned_hours = 6000
+[[axis]]
+name = "a"
+direction = [0, -1, 0]
+mass_kg = 20
+centre_mm = [1000, 0, 0]
+inertia_kg_m2 = [0, 0, 0]
+[tool]
+position_mm = [1000, 0, 0]
+[[joint]]
+axis = "a"
+design = "d.toml"
+speed_deg_s = 100
+acceleration_deg_s2 = 100
+[[program]]
+name = "p"
+cycles_per_hour = 100
+[[program.pose]]
+angles_deg = [-30]
+[[program.pose]]
+angles_deg = [30]
+[model]
+ages = 2
+positions = 1
+te_positions = 64
+[population]
+robots = 4
 """
 
 
@@ -86,12 +117,12 @@ class Killer:
         self.left -= 1
 
 
-def on_cluster(engine, arcmin, study, out, shards, killer):
+def on_cluster(engine, arcmin, of, file, out, shards, killer):
     """Submits until everything is there; every submission is a whole cluster in processes of its own."""
     submissions = 0
     while True:
         submissions += 1
-        command = [sys.executable, HERE / "cluster.py", engine, arcmin, study, out, str(shards)]
+        command = [sys.executable, HERE / "cluster.py", engine, arcmin, of, file, out, str(shards)]
         process = subprocess.Popen(command, start_new_session=True)
         pause = alive = time.monotonic() + 2.0
         # A cluster that has lost all its workers waits for them for ever.
@@ -115,7 +146,7 @@ def on_cluster(engine, arcmin, study, out, shards, killer):
             raise SystemExit(f"{engine}: no end after {submissions} submissions")
 
 
-def locally(arcmin, study, out, shards, killer):
+def locally(arcmin, of, file, out, shards, killer):
     waiting = list(range(1, shards + 1))
     killer.random.shuffle(waiting)
     running = []
@@ -124,7 +155,7 @@ def locally(arcmin, study, out, shards, killer):
         while waiting and len(running) < 2:
             shard = waiting.pop()
             words = ["--shard", f"{shard}/{shards}", "--out", out, "--threads", "1", "-q"]
-            running.append((shard, subprocess.Popen([arcmin, "study", "run", study, *words])))
+            running.append((shard, subprocess.Popen([arcmin, of, "run", file, *words])))
             starts += 1
         time.sleep(killer.random.uniform(0.0, 0.1))
         if killer.left and running:
@@ -147,33 +178,43 @@ def main():
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
     call(arcmin, "new", directory / "d.toml")
-    study = directory / "s.toml"
-    study.write_text(STUDY)
+    files = {"study": STUDY, "robot": ROBOT}
+    failures = sum(check(of, text, arcmin, directory, engines) for of, text in files.items())
+    sys.exit(failures > 0)
+
+
+def check(of, text, arcmin, directory, engines):
+    file = directory / f"{of}.toml"
+    file.write_text(text)
     started = time.monotonic()
-    call(arcmin, "study", study, "--out", directory / "whole")
-    print(f"     the whole study in {time.monotonic() - started:.1f} s")
-    whole = (directory / "whole" / "samples.csv").read_bytes()
+    # Lives of joints are kept in the cache: each is to be computed again.
+    os.environ["XDG_CACHE_HOME"] = str(directory / f"{of}-cache")
+    call(arcmin, of, file, "--out", directory / f"{of}-whole")
+    print(f"     {of}, the whole in {time.monotonic() - started:.1f} s", flush=True)
+    whole = (directory / f"{of}-whole" / TABLES[of]).read_bytes()
     failures = 0
     for engine in engines:
-        for shards in SHARDS:
-            out = directory / f"{engine}-{shards}"
+        for shards in SHARDS[of]:
+            out = directory / f"{of}-{engine}-{shards}"
+            os.environ["XDG_CACHE_HOME"] = f"{out}-cache"
             killer = Killer(engine, f"{engine} {shards}")
             started = time.monotonic()
             if engine == "local":
-                starts = locally(arcmin, study, out, shards, killer)
+                starts = locally(arcmin, of, file, out, shards, killer)
             else:
-                starts = on_cluster(engine, arcmin, study, out, shards, killer)
-            call(arcmin, "study", "collect", study, "--out", out)
-            same = (out / "samples.csv").read_bytes() == whole
+                starts = on_cluster(engine, arcmin, of, file, out, shards, killer)
+            call(arcmin, *REPORTS[of], file, "--out", out)
+            same = (out / TABLES[of]).read_bytes() == whole
             failures += not same
             kills = ", ".join(f"{count} {kind}s" for kind, count in killer.killed.items() if count)
             what = "processes" if engine == "local" else "submissions"
+            rows = "the same rows" if same else "other rows"
             print(
-                f"{'ok  ' if same else 'FAIL'} {engine}, {shards} shards: killed {kills or 'nothing'}; "
-                f"{starts} {what}, {time.monotonic() - started:.0f} s; {'the same' if same else 'other'} rows",
+                f"{'ok  ' if same else 'FAIL'} {of}, {engine}, {shards} shards: killed {kills or 'nothing'}; "
+                f"{starts} {what}, {time.monotonic() - started:.0f} s; {rows}",
                 flush=True,
             )
-    sys.exit(failures > 0)
+    return failures
 
 
 if __name__ == "__main__":

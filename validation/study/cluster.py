@@ -1,4 +1,6 @@
-"""One cluster that computes the shards of a study and ends: cluster.py ENGINE ARCMIN STUDY OUT SHARDS.
+"""One cluster that computes shards and ends: cluster.py ENGINE ARCMIN COMMAND FILE OUT SHARDS.
+
+COMMAND is study or robot.
 
 Ends with 0 if every shard did.
 """
@@ -7,11 +9,11 @@ import subprocess
 import sys
 
 
-def command(arcmin, study, out, shard, shards):
-    return [arcmin, "study", "run", study, "--shard", f"{shard}/{shards}", "--out", out, "--threads", "1", "-q"]
+def command(arcmin, of, file, out, shard, shards):
+    return [arcmin, of, "run", file, "--shard", f"{shard}/{shards}", "--out", out, "--threads", "1", "-q"]
 
 
-def on_hyperqueue(arcmin, study, out, shards):
+def on_hyperqueue(arcmin, of, file, out, shards):
     import tempfile
 
     from hyperqueue import Job, LocalCluster
@@ -23,7 +25,7 @@ def on_hyperqueue(arcmin, study, out, shards):
         client = cluster.client()
         job = Job(directory, max_fails=None)
         for shard in range(1, shards + 1):
-            job.program(command(arcmin, study, out, shard, shards), stdout=None, stderr=None)
+            job.program(command(arcmin, of, file, out, shard, shards), stdout=None, stderr=None)
         return client.wait_for_jobs([client.submit(job)], raise_on_error=False)
 
 
@@ -31,18 +33,18 @@ def compute(words):
     subprocess.run(words, check=True)
 
 
-def on_dask(arcmin, study, out, shards):
+def on_dask(arcmin, of, file, out, shards):
     from distributed import Client, LocalCluster, as_completed
 
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
     with LocalCluster(**options) as cluster, Client(cluster) as client:
-        words = [command(arcmin, study, out, shard, shards) for shard in range(1, shards + 1)]
+        words = [command(arcmin, of, file, out, shard, shards) for shard in range(1, shards + 1)]
         for task in as_completed(client.map(compute, words, pure=False, retries=20)):
             task.result()
     return True
 
 
 if __name__ == "__main__":
-    engine, arcmin, study, out, shards = sys.argv[1:]
+    engine, arcmin, of, file, out, shards = sys.argv[1:]
     run = {"hq": on_hyperqueue, "dask": on_dask}[engine]
-    sys.exit(0 if run(arcmin, study, out, int(shards)) else 1)
+    sys.exit(0 if run(arcmin, of, file, out, int(shards)) else 1)

@@ -3,16 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use arcmin::analyses::{AnalysisError, Outcome};
-use arcmin::design::InputFile;
+use arcmin::design::{Design, InputFile};
 use arcmin::report::Provenance;
-use arcmin::robot::{Robot, RobotFile, RobotOptions, example, run as answer};
+use arcmin::robot::{Loaded, Robot, RobotFile, RobotOptions, example, run as answer};
+use arcmin::study::{Plan, Shard, collect};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::json;
 
 use super::Ending;
+use super::study::{self, broken, common, engines, shard, shard_of};
 use crate::arguments::{of_a_run, take_threads};
 use crate::failure::{Failure, Start};
-use crate::run::{Cache, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
+use crate::run::{Cache, Parts, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
 
 const GUIDE: &str = "\
 Reads a robot file (TOML): the arm as URDF or as a table of axes, the reducer of every joint, what the hand carries,
@@ -24,14 +26,19 @@ bearings) is mapped to the tool: figures of ISO 9283, split by joint and cause; 
 joint ends it, what an overhaul buys, the plan with the fewest overhauls, a table for the controller.
 
 Lives of joints are kept in the cache: the same joint with the same duty is not computed again, and a run that was
-stopped goes on from the joints it has finished.";
+stopped goes on from the joints it has finished. The drawn robots of a [population] are a study: they are kept in
+parts/ as they are computed, and shards of them may be computed on other machines.";
 
 const EXAMPLES: &str = "Examples:
   arcmin robot new arm.toml                write a six-axis example with its designs
   arcmin robot arm.toml                    run it
   arcmin robot arm.toml --loads            torques and duties alone
   arcmin robot other.toml --lives out/arm/robot/lives.json
-                                           another program, the joints of an earlier run, their hours scaled";
+                                           another program, the joints of an earlier run, their hours scaled
+  arcmin robot run arm.toml --shard 3/20 --out shared/arm
+                                           some of the drawn robots of a population
+  arcmin robot submit arm.toml --engine hq --out shared/arm
+                                           all of them on an engine, then the report";
 
 pub fn command() -> Command {
     let new = Command::new("new")
@@ -43,18 +50,21 @@ pub fn command() -> Command {
                 .help("Robot file to write; designs go beside it"),
         )
         .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite existing files"));
+    let run = Command::new("run")
+        .about("Compute one shard of the drawn robots of the population and keep its parts")
+        .args([robot_file(), shard()]);
+    // Shards take the cache of the user who runs them.
+    let submit = common(engines::command("robot", "arm.toml").arg(robot_file()))
+        .mut_arg("out", |out| out.help(OUT))
+        .mut_arg("force", |force| force.help(FORCE))
+        .mut_arg("threads", |threads| threads.help("Threads that the report takes [default: all cores]"));
     let command = Command::new("robot")
         .about(arcmin::robot::declared().about)
         .long_about(format!("{}.\n\n{GUIDE}", arcmin::robot::declared().about))
         .after_help(EXAMPLES)
         .args_conflicts_with_subcommands(true)
         .subcommand_negates_reqs(true)
-        .arg(
-            Arg::new("ROBOT")
-                .required(true)
-                .value_parser(value_parser!(PathBuf))
-                .help("Robot file (TOML); `arcmin robot new` writes one"),
-        )
+        .arg(robot_file())
         .arg(
             Arg::new("loads")
                 .long("loads")
@@ -68,37 +78,108 @@ pub fn command() -> Command {
                 .conflicts_with("loads")
                 .help("lives.json of an earlier run: its joints, their hours scaled by what wears them"),
         );
-    of_a_run(
-        command,
-        "Directory for the results [default: out/<robot>/robot]",
-        "Write over the results of another robot",
-    )
-    .subcommand(new)
+    of_a_run(command, OUT, FORCE).subcommand(new).subcommand(of_a_run(run, OUT, FORCE)).subcommand(submit)
+}
+
+const OUT: &str = "Directory for the results [default: out/<robot>/robot]";
+const FORCE: &str = "Write over the results of another robot";
+
+fn robot_file() -> Arg {
+    Arg::new("ROBOT")
+        .required(true)
+        .value_parser(value_parser!(PathBuf))
+        .help("Robot file (TOML); `arcmin robot new` writes one")
 }
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
-    if let Some(("new", matches)) = matches.subcommand() {
-        return write_new(matches);
+    match matches.subcommand() {
+        Some(("new", matches)) => write_new(matches),
+        Some(("run", matches)) => Job::of(matches)?.shard(shard_of(matches)),
+        Some(("submit", matches)) => Job::of(matches)?.submit(matches),
+        _ => {
+            let options = RobotOptions {
+                loads: matches.get_flag("loads"),
+                lives: matches.get_one::<String>("lives").map(|name| InputFile(name.clone())),
+            };
+            Job::of(matches)?.whole(&options)
+        }
     }
-    let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap asks for a robot") };
-    take_threads(matches)?;
-    let file = read(path)?;
-    let quiet = matches.get_flag("quiet");
-    let out = matches
-        .get_one::<PathBuf>("out")
-        .cloned()
-        .unwrap_or_else(|| Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot"));
-    let results = Results::prepare_for(&out, &file.name, matches.get_flag("force"))?;
-    let chosen = matches.get_one::<PathBuf>("cache").map(|chosen| Cache::new(chosen));
-    let host = Terminal::new(path, &out, chosen.unwrap_or_else(|| Cache::of_user(&out)), quiet);
-    let options = RobotOptions {
-        loads: matches.get_flag("loads"),
-        lives: matches.get_one::<String>("lives").map(|name| InputFile(name.clone())),
-    };
-    let robot = answer(&file, &options, &host).map_err(|error| told(error, &file))?;
-    host.clear();
-    publish(&robot, results, quiet, &out)?;
-    Ok(Ending::Fine)
+}
+
+/// A robot file with its places.
+struct Job {
+    path: PathBuf,
+    file: RobotFile,
+    out: PathBuf,
+    host: Terminal,
+    force: bool,
+    quiet: bool,
+}
+
+impl Job {
+    fn of(matches: &ArgMatches) -> Result<Job, Failure> {
+        let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap asks for a robot") };
+        take_threads(matches)?;
+        let (force, quiet) = (matches.get_flag("force"), matches.get_flag("quiet"));
+        let beside = || Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot");
+        let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(beside);
+        let chosen = matches.try_get_one::<PathBuf>("cache").ok().flatten().map(|chosen| Cache::new(chosen));
+        let host = Terminal::new(path, &out, chosen.unwrap_or_else(|| Cache::of_user(&out)), quiet);
+        Ok(Job { path: path.clone(), file: read(path)?, out, host, force, quiet })
+    }
+
+    fn parts(&self) -> Parts {
+        Parts::new(&self.out.join("parts"))
+    }
+
+    fn whole(&self, options: &RobotOptions) -> Result<Ending, Failure> {
+        let results = Results::prepare_for(&self.out, &self.file.name, self.force)?;
+        let robot = answer(&self.file, options, &self.host, &self.parts())
+            .map_err(|error| told(error, &self.file))?;
+        self.host.clear();
+        publish(&robot, results, self.quiet, &self.out)?;
+        Ok(Ending::Fine)
+    }
+
+    /// The robot before its lives, and the plan of its population.
+    fn population(&self) -> Result<(Loaded<'_>, Plan), Failure> {
+        let told = |error| told(error, &self.file);
+        let loaded = Loaded::of(&self.file, &self.host).map_err(told)?;
+        let plan = loaded.population_plan().map_err(told)?.ok_or_else(|| Failure::Usage {
+            message: format!("{} has no drawn robots to share out", self.path.display()),
+            help: "add [population] with robots = 20, or run `arcmin robot` of it".to_owned(),
+        })?;
+        Ok((loaded, plan))
+    }
+
+    fn shard(&self, shard: Shard) -> Result<Ending, Failure> {
+        let (loaded, plan) = self.population()?;
+        let done =
+            loaded.draw(&plan, shard, &self.parts(), &self.host).map_err(|error| told(error, &self.file))?;
+        self.host.clear();
+        if !self.quiet {
+            say(&study::told("drawn robots", &done))?;
+        }
+        Ok(Ending::Fine)
+    }
+
+    fn submit(&self, matches: &ArgMatches) -> Result<Ending, Failure> {
+        let plan = self.population()?.1;
+        let is_complete = || Ok(collect(&plan, &self.parts()).map_err(broken)?.is_complete());
+        let shards = engines::Shards {
+            run: "robot run",
+            report: "robot",
+            file: &self.path,
+            out: &self.out,
+            parts: plan.parts(),
+            stages: 1,
+            is_complete: &is_complete,
+        };
+        match engines::run(&shards, matches)? {
+            true => self.whole(&RobotOptions::default()),
+            false => Ok(Ending::Fine),
+        }
+    }
 }
 
 fn read(path: &Path) -> Result<RobotFile, Failure> {
@@ -109,12 +190,24 @@ fn read(path: &Path) -> Result<RobotFile, Failure> {
         start: Start::Robot,
     })?;
     let text = text_of(path, &bytes)?;
-    RobotFile::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
+    let name = path.display().to_string();
+    RobotFile::parse(&text, &name).map_err(|error| match Design::parse(&text, &name) {
+        Ok(_) => Failure::Usage {
+            message: format!("{name} is the design of a reducer, not a robot"),
+            help: "`arcmin robot new FILE` writes a robot file; its [[joint]] sections name designs"
+                .to_owned(),
+        },
+        Err(_) => Failure::design(error, &text),
+    })
 }
 
-/// What an error of the robot file marks is in its text.
+/// What an error of the robot file marks is in its text. What was finished is kept: lives of joints in the cache, drawn
+/// robots in parts.
 fn told(error: AnalysisError, file: &RobotFile) -> Failure {
     match error {
+        AnalysisError::Stopped => {
+            Failure::Unfinished { reason: format!("stopped; `{}` goes on from there", crate::command_line()) }
+        }
         AnalysisError::Design(error) if error.file_name == file.file_name() => {
             Failure::design(error, file.text())
         }

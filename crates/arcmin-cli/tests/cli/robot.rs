@@ -1,5 +1,8 @@
 //! `arcmin robot` as a user meets it.
 
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
 use crate::common::*;
 
 /// The example with joints that are measured quickly.
@@ -143,4 +146,94 @@ fn what_is_wrong_with_a_program_is_said_with_its_line() {
     assert!(other.contains("axis_7_deg") || other.contains("axis_6_deg"), "{other}");
     write(d, "t.csv", &format!("{head}0,0,0,0,0,0,0\n1,5,0,0,0,0,0\n2,0,0,0,0,0,0\n"));
     good(d, &["robot", "t.toml", "--loads", "--out", "t"]);
+}
+
+/// One axis with an RV-40E and three drawn robots.
+const DRAWN: &str = r#"name = "one"
+planned_hours = 6000
+[[axis]]
+name = "a"
+direction = [0, -1, 0]
+mass_kg = 20
+centre_mm = [1000, 0, 0]
+inertia_kg_m2 = [0, 0, 0]
+[tool]
+position_mm = [1000, 0, 0]
+[[joint]]
+axis = "a"
+design = "d.toml"
+speed_deg_s = 100
+acceleration_deg_s2 = 100
+[[program]]
+name = "p"
+cycles_per_hour = 100
+[[program.pose]]
+angles_deg = [-30]
+[[program.pose]]
+angles_deg = [30]
+[model]
+ages = 2
+positions = 1
+te_positions = 64
+[population]
+robots = 3
+"#;
+
+/// A shard that is killed, another that is stopped, shards as processes for what is missing: the robots of a single run, to
+/// the byte, each computed from its own cache.
+#[test]
+fn drawn_robots_go_on_after_a_kill() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    good(d, &["new", "rv-40e", "d.toml"]);
+    write(d, "one.toml", DRAWN);
+    good(d, &["robot", "one.toml", "--cache", "first", "--out", "whole"]);
+    let shard = |cache: &str| {
+        let words = ["robot", "run", "one.toml", "--cache", cache, "--out", "k", "--threads", "1", "--quiet"];
+        Command::new(binary()).args(words).current_dir(d).stderr(Stdio::null()).spawn().unwrap()
+    };
+    let parts = || {
+        let entries = std::fs::read_dir(d.join("k/parts")).into_iter().flatten().flatten();
+        entries.filter(|entry| entry.path().extension().is_some_and(|ending| ending == "parquet")).count()
+    };
+    let mut killed = shard("second");
+    while parts() == 0 {
+        assert!(killed.try_wait().unwrap().is_none(), "over before it can be killed");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(parts() < 3);
+    let mut stopped = shard("second");
+    std::thread::sleep(Duration::from_millis(300));
+    Command::new("kill").args(["-INT", &stopped.id().to_string()]).status().unwrap();
+    assert_eq!(stopped.wait().unwrap().code(), Some(2));
+    let submit =
+        ["robot", "submit", "one.toml", "--engine", "local", "--shards", "3", "--workers", "2", "--out", "k"];
+    let submitted =
+        Command::new(binary()).args(submit).current_dir(d).env("XDG_CACHE_HOME", d.join("third")).output();
+    assert!(submitted.unwrap().status.success());
+    assert_eq!(names(&d.join("whole/parts")), names(&d.join("k/parts")));
+    for name in names(&d.join("whole/parts")) {
+        let of = |out: &str| std::fs::read(d.join(out).join("parts").join(&name)).unwrap();
+        assert!(of("whole") == of("k"), "{name}");
+    }
+    assert_eq!(read(d, "whole/population.csv"), read(d, "k/population.csv"));
+    assert_eq!(read(d, "whole/population.csv").lines().count(), 4);
+    // All are there: nothing is computed.
+    let said = good(d, &["robot", "run", "one.toml", "--shard", "2/2", "--out", "k"]);
+    assert!(said.contains("0 drawn robots computed, 1 were there"), "{said}");
+    for (engine, file, runs) in
+        [("hq", "hq.sh", "robot run"), ("dask", "on_dask.py", "\"robot run\".split()")]
+    {
+        let submit = ["robot", "submit", "one.toml", "--engine", engine, "--out", "k", "--print"];
+        assert!(good(d, &submit).contains(file));
+        let script = read(d, &format!("k/submit/{file}"));
+        assert!(script.contains(runs) && script.contains("one.toml"), "{script}");
+    }
+    write(d, "alone.toml", &DRAWN.replace("[population]\nrobots = 3\n", ""));
+    let said = refused(d, &["robot", "d.toml", "--out", "k"]);
+    assert!(said.contains("d.toml is the design of a reducer"), "{said}");
+    let said = refused(d, &["robot", "run", "alone.toml", "--out", "k"]);
+    assert!(said.contains("no drawn robots") && said.contains("[population]"), "{said}");
 }

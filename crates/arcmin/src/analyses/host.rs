@@ -108,6 +108,35 @@ impl Host for Wanting<'_> {
     }
 }
 
+/// A host of one computation among many: shows no progress of its own.
+pub struct Quiet<'a>(pub &'a dyn Host);
+
+impl Progress for Quiet<'_> {
+    fn report(&self, _: &str, _: f64) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+}
+
+impl Host for Quiet<'_> {
+    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        self.0.read(file, origin)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.0.seconds()
+    }
+
+    fn cached(&self, name: &str) -> Option<Vec<u8>> {
+        self.0.cached(name)
+    }
+
+    fn cache(&self, name: &str, bytes: &[u8]) {
+        self.0.cache(name, bytes);
+    }
+}
+
 /// A host without files, clock, progress and cancellation.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoHost;

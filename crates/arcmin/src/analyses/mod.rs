@@ -37,7 +37,7 @@ pub mod wear;
 
 pub use causes::CausesAt;
 pub use error::AnalysisError;
-pub use host::{Host, NoHost, Origin, Wanting};
+pub use host::{Host, NoHost, Origin, Quiet, Wanting};
 pub use identity::identity;
 pub(crate) use outcome::outcome;
 pub use outcome::{Attachment, Outcome, Said, TextTable};

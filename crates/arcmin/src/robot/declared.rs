@@ -456,7 +456,14 @@ const REACH: TableOf<super::reach::ReachPoint> = TableOf {
     },
 };
 
-struct DrawnRow(usize, [Figures; 2]);
+struct DrawnRow(usize, Result<[Figures; 2], String>);
+
+impl DrawnRow {
+    /// In mm of m, new or at the planned hours.
+    fn length(&self, age: usize, of: fn(&Figures) -> f64) -> Value {
+        self.1.as_ref().ok().map(|robot| of(&robot[age]) / MM).into()
+    }
+}
 
 const POPULATION: TableOf<DrawnRow> = TableOf {
     name: "population",
@@ -465,12 +472,14 @@ const POPULATION: TableOf<DrawnRow> = TableOf {
         vec![
             quantity("robot", PLAIN, "Counted from 1.").of(|r: &DrawnRow| (r.0 + 1).into()),
             quantity("new_position_error_mm", decimals(3), "Pose accuracy, new.")
-                .of(|r| (r.1[0].position / MM).into()),
+                .of(|r| r.length(0, |f| f.position)),
             quantity("new_repeatability_mm", decimals(3), "Repeatability, new.")
-                .of(|r| (r.1[0].repeatability / MM).into()),
-            POSITION.of(|r| (r.1[1].position / MM).into()),
-            REPEATABILITY.of(|r| (r.1[1].repeatability / MM).into()),
-            PATH.of(|r| (r.1[1].path / MM).into()),
+                .of(|r| r.length(0, |f| f.repeatability)),
+            POSITION.of(|r| r.length(1, |f| f.position)),
+            REPEATABILITY.of(|r| r.length(1, |f| f.repeatability)),
+            PATH.of(|r| r.length(1, |f| f.path)),
+            quantity("failed", PLAIN, "Why the robot cannot be computed.")
+                .of(|r| r.1.as_ref().err().cloned().into()),
         ]
     },
 };
@@ -711,7 +720,7 @@ impl Robot {
                 .robots
                 .iter()
                 .enumerate()
-                .map(|(number, robot)| DrawnRow(number, *robot))
+                .map(|(number, robot)| DrawnRow(number, robot.clone()))
                 .collect();
             tables.push(POPULATION.fill(rows.iter()));
         }

@@ -22,6 +22,20 @@ pub struct Figures {
     pub path: f64,
 }
 
+impl Figures {
+    /// In m and rad, as they are kept.
+    pub(super) fn numbers(&self) -> [f64; 6] {
+        [self.position, self.orientation, self.repeatability, self.directions, self.distance, self.path]
+    }
+
+    pub(super) fn of_numbers(numbers: &[f64]) -> Option<Figures> {
+        let [position, orientation, repeatability, directions, distance, path] = *numbers else {
+            return None;
+        };
+        Some(Figures { position, orientation, repeatability, directions, distance, path })
+    }
+}
+
 /// Which figures a limit can be set for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {
@@ -125,8 +139,12 @@ impl Tool<'_> {
 
     /// Distance of the tool from the commanded path at a place, in m.
     pub fn off_the_path(&self, hours: &[f64], place: usize) -> f64 {
+        self.across_the_path(hours, place).norm()
+    }
+
+    fn across_the_path(&self, hours: &[f64], place: usize) -> Vector3<f64> {
         let (moved, along) = (self.moved(hours, place)[0], self.places.places[place].along);
-        (moved - moved.dot(&along) * along).norm()
+        moved - moved.dot(&along) * along
     }
 
     /// One figure, each axis this many hours of the robot old.
@@ -206,8 +224,7 @@ impl Tool<'_> {
 
     /// Which axis makes most of a figure, and which cause most of that axis.
     pub fn culprit(&self, figure: Figure, hours: &[f64]) -> (usize, usize) {
-        let at = |place: usize, which: usize| -> (usize, usize) {
-            let whole = self.moved(hours, place)[which];
+        let at = |place: usize, which: usize, whole: Vector3<f64>| -> (usize, usize) {
             let caused: Vec<[f64; 4]> = (0..self.field.axes())
                 .map(|axis| {
                     self.field.caused(self.places, axis, hours[axis], place).map(|c| c[which].dot(&whole))
@@ -217,9 +234,19 @@ impl Tool<'_> {
             (axis, largest(caused.get(axis).into_iter().flatten().copied()))
         };
         match figure {
-            Figure::Position => at(self.worst_visit(hours).0, 0),
-            Figure::Orientation => at(self.worst_turn(hours).0, 1),
-            Figure::Path => at(self.worst_way(hours).0, 0),
+            Figure::Position => {
+                let (visit, _) = self.worst_visit(hours);
+                at(visit, 0, self.moved(hours, visit)[0])
+            }
+            Figure::Orientation => {
+                let (visit, _) = self.worst_turn(hours);
+                at(visit, 1, self.moved(hours, visit)[1])
+            }
+            // What goes along the path makes nothing of the distance from it.
+            Figure::Path => {
+                let (way, _) = self.worst_way(hours);
+                at(way, 0, self.across_the_path(hours, way))
+            }
             Figure::Repeatability => {
                 let axis = largest(self.repeatability_by_axis(hours).into_iter());
                 let (pose, _) = self.worst_pose(hours);

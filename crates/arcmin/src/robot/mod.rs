@@ -7,9 +7,10 @@
 //! ```no_run
 //! use arcmin::analyses::NoHost;
 //! use arcmin::robot::{RobotFile, RobotOptions, run};
+//! use arcmin::study::Memory;
 //!
 //! let file = RobotFile::parse(&std::fs::read_to_string("arm.toml")?, "arm.toml")?;
-//! let answer = run(&file, &RobotOptions::default(), &NoHost)?;
+//! let answer = run(&file, &RobotOptions::default(), &NoHost, &Memory::default())?;
 //! println!("{:?}", answer.end);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -51,6 +52,6 @@ pub use memory::{Loop, Standing};
 pub use motion::Motion;
 pub use newton_euler::{AxisLoad, holding_loads, inverse_dynamics};
 pub use read::{Program, RobotFile};
-pub use run::{Robot, RobotOptions, run};
+pub use run::{Loaded, Robot, RobotOptions, run};
 pub use tool::CAUSES;
 pub use urdf::{UrdfError, read as read_urdf};

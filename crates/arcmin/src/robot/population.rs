@@ -1,104 +1,225 @@
-//! Robots whose reducers are drawn from the tolerances of their designs.
+//! Robots whose reducers are drawn from the tolerances of their designs: a study, a robot a row.
 
 use rayon::prelude::*;
+use serde_json::{Value as Json, json};
 
 use super::figures::{Figures, Sorted, Tool};
 use super::joint::JointModel;
-use super::life::{Measured, live};
-use super::read::RobotFile;
-use super::run::{Before, Robot, ages_of, measured, of_joint};
+use super::life::Measured;
+use super::read::Reducer;
+use super::run::{Loaded, ages_of, ages_of_table, life_of, measured, model_of};
 use super::tool::{Field, Places};
-use crate::analyses::{AnalysisError, Host};
-use crate::design::{Design, OptionSet};
+use crate::analyses::{AnalysisError, Host, Quiet};
+use crate::design::OptionSet;
 use crate::fidelity::FidelityOptions;
 use crate::progress::Counter;
+use crate::study::sampling::Layout;
+use crate::study::statistics::quantile;
+use crate::study::{
+    Cell, Done, Factor, Kept, Kind, Plan, Purpose, Row, RowError, Setting, Shard, Store, Watch, collect,
+    hash, run,
+};
 
 /// All robots, new and at the planned hours.
 #[derive(Debug, Clone)]
 pub struct Population {
     pub seed: u64,
-    pub robots: Vec<[Figures; 2]>,
-    /// Axes whose design gives no tolerances, or whose table none: the same in every robot.
+    /// In their order; why there are no figures of one.
+    pub robots: Vec<Result<[Figures; 2], String>>,
+    /// Axes whose design gives no tolerances, or whose reducer is a table: the same in every robot.
     pub alike: Vec<String>,
 }
 
 /// A drawn joint is measured at fewer places: its figures are taken from twenty of them.
 const POSITIONS: usize = 3;
 const ERROR_POSITIONS: usize = 256;
+/// Robots in a part: each takes a minute or more.
+const ROBOTS_PER_PART: u64 = 1;
+/// Results of a row: the figures of the new robot, and of that at the planned hours.
+const RESULTS: [&str; 2] = ["new", "worn"];
 
-/// Draws all robots; `None` where none were asked for. Joints that are finished are kept in the host's cache, so that a
-/// run that was stopped goes on.
-///
-/// # Errors
-/// As for the nominal joints.
-pub(super) fn population(
-    file: &RobotFile,
-    before: &[Before<'_>],
-    models: &[JointModel],
-    (places, sorted, moving): (&Places, &Sorted, &[f64]),
-    robot: &Robot,
-    host: &dyn Host,
-) -> Result<Option<Population>, AnalysisError> {
-    let Some(section) = &*file.population else { return Ok(None) };
-    let (count, seed) = (*section.robots, *section.seed as u64);
-    let axes = models.len();
-    let drawn = |axis: usize| before[axis].design().filter(|design| design.drawing_tolerances().is_some());
-    let jobs: Vec<(usize, usize, &Design)> = (0..count)
-        .flat_map(|number| (0..axes).map(move |axis| (number, axis)))
-        .filter_map(|(number, axis)| Some((number, axis, drawn(axis)?)))
-        .collect();
-    let done = Counter::new("drawn joints", jobs.len(), host);
-    let found: Vec<((usize, usize), JointModel)> = jobs
-        .par_iter()
-        .map(|(number, axis, design)| {
-            let joint = &before[*axis];
-            let on = joint.on_duty(design, robot.planned, *file.model.moments_in_wear)?;
-            let words = measured(file)?.fidelity.canonical();
-            let kept: Vec<&str> = words
-                .lines()
-                .filter(|line| !line.starts_with("errors") && !line.starts_with("seed"))
-                .collect();
-            let drawing = format!(
-                "{}\nerrors = \"drawn\"\nseed = {}\n",
-                kept.join("\n"),
-                (seed + (number * axes + axis) as u64) % 9_007_199_254_740_991
-            );
-            let measured = Measured {
-                fidelity: FidelityOptions::parse(&drawing, "the section [population]")?,
-                ages: 2,
-                positions: POSITIONS,
-                error_positions: ERROR_POSITIONS,
-            };
-            let name = &robot.joints[*axis].axis;
-            let life = live(&on, &measured, joint.duty.rows.is_empty(), host)
-                .map_err(|error| of_joint(name, error))?;
-            let ages = ages_of(name, &life.export)?;
-            Ok(done.after(|| ((*number, *axis), JointModel { ages, ..models[*axis].clone() })))
-        })
-        .collect::<Result<_, AnalysisError>>()?;
-    let mut found = found.into_iter().peekable();
-    let mut robots = Vec::with_capacity(count);
-    for number in 0..count {
-        let mut joints = models.to_vec();
-        while let Some((place, joint)) = found.next_if(|((of, _), _)| *of == number) {
-            joints[place.1] = joint;
+impl Loaded<'_> {
+    /// The rows of the population; `None` where none was asked for.
+    ///
+    /// # Errors
+    /// Designs that the duties do not fit.
+    pub fn population_plan(&self) -> Result<Option<Plan>, AnalysisError> {
+        let Some(section) = &*self.file.population else { return Ok(None) };
+        // Neither their number nor what is asked of them changes a robot.
+        let canonical = self.file.canonical();
+        let counts = |line: &&str| {
+            !["name", "limits", "population", "variant"].iter().any(|key| line.starts_with(key))
+        };
+        let mut what = format!("robots 1 {}\n", env!("CARGO_PKG_VERSION"));
+        what.extend(canonical.lines().filter(counts).flat_map(|line| [line, "\n"]));
+        // What comes from other files, as read.
+        what.push_str(&format!("{:?}{:?}", self.arm, self.programs));
+        for joint in &self.before {
+            match joint.design() {
+                Some(design) => what.push_str(&design.canonical()),
+                None => what.push_str(&format!("{:?}", joint.reducer)),
+            }
         }
-        let field = Field::of(places, &joints, moving, robot.compensates);
-        let tool = Tool { places, sorted, field: &field };
-        robots.push([0.0, robot.planned].map(|hours| tool.figures(&vec![hours; axes])));
+        let kept = RESULTS.map(|key| Kept { key: key.to_owned(), kind: Kind::Curve }).to_vec();
+        let (robots, seed) = (*section.robots as u64, *section.seed as u64);
+        let plan = Plan::new(&what, vec![Factor::drawn()], Layout::Random, robots, seed, kept)
+            .map_err(AnalysisError::compute("plan the drawn robots"))?;
+        Ok(Some(plan.with_samples_per_part(ROBOTS_PER_PART).named("robots".to_owned())))
     }
-    let alike = (0..axes).filter(|axis| drawn(*axis).is_none()).map(|axis| robot.joints[axis].axis.clone());
-    Ok(Some(Population { seed, robots, alike: alike.collect() }))
+
+    /// Computes the robots of a shard that are not there yet and keeps them.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Stopped`]; joints that are not drawn whose lives cannot be found; parts that cannot be read or kept.
+    pub fn draw(
+        &self,
+        plan: &Plan,
+        shard: Shard,
+        parts: &dyn Store,
+        host: &dyn Host,
+    ) -> Result<Done, AnalysisError> {
+        let places = self.places();
+        let sorted = Sorted::of(&places);
+        let alike = (0..self.before.len())
+            .map(|axis| match self.before[axis].is_drawn() {
+                true => Ok(None),
+                false => self.joint(axis, &measured(self.file)?, host).map(Some),
+            })
+            .collect::<Result<Vec<_>, AnalysisError>>()?;
+        let compute = |row: &Row| self.figures_of(row, &alike, (&places, &sorted), &Quiet(host));
+        let all: u64 = shard.parts(plan).map(|part| plan.rows_of(part).count() as u64).sum();
+        let done = Counter::new("drawn robots", all as usize, host);
+        let watch = Watch {
+            begun: &|found| (0..found).for_each(|_| done.one_more()),
+            finished: &|_| done.one_more(),
+        };
+        let told = run(plan, shard, parts, &compute, &watch).map_err(of_parts)?;
+        if told.cancelled { Err(AnalysisError::Stopped) } else { Ok(told) }
+    }
+
+    /// All robots that are kept.
+    ///
+    /// # Errors
+    /// Parts that cannot be read; not a single robot with figures.
+    pub(super) fn population(&self, plan: &Plan, parts: &dyn Store) -> Result<Population, AnalysisError> {
+        let rows = collect(plan, parts).map_err(of_parts)?;
+        let figures = |cell: Option<&Cell>| match cell {
+            Some(Cell::Curve(numbers)) => Figures::of_numbers(numbers),
+            _ => None,
+        };
+        let robots: Vec<Result<[Figures; 2], String>> = rows
+            .records
+            .into_iter()
+            .map(|record| {
+                // Behind the seed.
+                match (figures(record.cells.get(1)), figures(record.cells.get(2))) {
+                    (Some(new), Some(worn)) => Ok([new, worn]),
+                    _ => Err(record.failed.unwrap_or_default()),
+                }
+            })
+            .collect();
+        if let Some(Err(why)) = robots.first().filter(|_| robots.iter().all(Result::is_err)) {
+            return Err(AnalysisError::usage(
+                format!("none of the {} drawn robots can be computed: {why}", robots.len()),
+                "look at the [tolerances] of the designs with `arcmin check`",
+            ));
+        }
+        let alike = self.before.iter().zip(&self.arm.axes).filter(|(joint, _)| !joint.is_drawn());
+        Ok(Population {
+            seed: plan.sampling().seed(),
+            robots,
+            alike: alike.map(|(_, axis)| axis.name.clone()).collect(),
+        })
+    }
+
+    /// The joint of an axis over its life.
+    fn joint(&self, axis: usize, measured: &Measured, host: &dyn Host) -> Result<JointModel, AnalysisError> {
+        let (joint, name) = (&self.before[axis], &self.arm.axes[axis].name);
+        let (ages, motor) = match &joint.reducer {
+            Reducer::Design(design) => {
+                let export = life_of(self.file, joint, design, name, measured, host)?.export;
+                (ages_of(name, &export)?, export.inertia.motor_kg_m2)
+            }
+            Reducer::Table(export) => {
+                (ages_of_table(joint, export, name, *self.file.planned_hours)?, export.inertia.motor_kg_m2)
+            }
+        };
+        Ok(model_of(joint, name, ages, motor)?.0)
+    }
+
+    fn figures_of(
+        &self,
+        row: &Row,
+        alike: &[Option<JointModel>],
+        (places, sorted): (&Places, &Sorted),
+        host: &dyn Host,
+    ) -> Result<Json, RowError> {
+        let Some(Setting::Seed(seed)) = row.settings.first() else { unreachable!("robots are drawn") };
+        let joints: Vec<JointModel> = alike
+            .par_iter()
+            .enumerate()
+            .map(|(axis, alike)| match alike {
+                Some(joint) => Ok(joint.clone()),
+                None => self.joint(axis, &self.drawing(*seed, axis)?, host),
+            })
+            .collect::<Result<_, _>>()
+            .map_err(|error: AnalysisError| match error {
+                AnalysisError::Stopped | AnalysisError::Interrupted { .. } => RowError::Cancelled,
+                error => RowError::Failed(error.to_string()),
+            })?;
+        let moving = self.moving();
+        let field = Field::of(places, &joints, &moving, *self.file.controller.compensates);
+        let tool = Tool { places, sorted, field: &field };
+        let [new, worn] =
+            [0.0, *self.file.planned_hours].map(|hours| tool.figures(&vec![hours; joints.len()]).numbers());
+        Ok(json!({ RESULTS[0]: new, RESULTS[1]: worn }))
+    }
+
+    /// How the reducer of an axis is drawn and measured.
+    fn drawing(&self, seed: u64, axis: usize) -> Result<Measured, AnalysisError> {
+        let words = measured(self.file)?.fidelity.canonical();
+        let others = words.lines().filter(|line| !line.starts_with("errors") && !line.starts_with("seed"));
+        let drawing = format!(
+            "{}\nerrors = \"drawn\"\nseed = {}\n",
+            others.collect::<Vec<_>>().join("\n"),
+            hash(&[seed, Purpose::Reducers as u64, axis as u64]) >> 11
+        );
+        Ok(Measured {
+            fidelity: FidelityOptions::parse(&drawing, "the section [population]")?,
+            ages: 2,
+            positions: POSITIONS,
+            error_positions: ERROR_POSITIONS,
+        })
+    }
+}
+
+fn of_parts(cause: String) -> AnalysisError {
+    AnalysisError::usage(cause, "choose another place with --out")
 }
 
 impl Population {
     /// Share `share` of the robots is below this.
     pub fn quantile(&self, age: usize, share: f64, of: fn(&Figures) -> f64) -> f64 {
-        let mut values: Vec<f64> = self.robots.iter().map(|robot| of(&robot[age])).collect();
+        let mut values: Vec<f64> = self.robots.iter().flatten().map(|robot| of(&robot[age])).collect();
         values.sort_by(f64::total_cmp);
-        let at = share * (values.len() - 1) as f64;
-        let (low, part) = (at.floor() as usize, at.fract());
-        let high = (low + 1).min(values.len() - 1);
-        values[low] + part * (values[high] - values[low])
+        // Only of none there is none, and there is one robot at least.
+        quantile(&values, share, 0.95).map_or(f64::NAN, |found| found.estimate)
+    }
+
+    /// What to know of it, as sentences.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.alike.is_empty() {
+            let alike = self.alike.join(", ");
+            notes.push(format!(
+                "drawn robots all have the same reducers in {alike}: no tolerances to draw from"
+            ));
+        }
+        let failed: Vec<&String> = self.robots.iter().filter_map(|robot| robot.as_ref().err()).collect();
+        if let Some(why) = failed.first() {
+            let (count, all) = (failed.len(), self.robots.len());
+            notes.push(format!("{count} of {all} drawn robots cannot be computed and are left out: {why}"));
+        }
+        notes
     }
 }

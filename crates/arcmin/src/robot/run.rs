@@ -5,15 +5,15 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::answers::{End, Overhaul, ToolLimit, ages};
-use super::arm::Arm;
+use super::arm::{Arm, Body};
 use super::compensation::{Remaining, remaining};
 use super::figures::{Figure, Figures, Sorted, Tool};
 use super::file::{Compensation, JointSection};
 use super::joint::{AgedJoint, JointModel, Leaning};
 use super::kept::{self, KeptJoint};
-use super::life::{JointDuty, Measured, hash, leaning, live, mounted};
+use super::life::{JointDuty, JointLife, Measured, hash, leaning, live, mounted};
 use super::loads::{Course, beyond, duty, motor_torques};
-use super::population::{Population, population};
+use super::population::Population;
 use super::reach::{Reach, reach};
 use super::read::{Program, Reducer, RobotFile};
 use super::tool::{Field, Places};
@@ -21,8 +21,10 @@ use super::variants::{VariantAnswer, variants};
 use crate::analyses::rig::with_friction;
 use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::{Choice, Design, InputFile};
+use crate::exchange::JointExport;
 use crate::fidelity::FidelityOptions;
 use crate::progress::Counter;
+use crate::study::{Shard, Store};
 use crate::units::{ARCMIN, DEG, HOUR, MM};
 
 /// What is asked beside the robot file.
@@ -104,6 +106,8 @@ pub struct ToolAnswer {
     pub field: Field,
     /// Hours of the robot and its figures.
     pub figures: Vec<(f64, Figures)>,
+    /// The first limit left within the planned hours.
+    pub end: Option<End>,
     pub overhauls: Vec<OverhaulGain>,
     /// Fewest overhauls, and whether there are surely none fewer; none where there is no plan.
     pub plan: Option<(Vec<Overhaul>, bool)>,
@@ -169,6 +173,11 @@ impl Before<'_> {
         }
     }
 
+    /// Whether it differs from robot to robot of a population.
+    pub fn is_drawn(&self) -> bool {
+        self.design().is_some_and(|design| design.drawing_tolerances().is_some())
+    }
+
     /// The design with the duty of the joint over the planned hours of the robot; as it is where the joint never turns.
     pub fn on_duty(
         &self,
@@ -183,106 +192,168 @@ impl Before<'_> {
     }
 }
 
-/// Answers a robot file.
+/// What a robot file asks of its joints: all that is known before their lives.
+pub struct Loaded<'a> {
+    pub(super) file: &'a RobotFile,
+    /// Without payload.
+    pub(super) bare: Arm,
+    pub(super) payload: Body,
+    pub(super) arm: Arm,
+    pub(super) programs: Vec<Program>,
+    pub(super) courses: Vec<Course>,
+    pub(super) before: Vec<Before<'a>>,
+    notes: Vec<String>,
+}
+
+impl Loaded<'_> {
+    /// Reads the files that a robot file names and finds the loads.
+    ///
+    /// # Errors
+    /// [`AnalysisError`]: files that cannot be read, limits that programs do not keep.
+    pub fn of<'a>(file: &'a RobotFile, host: &dyn Host) -> Result<Loaded<'a>, AnalysisError> {
+        let (bare, payload) = file.arm(host)?;
+        let arm = bare.carrying(&payload);
+        let sections = file.joints(&arm)?;
+        let programs = file.programs(&arm, host)?;
+        host.report("inverse dynamics", 0.0);
+        let courses: Vec<Course> = programs.iter().map(|program| Course::of(&arm, program)).collect();
+        let mut notes = Vec::new();
+        let mut before = Vec::with_capacity(arm.count());
+        for (axis, section) in sections.iter().enumerate() {
+            before.push(joint_before(file, section, (&arm, axis), (&programs, &courses), host, &mut notes)?);
+        }
+        Ok(Loaded { file, bare, payload, arm, programs, courses, before, notes })
+    }
+
+    /// Hours in motion of every joint for each hour of the robot.
+    pub(super) fn moving(&self) -> Vec<f64> {
+        self.before.iter().map(|joint| joint.duty.moving).collect()
+    }
+
+    /// Places along the programs.
+    pub(super) fn places(&self) -> Places {
+        Places::of(&self.arm, &self.programs, &self.courses, *self.file.controller.approach_mm * MM)
+    }
+}
+
+/// Answers a robot file. Drawn robots are kept in `parts`, which shards that ran elsewhere may have filled.
 ///
 /// # Errors
 /// [`AnalysisError`]: files that cannot be read, limits that programs do not keep, lives that cannot be found.
-pub fn run(file: &RobotFile, options: &RobotOptions, host: &dyn Host) -> Result<Robot, AnalysisError> {
-    let mut since = host.seconds();
-    let mut stages: Vec<(&'static str, f64)> = Vec::new();
-    let mut stage = |name: &'static str| {
-        let now = host.seconds();
-        stages.push((name, now - since));
-        since = now;
-    };
-    let (bare, payload) = file.arm(host)?;
-    let arm = bare.carrying(&payload);
-    let sections = file.joints(&arm)?;
-    let programs = file.programs(&arm, host)?;
-    host.report("inverse dynamics", 0.0);
-    let courses: Vec<Course> = programs.iter().map(|program| Course::of(&arm, program)).collect();
-    let mut notes = Vec::new();
-    let mut before = Vec::with_capacity(arm.count());
-    for (axis, section) in sections.iter().enumerate() {
-        before.push(joint_before(file, section, (&arm, axis), (&programs, &courses), host, &mut notes)?);
-    }
-    stage("loads");
+pub fn run(
+    file: &RobotFile,
+    options: &RobotOptions,
+    host: &dyn Host,
+    parts: &dyn Store,
+) -> Result<Robot, AnalysisError> {
+    let mut stages = Stages { since: host.seconds(), all: Vec::new(), host };
+    let loaded = Loaded::of(file, host)?;
+    stages.end("loads");
     let planned = *file.planned_hours;
     let limits = limits(file);
-    let mut robot = Robot {
+    let mut joints: Vec<JointAnswer> = loaded
+        .before
+        .iter()
+        .zip(&loaded.arm.axes)
+        .map(|(joint, axis)| joint_answer(joint, &axis.name, (planned, *file.model.moments_in_wear)))
+        .collect::<Result<_, _>>()?;
+    let (mut tool, mut end, mut kept) = (None, None, Vec::new());
+    if !options.loads {
+        let models = models(&loaded, options, &mut joints, &mut kept, host)?;
+        stages.end("lives");
+        let answer = tool_answer(&loaded, models, &limits, parts, &mut stages)?;
+        end = answer.end;
+        tool = Some(answer);
+    }
+    let Loaded { arm, programs, courses, mut notes, .. } = loaded;
+    let population = tool.as_ref().and_then(|tool| tool.population.as_ref());
+    notes.extend(population.iter().flat_map(|drawn| drawn.notes()));
+    Ok(Robot {
         name: file.name.value.clone(),
         text: file.text().to_owned(),
         hash: hash(&file.canonical()),
+        arm,
         planned,
         compensates: *file.controller.compensates,
-        joints: before
-            .iter()
-            .zip(&arm.axes)
-            .map(|(joint, axis)| joint_answer(joint, &axis.name, (planned, *file.model.moments_in_wear)))
-            .collect::<Result<_, _>>()?,
-        arm,
         programs,
         courses,
+        joints,
         limits,
-        tool: None,
-        end: None,
+        seeds: population.map(|drawn| drawn.seed).into_iter().collect(),
+        tool,
+        end,
         notes,
         tables: OnceLock::new(),
-        kept: Vec::new(),
-        seeds: Vec::new(),
-        stages: Vec::new(),
-    };
-    if options.loads {
-        robot.stages = stages;
-        return Ok(robot);
+        kept,
+        stages: stages.all,
+    })
+}
+
+/// Wall seconds of the stages.
+struct Stages<'a> {
+    since: f64,
+    all: Vec<(&'static str, f64)>,
+    host: &'a dyn Host,
+}
+
+impl Stages<'_> {
+    fn end(&mut self, name: &'static str) {
+        let now = self.host.seconds();
+        self.all.push((name, now - self.since));
+        self.since = now;
     }
-    let models = models(file, options, &before, &mut robot, host)?;
-    stage("lives");
+}
+
+fn tool_answer(
+    loaded: &Loaded<'_>,
+    models: Vec<JointModel>,
+    limits: &[ToolLimit],
+    parts: &dyn Store,
+    stages: &mut Stages<'_>,
+) -> Result<ToolAnswer, AnalysisError> {
+    let (file, arm, host) = (loaded.file, &loaded.arm, stages.host);
+    let (planned, compensates) = (*file.planned_hours, *file.controller.compensates);
     host.report("tool", 0.0);
-    let moving: Vec<f64> = before.iter().map(|joint| joint.duty.moving).collect();
-    let (places, sorted, field) = mapped(file, &robot.arm, &robot.programs, &robot.courses, &models, &moving);
+    let moving = loaded.moving();
+    let places = loaded.places();
+    let sorted = Sorted::of(&places);
+    let field = Field::of(&places, &models, &moving, compensates);
     let tool = Tool { places: &places, sorted: &sorted, field: &field };
     let count = *file.model.ages;
     let figures = (0..count)
         .map(|age| {
             let hours = planned * age as f64 / (count - 1) as f64;
-            (hours, tool.figures(&vec![hours; robot.arm.count()]))
+            (hours, tool.figures(&vec![hours; arm.count()]))
         })
         .collect();
-    stage("tool");
+    stages.end("tool");
     host.report("answers", 0.0);
-    robot.end = tool.end(&robot.limits, &[], (0.0, planned));
-    let overhauls = overhauls(&tool, &robot.limits, planned, robot.end);
-    let plan = tool.plan(&robot.limits, planned);
+    let end = tool.end(limits, &[], (0.0, planned));
+    let overhauls = overhauls(&tool, limits, planned, end);
+    let plan = tool.plan(limits, planned);
     let levers = levers(&tool, planned);
     let remaining = remaining(&places, &sorted, &models, &moving, planned);
-    stage("answers");
-    let reach = reach(
-        &robot.arm,
-        &models,
-        &moving,
-        (robot.compensates, *file.controller.approach_mm * MM),
-        planned,
-        &robot.programs,
-    );
-    stage("reach");
-    let variants = variants(file, &bare, &payload, &before, &models, &robot, host)?;
-    stage("variants");
-    let population = population(file, &before, &models, (&places, &sorted, &moving), &robot, host)?;
-    robot.seeds = population.as_ref().map_or_else(Vec::new, |population| vec![population.seed]);
-    if let Some(population) = population.as_ref().filter(|population| !population.alike.is_empty()) {
-        let alike = population.alike.join(", ");
-        robot
-            .notes
-            .push(format!("drawn robots all have the same reducers in {alike}: no tolerances to draw from"));
-    }
-    stage("population");
-    robot.tool = Some(ToolAnswer {
+    stages.end("answers");
+    let approach = *file.controller.approach_mm * MM;
+    let reach = reach(arm, &models, &moving, (compensates, approach), planned, &loaded.programs);
+    stages.end("reach");
+    let variants = variants(loaded, &models, limits, host)?;
+    stages.end("variants");
+    let population = match loaded.population_plan()? {
+        Some(plan) => {
+            loaded.draw(&plan, Shard::WHOLE, parts, host)?;
+            Some(loaded.population(&plan, parts)?)
+        }
+        None => None,
+    };
+    stages.end("population");
+    Ok(ToolAnswer {
         joints: models,
         places,
         sorted,
         field,
         figures,
+        end,
         overhauls,
         plan,
         levers,
@@ -290,24 +361,7 @@ pub fn run(file: &RobotFile, options: &RobotOptions, host: &dyn Host) -> Result<
         variants,
         reach,
         population,
-    });
-    robot.stages = stages;
-    Ok(robot)
-}
-
-/// Places along programs and what joints do there.
-pub(super) fn mapped(
-    file: &RobotFile,
-    arm: &Arm,
-    programs: &[Program],
-    courses: &[Course],
-    models: &[JointModel],
-    moving: &[f64],
-) -> (Places, Sorted, Field) {
-    let places = Places::of(arm, programs, courses, *file.controller.approach_mm * MM);
-    let sorted = Sorted::of(&places);
-    let field = Field::of(&places, models, moving, *file.controller.compensates);
-    (places, sorted, field)
+    })
 }
 
 fn limits(file: &RobotFile) -> Vec<ToolLimit> {
@@ -423,108 +477,123 @@ pub(super) fn of_joint(axis: &str, error: AnalysisError) -> AnalysisError {
     }
 }
 
+/// The life of a joint of a design at its duty.
+pub(super) fn life_of(
+    file: &RobotFile,
+    joint: &Before<'_>,
+    design: &Design,
+    axis: &str,
+    measured: &Measured,
+    host: &dyn Host,
+) -> Result<JointLife, AnalysisError> {
+    let on = joint.on_duty(design, *file.planned_hours, *file.model.moments_in_wear)?;
+    live(&on, measured, joint.duty.rows.is_empty(), host).map_err(|error| of_joint(axis, error))
+}
+
 /// The life of every joint; those of one design with one duty once.
 fn models(
-    file: &RobotFile,
+    loaded: &Loaded<'_>,
     options: &RobotOptions,
-    before: &[Before<'_>],
-    robot: &mut Robot,
+    joints: &mut [JointAnswer],
+    all: &mut Vec<KeptJoint>,
     host: &dyn Host,
 ) -> Result<Vec<JointModel>, AnalysisError> {
-    let measured = measured(file)?;
+    let measured = measured(loaded.file)?;
     let earlier = match &options.lives {
         Some(name) => Some((name, kept::read(name, &host.read(name, Origin::Options)?)?)),
         None => None,
     };
-    let planned = robot.planned;
-    let done = Counter::new("lives of the joints", before.len(), host);
-    let found: Vec<(JointModel, Option<KeptJoint>, Option<(String, f64)>, Source)> = before
+    let done = Counter::new("lives of the joints", loaded.before.len(), host);
+    let found: Vec<(JointModel, Option<KeptJoint>, Option<(String, f64)>, Source)> = loaded
+        .before
         .par_iter()
-        .zip(&robot.arm.axes)
+        .zip(&loaded.arm.axes)
         .map(|(joint, axis)| {
-            let needed = planned * joint.duty.moving;
-            let mut source = Source::Computed;
-            let (ages, bearings, motor, kept) = match &joint.reducer {
-                Reducer::Design(design) => {
-                    let kept = match &earlier {
-                        Some((name, list)) => {
-                            source = Source::Scaled;
-                            kept::of(list, name, &axis.name, design)?.clone()
-                        }
-                        None => {
-                            let on = joint.on_duty(design, planned, *file.model.moments_in_wear)?;
-                            let life = live(&on, &measured, joint.duty.rows.is_empty(), host)
-                                .map_err(|error| of_joint(&axis.name, error))?;
-                            KeptJoint {
-                                axis: axis.name.clone(),
-                                design: design.hash(),
-                                moving: joint.duty.moving,
-                                work: joint.duty.work,
-                                life,
-                            }
-                        }
-                    };
-                    let mut ages = ages_of(&axis.name, &kept.life.export)?;
+            let name = &axis.name;
+            let (source, ages, bearings, motor, kept) = match (&joint.reducer, &earlier) {
+                (Reducer::Design(design), Some((file, list))) => {
+                    let kept = kept::of(list, file, name, design)?.clone();
+                    let mut ages = ages_of(name, &kept.life.export)?;
                     kept.scale(&mut ages, &joint.duty);
-                    let bearings = match source {
-                        Source::Scaled => Vec::new(),
-                        _ => kept.life.bearings.clone(),
-                    };
-                    (ages, bearings, kept.life.export.inertia.motor_kg_m2, Some(kept))
+                    (Source::Scaled, ages, Vec::new(), kept.life.export.inertia.motor_kg_m2, Some(kept))
                 }
-                Reducer::Table(export) => {
-                    source = Source::Table;
-                    let ages = ages_of(&axis.name, export)?;
-                    let last = ages.last().map_or(0.0, |age| age.hours);
-                    if last < ENOUGH * needed {
-                        return Err(AnalysisError::usage(
-                            format!(
-                                "the table of the joint \"{}\" ends at {last} h in motion; {planned} h of the robot are {needed:.0}",
-                                axis.name
-                            ),
-                            format!("`arcmin export joint` its design with --hours 0,…,{:.0}", needed.ceil()),
-                        ));
-                    }
-                    (ages, Vec::new(), export.inertia.motor_kg_m2, None)
+                (Reducer::Design(design), None) => {
+                    let life = life_of(loaded.file, joint, design, name, &measured, host)?;
+                    let (ages, bearings) = (ages_of(name, &life.export)?, life.bearings.clone());
+                    let motor = life.export.inertia.motor_kg_m2;
+                    let (moving, work) = (joint.duty.moving, joint.duty.work);
+                    let kept = KeptJoint { axis: name.clone(), design: design.hash(), moving, work, life };
+                    (Source::Computed, ages, bearings, motor, Some(kept))
+                }
+                (Reducer::Table(export), _) => {
+                    let ages = ages_of_table(joint, export, name, *loaded.file.planned_hours)?;
+                    (Source::Table, ages, Vec::new(), export.inertia.motor_kg_m2, None)
                 }
             };
-            let (leaning, main) = leaning_of(joint).map_err(|error| of_joint(&axis.name, error))?;
-            let clock = |hours: f64| hours / joint.duty.moving;
+            let (model, main) = model_of(joint, name, ages, motor)?;
             let shortest = bearings
                 .into_iter()
                 .chain(main.map(|hours| ("main bearings".to_owned(), hours)))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
-                .map(|(name, hours)| (name, clock(hours)));
-            let model = JointModel {
-                axis: axis.name.clone(),
-                design: joint.design_name.clone(),
-                ratio: joint.ratio,
-                rated: joint.rated,
-                ages,
-                leaning,
-                bearings: MM * *joint.section.bearings_mm,
-                drag: drag_of(joint),
-                motor_inertia: joint.section.motor_inertia_kg_m2.unwrap_or(motor),
-                offset: DEG * *joint.section.output_angle_deg,
-            };
+                .map(|(name, hours)| (name, hours / joint.duty.moving));
             Ok(done.after(|| (model, kept, shortest, source)))
         })
         .collect::<Result<_, AnalysisError>>()?;
     let mut models = Vec::with_capacity(found.len());
     for (axis, (model, kept, bearing, source)) in found.into_iter().enumerate() {
-        robot.joints[axis].motor = Some(motor_torques(&robot.programs, &robot.courses, axis, &model));
-        robot.joints[axis].bearing = bearing;
-        robot.joints[axis].source = source;
-        robot.kept.extend(kept);
+        joints[axis].motor = Some(motor_torques(&loaded.programs, &loaded.courses, axis, &model));
+        joints[axis].bearing = bearing;
+        joints[axis].source = source;
+        all.extend(kept);
         models.push(model);
     }
     Ok(models)
 }
 
-pub(super) fn ages_of(
+/// The joint with its ages, and the life of its main bearings in hours in motion.
+pub(super) fn model_of(
+    joint: &Before<'_>,
     axis: &str,
-    export: &crate::exchange::JointExport,
+    ages: Vec<AgedJoint>,
+    motor: f64,
+) -> Result<(JointModel, Option<f64>), AnalysisError> {
+    let (leaning, main) = leaning_of(joint).map_err(|error| of_joint(axis, error))?;
+    let model = JointModel {
+        axis: axis.to_owned(),
+        design: joint.design_name.clone(),
+        ratio: joint.ratio,
+        rated: joint.rated,
+        ages,
+        leaning,
+        bearings: MM * *joint.section.bearings_mm,
+        drag: drag_of(joint),
+        motor_inertia: joint.section.motor_inertia_kg_m2.unwrap_or(motor),
+        offset: DEG * *joint.section.output_angle_deg,
+    };
+    Ok((model, main))
+}
+
+/// Ages of a table, which must reach the planned hours of the robot.
+pub(super) fn ages_of_table(
+    joint: &Before<'_>,
+    export: &JointExport,
+    axis: &str,
+    planned: f64,
 ) -> Result<Vec<AgedJoint>, AnalysisError> {
+    let ages = ages_of(axis, export)?;
+    let (last, needed) = (ages.last().map_or(0.0, |age| age.hours), planned * joint.duty.moving);
+    if last < ENOUGH * needed {
+        return Err(AnalysisError::usage(
+            format!(
+                "the table of the joint \"{axis}\" ends at {last} h in motion; {planned} h of the robot are {needed:.0}"
+            ),
+            format!("`arcmin export joint` its design with --hours 0,…,{:.0}", needed.ceil()),
+        ));
+    }
+    Ok(ages)
+}
+
+pub(super) fn ages_of(axis: &str, export: &JointExport) -> Result<Vec<AgedJoint>, AnalysisError> {
     JointModel::ages_of(export).filter(|ages| !ages.is_empty()).ok_or_else(|| {
         AnalysisError::usage(
             format!("the hysteresis loop of the joint \"{axis}\" is no loop from + to − and back"),

@@ -1,12 +1,28 @@
 //! The whole way, on arms whose answers are known.
 
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use super::*;
 use crate::analyses::{AnalysisError, Host, NoHost, Origin};
 use crate::design::InputFile;
+use crate::load::ShareLoad;
 use crate::progress::{Progress, Silent};
+use crate::study::{Memory, Shard};
 
-/// Files by their names.
-struct Files(Vec<(String, Vec<u8>)>);
+/// Files by their names, and what is kept of lives, with how often something was.
+struct Files {
+    files: Vec<(String, Vec<u8>)>,
+    kept: Mutex<BTreeMap<String, Vec<u8>>>,
+    times: AtomicUsize,
+}
+
+impl Files {
+    fn new(files: Vec<(String, Vec<u8>)>) -> Files {
+        Files { files, kept: Mutex::default(), times: AtomicUsize::new(0) }
+    }
+}
 
 impl Progress for Files {
     fn report(&self, stage: &str, share: f64) {
@@ -20,15 +36,24 @@ impl Progress for Files {
 
 impl Host for Files {
     fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
-        match self.0.iter().find(|(name, _)| *name == file.0) {
+        match self.files.iter().find(|(name, _)| *name == file.0) {
             Some((_, bytes)) => Ok(bytes.clone()),
             None => NoHost.read(file, origin),
         }
     }
+
+    fn cached(&self, name: &str) -> Option<Vec<u8>> {
+        self.kept.lock().unwrap().get(name).cloned()
+    }
+
+    fn cache(&self, name: &str, bytes: &[u8]) {
+        self.times.fetch_add(1, Ordering::Relaxed);
+        self.kept.lock().unwrap().insert(name.to_owned(), bytes.to_vec());
+    }
 }
 
 fn files() -> Files {
-    Files(
+    Files::new(
         example().designs.iter().map(|(name, text)| ((*name).to_owned(), text.as_bytes().to_vec())).collect(),
     )
 }
@@ -37,7 +62,7 @@ fn files() -> Files {
 fn the_example_has_believable_loads() {
     let example = example();
     let file = RobotFile::parse(example.text, "arm.toml").unwrap_or_else(|error| panic!("{error}"));
-    let robot = run(&file, &RobotOptions { loads: true, lives: None }, &files()).unwrap();
+    let robot = run(&file, &RobotOptions { loads: true, lives: None }, &files(), &Memory::default()).unwrap();
     for joint in &robot.joints {
         let duty = &joint.duty;
         println!(
@@ -74,7 +99,7 @@ fn with_readings(readings: &[(f64, f64)]) -> Files {
         text.push_str(&format!("{time},{angle}\n"));
     }
     let design = crate::templates::find("rv-40e").unwrap().text;
-    Files(vec![(RV_40E.to_owned(), design.as_bytes().to_vec()), ("p.csv".to_owned(), text.into_bytes())])
+    Files::new(vec![(RV_40E.to_owned(), design.as_bytes().to_vec()), ("p.csv".to_owned(), text.into_bytes())])
 }
 
 /// From one angle to another and back, each way in so many s with soft ends, with rests of 1 s.
@@ -104,7 +129,7 @@ const READ: &str = "[[program]]\nname = \"p\"\nfile = \"p.csv\"\ncycles_per_hour
 
 fn answered(text: &str, files: &Files) -> Robot {
     let file = RobotFile::parse(text, "one.toml").unwrap_or_else(|error| panic!("{error}: {text}"));
-    run(&file, &RobotOptions::default(), files).unwrap_or_else(|error| panic!("{error}"))
+    run(&file, &RobotOptions::default(), files, &Memory::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A weight that takes the joint to ± its rated torque: the tool a metre away is where the bench's loop and its
@@ -150,9 +175,42 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
         crate::analyses::life::Options::parse("quasi_static = true\nbodies = \"rigid\"", "test");
     let life = crate::analyses::life::run(&design, &life_options.unwrap(), &NoHost).unwrap();
     let life_end = life.last().lost_motion.radians();
-    // `life` takes its lost motion from more crank positions.
-    let share = life_end / joint.ages[1].lost_motion;
-    assert!((share - 1.0).abs() < 0.01, "{share}");
+    // `life` states lost motion without friction, at crank positions of its own: there the bench's loop without friction
+    // says the same. With friction the middle of the branches is 0.2 % less, and two positions stand for all.
+    let machine = design.machine();
+    let fidelity = crate::fidelity::Fidelity::resolve(&design, &options.fidelity, &NoHost).unwrap();
+    let worn = crate::life::worn_after(&machine, &fidelity, options.hours[1], &Silent).unwrap();
+    let settings = worn.on(fidelity.joint_settings().unwrap());
+    let meshing = crate::dynamics::BearingMeshing::new(&machine, &settings).unwrap();
+    let (rubbed, _) = crate::analyses::rig::with_friction(&machine, false);
+    let mut smooth = rubbed.clone();
+    smooth.friction = crate::machine::Friction {
+        regularisation_speed: rubbed.friction.regularisation_speed,
+        ..Default::default()
+    };
+    let at_lifes_positions = |machine: &crate::machine::Machine| {
+        let kinematics = machine.kinematics();
+        let turns = kinematics.housing_fixed_ratio() / (machine.ring.pin_count as f64 - 1.0);
+        let of = |index: usize| {
+            let sun = meshing.crank_position(index, 12, 0.0, 0).radians() * turns;
+            let points = crate::rig::hysteresis_loop(machine, &settings, sun).unwrap();
+            crate::rig::evaluate_loop(&points, machine.rated.torque).unwrap().lost_motion
+        };
+        (0..12).map(of).sum::<f64>() / 12.0
+    };
+    let (smooth, rubbed) = (at_lifes_positions(&smooth) / life_end, at_lifes_positions(&rubbed) / life_end);
+    let ours = joint.ages[1].lost_motion / life_end;
+    println!(
+        "`life` at the end: {:.6e} rad; off: without friction at its positions {:.1e}, with friction {:.1e}, the joint \
+         {:.1e}",
+        life_end,
+        smooth - 1.0,
+        rubbed - 1.0,
+        ours - 1.0
+    );
+    assert!((smooth - 1.0).abs() < 2e-5, "{smooth}");
+    assert!((rubbed - 1.0).abs() < 3e-3, "{rubbed}");
+    assert!((ours - 1.0).abs() < 5e-3, "{ours}");
 
     // Along the way the displacement of the tool, at right angles to the arm, is the angle times one metre.
     for (hours, state) in [(0.0, &bench.states[0]), (6000.0, &bench.states[1])] {
@@ -271,6 +329,151 @@ fn signs_are_those_that_everybody_sees() {
     assert!(seen > 5);
 }
 
+/// The experiment that everybody can do: a pose is approached from the left, then from the right. Each time the tool
+/// stops short of it, on the side that it comes from, and the two are as far apart as the branches of the loop.
+#[test]
+fn a_pose_from_the_left_and_from_the_right() {
+    let drag = 0.03 * 412.0;
+    let joint = format!(
+        "design = \"rv-40e.toml\"\nspeed_deg_s = 10\nacceleration_deg_s2 = 1\noutput_drag_n_m = {drag}\n"
+    );
+    let poses = [(-30, false), (0, true), (30, false), (0, true)]
+        .map(|(angle, test)| format!("[[program.pose]]\nangles_deg = [{angle}]\ntest = {test}\n"))
+        .concat();
+    let program = format!(
+        "[[program]]\nname = \"p\"\ncycles_per_hour = 3\n{poses}[controller]\ncompensates = \"none\"\n"
+    );
+    let robot = answered(&one_axis("[0, 0, 1]", 20.0, &joint, &program), &with_readings(&[]));
+    let tool = robot.tool.as_ref().unwrap();
+    // To the left are growing angles, along y.
+    let visits: Vec<usize> = tool.sorted.visits.iter().map(|(place, _)| *place).collect();
+    let [from_right, from_left] = visits[..] else { panic!("{visits:?}") };
+    let reached = |place: usize| tool.field.tool(&tool.places, &[0.0], place)[0].y;
+    // Lost motion and wind-up; the transmission error differs with the flanks that carry.
+    let stands = |place: usize| {
+        let [lost, wound, ..] = tool.field.caused(&tool.places, 0, 0.0, place);
+        lost[0].y + wound[0].y
+    };
+    let apart = stands(from_left) - stands(from_right);
+    let joint = &tool.joints[0].ages[0];
+    // Setting off asks for a little more than the drag, and friction keeps what that winds up.
+    let most = drag + 20.0 * 1.0_f64.to_radians();
+    let expected = joint.curve.branch(true, most) - joint.curve.branch(false, -most);
+    println!(
+        "from the right {:.4} mm, from the left {:.4} mm; {:.4} mm apart by the loop, {:.4} mm lost motion on a metre",
+        1e3 * reached(from_right),
+        1e3 * reached(from_left),
+        1e3 * expected,
+        1e3 * joint.lost_motion
+    );
+    assert!(reached(from_right) < 0.0 && reached(from_left) > 0.0);
+    assert!((apart / expected - 1.0).abs() < 0.01, "{apart} {expected}");
+    // Friction of the joint itself holds a little of it back.
+    assert!(apart > 0.75 * joint.lost_motion && apart < joint.lost_motion, "{apart} {}", joint.lost_motion);
+}
+
+/// Two axes: the first lifts a weight, the second swings what is before it sideways.
+fn two_axes(limits: &str) -> String {
+    let design = "design = \"rv-40e.toml\"\nspeed_deg_s = 100\nacceleration_deg_s2 = 200\n";
+    let poses = [[-30, -20], [10, -20], [10, 20], [-30, 20]]
+        .map(|angles| format!("[[program.pose]]\nangles_deg = {angles:?}\n"))
+        .concat();
+    format!(
+        "name = \"two\"\nplanned_hours = 6000\n\
+         [[axis]]\nname = \"lifts\"\ndirection = [0, -1, 0]\nmass_kg = 10\ncentre_mm = [250, 0, 0]\n\
+         inertia_kg_m2 = [0, 0, 0]\n\
+         [[axis]]\nname = \"swings\"\nposition_mm = [500, 0, 0]\ndirection = [0, 0, 1]\nmass_kg = 20\n\
+         centre_mm = [100, 0, 0]\ninertia_kg_m2 = [0, 0, 60]\n\
+         [tool]\nposition_mm = [500, 0, 0]\n\
+         [[joint]]\naxis = \"lifts\"\n{design}[[joint]]\naxis = \"swings\"\n{design}output_drag_n_m = 15\n\
+         [[program]]\nname = \"p\"\ncycles_per_hour = 500\n{poses}\
+         [model]\nages = 2\npositions = 1\nte_positions = 64\n{limits}"
+    )
+}
+
+/// Every limit ends the hours where its figure reaches it. Under a weight that hangs always the same way lost motion is an
+/// offset of the pose and nothing of its repeatability, which the axis that swings free makes. With all limits the first
+/// one counts.
+#[test]
+fn every_limit_ends_the_hours() {
+    let host = with_readings(&[]);
+    let free = answered(&two_axes(""), &host);
+    assert!(free.end.is_none());
+    let tool = free.tool.as_ref().unwrap();
+    let [new, end] = [0.0, 6000.0].map(|hours| Figure::ALL.map(|f| tool.mapped().figure(f, &[hours, hours])));
+    let mut all = (String::from("[limits]\n"), f64::INFINITY);
+    for (index, figure) in Figure::ALL.into_iter().enumerate() {
+        let unit = if figure == Figure::Orientation { crate::units::DEG } else { crate::units::MM };
+        let key = if figure == Figure::Orientation { "deg" } else { "mm" };
+        // Each somewhere else.
+        let share = 0.3 + 0.1 * index as f64;
+        let allowed = new[index] + share * (end[index] - new[index]);
+        let line = format!("{}_{key} = {}\n", figure.word(), allowed / unit);
+        let robot = answered(&two_axes(&format!("[limits]\n{line}")), &host);
+        let found = robot.end.unwrap_or_else(|| panic!("{} is never left", figure.word()));
+        let then = robot.tool.as_ref().unwrap().mapped().figure(figure, &[found.hours, found.hours]);
+        println!(
+            "{}: {:.4} new, {:.4} at the end, {:.4} allowed until {:.0} h, by {} of {}",
+            figure.word(),
+            new[index] / unit,
+            end[index] / unit,
+            allowed / unit,
+            found.hours,
+            CAUSES[found.cause],
+            robot.joints[found.axis].axis
+        );
+        assert_eq!(found.limit.figure, figure);
+        assert!(found.hours > 600.0 && found.hours < 5400.0 && (then / allowed - 1.0).abs() < 1e-3);
+        let joint = if figure == Figure::Repeatability { "swings" } else { "lifts" };
+        assert_eq!((robot.joints[found.axis].axis.as_str(), CAUSES[found.cause]), (joint, "lost motion"));
+        all.0.push_str(&line);
+        all.1 = all.1.min(found.hours);
+    }
+    let robot = answered(&two_axes(&all.0), &host);
+    assert_eq!(robot.hours_to_limit(), Some(all.1));
+    // New it is beyond every limit: hours 0.
+    let never = answered(&two_axes("[limits]\npath_mm = 1e-5\n"), &host);
+    assert_eq!(never.hours_to_limit(), Some(0.0));
+}
+
+/// Shards in any order draw the robots that a single run draws, to the byte; more robots of the same seed are the same
+/// ones and more, another limit is no other joint.
+#[test]
+fn shards_draw_the_robots_of_the_whole() {
+    let design = crate::templates::find("rv-40e").unwrap().text;
+    let text = |robots: usize, limits: &str| {
+        two_axes(&format!("{limits}[population]\nrobots = {robots}\nseed = 3\n"))
+    };
+    let drawn = |text: &str, shards: u64, parts: &Memory, host: &Files| {
+        let file = RobotFile::parse(text, "two.toml").unwrap();
+        let loaded = Loaded::of(&file, host).unwrap();
+        let plan = loaded.population_plan().unwrap().unwrap();
+        let done = (1..=shards)
+            .rev()
+            .map(|shard| loaded.draw(&plan, Shard::new(shard, shards).unwrap(), parts, host).unwrap())
+            .fold((0, 0), |sum, done| (sum.0 + done.computed, sum.1 + done.found));
+        let population = loaded.population(&plan, parts).unwrap();
+        (done, population.robots.into_iter().map(Result::unwrap).collect::<Vec<[Figures; 2]>>())
+    };
+    assert!(design.contains("[tolerances]"));
+    let (whole, parts) = (Memory::default(), Memory::default());
+    let ((computed, _), robots) = drawn(&text(2, ""), 1, &whole, &with_readings(&[]));
+    let host = with_readings(&[]);
+    let (_, shared) = drawn(&text(2, ""), 2, &parts, &host);
+    assert_eq!((computed, &robots), (2, &shared));
+    assert!(robots[0][1] != robots[1][1] && robots[0][1].position > robots[0][0].position);
+    assert_eq!(*whole.0.lock().unwrap(), *parts.0.lock().unwrap());
+    // A part that is lost is computed again, the other one is found.
+    parts.0.lock().unwrap().pop_first();
+    let kept = host.times.load(Ordering::Relaxed);
+    assert_eq!(drawn(&text(2, ""), 1, &parts, &host), ((1, 1), robots.clone()));
+    let limited = text(2, "[limits]\npath_mm = 1\n");
+    assert_eq!(drawn(&limited, 1, &parts, &host), ((0, 2), robots.clone()));
+    let (done, more) = drawn(&text(3, ""), 2, &parts, &host);
+    assert_eq!((done, &more[..2]), ((1, 2), &robots[..]));
+    assert_eq!(host.times.load(Ordering::Relaxed), kept + 2);
+}
+
 /// A mass in front of an upright axis tilts its bearings forward: the tool sinks by moment/stiffness × lever.
 #[test]
 fn a_heavy_head_tilts_its_bearing_forward() {
@@ -355,7 +558,9 @@ fn variants_keep_the_limits_of_the_axes() {
         );
         let file = RobotFile::parse(&text, "one.toml").unwrap();
         let files = with_readings(&to_and_fro(-20.0, 0.0, 10.0));
-        run(&file, &RobotOptions::default(), &files).map(|_| ()).map_err(|error| error.to_string())
+        run(&file, &RobotOptions::default(), &files, &Memory::default())
+            .map(|_| ())
+            .map_err(|error| error.to_string())
     };
     // 20° in 10 s are 3.1 °/s at most; 21 times 20 kg on a metre ask for 4119 N·m, and without a limit five times the
     // rated torque are allowed.
@@ -369,51 +574,23 @@ fn variants_keep_the_limits_of_the_axes() {
 /// A life in the cache is taken for its own key alone, and whole.
 #[test]
 fn kept_lives_are_checked() {
-    use std::sync::Mutex;
-    struct Keeping(Files, Mutex<Vec<(String, Vec<u8>)>>, Mutex<usize>);
-    impl Progress for Keeping {
-        fn report(&self, stage: &str, share: f64) {
-            self.0.report(stage, share);
-        }
-        fn is_cancelled(&self) -> bool {
-            false
-        }
-    }
-    impl Host for Keeping {
-        fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
-            self.0.read(file, origin)
-        }
-        fn cached(&self, name: &str) -> Option<Vec<u8>> {
-            let kept = self.1.lock().unwrap();
-            kept.iter().find(|(known, _)| known == name).map(|(_, bytes)| bytes.clone())
-        }
-        fn cache(&self, name: &str, bytes: &[u8]) {
-            *self.2.lock().unwrap() += 1;
-            let mut kept = self.1.lock().unwrap();
-            kept.retain(|(known, _)| known != name);
-            kept.push((name.to_owned(), bytes.to_vec()));
-        }
-    }
     let text = one_axis("[0, -1, 0]", 20.0, "design = \"rv-40e.toml\"\n", READ);
     let file = RobotFile::parse(&text, "one.toml").unwrap();
-    let host = Keeping(with_readings(&to_and_fro(-20.0, 0.0, 10.0)), Mutex::new(Vec::new()), Mutex::new(0));
+    let host = with_readings(&to_and_fro(-20.0, 0.0, 10.0));
+    let times = || host.times.load(Ordering::Relaxed);
     let lost = || {
-        let robot = run(&file, &RobotOptions::default(), &host).unwrap();
+        let robot = run(&file, &RobotOptions::default(), &host, &Memory::default()).unwrap();
         robot.tool.unwrap().joints[0].ages[1].lost_motion
     };
     let computed = lost();
-    assert_eq!((lost(), *host.2.lock().unwrap()), (computed, 1));
+    assert_eq!((lost(), times()), (computed, 1));
     // One digit of a number changed: still JSON, no longer the life.
-    let damaged = {
-        let mut kept = host.1.lock().unwrap();
-        let entry = String::from_utf8(kept[0].1.clone()).unwrap();
-        let place = entry.find("\"lost_motion_rad\":").unwrap() + "\"lost_motion_rad\":".len();
-        let digit = if entry.as_bytes()[place] == b'9' { b'8' } else { b'9' };
-        kept[0].1[place] = digit;
-        kept[0].1 != entry.into_bytes()
-    };
-    assert!(damaged);
-    assert_eq!((lost(), *host.2.lock().unwrap()), (computed, 2));
+    for entry in host.kept.lock().unwrap().values_mut() {
+        let text = std::str::from_utf8(entry).unwrap();
+        let place = text.find("\"lost_motion_rad\":").unwrap() + "\"lost_motion_rad\":".len();
+        entry[place] = if entry[place] == b'9' { b'8' } else { b'9' };
+    }
+    assert_eq!((lost(), times()), (computed, 2));
 }
 
 #[test]

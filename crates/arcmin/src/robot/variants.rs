@@ -1,13 +1,14 @@
 //! What a change of the program buys: slower, lighter, less often.
 
-use super::answers::End;
-use super::arm::{Arm, Body};
-use super::figures::{Figures, Tool};
+use super::answers::{End, ToolLimit};
+use super::arm::Body;
+use super::figures::{Figures, Sorted, Tool};
 use super::joint::JointModel;
 use super::life::{degrees, scale_hours};
 use super::loads::{Course, beyond, duty};
-use super::read::{Program, RobotFile};
-use super::run::{Before, Robot, mapped};
+use super::read::Program;
+use super::run::Loaded;
+use super::tool::{Field, Places};
 use crate::analyses::{AnalysisError, Host};
 use crate::units::{HOUR, MM};
 
@@ -29,14 +30,13 @@ pub struct VariantAnswer {
 /// # Errors
 /// A variant that asks an axis for more than is allowed.
 pub(super) fn variants(
-    file: &RobotFile,
-    bare: &Arm,
-    payload: &Body,
-    before: &[Before<'_>],
+    loaded: &Loaded<'_>,
     models: &[JointModel],
-    robot: &Robot,
+    limits: &[ToolLimit],
     host: &dyn Host,
 ) -> Result<Vec<VariantAnswer>, AnalysisError> {
+    let Loaded { file, bare, payload, before, .. } = loaded;
+    let planned = *file.planned_hours;
     let mut found = Vec::new();
     for (index, section) in file.variant.iter().enumerate() {
         host.report("variants", index as f64 / file.variant.len() as f64);
@@ -47,7 +47,7 @@ pub(super) fn variants(
         let arm =
             bare.carrying(&Body { mass: share * payload.mass, inertia: share * payload.inertia, ..*payload });
         let mut cycles = (0.0, 0.0);
-        let programs: Vec<Program> = robot
+        let programs: Vec<Program> = loaded
             .programs
             .iter()
             .zip(&*file.program.value)
@@ -93,12 +93,14 @@ pub(super) fn variants(
             }
             moving.push(changed.moving);
         }
-        let (places, sorted, field) = mapped(file, &arm, &programs, &courses, &joints, &moving);
+        let places = Places::of(&arm, &programs, &courses, *file.controller.approach_mm * MM);
+        let sorted = Sorted::of(&places);
+        let field = Field::of(&places, &joints, &moving, *file.controller.compensates);
         let tool = Tool { places: &places, sorted: &sorted, field: &field };
         found.push(VariantAnswer {
             name: section.name.value.clone(),
-            figures: tool.figures(&vec![robot.planned; arm.count()]),
-            end: tool.end(&robot.limits, &[], (0.0, robot.planned)),
+            figures: tool.figures(&vec![planned; arm.count()]),
+            end: tool.end(limits, &[], (0.0, planned)),
             cycles: cycles.0 / cycles.1,
             hardest,
         });

@@ -1,30 +1,14 @@
 //! Any sharding, in any order, with parts lost and broken on the way, gives the same rows.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde_json::{Value as Json, json};
 
 use super::collect::collect;
 use super::plan::{Factor, Kept, Kind, Plan, Row, Setting};
-use super::run::{Done, RowError, Shard, Store, Watch, run};
+use super::run::{Done, Memory, RowError, Shard, Watch, run};
 use super::sampling::Layout;
 use super::{Distribution, Purpose, Stream};
-
-#[derive(Default)]
-struct Memory(Mutex<BTreeMap<String, Vec<u8>>>);
-
-impl Store for Memory {
-    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
-        Ok(self.0.lock().unwrap().get(name).cloned())
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), String> {
-        self.0.lock().unwrap().insert(name.to_owned(), bytes.to_vec());
-        Ok(())
-    }
-}
 
 fn plan(what: &str, samples: u64) -> Plan {
     let factors = vec![

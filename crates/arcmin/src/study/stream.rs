@@ -13,6 +13,7 @@ pub enum Purpose {
     Generations = 6,
     Machines = 7,
     Batches = 8,
+    Reducers = 9,
 }
 
 /// Random numbers that depend on nothing but (seed, purpose, index): the `index`-th stream of a purpose can
@@ -30,7 +31,7 @@ pub fn mix(word: u64) -> u64 {
 }
 
 /// One word of several, in which their order matters.
-pub(super) fn hash(words: &[u64]) -> u64 {
+pub(crate) fn hash(words: &[u64]) -> u64 {
     words.iter().fold(0x243f_6a88_85a3_08d3, |hash, word| {
         mix(hash.rotate_left(23).wrapping_add(0x9e37_79b9_7f4a_7c15) ^ mix(*word))
     })

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use arcmin::analyses::Quiet;
 use arcmin::design::Design;
 use arcmin::study::band::{Band, study};
 use arcmin::study::judge::Judged;
 use arcmin::study::{Rows, Shard, Study, Watch, collect, run};
 
-use super::{Quietly, broken};
+use super::broken;
 use crate::failure::Failure;
 use crate::run::{Parts, SampleBar, Terminal};
 
@@ -32,7 +33,7 @@ impl Lives {
         let study = study(design, options, machines, 1, host).map_err(told)?;
         let parts = Parts::new(&out.join("band"));
         let bar = SampleBar::new("lives", study.plan.rows(), quiet);
-        let compute = |row: &arcmin::study::Row| study.compute(row, &Quietly(host));
+        let compute = |row: &arcmin::study::Row| study.compute(row, &Quiet(host));
         let begun = |found: u64| bar.found(found);
         let watch = Watch { begun: &begun, finished: &|_| bar.one_more() };
         let done = run(&study.plan, Shard::WHOLE, &parts, &compute, &watch).map_err(broken)?;

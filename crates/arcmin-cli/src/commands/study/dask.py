@@ -1,4 +1,4 @@
-"""Shards of a study on Dask. Started again, it computes what is missing.
+"""Shards on Dask. Started again, it computes what is missing.
 
 A task writes the parts of its shard and returns its number: nothing is lost with a worker or the scheduler
 but what was being computed.
@@ -10,7 +10,7 @@ import sys
 from distributed import Client, LocalCluster, as_completed
 
 ARCMIN = {arcmin}
-STUDY = {study}
+FILE = {file}
 OUT = {out}
 SHARDS = {shards}
 WORKERS = {workers}
@@ -20,7 +20,7 @@ ADDRESS = {address}  # of a scheduler; None starts workers here
 
 def compute(shard):
     words = ["--shard", f"{shard}/{SHARDS}", "--out", OUT, "--threads", "1", "--quiet"]
-    done = subprocess.run([ARCMIN, "study", "run", STUDY, *words], capture_output=True, text=True)
+    done = subprocess.run([ARCMIN, *"{run}".split(), FILE, *words], capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"shard {shard}: {done.stderr}")
     return shard
@@ -37,7 +37,7 @@ def main():
                 task.result()
     if cluster:
         cluster.close()
-    sys.exit(subprocess.run([ARCMIN, "study", "collect", STUDY, "--out", OUT]).returncode)
+    sys.exit(subprocess.run([ARCMIN, *"{report}".split(), FILE, "--out", OUT]).returncode)
 
 
 if __name__ == "__main__":

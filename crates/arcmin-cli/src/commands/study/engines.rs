@@ -1,6 +1,6 @@
-//! `arcmin study submit`: shards as processes here, or handed to the engine that is there.
+//! `arcmin study submit` and `arcmin robot submit`: shards as processes here, or handed to the engine that is there.
 //!
-//! An engine starts `arcmin study run --shard i/N` and nothing else. Whatever it loses (a worker, its
+//! An engine starts `arcmin study run --shard i/N`, or `arcmin robot run`, and nothing else. Whatever it loses (a worker, its
 //! scheduler, the machine), the parts that are in the directory stay, and the next submission computes the
 //! rest.
 
@@ -9,11 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command as Process, Stdio};
 use std::time::Duration;
 
-use arcmin::study::collect;
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
-use super::{Ending, Job, broken};
+use super::broken;
 use crate::failure::{Failure, Start};
 use crate::run::{is_stopped, say, write_file};
 
@@ -22,20 +21,21 @@ const SHARDS: u64 = 64;
 /// A shard that ends with an error is started again so many times.
 const TRIES: u32 = 3;
 
-pub fn command() -> Command {
+/// `submit` of `study` or `robot`, with a file by this name in the examples.
+pub fn command(of: &str, file: &str) -> Command {
     Command::new("submit")
         .about("Compute all shards on an engine: local processes, HyperQueue, Slurm or Dask")
-        .long_about(
-            "Computes all shards on an engine, then collects.\n\nlocal starts processes here. hq, slurm and \
+        .long_about(format!(
+            "Computes all shards on an engine, then reports.\n\nlocal starts processes here. hq, slurm and \
              dask write a script into DIR/submit (readable, to be changed at will) and run it where the \
-             engine's command is there: hq, sbatch, or python3 with dask.distributed. All start `arcmin study \
+             engine's command is there: hq, sbatch, or python3 with dask.distributed. All start `arcmin {of} \
              run --shard I/N` and nothing else; the directory must be one that all machines see.\n\nAn \
-             optimisation is submitted generation by generation.",
-        )
-        .after_help(
-            "Examples:\n  arcmin study submit my-study.toml --engine local --workers 8\n  \
-             arcmin study submit my-study.toml --engine slurm --shards 200 --out /shared/study --print",
-        )
+             optimisation is submitted generation by generation."
+        ))
+        .after_help(format!(
+            "Examples:\n  arcmin {of} submit {file} --engine local --workers 8\n  \
+             arcmin {of} submit {file} --engine slurm --shards 200 --out /shared/{of} --print"
+        ))
         .arg(
             Arg::new("engine")
                 .long("engine")
@@ -66,8 +66,24 @@ pub fn command() -> Command {
         .arg(Arg::new("print").long("print").action(ArgAction::SetTrue).help("Write the script, run nothing"))
 }
 
-pub fn run(job: &Job, matches: &ArgMatches) -> Result<Ending, Failure> {
-    let most = job.study.plan.parts().max(1);
+/// What an engine is to compute.
+pub struct Shards<'a> {
+    /// Words behind `arcmin`, in front of the file: for a shard, and for what follows all of them.
+    pub run: &'static str,
+    pub report: &'static str,
+    pub file: &'a Path,
+    pub out: &'a Path,
+    /// What shards are made of.
+    pub parts: u64,
+    /// Times that all shards are submitted: once, or once a generation.
+    pub stages: u64,
+    /// Whether nothing is left to compute.
+    pub is_complete: &'a dyn Fn() -> Result<bool, Failure>,
+}
+
+/// Computes all shards; whether what follows them is left to do.
+pub fn run(job: &Shards<'_>, matches: &ArgMatches) -> Result<bool, Failure> {
+    let most = job.parts.max(1);
     // Parts of a generation, where a study searches.
     let shards = matches.get_one::<u64>("shards").copied().unwrap_or(most.min(SHARDS)).max(1);
     let workers = matches.get_one::<u16>("workers").map(|workers| usize::from(*workers));
@@ -75,10 +91,9 @@ pub fn run(job: &Job, matches: &ArgMatches) -> Result<Ending, Failure> {
     let engine = matches.get_one::<String>("engine").map_or("local", String::as_str);
     if engine == "local" {
         local(job, shards, workers)?;
-        return job.collect();
+        return Ok(true);
     }
-    let stages = job.study.search.as_ref().map_or(1, |search| search.generations + 2);
-    let words = Words::of(job, shards, workers, stages, matches.get_one::<String>("address").cloned())?;
+    let words = Words::of(job, shards, workers, matches.get_one::<String>("address").cloned())?;
     let (name, text, program) = match engine {
         "hq" => ("hq.sh", words.hq(), "hq"),
         "slurm" => ("slurm.sh", words.slurm(), "sbatch"),
@@ -93,7 +108,7 @@ pub fn run(job: &Job, matches: &ArgMatches) -> Result<Ending, Failure> {
     let typed = format!("{runner} {}", script.display());
     if matches.get_flag("print") {
         say(&format!("{} written; next: {typed}", script.display()))?;
-        return Ok(Ending::Fine);
+        return Ok(false);
     }
     if !is_there(program) {
         return Err(Failure::Usage {
@@ -103,7 +118,7 @@ pub fn run(job: &Job, matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     let ended = Process::new(runner).arg(&script).status();
     match ended {
-        Ok(status) if status.success() => Ok(Ending::Fine),
+        Ok(status) if status.success() => Ok(false),
         Ok(status) => Err(Failure::Study { cause: format!("`{typed}` ended with {status}") }),
         Err(cause) => Err(Failure::Study { cause: format!("`{typed}` cannot be started: {cause}") }),
     }
@@ -114,19 +129,11 @@ fn is_there(program: &str) -> bool {
     std::env::split_paths(&paths).any(|path| path.join(program).is_file())
 }
 
-/// Whether anything is left to compute.
-fn is_complete(job: &Job) -> Result<bool, Failure> {
-    Ok(match &job.study.search {
-        Some(search) => job.standing(search)?.next.is_none(),
-        None => collect(&job.study.plan, &job.parts()).map_err(broken)?.is_complete(),
-    })
-}
-
 /// Shards as processes, as many at once as there are workers.
-fn local(job: &Job, shards: u64, workers: usize) -> Result<(), Failure> {
+fn local(job: &Shards<'_>, shards: u64, workers: usize) -> Result<(), Failure> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = (cores / workers).max(1);
-    while !is_complete(job)? {
+    while !(job.is_complete)()? {
         let mut waiting: VecDeque<(u64, u32)> = (1..=shards).map(|shard| (shard, 0)).collect();
         let mut running: Vec<(u64, u32, Child)> = Vec::new();
         while !(waiting.is_empty() && running.is_empty()) {
@@ -157,18 +164,20 @@ fn local(job: &Job, shards: u64, workers: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-fn start(job: &Job, shard: u64, shards: u64, threads: usize) -> Result<Child, Failure> {
+fn start(job: &Shards<'_>, shard: u64, shards: u64, threads: usize) -> Result<Child, Failure> {
     let program = crate::program().map_err(broken)?;
     let mut process = Process::new(program);
-    process.args(["study", "run"]).arg(&job.path).args(["--shard", &format!("{shard}/{shards}")]);
-    process.arg("--out").arg(&job.out).args(["--threads", &threads.to_string(), "--quiet"]);
+    process.args(job.run.split(' ')).arg(job.file).args(["--shard", &format!("{shard}/{shards}")]);
+    process.arg("--out").arg(job.out).args(["--threads", &threads.to_string(), "--quiet"]);
     process.stdin(Stdio::null()).spawn().map_err(broken)
 }
 
 /// What stands in scripts.
 struct Words {
     program: String,
-    study: String,
+    run: &'static str,
+    report: &'static str,
+    file: String,
     out: String,
     shards: u64,
     workers: usize,
@@ -178,14 +187,9 @@ struct Words {
 }
 
 impl Words {
-    fn of(
-        job: &Job,
-        shards: u64,
-        workers: usize,
-        stages: u64,
-        address: Option<String>,
-    ) -> Result<Words, Failure> {
-        std::fs::create_dir_all(&job.out).map_err(|cause| Failure::Write { path: job.out.clone(), cause })?;
+    fn of(job: &Shards<'_>, shards: u64, workers: usize, address: Option<String>) -> Result<Words, Failure> {
+        let refused = |cause| Failure::Write { path: job.out.to_owned(), cause };
+        std::fs::create_dir_all(job.out).map_err(refused)?;
         // Scripts run elsewhere, so that names must not depend on where one stands.
         let whole = |path: &Path| -> Result<String, Failure> {
             let full = std::fs::canonicalize(path).map_err(|cause| Failure::Read {
@@ -198,11 +202,13 @@ impl Words {
         let program: PathBuf = crate::program().map_err(broken)?;
         Ok(Words {
             program: whole(&program)?,
-            study: whole(&job.path)?,
-            out: whole(&job.out)?,
+            run: job.run,
+            report: job.report,
+            file: whole(job.file)?,
+            out: whole(job.out)?,
             shards,
             workers,
-            stages,
+            stages: job.stages,
             address,
         })
     }
@@ -231,7 +237,9 @@ impl Words {
         let address = self.address.as_deref().map_or("None".to_owned(), quoted);
         script
             .replace("{arcmin}", &quoted(&self.program))
-            .replace("{study}", &quoted(&self.study))
+            .replace("{run}", self.run)
+            .replace("{report}", self.report)
+            .replace("{file}", &quoted(&self.file))
             .replace("{out}", &quoted(&self.out))
             .replace("{shards}", &self.shards.to_string())
             .replace("{workers}", &self.workers.to_string())
@@ -251,7 +259,9 @@ mod tests {
     fn words() -> Words {
         Words {
             program: "/opt/it's/arcmin".into(),
-            study: "/home/a b/study.toml".into(),
+            run: "study run",
+            report: "study collect",
+            file: "/home/a b/study.toml".into(),
             out: "/shared/out".into(),
             shards: 50,
             workers: 4,
@@ -266,17 +276,21 @@ mod tests {
     fn scripts_say_what_engines_expect() {
         let hq = words().hq();
         assert!(hq.contains("hq submit --array \"1-$shards\"") && hq.contains("$HQ_TASK_ID/$2"), "{hq}");
-        assert!(hq.contains("arcmin='/opt/it'\\''s/arcmin'\nstudy='/home/a b/study.toml'"), "{hq}");
+        assert!(hq.contains("arcmin='/opt/it'\\''s/arcmin'\nfile='/home/a b/study.toml'"), "{hq}");
         assert!(hq.contains("for stage in $(seq 3)") && hq.contains("%{TASK_ID}"), "{hq}");
         let slurm = words().slurm();
         assert!(slurm.contains("--array=\"1-$shards\"") && slurm.contains("$SLURM_ARRAY_TASK_ID/$shards"));
         assert!(slurm.contains("--dependency=\"afterany:${job%%;*}\"") && slurm.contains("study collect"));
         let dask = words().dask();
         assert!(
-            dask.contains("STUDY = \"/home/a b/study.toml\"") && dask.contains("ADDRESS = None"),
+            dask.contains("FILE = \"/home/a b/study.toml\"") && dask.contains("ADDRESS = None"),
             "{dask}"
         );
-        assert!(["{arcmin}", "{study}", "{out}", "{shards}"].iter().all(|place| !dask.contains(place)));
+        assert!(
+            ["{arcmin}", "{run}", "{report}", "{file}", "{out}", "{shards}"]
+                .iter()
+                .all(|place| !dask.contains(place))
+        );
     }
 
     /// A shell reads them.

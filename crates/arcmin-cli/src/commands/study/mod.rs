@@ -1,7 +1,7 @@
 //! `arcmin study`: many machines, here or on the engine that is there.
 
 mod band;
-mod engines;
+pub(super) mod engines;
 mod new;
 mod question;
 mod search;
@@ -10,11 +10,10 @@ pub use band::Lives;
 
 use std::path::{Path, PathBuf};
 
-use arcmin::analyses::{Host, by_name, identity};
+use arcmin::analyses::{Quiet, by_name, identity};
 use arcmin::design::{Choice, Design};
-use arcmin::progress::Progress;
 use arcmin::report::Page;
-use arcmin::study::{Plan, Row, Rows, Shard, Study, StudyFile, Watch, collect, run as run_shard};
+use arcmin::study::{Done, Plan, Row, Rows, Shard, Study, StudyFile, Watch, collect, run as run_shard};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde_json::{Map, Value, json};
 
@@ -62,25 +61,16 @@ pub fn command() -> Command {
         .subcommands(question::commands())
         .subcommand(with(Command::new("plan").about("Lay out the samples and write plan.csv and plan.json")))
         .subcommand(planned(
-            Command::new("run").about("Compute one shard of the samples and keep its parts").arg(
-                Arg::new("shard")
-                    .long("shard")
-                    .value_name("I/N")
-                    .default_value("1/1")
-                    .value_parser(|text: &str| {
-                        Shard::parse(text).ok_or("write I/N with I from 1 to N, such as 3/50")
-                    })
-                    .help("Which of how many shards"),
-            ),
+            Command::new("run").about("Compute one shard of the samples and keep its parts").arg(shard()),
         ))
-        .subcommand(planned(engines::command()))
+        .subcommand(planned(engines::command("study", "my-study.toml")))
         .subcommand(planned(
             Command::new("collect")
                 .about("Write samples.csv, summary.json and report.html from the parts there are"),
         ))
 }
 
-fn common(command: Command) -> Command {
+pub(super) fn common(command: Command) -> Command {
     command.arg(out()).arg(threads()).arg(force()).arg(quiet())
 }
 
@@ -89,6 +79,20 @@ fn file(required: bool) -> Arg {
         .required(required)
         .value_parser(value_parser!(PathBuf))
         .help("Study file (TOML); `arcmin study new` writes one")
+}
+
+pub(super) fn shard() -> Arg {
+    Arg::new("shard")
+        .long("shard")
+        .value_name("I/N")
+        .default_value("1/1")
+        .value_parser(|text: &str| Shard::parse(text).ok_or("write I/N with I from 1 to N, such as 3/50"))
+        .help("Which of how many shards")
+}
+
+/// The shard that [`shard`] asks for.
+pub(super) fn shard_of(matches: &ArgMatches) -> Shard {
+    matches.get_one::<Shard>("shard").copied().unwrap_or(Shard::WHOLE)
 }
 
 fn out() -> Arg {
@@ -130,12 +134,9 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("new", matches)) => new::run(matches),
         Some((name, matches)) if question::template(name).is_some() => question::run(name, matches),
-        Some(("submit", matches)) => engines::run(&Job::of(matches)?, matches),
+        Some(("submit", matches)) => Job::of(matches)?.submit(matches),
         Some(("plan", matches)) => Job::of(matches)?.plan(),
-        Some(("run", matches)) => {
-            let shard = matches.get_one::<Shard>("shard").copied().unwrap_or(Shard::WHOLE);
-            Job::of(matches)?.shard(shard)
-        }
+        Some(("run", matches)) => Job::of(matches)?.shard(shard_of(matches)),
         Some(("collect", matches)) => Job::of(matches)?.collect(),
         _ => Job::of(matches)?.whole(),
     }
@@ -207,6 +208,24 @@ impl Job {
         if cancelled { Err(self.stopped()) } else { Ok(Ending::Fine) }
     }
 
+    fn submit(&self, matches: &ArgMatches) -> Result<Ending, Failure> {
+        let plan = &self.study.plan;
+        let is_complete = || match &self.study.search {
+            Some(search) => Ok(self.standing(search)?.next.is_none()),
+            None => Ok(collect(plan, &self.parts()).map_err(broken)?.is_complete()),
+        };
+        let shards = engines::Shards {
+            run: "study run",
+            report: "study collect",
+            file: &self.path,
+            out: &self.out,
+            parts: plan.parts(),
+            stages: self.study.search.as_ref().map_or(1, |search| search.generations + 2),
+            is_complete: &is_complete,
+        };
+        if engines::run(&shards, matches)? { self.collect() } else { Ok(Ending::Fine) }
+    }
+
     fn collect(&self) -> Result<Ending, Failure> {
         let results = Results::prepare(&self.out, &self.study.design, self.force)?;
         self.report(results)?;
@@ -225,19 +244,14 @@ impl Job {
         let parts = self.parts();
         let all: u64 = shard.parts(plan).map(|part| plan.rows_of(part).count() as u64).sum();
         let bar = SampleBar::new(what, all, self.quiet);
-        let compute = |row: &Row| self.study.compute(row, &Quietly(&host));
+        let compute = |row: &Row| self.study.compute(row, &Quiet(&host));
         let begun = |found: u64| bar.found(found);
         let done =
             run_shard(plan, shard, &parts, &compute, &Watch { begun: &begun, finished: &|_| bar.one_more() })
                 .map_err(broken)?;
         drop(bar);
         if !self.quiet && self.study.search.is_none() {
-            let failed = match done.failed {
-                0 => String::new(),
-                failed => format!(", {failed} of them without result"),
-            };
-            let found = if done.found > 0 { format!(", {} were there", done.found) } else { String::new() };
-            say(&format!("{} samples computed{failed}{found}", done.computed))?;
+            say(&told("samples", &done))?;
         }
         Ok(done.cancelled)
     }
@@ -358,8 +372,18 @@ fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
+/// What a shard did.
+pub(super) fn told(what: &str, done: &Done) -> String {
+    let failed = match done.failed {
+        0 => String::new(),
+        failed => format!(", {failed} of them without result"),
+    };
+    let found = if done.found > 0 { format!(", {} were there", done.found) } else { String::new() };
+    format!("{} {what} computed{failed}{found}", done.computed)
+}
+
 /// What is no fault of the study file.
-fn broken(cause: impl ToString) -> Failure {
+pub(super) fn broken(cause: impl ToString) -> Failure {
     Failure::Study { cause: cause.to_string() }
 }
 
@@ -397,37 +421,4 @@ fn identity_of(
 ) -> Result<String, arcmin::analyses::AnalysisError> {
     let Some(analysis) = by_name(&file.analysis) else { return Ok(String::new()) };
     identity(analysis, design, file.options(), file.file_name(), host)
-}
-
-/// The host of one sample of many: files and Ctrl-C, but no progress of its own.
-struct Quietly<'a>(&'a Terminal);
-
-impl Progress for Quietly<'_> {
-    fn report(&self, _: &str, _: f64) {}
-
-    fn is_cancelled(&self) -> bool {
-        self.0.is_cancelled()
-    }
-}
-
-impl Host for Quietly<'_> {
-    fn read(
-        &self,
-        file: &arcmin::design::InputFile,
-        origin: arcmin::analyses::Origin,
-    ) -> Result<Vec<u8>, arcmin::analyses::AnalysisError> {
-        self.0.read(file, origin)
-    }
-
-    fn seconds(&self) -> f64 {
-        self.0.seconds()
-    }
-
-    fn cached(&self, name: &str) -> Option<Vec<u8>> {
-        self.0.cached(name)
-    }
-
-    fn cache(&self, name: &str, bytes: &[u8]) {
-        self.0.cache(name, bytes);
-    }
 }

@@ -1,25 +1,8 @@
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-
 use serde_json::json;
 
 use super::goal::reached;
 use super::*;
-use crate::study::{Kind, Row, RowError, Setting, Shard, Watch, run};
-
-#[derive(Default)]
-struct Memory(Mutex<BTreeMap<String, Vec<u8>>>);
-
-impl Store for Memory {
-    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
-        Ok(self.0.lock().unwrap().get(name).cloned())
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), String> {
-        self.0.lock().unwrap().insert(name.to_owned(), bytes.to_vec());
-        Ok(())
-    }
-}
+use crate::study::{Kind, Memory, Row, RowError, Setting, Shard, Watch, run};
 
 /// Least x² + y² with x + y ≥ 1, x and y in −2 … 2, seen with the scatter of the machine: at (½, ½) but for
 /// what the scatter adds.
