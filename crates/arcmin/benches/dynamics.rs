@@ -89,7 +89,7 @@ fn elastic(criterion: &mut Criterion) {
         });
     });
     if let Ok(rest) =
-        arcmin::dynamics::solve_equilibrium(&model, 0.0, &model.nominal_position_at(0.0), Default::default())
+        arcmin::dynamics::solve_equilibrium(&*model, 0.0, &model.nominal_position_at(0.0), Default::default())
     {
         let speed = vec![0.0; rest.position.len()];
         let (mut force, mut lin) = (speed.clone(), model.linearisation());
