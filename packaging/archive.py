@@ -15,6 +15,7 @@ import os
 import pathlib
 import subprocess
 import tarfile
+import tempfile
 import time
 import tomllib
 import zipfile
@@ -41,7 +42,9 @@ def contents(target: str, binaries: pathlib.Path, licences: pathlib.Path) -> dic
     # Under the names that the shells look for.
     for shell, name in (("bash", "arcmin"), ("zsh", "_arcmin"), ("fish", "arcmin.fish"), ("powershell", "arcmin.ps1")):
         files[f"completions/{shell}/{name}"] = printed("completions", shell)
-    files["man/arcmin.1"] = printed("man")
+    with tempfile.TemporaryDirectory() as pages:
+        printed("man", "--out", pages)
+        files |= {f"man/{page.name}": (page.read_bytes(), 0o644) for page in pathlib.Path(pages).iterdir()}
     return files
 
 

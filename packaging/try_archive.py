@@ -31,7 +31,7 @@ with tempfile.TemporaryDirectory() as work:
     version = run("--version").split()
     if version[0] != "arcmin" or not folder.name.startswith(f"arcmin-{version[1]}-"):
         sys.exit(f"{folder.name} holds {' '.join(version)}")
-    for name in ("completions/bash/arcmin", "completions/zsh/_arcmin", "completions/fish/arcmin.fish", "man/arcmin.1"):
+    for name in ("completions/bash/arcmin", "completions/zsh/_arcmin", "completions/fish/arcmin.fish", "man/arcmin-life.1"):
         if "arcmin" not in (folder / name).read_text(encoding="utf-8"):
             sys.exit(f"{name} does not speak of arcmin")
     run("new", "design.toml")

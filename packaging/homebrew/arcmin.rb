@@ -35,7 +35,7 @@ class Arcmin < Formula
     bash_completion.install "completions/bash/arcmin"
     zsh_completion.install "completions/zsh/_arcmin"
     fish_completion.install "completions/fish/arcmin.fish"
-    man1.install "man/arcmin.1"
+    man1.install Dir["man/*.1"]
     doc.install "THIRD-PARTY.html", "CHANGELOG.md"
   end
 
