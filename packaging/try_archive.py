@@ -1,6 +1,6 @@
-"""Unpacks an archive of the command into a folder of its own, looks at what is there and runs it.
+"""Unpacks the archive of the command that archive.py has put into a folder, looks at what is there and runs it.
 
-    python3 packaging/try_archive.py dist/arcmin-0.1.0-x86_64-unknown-linux-gnu.tar.gz
+    python3 packaging/try_archive.py dist
 """
 
 import os
@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 
-archive = pathlib.Path(sys.argv[1]).resolve()
+(archive,) = [path.resolve() for path in pathlib.Path(sys.argv[1]).iterdir() if path.suffix in (".gz", ".zip")]
 with tempfile.TemporaryDirectory() as work:
     shutil.unpack_archive(archive, work, **({} if archive.suffix == ".zip" else {"filter": "data"}))
     (folder,) = pathlib.Path(work).iterdir()
