@@ -3,8 +3,8 @@
     python3 packaging/archive.py --target x86_64-unknown-linux-gnu --binaries target/release \\
         --licences THIRD-PARTY.html --out dist
 
-Runs the command for its completions and manual page, so the platform is the one it runs on. The same binaries make
-the same bytes: times are SOURCE_DATE_EPOCH (or 1980), names are sorted, owners are left out.
+Runs the command for its completions and manual pages, so the platform is the one it runs on. The same
+binaries make the same bytes: times are SOURCE_DATE_EPOCH (or 1980), names are sorted, owners are left out.
 """
 
 import argparse
@@ -17,8 +17,9 @@ import subprocess
 import tarfile
 import tempfile
 import time
-import tomllib
 import zipfile
+
+import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # The first moment that a zip can tell.
@@ -37,10 +38,12 @@ def contents(target: str, binaries: pathlib.Path, licences: pathlib.Path) -> dic
     files["THIRD-PARTY.html"] = (licences.read_bytes(), 0o644)
 
     def printed(*arguments: str) -> tuple[bytes, int]:
-        return subprocess.run([binaries / command, *arguments], check=True, stdout=subprocess.PIPE).stdout, 0o644
+        done = subprocess.run([binaries / command, *arguments], check=True, stdout=subprocess.PIPE)
+        return done.stdout, 0o644
 
     # Under the names that the shells look for.
-    for shell, name in (("bash", "arcmin"), ("zsh", "_arcmin"), ("fish", "arcmin.fish"), ("powershell", "arcmin.ps1")):
+    names = {"bash": "arcmin", "zsh": "_arcmin", "fish": "arcmin.fish", "powershell": "arcmin.ps1"}
+    for shell, name in names.items():
         files[f"completions/{shell}/{name}"] = printed("completions", shell)
     with tempfile.TemporaryDirectory() as pages:
         printed("man", "--out", pages)
@@ -49,14 +52,18 @@ def contents(target: str, binaries: pathlib.Path, licences: pathlib.Path) -> dic
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--target", required=True)
     parser.add_argument("--binaries", type=pathlib.Path, required=True)
     parser.add_argument("--licences", type=pathlib.Path, required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     given = parser.parse_args()
 
-    version = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+    version = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"][
+        "version"
+    ]
     name = f"arcmin-{version}-{given.target}"
     files = sorted(contents(given.target, given.binaries, given.licences).items())
     moment = max(int(os.environ.get("SOURCE_DATE_EPOCH", FIRST)), FIRST)
@@ -72,15 +79,16 @@ def main() -> None:
     else:
         ending = ".tar.gz"
         with gzip.GzipFile(fileobj=packed, mode="wb", mtime=moment) as stream:
-            with tarfile.open(fileobj=stream, mode="w", format=tarfile.PAX_FORMAT) as archive:
+            with tarfile.open(fileobj=stream, mode="w", format=tarfile.PAX_FORMAT) as tar:
                 for path, (data, mode) in files:
-                    entry = tarfile.TarInfo(f"{name}/{path}")
-                    entry.size, entry.mode, entry.mtime = len(data), mode, moment
-                    archive.addfile(entry, io.BytesIO(data))
+                    member = tarfile.TarInfo(f"{name}/{path}")
+                    member.size, member.mode, member.mtime = len(data), mode, moment
+                    tar.addfile(member, io.BytesIO(data))
     given.out.mkdir(parents=True, exist_ok=True)
     data = packed.getvalue()
     (given.out / (name + ending)).write_bytes(data)
-    (given.out / (name + ending + ".sha256")).write_text(f"{hashlib.sha256(data).hexdigest()}  {name}{ending}\n", newline="\n")
+    line = f"{hashlib.sha256(data).hexdigest()}  {name}{ending}\n"
+    (given.out / (name + ending + ".sha256")).write_text(line, newline="\n")
     print(f"{name}{ending}: {len(data) / 1e6:.1f} MB")
 
 

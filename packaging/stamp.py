@@ -1,10 +1,10 @@
-"""Writes version and address of the repository, from the Cargo.toml at the root, into every other file that has them.
+"""Writes version and address of the repository, from the Cargo.toml at the root, wherever else they stand.
 
-    python3 packaging/stamp.py                      write
-    python3 packaging/stamp.py --check              write nothing, fail if a file is stale
-    python3 packaging/stamp.py --release TAG        the same, and fail if this is not what a release TAG needs
-    python3 packaging/stamp.py --sums SHA256SUMS --out DIR
-                                                    the recipes of package managers with the hashes of a release
+    stamp.py                            write
+    stamp.py --check                    write nothing, fail if a file is stale
+    stamp.py --release TAG              the same, and fail if this is not what a release TAG needs
+    stamp.py --sums SHA256SUMS --out DIR
+                                        the recipes of package managers with the hashes of a release
 
 In the repository the hashes in recipes are zeros: they are known only when the archives are built.
 """
@@ -13,13 +13,21 @@ import argparse
 import pathlib
 import re
 import sys
+
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PACKAGE = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]
+
+
+def read(path: str) -> str:
+    return (ROOT / path).read_text(encoding="utf-8")
+
+
+PACKAGE = tomllib.loads(read("Cargo.toml"))["workspace"]["package"]
 VERSION, REPOSITORY = PACKAGE["version"], PACKAGE["repository"]
 ZEROS = "0" * 64
-RECIPES = ["conda/recipe.yaml", "homebrew/arcmin.rb", *(f"winget/{p.name}" for p in (ROOT / "packaging/winget").iterdir())]
+WINGET = [f"winget/{path.name}" for path in sorted((ROOT / "packaging/winget").iterdir())]
+RECIPES = ["conda/recipe.yaml", "homebrew/arcmin.rb", *WINGET]
 
 V = r"\d+\.\d+\.\d+[-+.0-9A-Za-z]*?"
 # (file, pattern with one group that is the value, the value)
@@ -35,9 +43,8 @@ PLACES = [
     ("packaging/homebrew/arcmin.rb", rf'^  version "({V})"$', VERSION),
     ("packaging/homebrew/arcmin.rb", r'^  homepage "(.*)"$', REPOSITORY),
 ]
-for name in RECIPES:
-    if name.startswith("winget/"):
-        PLACES.append((f"packaging/{name}", rf"^PackageVersion: ({V})$", VERSION))
+for name in WINGET:
+    PLACES.append((f"packaging/{name}", rf"^PackageVersion: ({V})$", VERSION))
     if name.endswith("locale.en-US.yaml"):
         PLACES.append((f"packaging/{name}", r"^PackageUrl: (.*)$", REPOSITORY))
 
@@ -50,8 +57,9 @@ def stamped(path: str, text: str) -> str:
             if match is None:
                 sys.exit(f"{path}: no line is like {pattern}")
             text = text[: match.start(1)] + value + text[match.end(1) :]
-    # Archives of a release, with the version in the address, in the name and in the folder that they unpack to.
-    text = re.sub(rf"https://[^\s\"']+?/releases/download/v{V}/", f"{REPOSITORY}/releases/download/v{VERSION}/", text)
+    # Archives of a release: the version in the address, in the name and in the folder that they unpack to.
+    address = f"{REPOSITORY}/releases/download/v{VERSION}/"
+    text = re.sub(rf"https://[^\s\"']+?/releases/download/v{V}/", address, text)
     return re.sub(rf"\barcmin-{V}(?=-[a-z0-9_]+-(?:unknown|apple|pc)-|\.tar\.gz)", f"arcmin-{VERSION}", text)
 
 
@@ -74,13 +82,16 @@ def unready(tag: str) -> list[str]:
         reasons.append(f"the tag is {tag}, the version in Cargo.toml {VERSION}")
     if ".invalid" in REPOSITORY:
         reasons.append("`repository` in Cargo.toml still stands in for the address of the project")
-    if re.search(rf"^## {re.escape(VERSION)} \(\d{{4}}-\d\d-\d\d\)$", (ROOT / "CHANGELOG.md").read_text(), re.M) is None:
+    head = rf"^## {re.escape(VERSION)} \(\d{{4}}-\d\d-\d\d\)$"
+    if re.search(head, read("CHANGELOG.md"), re.M) is None:
         reasons.append(f"CHANGELOG.md has no section `## {VERSION} (date)`")
     return reasons
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--release", metavar="TAG")
     parser.add_argument("--sums", type=pathlib.Path)
@@ -93,17 +104,17 @@ def main() -> None:
         for name in RECIPES:
             path = given.out / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            text = with_sums((ROOT / "packaging" / name).read_text(), sums)
-            path.write_text(text.replace("\r", ""), newline="\n")
+            text = with_sums(read(f"packaging/{name}"), sums)
+            path.write_text(text, newline="\n", encoding="utf-8")
         return
     stale = []
     for path in sorted({file for file, _, _ in PLACES}):
-        text = (ROOT / path).read_text()
+        text = read(path)
         new = stamped(path, text)
         if new != text:
             stale.append(path)
             if not (given.check or given.release):
-                (ROOT / path).write_text(new, newline="\n")
+                (ROOT / path).write_text(new, newline="\n", encoding="utf-8")
     if given.check or given.release:
         reasons = [f"{path} is stale: `python3 packaging/stamp.py` writes it" for path in stale]
         reasons += unready(given.release) if given.release else []

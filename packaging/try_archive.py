@@ -1,6 +1,6 @@
-"""Unpacks the archive of the command that archive.py has put into a folder, looks at what is there and runs it.
+"""Unpacks the archive that archive.py has put into a folder, looks at what is there and runs the command.
 
-    python3 packaging/try_archive.py dist
+python3 packaging/try_archive.py dist
 """
 
 import os
@@ -10,9 +10,10 @@ import subprocess
 import sys
 import tempfile
 
-(archive,) = [path.resolve() for path in pathlib.Path(sys.argv[1]).iterdir() if path.suffix in (".gz", ".zip")]
+paths = pathlib.Path(sys.argv[1]).resolve().iterdir()
+(archive,) = (path for path in paths if path.suffix in (".gz", ".zip"))
 with tempfile.TemporaryDirectory() as work:
-    shutil.unpack_archive(archive, work, **({} if archive.suffix == ".zip" else {"filter": "data"}))
+    shutil.unpack_archive(archive, work)
     (folder,) = pathlib.Path(work).iterdir()
     if archive.name not in (f"{folder.name}.zip", f"{folder.name}.tar.gz"):
         sys.exit(f"{archive.name} unpacks to {folder.name}")
@@ -24,19 +25,24 @@ with tempfile.TemporaryDirectory() as work:
         # With a cache of its own: nothing may come from what this machine has computed before.
         environment = os.environ | {"XDG_CACHE_HOME": f"{work}/cache"}
         done = subprocess.run(
-            [command, *arguments], cwd=work, env=environment, check=True, stdout=subprocess.PIPE, text=True, encoding="utf-8"
+            [command, *arguments], cwd=work, env=environment, check=True, stdout=subprocess.PIPE
         )
-        return done.stdout
+        return done.stdout.decode()
 
     version = run("--version").split()
     if version[0] != "arcmin" or not folder.name.startswith(f"arcmin-{version[1]}-"):
         sys.exit(f"{folder.name} holds {' '.join(version)}")
-    for name in ("completions/bash/arcmin", "completions/zsh/_arcmin", "completions/fish/arcmin.fish", "man/arcmin-life.1"):
-        if "arcmin" not in (folder / name).read_text(encoding="utf-8"):
-            sys.exit(f"{name} does not speak of arcmin")
+    for name in (
+        "completions/bash/arcmin",
+        "completions/zsh/_arcmin",
+        "man/arcmin-life.1",
+        "THIRD-PARTY.html",
+    ):
+        if not (folder / name).read_bytes():
+            sys.exit(f"{name} is empty")
     run("new", "design.toml")
     run("contact", "design.toml", "--quiet")
-    # Packs the library that lies beside the command; ideal joints and two positions, since only packing is tried here.
+    # Packs the library that lies beside the command.
     run("export", "fmu", "design.toml", "--model", "multibody", "--joints", "ideal")
     units = list(pathlib.Path(work).glob("out/**/*.fmu"))
     if len(units) != 1:
