@@ -15,7 +15,7 @@ pub struct Element<'a> {
 pub trait Sink {
     fn element(&mut self, element: &Element<'_>);
 
-    /// Velocity-dependent forces: force[i] on coordinate index[i], matrix −∂(force)/∂(velocity) row by row.
+    /// Velocity-dependent forces: `force[i]` on coordinate `index[i]`, matrix −∂(force)/∂(velocity) row by row.
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
 
     /// Whether Hessians of elements and slopes of friction are asked for; where not, they may be empty.

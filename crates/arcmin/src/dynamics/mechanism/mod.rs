@@ -17,8 +17,7 @@ mod tangent;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use assembly::Wanted;
-pub use assembly::{Element, Sink};
+pub use assembly::{Element, Sink, Wanted};
 pub use elastic::BoreMode;
 pub(in crate::dynamics) use joints::{
     Bending, Designed, Frame, Gears, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,

@@ -231,7 +231,7 @@ impl Reducer for Mechanism {
     }
 
     fn free_input(&self) -> Option<usize> {
-        self.has_free_input().then(|| self.flanges.input)
+        self.has_free_input().then_some(self.flanges.input)
     }
 
     fn nominal_position_at(&self, input: f64) -> Vec<f64> {
