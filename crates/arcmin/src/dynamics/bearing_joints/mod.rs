@@ -167,6 +167,13 @@ impl BearingJoints {
         self.mechanism
     }
 
+    /// Coordinates (x, y, θ) of a disc.
+    #[cfg(test)]
+    pub(super) fn disc_place(&self, disc: usize) -> [usize; 3] {
+        let at = self.layout.disc(disc);
+        [at, at + 1, at + 2]
+    }
+
     pub fn kinematics(&self) -> &Kinematics {
         &self.kinematics
     }

@@ -22,7 +22,9 @@ pub use elastic::BoreMode;
 pub(in crate::dynamics) use joints::{
     Bending, Designed, Frame, Gears, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,
 };
-pub use joints::{Distance, Joint, Journal, Limit, Losses, Nominal, Place, State, Support, Torsion};
+pub use joints::{
+    Distance, HolePins, Joint, Journal, Limit, Losses, Nominal, Place, State, Support, Torsion,
+};
 pub use labels::{Cause, Part};
 pub(crate) use quasi_static::{Motion, QuasiStatic};
 pub use registry::{Axis, Body, BodyId, Coordinates, NominalMotion, Registry, Turn};

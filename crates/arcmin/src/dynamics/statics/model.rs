@@ -16,8 +16,9 @@ const SLOPE_LEFT: f64 = 0.5;
 const PROXIMAL: f64 = 1e-5;
 /// The least of it against the largest stiffness: the rounding of the factors.
 const ROUNDING: f64 = 1e-13;
-/// Growth of the proximal term where the model is not convex, and how often.
-const GROWTH: (f64, usize) = (4.0, 30);
+/// Multiples of the largest stiffness that are added to a Newton matrix that is not positive definite, one after the
+/// other until it is (Nocedal and Wright 2006, algorithm 3.3): from rounding to what outweighs all.
+const ADDED: [f64; 8] = [0.0, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1.0, 100.0];
 /// Stiffness of the fence against what takes up the largest force within the reach: steps go a tenth of it beyond.
 const FENCE: f64 = 10.0;
 
@@ -32,8 +33,6 @@ pub(super) struct Model {
     /// Of the coordinates searched for.
     scale: Vec<f64>,
     force: Vec<f64>,
-    /// K_s made convex, where that of the look is not.
-    convex: Option<DenseLinearisation>,
     matrix: DenseLinearisation,
     contacts: Vec<Gap>,
     stiffness: Vec<f64>,
@@ -84,8 +83,6 @@ impl Bounds {
 pub(super) struct Solution {
     /// Whether it lies within the fence.
     pub is_inside: bool,
-    /// Whether it is that of the model without the fence and with the least proximal term.
-    pub is_whole: bool,
     /// Contacts that press there.
     pub pressed: usize,
     /// Work of the forces that the model leaves there along one unit of scale, as a share of that at the place.
@@ -119,7 +116,7 @@ impl Model {
     }
 
     /// Fills `step`, over all coordinates, with the minimum of the model at a place that was looked at, within the reach.
-    /// `None` where no proximal term makes the model convex.
+    /// `None` where no step goes along the forces.
     pub fn solve<S: System>(
         &mut self,
         system: &S,
@@ -131,39 +128,25 @@ impl Model {
         let unit_work = work(&self.force, &self.scale).max(self.compliance.work);
         let along = self.scale.iter().enumerate().map(|(i, s)| look.smooth.stiffness(i, i) * s * s);
         let least = PROXIMAL * unit_work + ROUNDING * along.fold(0.0, f64::max);
-        let mut bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work / reach };
-        for _ in 0..GROWTH.1 {
-            if self.minimise(system, look, &bounds, unit_work).is_some() {
-                step.fill(0.0);
-                look.columns.searched().iter().zip(&self.moved).for_each(|(i, d)| step[*i] = *d);
-                self.compliance.spread(system, &look.contacts, step);
-                let is_inside = self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s);
-                let residual = self.bare.iter().fold(0.0, |most: f64, left| most.max(left.abs()));
-                let is_whole = is_inside && bounds.proximal == least;
-                let gaps = self.contacts.iter().zip(&look.contacts.list);
-                let closed = gaps.filter(|(gap, contact)| gap.now < 0.0 && contact.is_gap()).count();
-                let supports = look.contacts.supports.iter();
-                let pressed =
-                    closed + supports.filter(|support| support.presses(shift(support, &self.moved))).count();
-                let inexactness = self.unbalanced_work() / unit_work;
-                return Some(Solution { is_inside, is_whole, pressed, inexactness, residual });
-            }
-            // Where forces push along other ways than the gaps' no energy tells whether the model is convex.
-            let is_new = self.convex.is_none() && !look.contacts.has_friction;
-            if is_new {
-                self.convexify(system, look);
-            }
-            if !is_new || self.convex.is_none() {
-                bounds.proximal *= GROWTH.0;
-            }
-        }
-        None
+        let bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work / reach };
+        self.minimise(system, look, &bounds, unit_work)?;
+        step.fill(0.0);
+        look.columns.searched().iter().zip(&self.moved).for_each(|(i, d)| step[*i] = *d);
+        self.compliance.spread(system, &look.contacts, step);
+        let is_inside = self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s);
+        let residual = self.bare.iter().fold(0.0, |most: f64, left| most.max(left.abs()));
+        let gaps = self.contacts.iter().zip(&look.contacts.list);
+        let closed = gaps.filter(|(gap, contact)| gap.now < 0.0 && contact.is_gap()).count();
+        let supports = look.contacts.supports.iter();
+        let pressed =
+            closed + supports.filter(|support| support.presses(shift(support, &self.moved))).count();
+        let inexactness = self.unbalanced_work() / unit_work;
+        Some(Solution { is_inside, pressed, inexactness, residual })
     }
 
     fn take<S: System>(&mut self, system: &S, look: &Look) {
         let of_column = look.columns.searched().iter().map(|i| look.force[*i]);
         self.force.iter_mut().zip(of_column).for_each(|(force, of)| *force = of);
-        self.convex = None;
         self.compliance.take(system, look);
         self.supports.clear();
         self.supports.extend(look.contacts.supports.iter().map(|support| support.force(support.shift)));
@@ -197,8 +180,8 @@ impl Model {
 
     /// Forces left after the step `trial`, a share of the Newton step away, and how the contacts press there.
     fn evaluate(&mut self, look: &Look, share: f64, bounds: &Bounds) {
-        let Model { bare, left, contacts, compliance, trial, force, scale, convex, .. } = self;
-        convex.as_ref().unwrap_or(&look.smooth).multiply(trial, bare);
+        let Model { bare, left, contacts, compliance, trial, force, scale, .. } = self;
+        look.smooth.multiply(trial, bare);
         bare.iter_mut().zip(force.iter()).for_each(|(left, force)| *left = force - *left);
         let all = &look.contacts;
         compliance.places.iter_mut().for_each(|place| place.unbalanced = -place.load);
@@ -225,35 +208,11 @@ impl Model {
         }
     }
 
-    /// Where the tangent at the place is concave along some ways, as preload makes it, it is made as convex along these
-    /// (eigenvectors in units of scale) as it was concave; along all others it stays as it is.
-    fn convexify<S: System>(&mut self, system: &S, look: &Look) {
-        self.go_back(look);
-        self.newton.copy_from_slice(&self.left);
-        if self.assemble(system, look).is_none() {
-            return;
-        }
-        let (n, scale, tangent) = (self.scale.len(), &self.scale, &self.matrix);
-        let scaled = nalgebra::DMatrix::from_fn(n, n, |i, j| {
-            0.5 * (tangent.stiffness(i, j) + tangent.stiffness(j, i)) * scale[i] * scale[j]
-        });
-        let eigen = nalgebra::SymmetricEigen::new(scaled);
-        let all: Vec<usize> = (0..n).collect();
-        let mut convex = look.smooth.clone();
-        for (way, value) in eigen.eigenvectors.column_iter().zip(eigen.eigenvalues.iter()) {
-            if *value < 0.0 {
-                let along: Vec<f64> = way.iter().zip(scale).map(|(v, scale)| v / scale).collect();
-                convex.add_outer(&all, &along, &along, -2.0 * value);
-            }
-        }
-        self.convex = Some(convex);
-    }
-
     /// Matrix of a Newton step from `moved`, without what holds steps back, and in `newton` its right-hand side.
     fn assemble<S: System>(&mut self, system: &S, look: &Look) -> Option<()> {
-        let Model { matrix, contacts, stiffness, compliance, newton, moved, convex, .. } = self;
+        let Model { matrix, contacts, stiffness, compliance, newton, moved, .. } = self;
         let all = &look.contacts;
-        matrix.copy_stiffness(convex.as_ref().unwrap_or(&look.smooth));
+        matrix.copy_stiffness(&look.smooth);
         compliance.places.iter_mut().for_each(|place| place.stiffness = 0.0);
         stiffness.clear();
         for (gap, contact) in contacts.iter().zip(&all.list) {
@@ -279,8 +238,9 @@ impl Model {
         compliance.condense(system, all, stiffness, matrix, newton)
     }
 
-    /// Semismooth Newton method with an exact line search: the slope along a step falls steadily where the model is
-    /// convex, so that its zero lies in a bracket. `None` where it is not: its matrix is not positive definite.
+    /// Semismooth Newton method with an exact line search for a zero of the slope along the step: beyond the reach the fence
+    /// turns every slope. Where the tangent is concave along some way, as preload makes it, the matrix is made positive
+    /// definite for that step alone. `None` where no step goes along the forces.
     fn minimise<S: System>(
         &mut self,
         system: &S,
@@ -293,17 +253,16 @@ impl Model {
             if self.unbalanced_work() <= EXACTNESS * unit_work {
                 break;
             }
-            self.newton_step(system, look, bounds)?;
             let slope = |model: &Model, share: f64| {
                 let places = model.compliance.places.iter();
                 let elastic =
                     places.map(|at| (at.unbalanced - share * at.more_load) * at.change).sum::<f64>();
                 dot(&model.left, &model.newton) + elastic
             };
-            let first = slope(self, 0.0);
-            if !(first > 0.0) {
-                return None;
-            }
+            let first = ADDED.into_iter().find_map(|added| {
+                self.newton_step(system, look, bounds, added)?;
+                Some(slope(self, 0.0)).filter(|first| *first > 0.0)
+            })?;
             let (mut low, mut high, mut share) = (0.0, f64::INFINITY, 1.0_f64);
             // Doubled or halved until rounding.
             for _ in 0..f64::MANTISSA_DIGITS {
@@ -335,13 +294,16 @@ impl Model {
         work(&self.left, &self.scale).max(elastic)
     }
 
-    /// One Newton step d in `newton`, with the change of the forces on elastic bodies and of every gap.
-    fn newton_step<S: System>(&mut self, system: &S, look: &Look, bounds: &Bounds) -> Option<()> {
+    /// One Newton step d in `newton`, with the change of the forces on elastic bodies and of every gap; `added` as in
+    /// [`ADDED`].
+    fn newton_step<S: System>(&mut self, system: &S, look: &Look, bounds: &Bounds, added: f64) -> Option<()> {
         self.newton.copy_from_slice(&self.left);
         self.assemble(system, look)?;
         let Model { matrix, newton, scale, moved, contacts, compliance, .. } = self;
+        let largest = |most: f64, (i, s): (usize, &f64)| most.max(matrix.stiffness(i, i) * s * s);
+        let more = added * scale.iter().enumerate().fold(0.0, largest);
         for (i, (d, scale)) in moved.iter().zip(scale.iter()).enumerate() {
-            matrix.add_stiffness(i, i, bounds.stiffness(*scale, *d));
+            matrix.add_stiffness(i, i, bounds.stiffness(*scale, *d) + more / (scale * scale));
         }
         let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
         let is_solved = if look.contacts.has_friction {

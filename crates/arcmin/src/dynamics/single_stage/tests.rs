@@ -1,0 +1,252 @@
+//! Closed forms of single stages: kinematics, forces, play. Sources: Litvin and Feng 1996 for the flank, statics of rigid
+//! discs on equal springs for the forces.
+
+use super::*;
+use crate::contact::ContactLaw;
+use crate::dynamics::{BearingJoints, EquilibriumControl, JointSettings, System, solve_equilibrium};
+use crate::geometry::Vec2;
+use crate::machine::RollerKind;
+use crate::units::UM;
+
+const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
+
+/// 19 : 1 with 20 pins on 80 mm and one disc, its flank without relief and everything but ring and output pins stiff.
+fn stage() -> SingleStage {
+    let profile = Profile { pin_count: 20, pin_circle_radius: 0.04, eccentricity: 1.2e-3, pin_radius: 3e-3 };
+    let steel = crate::templates::tao2024().disc.material;
+    let law = ContactLaw::Linear { stiffness: 5e7 };
+    SingleStage {
+        phases: vec![0.0],
+        contact: LineContact::new(law, &steel, &steel, 8e-3, profile.pin_radius),
+        profile,
+        relief: Relief::uniform(0.0),
+        eccentric: RollerBearing {
+            kind: RollerKind::Cylindrical,
+            roller_count: 240,
+            roller_diameter: 3e-3,
+            roller_length: 8.0,
+            pitch_diameter: 24e-3,
+            contact_angle: 0.0,
+            clearance: 0.0,
+            dynamic_load_rating: None,
+        },
+        output_pins: OutputPins {
+            count: 8,
+            circle_radius: 20e-3,
+            radius: 4.5e-3,
+            hole_clearance: 0.0,
+            stiffness: 5e7,
+        },
+        input_support: 1e13,
+        output_support: 1e13,
+        disc: (0.2, 1e-4),
+        input: (0.1, 1e-5),
+        output: (0.5, 3e-4),
+    }
+}
+
+/// Place of rest under a torque with the input at an angle.
+fn rest(joints: &mut SingleStageJoints, angle: f64, torque: f64) -> Vec<f64> {
+    joints.hold_input(angle, 0.0);
+    joints.set_load(torque);
+    let start = joints.nominal_position_at(angle);
+    solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
+}
+
+#[test]
+fn the_output_turns_against_the_input() {
+    let stage = stage();
+    assert_eq!(stage.ratio(), -19.0);
+    let joints = stage.joints().unwrap();
+    let output = joints.output_index();
+    for angle in [0.0, 1.0, 40.0] {
+        let nominal = joints.nominal_position_at(angle);
+        assert!((nominal[output] + angle / 19.0).abs() < 1e-12);
+        // In the nominal place nothing presses and nothing gapes: at every angle the flank touches every pin on one side.
+        for contact in joints.pin_contacts(0, &nominal) {
+            assert!(contact.gap.abs() < 1e-12, "{contact:?}");
+        }
+        for (_, _, gap) in joints.output_pin_loads(0, &nominal) {
+            assert!(gap.abs() < 1e-12, "{gap}");
+        }
+    }
+}
+
+/// 4 T/(K₁ z_c R) and 4 T/(z_w R_w) for equal springs, all forces of the output pins along the eccentric, T/(e z_c) across
+/// it, and the eccentric bearing by the balance of the disc.
+#[test]
+fn forces_are_the_closed_forms() {
+    let stage = stage();
+    let mut joints = stage.joints().unwrap();
+    let torque = 10.0;
+    let (mut largest_ring, mut largest_pin) = (0.0_f64, 0.0_f64);
+    for step in 0..40 {
+        // Over the periods of ring and output stage.
+        let angle = 0.37 + TAU * step as f64 / 40.0;
+        let q = rest(&mut joints, angle, torque);
+        let ring = joints.pin_contacts(0, &q);
+        largest_ring = ring.iter().fold(largest_ring, |most, contact| most.max(contact.force));
+        let pins = joints.output_pin_loads(0, &q);
+        largest_pin = pins.iter().fold(largest_pin, |most, (force, ..)| most.max(*force));
+        let e = unit(angle);
+        let sum: Vec2 = ring
+            .iter()
+            .map(|contact| contact.force * Vec2::new(contact.gradient[0], contact.gradient[1]))
+            .sum();
+        let across = (e.x * sum.y - e.y * sum.x).abs();
+        let lever = 19.0 * stage.profile.eccentricity;
+        assert!((across * lever / torque - 1.0).abs() < 1e-3, "{angle}: {across} {}", torque / lever);
+        let along: f64 =
+            pins.iter().map(|(force, direction, _)| force * unit(*direction).dot(&e).abs()).sum();
+        let whole: f64 = pins.iter().map(|(force, ..)| force).sum();
+        assert!(along > 0.999 * whole, "{along} {whole}");
+        // Pins at cos φ_i apart: Σ F_i R_w |sin φ_i| = T.
+        assert!(pins.iter().filter(|(force, ..)| *force > 0.0).count() <= 4);
+        // All that pins and holes do to the disc goes into the eccentric.
+        let by_pins: Vec2 = pins.iter().map(|(force, direction, _)| *force * unit(*direction)).sum();
+        let bearing = joints.eccentric_force(0, &q);
+        assert!(((sum + by_pins).norm() / bearing - 1.0).abs() < 1e-6, "{bearing}");
+    }
+    let (ring, pin) = (stage.ring_force(torque), stage.output_pin_force(torque));
+    assert!((largest_ring / ring - 1.0).abs() < 0.015, "{largest_ring} {ring}");
+    assert!((largest_pin / pin - 1.0).abs() < 0.01, "{largest_pin} {pin}");
+}
+
+/// Work in is work out, with the torque of the input by virtual work, and the forces are slopes of the energy with their
+/// exact tangent.
+#[test]
+fn forces_derive_from_an_energy() {
+    let mut stage = stage();
+    stage.phases = vec![0.0, 0.5 * TAU];
+    stage.eccentric.roller_length = 8e-3;
+    stage.eccentric.roller_count = 14;
+    stage.output_pins.hole_clearance = 5.0 * UM;
+    let mut joints = stage.joints().unwrap();
+    let q = rest(&mut joints, 0.9, 15.0);
+    let (n, still) = (q.len(), vec![0.0; q.len()]);
+    let mut tangent = joints.linearisation();
+    let mut force = vec![0.0; n];
+    joints.evaluate(0.0, &q, &still, &mut force, &mut tangent);
+    for i in 0..n {
+        let step = 1e-4 * joints.scale()[i];
+        let at = |by: f64| {
+            let mut q = q.clone();
+            q[i] += by;
+            let mut force = vec![0.0; n];
+            let stored = joints.evaluate_forces(0.0, &q, &still, &mut force).stored;
+            (stored, force)
+        };
+        let (ahead, behind) = (at(step), at(-step));
+        let load = if i == joints.output_index() { 15.0 } else { 0.0 };
+        let work = (behind.0 - ahead.0) / (2.0 * step) - load;
+        assert!((work - force[i]).abs() * joints.scale()[i] < 1e-7, "{i}: {work} {}", force[i]);
+        for j in 0..n {
+            let slope = (behind.1[j] - ahead.1[j]) / (2.0 * step);
+            let size = (tangent.stiffness(i, i) * tangent.stiffness(j, j)).abs().sqrt();
+            assert!((slope - tangent.stiffness(j, i)).abs() < 1e-4 * size, "{j} {i}: {slope}");
+        }
+    }
+}
+
+/// Each gap alone lets the output turn as its closed form says, the pins in their holes by their place, and all together
+/// add up.
+#[test]
+fn play_is_the_sum_of_its_parts() {
+    let tight = stage();
+    let play = |stage: &SingleStage, angle: f64| {
+        let mut joints = stage.joints().unwrap();
+        // So little torque that nothing gives way.
+        let ends = [1e-4, -1e-4].map(|torque| {
+            let q = rest(&mut joints, angle, torque);
+            joints.output_error(&q)
+        });
+        ends[1] - ends[0]
+    };
+    let ring = SingleStage { relief: Relief::uniform(20.0 * UM), ..stage() };
+    let mut bearing = stage();
+    bearing.eccentric.clearance = 40.0 * UM;
+    let mut output = stage();
+    output.output_pins.hole_clearance = 20.0 * UM;
+    let all = SingleStage {
+        relief: ring.relief.clone(),
+        eccentric: bearing.eccentric.clone(),
+        output_pins: output.output_pins,
+        ..stage()
+    };
+    let none = play(&tight, 0.3);
+    assert!(none < 1e-3 * ring.play_chain().total(), "{none}");
+    let mut found = [f64::INFINITY, 0.0];
+    let mut whole = f64::INFINITY;
+    for step in 0..16 {
+        let angle = 0.05 + TAU * step as f64 / 16.0;
+        let [by_ring, by_bearing] = [&ring, &bearing].map(|stage| play(stage, angle));
+        assert!((by_bearing / bearing.play_chain().total() - 1.0).abs() < 0.02, "{angle}: {by_bearing}");
+        assert!(by_ring >= 0.99 * ring.play_chain().total(), "{angle}: {by_ring}");
+        assert!(by_ring <= 1.06 * ring.play_chain().total(), "{angle}: {by_ring}");
+        let by_pins = play(&output, angle);
+        found = [found[0].min(by_pins), found[1].max(by_pins)];
+        whole = whole.min(play(&all, angle));
+    }
+    let closed = output.play_chain().total();
+    let widest = 1.0 / (TAU / 16.0).cos();
+    assert!(
+        (found[0] / closed - 1.0).abs() < 0.01 && found[1] < 1.01 * widest * closed,
+        "{found:?} {closed}"
+    );
+    assert!((whole / all.play_chain().total() - 1.0).abs() < 0.03, "{whole} {}", all.play_chain().total());
+}
+
+/// Two discs on opposite eccentrics bear the same half a turn apart, and share the torque over a turn.
+#[test]
+fn opposite_discs_bear_the_same() {
+    let stage = SingleStage { phases: vec![0.0, 0.5 * TAU], ..stage() };
+    let mut joints = stage.joints().unwrap();
+    let largest = |joints: &SingleStageJoints, disc: usize, q: &[f64]| {
+        joints.pin_contacts(disc, q).iter().fold(0.0_f64, |most, contact| most.max(contact.force))
+    };
+    for angle in [0.2, 1.7, 3.0] {
+        let one = rest(&mut joints, angle, 20.0);
+        let first = largest(&joints, 0, &one);
+        let other = rest(&mut joints, angle + 0.5 * TAU, 20.0);
+        let second = largest(&joints, 1, &other);
+        // The pins are another half pitch on: 20 pins against 19 lobes.
+        assert!((first / second - 1.0).abs() < 0.02, "{first} {second}");
+    }
+}
+
+/// A disc in a ring carries as it does in an RV reducer with the same profile in the same place.
+#[test]
+fn pins_carry_as_in_an_rv_reducer() {
+    let machine = crate::templates::tao2024();
+    let rv =
+        BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
+    let stage = SingleStage {
+        profile: machine.profile(),
+        phases: vec![0.0],
+        contact: machine.line_contact(),
+        relief: machine.designed_relief(),
+        ..stage()
+    };
+    let joints = stage.joints().unwrap();
+    let mut place = rv.nominal_position_at(0.0);
+    let (mut q, at) = (joints.nominal_position_at(0.0), rv.disc_place(0));
+    for (own, shift) in [4e-6, -7e-6, 3e-4].into_iter().enumerate() {
+        place[at[own]] += shift;
+        q[own] = place[at[own]];
+    }
+    let [one, other] = [rv.pin_contacts(0, &place), joints.pin_contacts(0, &q)];
+    let most = one.iter().fold(0.0_f64, |most, contact| most.max(contact.force));
+    assert!(most > 100.0, "{most}");
+    for (one, other) in one.iter().zip(&other) {
+        assert!((one.force - other.force).abs() < 1e-9 * most, "{} {}", one.force, other.force);
+    }
+}
+
+#[test]
+fn stages_that_cannot_be_are_refused() {
+    let mut cusp = stage();
+    cusp.profile.eccentricity = 2.1e-3;
+    assert!(cusp.joints().unwrap_err().to_string().contains("cusp"));
+    let none = SingleStage { phases: Vec::new(), ..stage() };
+    assert!(none.joints().unwrap_err().to_string().contains("number of discs"));
+}
