@@ -240,8 +240,8 @@ impl Given<'_> {
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        let message = format!("--{name} is outside of what this program believes");
-        Err(Failure::Usage { message, help: format!("{low} to {high} are believable") })
+        let message = format!("--{name} is out of range");
+        Err(Failure::Usage { message, help: format!("the allowed range is {low} to {high}") })
     }
 }
 

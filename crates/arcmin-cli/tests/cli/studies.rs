@@ -202,7 +202,7 @@ fn study_files_are_refused_with_their_lines() {
         ("disc.width_mm", "disc.widht_mm", "did you mean `disc.width_mm`?"),
         ("\"contact\"", "\"kontakt\"", "no analysis is called"),
         ("\"ideal\"", "\"magic\"", "magic"),
-        ("tolerances = false", "tolerances = true", "ideal joints have no place"),
+        ("tolerances = false", "tolerances = true", "ideal joints do not support"),
         ("d.toml", "nowhere.toml", "cannot read nowhere.toml"),
         ("latin-hypercube", "optimise", "needs one goal or two"),
     ] {

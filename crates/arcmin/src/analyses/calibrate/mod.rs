@@ -181,7 +181,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
     if !(fit.relative_rms < FAILED) {
         return Err(AnalysisError::usage(
             format!(
-                "no wear coefficient fits: the best leaves {:.0} % of the readings",
+                "no wear coefficient fits: the best one leaves an error of {:.0} % of the readings",
                 100.0 * fit.relative_rms
             ),
             "check units and hours of the file; a running-in (running_in_h) fits what slows down",

@@ -115,7 +115,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
     if options.wear_um > 0.0 && options.hours > 0.0 {
         return Err(AnalysisError::usage(
-            "a flank is worn uniformly (wear_um) or by its duty (hours), not both",
+            "uniform wear (wear_um) and wear by the duty (hours) exclude each other",
             "leave one of them out",
         ));
     }
@@ -133,14 +133,14 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
         }
         Method::ClosedForm if options.friction => {
             return Err(AnalysisError::usage(
-                "the closed form knows no friction",
+                "the closed form does not support friction",
                 "leave out friction or the method",
             ));
         }
         Method::ClosedForm => {
             if options.hours > 0.0 {
                 return Err(AnalysisError::usage(
-                    "the closed form knows uniform wear only",
+                    "the closed form supports uniform wear only",
                     "give wear_um in place of hours, or leave the method out",
                 ));
             }
@@ -151,15 +151,15 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
     Ok(Contact { machine, fidelity, torque, worn, friction, answer })
 }
 
-/// The handbook's methods know ideal joints and rigid discs only.
+/// The handbook's methods support ideal joints and rigid discs only.
 pub(crate) fn refuse_beyond_closed_form(method: &str, fidelity: &Fidelity) -> Result<(), AnalysisError> {
     let what = match (fidelity.joints, &fidelity.elastic) {
         (Joints::Bearings, _) => "bearings",
         (Joints::Ideal, Some(_)) => "elastic discs",
         (Joints::Ideal, None) => return Ok(()),
     };
-    let help = "it knows ideal joints and rigid discs only: joints = ideal, discs = rigid";
-    Err(AnalysisError::usage(format!("{method} knows no {what}"), help))
+    let help = "use joints = ideal, discs = rigid";
+    Err(AnalysisError::usage(format!("{method} does not support {what}"), help))
 }
 
 fn equilibrium(

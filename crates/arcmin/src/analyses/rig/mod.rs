@@ -120,8 +120,8 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     let started = host.seconds();
     if options.fidelity.joints.value == Joints::Ideal {
         return Err(AnalysisError::usage(
-            "the bench tests the machine in its bearings",
-            "leave joints = ideal out; `arcmin contact` shares the load with ideal joints",
+            "the bench needs a machine in bearings",
+            "leave joints = ideal out; for ideal joints use `arcmin contact`",
         ));
     }
     let nominal_friction = design.machine();

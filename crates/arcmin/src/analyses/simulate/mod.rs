@@ -198,7 +198,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
     }
     if options.wear_um.is_some() && options.hours.is_some() {
         return Err(AnalysisError::usage(
-            "a flank is worn uniformly (wear_um) or by its duty (hours), not both",
+            "uniform wear (wear_um) and wear by the duty (hours) exclude each other",
             "leave one of them out",
         ));
     }

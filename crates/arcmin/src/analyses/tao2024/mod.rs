@@ -122,8 +122,8 @@ impl Level {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Tao2024, AnalysisError> {
     if options.fidelity.joints.value == Joints::Bearings {
         return Err(AnalysisError::usage(
-            "the study of Tao2024 has ideal joints: its bodies have no bearings",
-            "leave joints out here; `arcmin life` follows the machine in its bearings",
+            "the study of Tao2024 supports ideal joints only",
+            "leave joints out; for the machine in bearings use `arcmin life`",
         ));
     }
     let machine = design.machine();
