@@ -126,7 +126,7 @@ fn option_errors_name_the_option() {
         (
             &["calibrate", "nowhere.csv"],
             "  × nowhere.csv: cannot be read: No such file or directory (os error 2)\n  \
-             help: check its name and place\n",
+             help: check its name and path\n",
         ),
     ] {
         let all = [&arguments[..1], &["d.toml"], &arguments[1..]].concat();

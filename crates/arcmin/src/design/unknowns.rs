@@ -75,11 +75,8 @@ fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Option<Unk
         if relative {
             return Ok(None);
         }
-        let message = format!(
-            "`{path}` would vary from {} to {}, which is out of range",
-            plain(low),
-            plain(high)
-        );
+        let message =
+            format!("`{path}` would vary from {} to {}, which is out of range", plain(low), plain(high));
         let space = if unit.is_empty() { "" } else { " " };
         return Err(at(
             message,

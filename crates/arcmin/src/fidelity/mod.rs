@@ -149,7 +149,10 @@ impl Fidelity {
             });
         }
         if options.seed.is_some() && self.source != ErrorSource::Drawn {
-            return Err(AnalysisError::usage("a seed needs drawn errors", "add errors = drawn, or leave the seed out"));
+            return Err(AnalysisError::usage(
+                "a seed needs drawn errors",
+                "add errors = drawn, or leave the seed out",
+            ));
         }
         match self.source {
             ErrorSource::None => {}

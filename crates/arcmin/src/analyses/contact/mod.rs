@@ -17,13 +17,13 @@ use crate::machine::{CrankAngle, Friction, Machine};
 use crate::results::quantities::TORSIONAL_STIFFNESS;
 use crate::units::UM;
 
-pub const ABOUT: &str = "Share the load among the pins over one turn of the crankshaft";
-pub const GUIDE: &str = "Shares the output torque among the pins over one turn of the crankshaft, input \
-    locked.\n\nThe equilibrium method finds the pose in which all forces and moments vanish, with the real \
-    gaps of both flanks; the closed form is the handbook method of Tao2024 (eqs. 5-10) at one crank position, \
-    with ideal joints.\n\nIn bearings, manufacturing errors act. Errors of single pins repeat after a turn of \
-    the output: the figures are those of that whole turn, pins.csv tells what every pin bears in it, and \
-    contact.csv shows the first turn of the crankshaft.";
+pub const ABOUT: &str = "Compute force and pressure of every pin over one turn of the crankshaft";
+pub const GUIDE: &str = "Computes how the pins share the output torque over one turn of the crankshaft, with the input \
+    locked.\n\nThe method equilibrium solves the equilibrium of forces and moments with the actual gaps \
+    of both flanks. The method closed-form is that of Tao2024 (eqs. 5-10), at one crank position and \
+    with ideal joints.\n\nManufacturing errors need joints in bearings. Errors of single pins repeat \
+    after one output turn. Summary and pins.csv (loads of every pin) then cover the whole output turn; \
+    contact.csv contains the first turn of the crankshaft.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin contact my-reducer.toml",
     "arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10",
@@ -37,15 +37,17 @@ options! {
     /// Options of `contact`.
     pub struct Options {
         [fidelity: FidelityOptions]
-        /// How to share the load.
+        /// Method of load sharing.
         method: Method => default_word("equilibrium"),
-        /// Output torque, positive against positive output motion. Left out: the rated torque.
+        /// Output torque; positive torque opposes positive output motion. Left out: the rated torque.
         torque_nm: Option<f64> => optional(-1e7, 1e7),
-        /// Depth removed from the whole flank.
+        /// Uniform wear depth of the whole flank.
         wear_um: f64 => default(0.0, 0.0, 1000.0),
-        /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
+        /// Age of the machine in hours of its duty: flanks, pins, bearings and gears are worn accordingly, with the same
+        /// model of the machine.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Friction as in steady running at rated speed; assumed where the design gives none. In bearings.
+        /// With friction, as in steady running at rated speed; needs joints in bearings. Coefficients are assumed if the
+        /// design gives none.
         friction: bool => optional(0.0, 0.0),
         /// Crank positions per turn.
         positions: usize => default(360.0, 8.0, 36_000.0),
@@ -63,8 +65,8 @@ pub enum Method {
 
 impl Choice for Method {
     const WORDS: &'static [(&'static str, &'static str)] = &[
-        ("equilibrium", "balance of forces and moments with the real gaps"),
-        ("closed-form", "handbook method of Tao2024"),
+        ("equilibrium", "equilibrium of forces and moments with the actual gaps"),
+        ("closed-form", "closed form of Tao2024"),
     ];
     const VALUES: &'static [Method] = &[Method::Equilibrium, Method::ClosedForm];
 }

@@ -15,13 +15,13 @@ choice! {
     Law {
         /// Hertzian line contact (Johnson)
         LineHertz = "line-hertz",
-        /// force in proportion to approach
+        /// force proportional to approach
         Linear = "linear",
-        /// approach in proportion to force^0.9 (Palmgren)
+        /// approach proportional to force^0.9 (Palmgren)
         Palmgren = "palmgren",
         /// eq. (6) of Tao2024
         Tao2024 = "tao2024",
-        /// F = k δ^e with step-wise damping
+        /// F = k δ^e with a damping step
         Impact = "impact",
     }
 }
