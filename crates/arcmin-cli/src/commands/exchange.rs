@@ -363,7 +363,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
     let out = directory(matches, &path, "import")?;
     let fit = &found.fit;
     say(&format!(
-        "{} points: turned by {:.4}°, centre at ({:.4}, {:.4}) mm, offset {:.3} µm, {:.3} µm left, {} outliers",
+        "{} points: rotation {:.4}°, centre ({:.4}, {:.4}) mm, offset {:.3} µm, standard deviation {:.3} µm, {} outliers",
         found.points.points.len(),
         fit.rotation / DEG,
         fit.centre.x / MM,
@@ -373,7 +373,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
         fit.outliers.len()
     ))?;
     for outlier in fit.outliers.iter().take(10) {
-        say(&format!("  line {}: {:.2} µm off", outlier.line, outlier.distance / UM))?;
+        say(&format!("  line {}: deviation {:.2} µm", outlier.line, outlier.distance / UM))?;
     }
     if let Some(csv) = &found.csv {
         write_file(&out.join("measured-flank.csv"), csv.as_bytes())?;
@@ -422,7 +422,7 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
         found.reversals,
     ))?;
     say(&format!(
-        "{:.4} h in motion, {:.4} h at rest: 1000 h in motion, as the program counts, are {} h by the clock",
+        "{:.4} h in motion, {:.4} h at rest: 1000 h in motion (hours of the program) are {} h by the clock",
         (found.duration - found.at_rest) / 3600.0,
         found.at_rest / 3600.0,
         found.clock_hours()

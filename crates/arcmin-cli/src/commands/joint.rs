@@ -157,9 +157,7 @@ fn told(found: &JointExport) -> String {
         lines.push(row(name, &|s| format!("{:.1}", s.hysteresis.curve.torques_n_m[index])));
     }
     lines.push(row("hysteresis loss J a cycle", &|s| format!("{:.4}", s.hysteresis_loss_j)));
-    lines.push(row("model of hysteresis, off by N·m rms", &|s| {
-        format!("{:.2}", s.hysteresis.residual_rms_n_m)
-    }));
+    lines.push(row("hysteresis model, error N·m rms", &|s| format!("{:.2}", s.hysteresis.residual_rms_n_m)));
     lines.push(row("   largest N·m", &|s| format!("{:.2}", s.hysteresis.residual_max_n_m)));
     lines.push(row("   as angle ′ rms", &|s| arcmin(s.hysteresis.residual_rms_rad)));
     lines.push(row("damping ratio of a swing", &|s| format!("{:.3}", s.damping_ratio)));
@@ -167,9 +165,9 @@ fn told(found: &JointExport) -> String {
     lines.push(row("friction: constant N·m", &friction(|f| f.coulomb_n_m)));
     lines.push(row("   viscous N·m·s/rad", &friction(|f| f.viscous_n_m_s_per_rad)));
     lines.push(row("   per motor torque, mean", &friction(|f| f.load_mean)));
-    lines.push(row("   driving against driven, half", &friction(|f| f.load_difference)));
+    lines.push(row("   half driving less driven", &friction(|f| f.load_difference)));
     lines.push(row("   relaxation ′", &friction(|f| f.relaxation_rad / ARCMIN)));
-    lines.push(row("   off by N·m rms", &friction(|f| f.residual_rms_n_m)));
+    lines.push(row("   error N·m rms", &friction(|f| f.residual_rms_n_m)));
     lines.push(row("efficiency", &|s| format!("{:.3}", s.efficiency)));
     lines.push(row("running torque without load N·m", &|s| {
         format!("{:.2}", s.no_load_torque_n_m * found.ratio)

@@ -202,7 +202,10 @@ fn an_interrupted_run_keeps_earlier_results() {
     for signal in ["-INT", "-TERM"] {
         let output = interrupted(d, &["wear", "d.toml", "--points", "400", "--out", "o"], signal);
         let (_, said) = texts(&output);
-        assert!(said.contains("stopped before the end") && said.contains("no results were written"), "{said}");
+        assert!(
+            said.contains("stopped before the end") && said.contains("no results were written"),
+            "{said}"
+        );
         assert_eq!((leftovers(&d.join("o")), all()), (Vec::new(), before.clone()));
     }
 }
@@ -232,7 +235,10 @@ fn an_interrupted_simulation_resumes_to_the_same_result() {
     let parts = [&run[..], &["parts"]].concat();
     let output = interrupted(d, &parts, "-TERM");
     let (_, said) = texts(&output);
-    assert!(said.contains("stopped at t = ") && said.contains("with --resume to continue from there"), "{said}");
+    assert!(
+        said.contains("stopped at t = ") && said.contains("with --resume to continue from there"),
+        "{said}"
+    );
     assert!(d.join("parts/checkpoint.json").exists());
     let resume = [&parts[..], &["--resume"]].concat();
     write(d, "load.csv", &load.replace("9,1", "9,2"));
