@@ -33,7 +33,7 @@ fn a_full_disk_is_a_clear_error_and_keeps_earlier_results() {
     let (_, said) = texts(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(
-        said.contains("cannot write full/profile.csv: File too large") && said.contains("make room"),
+        said.contains("cannot write full/profile.csv: File too large") && said.contains("free disk space"),
         "{said}"
     );
     assert!(before == (read(d, "full/profile.csv"), read(d, "full/summary.json")));
