@@ -58,7 +58,7 @@ def robot(
     file : path of a robot file (TOML); ``arcmin robot new`` writes one
     out : directory for the results, default out/<robot>/robot
     loads : loads and duties of the joints alone, without their lives
-    lives : lives.json of an earlier run: its joints, their hours scaled by what wears them
+    lives : lives.json of an earlier run; its joint lives are used, with hours scaled by the wear of the new program
     cache : directory for lives of joints and elastic bodies, default the user's cache
     threads : threads to compute with, default all cores
     force : write over the results of another robot

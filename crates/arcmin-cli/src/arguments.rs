@@ -14,12 +14,12 @@ const ABOUT: &str = "Accuracy, wear and dynamics of RV (cycloidal) reducers, fro
 const HELP: &str = "\
 Start here:
   arcmin new my-reducer.toml        write a commented design file (an RV-40E-81)
-  arcmin check my-reducer.toml      what is wrong with it, and what to change
-  arcmin life my-reducer.toml       accuracy over its life, as tables and a report
+  arcmin check my-reducer.toml      check it; findings state what to change
+  arcmin life my-reducer.toml       predict its accuracy over life: tables and a report
 
-Every analysis writes its tables, report.html and summary.json to out/<design>/<command>; --out puts them
-elsewhere. `arcmin keys` explains the design file, `arcmin keys --results` every result.
-Exit status: 0 fine, 1 the design has error findings, 2 could not compute or wrong usage.";
+Every analysis writes its tables, report.html and summary.json to out/<design>/<command>, or to the directory given
+with --out. `arcmin keys` explains the keys of the design file, `arcmin keys --results` every result.
+Exit status: 0 success, 1 the design has error findings, 2 the computation failed or the usage is wrong.";
 
 /// The whole command.
 pub fn command() -> Command {
@@ -66,11 +66,11 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
         command = command.arg(of_option(key));
     }
     if analysis.name == "check" {
-        let help = "Write the findings as JSON to standard output and nothing to files";
+        let help = "Write the findings as JSON to standard output; write no files";
         command = command.arg(flag("json", help));
     }
     if analysis.name == "life" {
-        let help = "Say how sure the answer is: the lives of the machines that the design's [unknowns] allow";
+        let help = "Compute the band from whole lives of machines drawn from the design's [unknowns]";
         command = command.arg(flag("band", help)).arg(
             Arg::new("band-machines")
                 .long("band-machines")
@@ -78,14 +78,14 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
                 .value_parser(value_parser!(u64).range(2..=1_000_000))
                 .default_value("93")
                 .requires("band")
-                .help("Machines of the band; 93 enclose 95 % with 95 % confidence"),
+                .help("Number of machines for --band; the range of 93 machines contains 95 % of all with 95 % confidence"),
         );
     }
     let common = "Common options";
     of_a_run(
         command.next_help_heading(common),
         "Directory for the results [default: out/<design>/<command>]",
-        "Write over the results of another design",
+        "Overwrite the results of another design",
     )
 }
 
@@ -105,8 +105,8 @@ pub fn of_a_run(command: Command, out: &'static str, force: &'static str) -> Com
                 .value_name("DIR")
                 .value_parser(value_parser!(std::path::PathBuf))
                 .help(
-                    "Directory for what is costly to compute again, elastic bodies above all \
-                     [default: the user's cache, as ~/.cache/arcmin]",
+                    "Directory for reduced elastic bodies and other results that later runs reuse \
+                     [default: the user's cache, such as ~/.cache/arcmin]",
                 ),
         )
         .arg(
@@ -114,7 +114,7 @@ pub fn of_a_run(command: Command, out: &'static str, force: &'static str) -> Com
                 .long("threads")
                 .value_name("N")
                 .value_parser(value_parser!(u16).range(1..=1024))
-                .help("Threads to compute with; results do not depend on it [default: all cores]"),
+                .help("Number of threads; results do not depend on it [default: all cores]"),
         )
         .arg(flag("force", force))
         .arg(flag("quiet", "Print nothing but errors").short('q'))
@@ -141,7 +141,7 @@ pub fn long_name(key: &str) -> String {
 
 fn of_option(key: &'static Key) -> Arg {
     let doc = key.doc.split_whitespace().collect::<Vec<_>>().join(" ");
-    let unit = if key.unit().is_empty() { String::new() } else { format!(" in {}", key.unit()) };
+    let unit = if key.unit().is_empty() { String::new() } else { format!(" [unit: {}]", key.unit()) };
     let default = match key.rule.presence {
         Presence::Number(number) => format!(" [default: {}]", arcmin::report::compact(number, 6)),
         Presence::Word(word) if !word.is_empty() => format!(" [default: {word}]"),
@@ -257,7 +257,7 @@ pub fn with_fitting_tip(mut error: clap::Error, typed: &[String]) -> clap::Error
     let tip = match unknown.strip_prefix("--") {
         Some(name) => owners(&root, name),
         None => (!unknown.starts_with('-') && has(here, "out"))
-            .then(|| format!("'--out {unknown}' is how to say where results go")),
+            .then(|| format!("'--out {unknown}' sets the directory for results")),
     };
     let alike = proposed.is_some_and(|word| word.chars().nth(2) == unknown.chars().nth(2));
     if tip.is_none() && alike {

@@ -33,17 +33,17 @@ pub enum Failure {
     Write { path: PathBuf, cause: std::io::Error },
     #[error("{} exists already", .path.display())]
     Exists { path: PathBuf },
-    #[error("no template is called \"{name}\"")]
+    #[error("there is no template \"{name}\"")]
     UnknownTemplate { name: String },
     #[error("cannot start the threads: {cause}")]
     Threads { cause: String },
     #[error("cannot write JSON: {cause}")]
     Json { cause: String },
-    #[error("the study cannot go on: {cause}")]
+    #[error("the study cannot continue: {cause}")]
     Study { cause: String },
     #[error("stopped before the end; the last checkpoint is kept")]
     Ended,
-    #[error("{reason}; what was computed until then is kept")]
+    #[error("{reason}; results computed before are kept")]
     Unfinished { reason: String },
     #[error("{message}")]
     Usage { message: String, help: String },
@@ -121,7 +121,7 @@ impl Start {
             Start::Design => "`arcmin new FILE` writes a design file to start from",
             Start::Study => "`arcmin study new FILE` writes a study file to start from",
             Start::Robot => "`arcmin robot new FILE` writes a robot file to start from",
-            Start::Elsewhere => "check its name and place",
+            Start::Elsewhere => "check its name and path",
         }
     }
 }
@@ -209,9 +209,9 @@ impl Diagnostic for Failure {
             Failure::Design { error, .. } => {
                 return error.hint.as_ref().map(|hint| Box::new(hint) as Box<dyn std::fmt::Display>);
             }
-            Failure::Analysis { error: AnalysisError::Stopped, .. } => "nothing was written".to_owned(),
+            Failure::Analysis { error: AnalysisError::Stopped, .. } => "no results were written".to_owned(),
             Failure::Ended | Failure::Analysis { error: AnalysisError::Interrupted { .. }, .. } => {
-                "the same command with --resume goes on from there".to_owned()
+                "repeat the command with --resume to continue from there".to_owned()
             }
             Failure::Analysis { error: AnalysisError::Compute { .. }, finding: Some(finding), .. } => {
                 finding.change.to_owned()
@@ -226,11 +226,11 @@ impl Diagnostic for Failure {
                 std::io::ErrorKind::StorageFull
                 | std::io::ErrorKind::FileTooLarge
                 | std::io::ErrorKind::QuotaExceeded => {
-                    "make room or choose another place with --out; results under final names are complete, \
-                     earlier ones untouched"
+                    "free disk space or choose another directory with --out; files under their final names are \
+                     complete, and earlier results are unchanged"
                         .to_owned()
                 }
-                _ => "choose another place with --out".to_owned(),
+                _ => "choose another directory with --out".to_owned(),
             },
             Failure::Usage { help, .. } => help.clone(),
             Failure::Exists { .. } => "--force overwrites it".to_owned(),

@@ -182,7 +182,7 @@ impl Design {
     fn template(py: Python<'_>, name: &str) -> PyResult<Design> {
         let Some(template) = templates::find(name) else {
             let names = TEMPLATES.map(|template| template.name).join(", ");
-            let message = format!("no template is called \"{name}\"; templates are {names}");
+            let message = format!("there is no template \"{name}\"; templates are {names}");
             return Err(errors::value(py, name, &message, false));
         };
         Design::parse(py, template.text, template.file)

@@ -82,8 +82,8 @@ impl PyHost {
             line: None,
             message: format!("cannot be read: {cause}"),
             help: match origin {
-                Origin::Design => "the design names this file; its place is beside the design file",
-                Origin::Options => "check its name and place",
+                Origin::Design => "the design names this file; its path is relative to the design file",
+                Origin::Options => "check its name and path",
             }
             .to_owned(),
         })
@@ -139,7 +139,7 @@ impl Host for PyHost {
         locked(&MEMORY).get(&name).ok_or_else(|| {
             AnalysisError::usage(
                 "no run of this design with these options was interrupted in this session",
-                "leave resume out to start afresh",
+                "leave resume out to start again",
             )
         })
     }

@@ -156,7 +156,7 @@ fn start(
     let worn = match (with.wear, with.hours) {
         (Some(_), Some(_)) => {
             return Err(AnalysisError::usage(
-                "a flank is worn uniformly (wear_um) or by its duty (hours), not both",
+                "uniform wear (wear_um) and wear by the duty (hours) exclude each other",
                 "leave one of them out",
             ));
         }

@@ -23,12 +23,13 @@ use crate::run::{Cache, LARGEST_TABLE, Terminal, read_bounded, read_design, say,
 pub fn export() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
     let profile = Command::new("profile")
-        .about("Profile of the disc with its bores, ring of pins, and solids, for CAD and CAM")
+        .about("Write the profile of the disc, the ring of pins and solids for CAD and CAM")
         .long_about(
-            "Writes the disc's profile in millimetres: dxf (a closed polyline within the tolerance and a closed \
-             spline), step (solids of discs, pin, crankshaft or the assembly), stl or 3mf (the same as triangles), csv \
-             or svg. With --disc the file holds this disc alone; a drawing then is one contour with its bores, holes \
-             and windows and nothing else, for a cutter. Every file is stamped with version, design and deviation.",
+            "Writes the profile of the disc in millimetres.\n\nFormats: dxf and svg (drawings; dxf with a closed polyline \
+             within the tolerance and a closed spline), step (solids of discs, pin, crankshaft or the assembly), stl and 3mf \
+             (the same solids as triangles), csv (points). With --disc the file contains this disc only. A drawing of one disc \
+             is a contour with its bores, holes and windows, ready for a cutter. Every file states program version, design \
+             and deviation.",
         )
         .after_help(
             "Examples:\n  arcmin export profile my-reducer.toml --format dxf\n  arcmin export profile \
@@ -42,22 +43,22 @@ pub fn export() -> Command {
                 .long("disc")
                 .value_name("N")
                 .value_parser(value_parser!(u32))
-                .help("This disc alone, counted from 1 [default: all]"),
+                .help("Number of the disc to write, from 1 [default: all discs]"),
         )
         .arg(
             Arg::new("contour").long("contour").value_parser(["polyline", "spline", "both"]).help(
-                "How a drawing has the flank [default: polyline with --disc, else both, one over the other]",
+                "Curve of the flank in a drawing [default: polyline with --disc, otherwise both]",
             ),
         )
-        .arg(choice("parts", "discs", vec!["discs", "pin", "crankshaft", "assembly"]).help("What a file of solids holds"))
+        .arg(choice("parts", "discs", vec!["discs", "pin", "crankshaft", "assembly"]).help("Parts in a file of solids"))
         .arg(number("crank-deg", "0", "Crank angle of the assembly in °"))
-        .arg(choice("flank", "modified", vec!["as-cut", "modified"]).help("Which flank"))
-        .arg(number("worn-h", "0", "The flank as the duty leaves it after these hours, in bearings"))
-        .arg(number("offset-um", "0", "Offset of the flank out of the metal in µm: wire, wheel, stock"))
-        .arg(number("tolerance-um", "1", "Allowed deviation of chords in µm; splines keep a fiftieth of it"))
+        .arg(choice("flank", "modified", vec!["as-cut", "modified"]).help("Flank as cut, or with its modifications"))
+        .arg(number("worn-h", "0", "Age in hours of the duty: export the worn flank (machine in bearings)"))
+        .arg(number("offset-um", "0", "Outward offset of the flank in µm, for a wire, a wheel or stock"))
+        .arg(number("tolerance-um", "1", "Allowed deviation of the polyline in µm; splines keep a fiftieth of it"))
         .arg(out());
     Command::new("export")
-        .about("Hand the design to other tools")
+        .about("Write the design for other tools: CAD, robot simulators, FMI")
         .after_help(
             "Examples:\n  arcmin export profile my-reducer.toml --format dxf\n  arcmin export joint my-reducer.toml \
              --hours 0,2000,6000\n  arcmin export fmu my-reducer.toml --fmi 3 --hours 6000",
@@ -76,26 +77,26 @@ pub fn import() -> Command {
         )
         .arg(path("DESIGN", "Design file"))
         .arg(path("POINTS", "Points: CSV x,y[,nx,ny], an XYZIJK list, or VDA-FS"))
-        .arg(number("disc", "1", "Disc that was measured, counted from 1"))
-        .arg(number("probe-radius-mm", "0", "Radius of the probe where the points are its centres, in mm"))
+        .arg(number("disc", "1", "Number of the measured disc, from 1"))
+        .arg(number("probe-radius-mm", "0", "Radius of the probe in mm, if the points are its centres"))
         .arg(
             choice("as", "measured", vec!["measured", "harmonics", "modification"])
-                .help("What the deviations become"),
+                .help("Keys that describe the deviations"),
         )
         .arg(
             Arg::new("centred")
                 .long("centred")
                 .action(clap::ArgAction::SetTrue)
-                .help("The file's origin is the axis of the disc: its run-out counts"),
+                .help("The origin of the file is the axis of the disc, so run-out is kept"),
         )
         .arg(out());
     let duty = Command::new("duty")
         .about("Reduce the log of a robot joint to a load spectrum of the design")
         .long_about(
-            "Reduces the log of a joint to rows of [[duty]]. Columns are found by name and unit: time, torque \
-             at the output (output_torque_n_m), at the motor (motor_torque_n_m) or current, and speed or angle \
-             of output or motor. Angles that start anew after a turn are joined, readings hold up to the next, \
-             rest is told from the noise of the log. What is assumed or passed over is said.",
+            "Reduces the log of a joint to rows of [[duty]]. Columns are identified by name and unit: time; torque \
+             at the output (output_torque_n_m) or at the motor (motor_torque_n_m), or motor current; speed or angle of \
+             output or motor. Angles that restart after a turn are joined. A reading holds until the next one. Rest is \
+             separated from the noise of the log. The command prints every assumption and every row or column that it ignores.",
         )
         .after_help(
             "Examples:\n  arcmin import duty my-reducer.toml joint-3.csv --torque-constant 0.21\n  arcmin import \
@@ -104,31 +105,31 @@ pub fn import() -> Command {
         )
         .arg(path("DESIGN", "Design file"))
         .arg(path("LOG", "Log: time, torque or current, speed or angle"))
-        .arg(number_left_out("torque-constant", "Torque of the motor per current in N·m/A"))
-        .arg(number("efficiency", "1", "Part of the power that arrives, whichever side drives"))
+        .arg(number_left_out("torque-constant", "Torque constant of the motor in N·m/A"))
+        .arg(number("efficiency", "1", "Efficiency of the gears, for driving and for driven motion"))
         .arg(number(
             "rotor-inertia",
             "0",
-            "Moment of inertia of the motor's rotor in kg·m²: what speeds it up is taken out of its torque",
+            "Moment of inertia of the rotor in kg·m²; its acceleration torque is subtracted from the motor torque",
         ))
         .arg(
-            number_left_out("rest-speed", "Output speed in rpm below which the joint rests [default: from the noise]")
+            number_left_out("rest-speed", "Output speed in rpm below which the joint is at rest [default: from the noise of the log]")
                 .visible_alias("rest-speed-rpm"),
         )
         .arg(
             number_left_out(
                 "largest-gap",
-                "Longest step in s over which a reading holds; longer ones are gaps [default: 20 usual steps; an \
-                 hour in a log recorded on change]",
+                "Longest time in s for which a reading holds; longer intervals are gaps [default: 20 times the usual \
+                 interval, or one hour in a log recorded on change]",
             )
             .visible_alias("largest-gap-s"),
         )
-        .arg(number("rows", "50", "Rows of the spectrum at most"))
+        .arg(number("rows", "50", "Largest number of rows in the spectrum"))
         .arg(columns())
         .arg(skip_lines())
         .arg(out());
     Command::new("import")
-        .about("Take measured flanks and logs into the design")
+        .about("Convert measured flanks and logs to keys of the design")
         .after_help("Examples:\n  arcmin import flank my-reducer.toml points.csv\n  arcmin import duty my-reducer.toml joint-3.csv")
         .subcommand_required(true)
         .subcommand(flank)
@@ -160,9 +161,9 @@ fn number_left_out(name: &'static str, help: &'static str) -> Arg {
 }
 
 fn columns() -> Arg {
-    Arg::new("columns").long("columns").value_name("THEIRS=OURS,…").action(clap::ArgAction::Append).help(
-        "What columns are whose names say nothing: theirs=motor_speed_rpm, 3=torque_n_m by number, note=- to pass \
-         one over",
+    Arg::new("columns").long("columns").value_name("HEADING=NAME,…").action(clap::ArgAction::Append).help(
+        "Meaning of columns with other names: HEADING=motor_speed_rpm, by number 3=torque_n_m; HEADING=- ignores \
+         a column",
     )
 }
 
@@ -172,7 +173,7 @@ fn skip_lines() -> Arg {
         .value_name("N")
         .default_value("0")
         .value_parser(value_parser!(usize))
-        .help("Lines before the names of the columns")
+        .help("Number of lines before the column names")
 }
 
 /// How the user names columns.
@@ -181,7 +182,7 @@ fn naming(matches: &ArgMatches) -> Result<Naming, Failure> {
         matches.get_many::<String>("columns").unwrap_or_default().map(String::as_str).collect();
     let naming = Naming::parse(&given.join(",")).map_err(|what| Failure::Usage {
         message: format!("--columns: {what}"),
-        help: "write --columns theirs=ours,theirs=ours, such as --columns Speed=motor_speed_rpm".to_owned(),
+        help: "write --columns HEADING=NAME,HEADING=NAME, such as --columns Speed=motor_speed_rpm".to_owned(),
     })?;
     Ok(naming.skipping(matches.get_one("skip-lines").copied().unwrap_or(0)))
 }
@@ -240,8 +241,8 @@ impl Given<'_> {
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        let message = format!("--{name} is outside of what this program believes");
-        Err(Failure::Usage { message, help: format!("{low} to {high} are believable") })
+        let message = format!("--{name} is out of range");
+        Err(Failure::Usage { message, help: format!("the allowed range is {low} to {high}") })
     }
 }
 
@@ -362,7 +363,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
     let out = directory(matches, &path, "import")?;
     let fit = &found.fit;
     say(&format!(
-        "{} points: turned by {:.4}°, centre at ({:.4}, {:.4}) mm, offset {:.3} µm, {:.3} µm left, {} outliers",
+        "{} points: rotation {:.4}°, centre ({:.4}, {:.4}) mm, offset {:.3} µm, standard deviation {:.3} µm, {} outliers",
         found.points.points.len(),
         fit.rotation / DEG,
         fit.centre.x / MM,
@@ -372,7 +373,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
         fit.outliers.len()
     ))?;
     for outlier in fit.outliers.iter().take(10) {
-        say(&format!("  line {}: {:.2} µm off", outlier.line, outlier.distance / UM))?;
+        say(&format!("  line {}: deviation {:.2} µm", outlier.line, outlier.distance / UM))?;
     }
     if let Some(csv) = &found.csv {
         write_file(&out.join("measured-flank.csv"), csv.as_bytes())?;
@@ -421,7 +422,7 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
         found.reversals,
     ))?;
     say(&format!(
-        "{:.4} h in motion, {:.4} h at rest: 1000 h in motion, as the program counts, are {} h by the clock",
+        "{:.4} h in motion, {:.4} h at rest: 1000 h in motion (hours of the program) are {} h by the clock",
         (found.duration - found.at_rest) / 3600.0,
         found.at_rest / 3600.0,
         found.clock_hours()

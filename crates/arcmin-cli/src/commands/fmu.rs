@@ -23,41 +23,41 @@ const MOST_HOURS: f64 = 1e7;
 
 pub fn command() -> Command {
     Command::new("fmu")
-        .about("The reducer as a functional mock-up unit (FMI 2 or 3, co-simulation)")
+        .about("Write the reducer as a functional mock-up unit (FMI 2 or 3, co-simulation)")
         .long_about(
-            "Writes one .fmu. --model map holds torsion curve, hysteresis, waves of the transmission error and \
-             losses from the test bench at the ages asked for (and new), microseconds a step; --model multibody holds \
-             the model of `arcmin simulate`. The motor flange takes flange_a.phi and flange_a.w (and flange_a.a, \
-             which makes it exact) and gives flange_a.tau; the load flange takes flange_b.tau and gives the motion, \
-             or with --load-flange motion the other way round.\n\nThe unit holds the shared library that \
-             `cargo build --release` puts beside this program; --library names another.",
+            "Writes one .fmu file.\n\n--model map contains torsion curve, hysteresis, harmonics of the transmission error and \
+             losses, computed on the test bench when new and at the given ages; a step takes microseconds. --model multibody \
+             contains the model of `arcmin simulate`.\n\nMotor flange: inputs flange_a.phi and flange_a.w (for exact inertia \
+             torques also flange_a.a), output flange_a.tau. Load flange: input flange_b.tau, output the motion; with \
+             --load-flange motion it is the reverse.\n\nThe unit contains the shared library that `cargo build --release` \
+             puts beside this program; --library names another file.",
         )
         .after_help(
             "Examples:\n  arcmin export fmu my-reducer.toml --fmi 3 --hours 6000\n  arcmin export fmu my-reducer.toml \
              --fmi 2 --model multibody --joints ideal",
         )
         .arg(path("DESIGN", "Design file"))
-        .arg(choice("fmi", "3", vec!["2", "3"]).help("Version of the interface"))
-        .arg(choice("model", "map", vec!["map", "multibody"]).help("What is inside"))
+        .arg(choice("fmi", "3", vec!["2", "3"]).help("Version of FMI"))
+        .arg(choice("model", "map", vec!["map", "multibody"]).help("Model in the unit"))
         .arg(
             choice("load-flange", "torque", vec!["torque", "motion"])
-                .help("What the load flange takes: a torque (the unit has the inertia of its output), or the motion"),
+                .help("Input of the load flange: a torque (the unit includes the inertia of its output), or the motion"),
         )
         .arg(
             Arg::new("hours").long("hours").value_name("HOURS,…").default_value("0").help(
-                "Ages in hours of the duty, with commas between; the last one is where operating_hours starts",
+                "Ages in hours of the duty, separated by commas; operating_hours starts at the last one",
             ),
         )
         .arg(choice("joints", "bearings", vec!["bearings", "ideal"]).help("Joints of the multibody model"))
         .args(fidelity_args())
-        .arg(number("positions", "5", "Map: crank positions at which the loop is run"))
-        .arg(number("te-positions", "1024", "Map: positions over the output turn"))
+        .arg(number("positions", "5", "Map: number of crank positions for the hysteresis loop"))
+        .arg(number("te-positions", "1024", "Map: number of points of the transmission error over one output turn"))
         .arg(
             Arg::new("library")
                 .long("library")
                 .value_name("FILE")
                 .value_parser(value_parser!(PathBuf))
-                .help("Shared library to put in [default: the one beside this program]"),
+                .help("Shared library for the unit [default: the one beside this program]"),
         )
         .arg(out())
 }
@@ -90,7 +90,7 @@ fn library(given: Option<&PathBuf>) -> Result<Vec<u8>, Failure> {
     match places.iter().find_map(|place| std::fs::read(place).ok()) {
         Some(bytes) => Ok(bytes),
         None => Err(Failure::Usage {
-            message: format!("the shared library {name} that goes into the unit is not beside this program"),
+            message: format!("the shared library {name} for the unit is not in the directory of this program"),
             help: "in a checkout, `cargo build --release` puts it there; after `cargo install`, build it in a checkout \
                    of the same version and name it with --library target/release/libarcmin_fmu.so"
                 .to_owned(),
@@ -103,7 +103,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let (path, design) = given.design()?;
     let Some((folder2, folder3, ending)) = platform() else {
         return Err(Failure::Usage {
-            message: "there is no folder in FMUs for this platform".to_owned(),
+            message: "FMI defines no folder for this platform".to_owned(),
             help: "export on Linux, macOS or Windows on x86-64 or ARM".to_owned(),
         });
     };
@@ -175,8 +175,8 @@ fn unit(
     let options = fidelity(given.0, joints)?;
     let seed = given.0.get_one::<u32>("seed").copied().unwrap_or(0);
     let start_seed = i32::try_from(seed).map_err(|_| Failure::Usage {
-        message: "--seed is larger than a unit can hold".to_owned(),
-        help: "2147483647 is the largest".to_owned(),
+        message: "--seed is too large for a unit".to_owned(),
+        help: "the largest is 2147483647".to_owned(),
     })?;
     let mut text = format!("joints = \"{joints}\"\n");
     if let Some(discs) = given.0.get_one::<String>("discs") {
@@ -212,8 +212,8 @@ fn unit(
         let plain = Path::new(&name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         if !plain || matches!(name.as_str(), "design.toml" | "unit.json") {
             return Err(Failure::Usage {
-                message: format!("the measured flank {name} cannot go into the unit under this name"),
-                help: "put it beside the design, or into a folder there, and name it so".to_owned(),
+                message: format!("the path {name} of the measured flank cannot be used in the unit"),
+                help: "put the file beside the design or into a folder there, and correct the path in the design".to_owned(),
             });
         }
         let place = path.parent().unwrap_or(Path::new(".")).join(&name);

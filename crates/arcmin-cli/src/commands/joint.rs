@@ -15,11 +15,12 @@ use crate::run::{Cache, Terminal, say, write_file};
 
 pub fn command() -> Command {
     Command::new("joint")
-        .about("The reducer as a joint for MuJoCo, URDF, SDF, Modelica, Simscape and controllers, from new to worn")
+        .about("Write the reducer as a joint for MuJoCo, URDF, SDF, Modelica, Simscape and controllers, new and worn")
         .long_about(
-            "Runs the test bench at each age and writes the joint's numbers with source and units: joint.mjcf.xml \
-             (MuJoCo 4) with joint_mujoco.py (lets its friction grow with load), joint.urdf, joint.sdf, joint.mo (Modelica), joint.simscape.m, joint.json with everything, and \
-             tables for controllers: joint.wind_up.csv, joint.te.csv (transmission error as waves), joint.loss.csv.",
+            "Runs the test bench at each age and writes the parameters of the joint with source and units.\n\nFiles: joint.mjcf.xml \
+             (MuJoCo 4) with joint_mujoco.py (friction that grows with load), joint.urdf, joint.sdf, joint.mo (Modelica), \
+             joint.simscape.m, joint.json (all data), and tables for controllers: joint.wind_up.csv, joint.te.csv \
+             (transmission error as harmonics), joint.loss.csv.",
         )
         .after_help("Examples:\n  arcmin export joint my-reducer.toml --hours 0,2000,6000")
         .arg(path("DESIGN", "Design file"))
@@ -28,19 +29,19 @@ pub fn command() -> Command {
                 .long("hours")
                 .value_name("HOURS,…")
                 .default_value("0")
-                .help("Ages in hours of the duty, with commas between"),
+                .help("Ages in hours of the duty, separated by commas"),
         )
         .args(fidelity_args())
-        .arg(number("positions", "5", "Crank positions at which the loop is run"))
-        .arg(number("te-positions", "1024", "Positions over the output turn"))
+        .arg(number("positions", "5", "Number of crank positions for the hysteresis loop"))
+        .arg(number("te-positions", "1024", "Number of points of the transmission error over one output turn"))
         .arg(number("timestep-ms", "1", "Time step of MuJoCo in ms"))
         .arg(
             Arg::new("load-inertia-kg-m2")
                 .long("load-inertia-kg-m2")
                 .value_name("X")
                 .value_parser(clap::value_parser!(f64))
-                .help("Inertia of what the joint moves in kg·m², for tools without hysteresis, whose damping \
-                       depends on it [default: 10 times that of the motor's side]"),
+                .help("Load inertia in kg·m²; the damping for tools without hysteresis depends on it [default: \
+                       10 times the inertia of the motor side]"),
         )
         .arg(out())
 }
@@ -48,9 +49,9 @@ pub fn command() -> Command {
 /// Options that say which physics answers.
 pub(super) fn fidelity_args() -> [Arg; 3] {
     [
-        choice("discs", "rigid", vec!["rigid", "elastic"]).help("Discs"),
+        choice("discs", "rigid", vec!["rigid", "elastic"]).help("Model of the discs"),
         Arg::new("errors").long("errors").value_parser(["given", "drawn", "none"]).help(
-            "Manufacturing errors: of the design, drawn from its tolerances, or none [default: given where there are any]",
+            "Manufacturing errors: those of the design, drawn from its tolerances, or none [default: given, if the design has any]",
         ),
         Arg::new("seed")
             .long("seed")
@@ -82,7 +83,7 @@ pub(super) fn ages(text: &str) -> Result<Vec<f64>, Failure> {
     let one = |word: &str| {
         let age = word.trim().parse::<f64>().ok().filter(|age| (0.0..=1e7).contains(age));
         age.ok_or_else(|| Failure::Usage {
-            message: format!("\"{}\" is no age in hours", word.trim()),
+            message: format!("\"{}\" is not an age in hours", word.trim()),
             help: "write ages such as --hours 0,2000,6000, each from 0 to 10000000".to_owned(),
         })
     };
@@ -156,9 +157,7 @@ fn told(found: &JointExport) -> String {
         lines.push(row(name, &|s| format!("{:.1}", s.hysteresis.curve.torques_n_m[index])));
     }
     lines.push(row("hysteresis loss J a cycle", &|s| format!("{:.4}", s.hysteresis_loss_j)));
-    lines.push(row("model of hysteresis, off by N·m rms", &|s| {
-        format!("{:.2}", s.hysteresis.residual_rms_n_m)
-    }));
+    lines.push(row("hysteresis model, error N·m rms", &|s| format!("{:.2}", s.hysteresis.residual_rms_n_m)));
     lines.push(row("   largest N·m", &|s| format!("{:.2}", s.hysteresis.residual_max_n_m)));
     lines.push(row("   as angle ′ rms", &|s| arcmin(s.hysteresis.residual_rms_rad)));
     lines.push(row("damping ratio of a swing", &|s| format!("{:.3}", s.damping_ratio)));
@@ -166,9 +165,9 @@ fn told(found: &JointExport) -> String {
     lines.push(row("friction: constant N·m", &friction(|f| f.coulomb_n_m)));
     lines.push(row("   viscous N·m·s/rad", &friction(|f| f.viscous_n_m_s_per_rad)));
     lines.push(row("   per motor torque, mean", &friction(|f| f.load_mean)));
-    lines.push(row("   driving against driven, half", &friction(|f| f.load_difference)));
+    lines.push(row("   half driving less driven", &friction(|f| f.load_difference)));
     lines.push(row("   relaxation ′", &friction(|f| f.relaxation_rad / ARCMIN)));
-    lines.push(row("   off by N·m rms", &friction(|f| f.residual_rms_n_m)));
+    lines.push(row("   error N·m rms", &friction(|f| f.residual_rms_n_m)));
     lines.push(row("efficiency", &|s| format!("{:.3}", s.efficiency)));
     lines.push(row("running torque without load N·m", &|s| {
         format!("{:.2}", s.no_load_torque_n_m * found.ratio)

@@ -8,30 +8,30 @@ pub fn command() -> Command {
     Command::new("keys")
         .about("Print the reference of all keys of the design file, or of all results")
         .long_about(
-            "Prints every key of the design file with its unit, range, default and meaning, in Markdown; with \
-             --results every table, column and figure that the analyses write.",
+            "Prints every key of the design file with its unit, range, default and meaning, in Markdown. With \
+             --results it prints every table, column and figure that the analyses write.",
         )
         .after_help("Examples:\n  arcmin keys | less\n  arcmin keys clearance\n  arcmin keys crankshafts.count\n  arcmin keys --results lost_motion\n  arcmin keys --json-schema > arcmin.schema.json")
-        .arg(Arg::new("FILTER").help("Only lines that hold this text, under their headings; or a key by its path"))
+        .arg(Arg::new("FILTER").help("Print only lines that contain this text, or the key with this path"))
         .arg(
             Arg::new("results")
                 .long("results")
                 .action(ArgAction::SetTrue)
-                .help("The results in place of the design file"),
+                .help("Print the results instead of the keys of the design file"),
         )
         .arg(
             Arg::new("robot")
                 .long("robot")
                 .action(ArgAction::SetTrue)
                 .conflicts_with("results")
-                .help("The keys of the robot file in place of the design file"),
+                .help("Print the keys of the robot file instead"),
         )
         .arg(
             Arg::new("json-schema")
                 .long("json-schema")
                 .action(ArgAction::SetTrue)
                 .conflicts_with_all(["FILTER", "results", "robot"])
-                .help("A JSON Schema of the design file, for editors that complete and check while one writes"),
+                .help("Print a JSON Schema of the design file, for completion and checks in an editor"),
         )
 }
 
@@ -54,7 +54,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         Some(filter) => {
             let found = filtered(&text, filter);
             if found.is_empty() {
-                let message = format!("nothing here is called \"{filter}\"");
+                let message = format!("no line contains \"{filter}\"");
                 let part = filter.rsplit('.').next().filter(|part| *part != filter && !part.is_empty());
                 let help = match part.filter(|part| !filtered(&text, part).is_empty()) {
                     Some(part) => format!("try its last part: `arcmin keys {part}`"),

@@ -15,10 +15,10 @@ const SHEET: [(&str, &str); 9] = [
     ("outer-diameter-mm", "Data sheet: outer diameter in mm"),
     ("stiffness-nm-per-arcmin", "Data sheet: torsional stiffness in N·m/arcmin"),
     ("lost-motion-arcmin", "Data sheet: lost motion in arcmin"),
-    ("crankshafts", "Data sheet: number of crankshafts; left out, the template's"),
+    ("crankshafts", "Data sheet: number of crankshafts [default: that of the template]"),
     ("moment-stiffness-nm-per-arcmin", "Data sheet: moment stiffness of the main bearings in N·m/arcmin"),
-    ("starting-torque-nm", "Data sheet: torque at the input that starts the machine unloaded, in N·m"),
-    ("back-driving-torque-nm", "Data sheet: torque at the output that turns the machine backwards, in N·m"),
+    ("starting-torque-nm", "Data sheet: starting torque at the input without load, in N·m"),
+    ("back-driving-torque-nm", "Data sheet: back-driving torque at the output, in N·m"),
 ];
 
 pub fn command() -> Command {
@@ -27,21 +27,23 @@ pub fn command() -> Command {
     Command::new("new")
         .about("Write a commented design file to start from")
         .long_about(format!(
-            "Writes a design file that can be run as it is. Its comments say which values its source gives and \
-             which are assumed, and why.\n\nTemplates:{list}\n\nWith --like the file is a first model of a \
-             machine known from its data sheet: the template scaled. The pin circle (s) goes with the outer diameter, or \
-             with the cube root of the torques' ratio where that is larger or no diameter is given; compact machines get \
-             a slimmer housing, down to an outer diameter of 2.56 pin circle radii. Dimensions across the axis, \
-             clearances and flank offsets go with s, crankshafts and their bearings too; what lies along the axis is \
-             stretched besides by w = (T/T0)/s³, between 0.7 and 1.6; masses go with s³ w, inertias with s⁵ w, mesh \
-             stiffness with s w, supports and damping with s, seals with s² but not faster than the torque, drag of \
-             the oil with s³, tolerances with the cube root of s; teeth are chosen to give the ratio, planets passing \
-             each other. What is kept says why.\n\nThen the figures of the data sheet are set on the test bench, each by \
-             the part that no data sheet gives: stiffness by the diameter of the crankshafts (--bodies elastic, the \
-             default) or the carrier's torsion (--bodies rigid), lost motion by the clearance of the turning-arm \
-             bearings, starting or back-driving torque by the seals, moment stiffness by the preload of the main \
-             bearings. What is not reached is said with the reason. With elastic bodies this takes about a minute. \
-             Every value is marked with where it is from; what is not known stands under [unknowns]."
+            "Writes a design file that can be run without changes. Its comments give the source of every value, or \
+             state that it is assumed, and why.\n\nTemplates:{list}\n\nWith --like the file is a first model of a \
+             machine from its data sheet. It is made in two steps.\n\n1. The template is scaled. The scale s of the pin \
+             circle is the ratio of the outer diameters, or the cube root of the ratio of the torques T/T0 if that is \
+             larger or no diameter is given. Compact machines get a thinner housing, down to an outer diameter of 2.56 \
+             pin circle radii. With w = (T/T0)/s³, limited to 0.7 to 1.6:\n  \
+             s: radial dimensions, clearances, flank offsets, crankshafts and their bearings, stiffness of supports, damping\n  \
+             s w: axial dimensions, mesh stiffness\n  \
+             s³ w: masses;  s⁵ w: inertias\n  \
+             s²: seals, at most as the torque;  s³: drag of the oil;  cube root of s: tolerances\n\
+             Teeth are chosen for the ratio so that the planets clear each other. Values that are not scaled have a comment with \
+             the reason.\n\n2. The figures of the data sheet are matched on the test bench, each by one value that data \
+             sheets do not give: stiffness by the diameter of the crankshafts (--bodies elastic, the default) or the \
+             torsional stiffness of the carrier (--bodies rigid), lost motion by the clearance of the turning-arm bearings, starting \
+             or back-driving torque by the seals, moment stiffness by the preload of the main bearings. The command \
+             reports figures that it cannot match, with the reason. With elastic bodies this takes about a minute.\n\n\
+             Comments state the origin of every value; [unknowns] contains the values that are not known."
         ))
         .after_help(
             "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-80e bigger.toml --force\n  arcmin new --list\n  \
@@ -53,7 +55,7 @@ pub fn command() -> Command {
                 .num_args(0..=2)
                 .action(ArgAction::Append)
                 .value_names(["TEMPLATE", "FILE"])
-                .help("File to write, and before it the template to start from [default: rv-40e]"),
+                .help("File to write, optionally after the name of a template [default: rv-40e]"),
         )
         .arg(
             Arg::new("like")
@@ -76,7 +78,7 @@ pub fn command() -> Command {
                 .value_name("BODIES")
                 .value_parser(["elastic", "rigid"])
                 .default_value("elastic")
-                .help("Bodies that the test bench calibrates with, as in `arcmin rig --bodies`"),
+                .help("Bodies for matching on the test bench, as in `arcmin rig --bodies`"),
         )
         .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the templates"))
         .arg(
@@ -108,14 +110,14 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         }
         [one] if known(one).is_some() => {
             return Err(Failure::Usage {
-                message: format!("{one} is a template, and there is no file to write it to"),
+                message: format!("{one} is a template; the name of the file to write is missing"),
                 help: format!("`arcmin new {one} {one}.toml` writes {one}.toml"),
             });
         }
         [file] => (&TEMPLATES[0], *file),
         _ => {
             return Err(Failure::Usage {
-                message: "there is no file to write".to_owned(),
+                message: "the name of the file to write is missing".to_owned(),
                 help: "`arcmin new my-reducer.toml`, or `arcmin new --list`".to_owned(),
             });
         }
@@ -136,7 +138,10 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
         |message: &str, help: &str| Failure::Usage { message: message.to_owned(), help: help.to_owned() };
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
     let [file] = words.as_slice() else {
-        return Err(usage("--like needs one file to write", "`arcmin new --like rv-40e … my-reducer.toml`"));
+        return Err(usage(
+            "--like needs the name of one file to write",
+            "`arcmin new --like rv-40e … my-reducer.toml`",
+        ));
     };
     let of = |name: &str| matches.get_one::<f64>(name).copied();
     let (Some(ratio), Some(torque)) = (of("ratio"), of("torque-nm")) else {

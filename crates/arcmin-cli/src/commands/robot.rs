@@ -17,28 +17,28 @@ use crate::failure::{Failure, Start};
 use crate::run::{Cache, Parts, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
 
 const GUIDE: &str = "\
-Reads a robot file (TOML): the arm as URDF or as a table of axes, the reducer of every joint, what the hand carries,
+The robot file (TOML) describes the arm (URDF or a table of axes), the reducer of every joint, the load of the hand,
 programs (joint angles over time, or poses visited), planned hours and limits at the tool.
 
-Torques and speeds of all joints follow by inverse dynamics and become the duty of each; every reducer wears by its
-own. What joints are off at every age (place in the hysteresis loop, wind-up, transmission error, tilt of the output
-bearings) is mapped to the tool: figures of ISO 9283, split by joint and cause; hours until a limit is left, which
-joint ends it, what an overhaul buys, the plan with the fewest overhauls, a table for the controller.
+Inverse dynamics gives torque and speed of every joint, which are its duty; the wear of every reducer follows from its
+duty. At every age the errors of the joints (hysteresis, wind-up, transmission error, tilt of the output bearings) are
+mapped to the tool. Results: figures of ISO 9283 by joint and cause; hours until a limit is exceeded and the joint that
+causes it; the gain of an overhaul and the plan with the fewest overhauls; a compensation table for the controller.
 
-Lives of joints are kept in the cache: the same joint with the same duty is not computed again, and a run that was
-stopped goes on from the joints it has finished. The drawn robots of a [population] are a study: they are kept in
-parts/ as they are computed, and shards of them may be computed on other machines.";
+Lives of joints are kept in the cache. A joint with the same duty is not computed again, and a stopped run continues
+with the joints that are missing. The drawn robots of a [population] are a study: each is written to parts/ when it is
+computed, and shards of them can run on other machines.";
 
 const EXAMPLES: &str = "Examples:
   arcmin robot new arm.toml                write a six-axis example with its designs
   arcmin robot arm.toml                    run it
-  arcmin robot arm.toml --loads            torques and duties alone
+  arcmin robot arm.toml --loads            torques and duties only
   arcmin robot other.toml --lives out/arm/robot/lives.json
-                                           another program, the joints of an earlier run, their hours scaled
+                                           another program with joint lives of an earlier run, scaled
   arcmin robot run arm.toml --shard 3/20 --out shared/arm
-                                           some of the drawn robots of a population
+                                           one shard of the drawn robots of a population
   arcmin robot submit arm.toml --engine hq --out shared/arm
-                                           all of them on an engine, then the report";
+                                           all shards on an engine, then the report";
 
 pub fn command() -> Command {
     let new = Command::new("new")
@@ -47,17 +47,17 @@ pub fn command() -> Command {
             Arg::new("FILE")
                 .required(true)
                 .value_parser(value_parser!(PathBuf))
-                .help("Robot file to write; designs go beside it"),
+                .help("Robot file to write; its designs are written beside it"),
         )
         .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite existing files"));
     let run = Command::new("run")
-        .about("Compute one shard of the drawn robots of the population and keep its parts")
+        .about("Compute one shard of the drawn robots and keep it in parts/")
         .args([robot_file(), shard()]);
     // Shards take the cache of the user who runs them.
     let submit = common(engines::command("robot", "arm.toml").arg(robot_file()))
         .mut_arg("out", |out| out.help(OUT))
         .mut_arg("force", |force| force.help(FORCE))
-        .mut_arg("threads", |threads| threads.help("Threads that the report takes [default: all cores]"));
+        .mut_arg("threads", |threads| threads.help("Number of threads for the report [default: all cores]"));
     let command = Command::new("robot")
         .about(arcmin::robot::declared().about)
         .long_about(format!("{}.\n\n{GUIDE}", arcmin::robot::declared().about))
@@ -69,20 +69,20 @@ pub fn command() -> Command {
             Arg::new("loads")
                 .long("loads")
                 .action(ArgAction::SetTrue)
-                .help("Loads and duties of the joints alone, without their lives"),
+                .help("Compute loads and duties of the joints only, without their lives"),
         )
         .arg(
             Arg::new("lives")
                 .long("lives")
                 .value_name("FILE")
                 .conflicts_with("loads")
-                .help("lives.json of an earlier run: its joints, their hours scaled by what wears them"),
+                .help("lives.json of an earlier run: use its joint lives, with hours scaled by the wear of the new program"),
         );
     of_a_run(command, OUT, FORCE).subcommand(new).subcommand(of_a_run(run, OUT, FORCE)).subcommand(submit)
 }
 
 const OUT: &str = "Directory for the results [default: out/<robot>/robot]";
-const FORCE: &str = "Write over the results of another robot";
+const FORCE: &str = "Overwrite the results of another robot";
 
 fn robot_file() -> Arg {
     Arg::new("ROBOT")
@@ -146,8 +146,8 @@ impl Job {
         let told = |error| told(error, &self.file);
         let loaded = Loaded::of(&self.file, &self.host).map_err(told)?;
         let plan = loaded.population_plan().map_err(told)?.ok_or_else(|| Failure::Usage {
-            message: format!("{} has no drawn robots to share out", self.path.display()),
-            help: "add [population] with robots = 20, or run `arcmin robot` of it".to_owned(),
+            message: format!("{} has no drawn robots", self.path.display()),
+            help: "add a section [population] with robots = 20, or use `arcmin robot`".to_owned(),
         })?;
         Ok((loaded, plan))
     }
@@ -205,9 +205,9 @@ fn read(path: &Path) -> Result<RobotFile, Failure> {
 /// robots in parts.
 fn told(error: AnalysisError, file: &RobotFile) -> Failure {
     match error {
-        AnalysisError::Stopped => {
-            Failure::Unfinished { reason: format!("stopped; `{}` goes on from there", crate::command_line()) }
-        }
+        AnalysisError::Stopped => Failure::Unfinished {
+            reason: format!("stopped; `{}` continues from there", crate::command_line()),
+        },
         AnalysisError::Design(error) if error.file_name == file.file_name() => {
             Failure::design(error, file.text())
         }

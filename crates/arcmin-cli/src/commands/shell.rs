@@ -16,14 +16,14 @@ pub fn completions() -> Command {
 
 pub fn man() -> Command {
     Command::new("man")
-        .about("Print the manual page (troff), or write those of all commands")
+        .about("Print the manual page (troff), or write the pages of all commands")
         .after_help("Examples:\n  arcmin man | man -l -\n  arcmin man --out /usr/local/share/man/man1")
         .arg(
             Arg::new("out")
                 .long("out")
                 .value_name("DIR")
                 .value_parser(value_parser!(std::path::PathBuf))
-                .help("Write the pages of the command and of all its subcommands into this directory, which exists"),
+                .help("Existing directory for the pages of the command and all its subcommands"),
         )
 }
 

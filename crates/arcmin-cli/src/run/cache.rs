@@ -69,7 +69,7 @@ impl Cache {
         match written {
             Ok(()) => self.shrink(name),
             Err(failure) => warn(&format!(
-                "warning: {failure}; the next run computes it again (--cache DIR chooses another place)"
+                "warning: {failure}; the next run must compute it again (--cache DIR sets another directory)"
             )),
         }
     }

@@ -74,7 +74,7 @@ impl Results {
         {
             return Err(Failure::Usage {
                 message: format!("{} holds results of another design, \"{other}\"", out.display()),
-                help: "choose another place with --out, or write over them with --force".to_owned(),
+                help: "choose another directory with --out, or overwrite them with --force".to_owned(),
             });
         }
         let files = [before, replaced].into_iter().filter_map(|summary| summary["files"].as_array().cloned());

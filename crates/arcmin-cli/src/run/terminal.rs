@@ -54,7 +54,7 @@ fn stop() {
     let failure = if is_checkpointed() {
         Failure::Ended
     } else if KEEPS_PARTS.load(Ordering::SeqCst) {
-        Failure::Unfinished { reason: "stopped; the same command goes on from there".to_owned() }
+        Failure::Unfinished { reason: "stopped; repeat the command to continue from there".to_owned() }
     } else {
         Failure::Analysis { error: AnalysisError::Stopped, options: None, finding: None }
     };
@@ -177,9 +177,9 @@ impl Host for Terminal {
             message: format!("cannot be read: {cause}"),
             help: match origin {
                 Origin::Design => {
-                    "the design names this file; its place is beside the design file".to_owned()
+                    "the design names this file; its path is relative to the design file".to_owned()
                 }
-                Origin::Options => "check its name and place".to_owned(),
+                Origin::Options => "check its name and path".to_owned(),
             },
         })
     }
@@ -206,7 +206,7 @@ impl Host for Terminal {
         kept.push(b'\n');
         kept.extend_from_slice(bytes);
         write_file(&self.out.join(CHECKPOINT), &kept).map_err(|failure| {
-            AnalysisError::usage(failure.to_string(), "choose another place with --out")
+            AnalysisError::usage(failure.to_string(), "choose another directory with --out")
         })?;
         CHECKPOINTED.store(true, Ordering::SeqCst);
         let mut next = self.next_checkpoint.lock().unwrap_or_else(PoisonError::into_inner);
@@ -219,7 +219,7 @@ impl Host for Terminal {
         let bytes = std::fs::read(&path).map_err(|cause| {
             AnalysisError::usage(
                 format!("cannot read {}: {cause}", path.display()),
-                "start afresh without --resume",
+                "start again without --resume",
             )
         })?;
         let identity = self.identity.get().map(String::as_bytes).unwrap_or_default();
@@ -230,11 +230,11 @@ impl Host for Terminal {
             }
             _ => Err(AnalysisError::usage(
                 format!(
-                    "{} belongs to a run of another design, with other options or input files, or of another \
-                     version of the program",
+                    "{} belongs to a run with another design, other options or input files, or another version of \
+                     the program",
                     path.display()
                 ),
-                "repeat that run to the letter, or start afresh without --resume",
+                "repeat that run with the same inputs, or start again without --resume",
             )),
         }
     }

@@ -14,7 +14,7 @@ fn a_file_in_place_of_the_output_directory_is_a_clear_error() {
     for out in ["blocked", "blocked/deeper"] {
         let said = refused(d, &["profile", "d.toml", "--out", out]);
         assert!(said.contains(&format!("cannot write {out}: ")), "{said}");
-        assert!(said.contains("choose another place with --out"), "{said}");
+        assert!(said.contains("choose another directory with --out"), "{said}");
     }
     assert_eq!(read(d, "blocked"), "precious");
 }
@@ -33,7 +33,7 @@ fn a_full_disk_is_a_clear_error_and_keeps_earlier_results() {
     let (_, said) = texts(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(
-        said.contains("cannot write full/profile.csv: File too large") && said.contains("make room"),
+        said.contains("cannot write full/profile.csv: File too large") && said.contains("free disk space"),
         "{said}"
     );
     assert!(before == (read(d, "full/profile.csv"), read(d, "full/summary.json")));
@@ -112,7 +112,7 @@ fn results_of_another_design_are_not_written_over() {
     assert_eq!(
         refused(d, &["profile", "e.toml", "--points", "4", "--out", "o"]),
         "  × o holds results of another design, \"RV-40E-81 of Tao2024\"\n  \
-         help: choose another place with --out, or write over them with --force\n"
+         help: choose another directory with --out, or overwrite them with --force\n"
     );
     assert_eq!(
         before,
@@ -202,7 +202,10 @@ fn an_interrupted_run_keeps_earlier_results() {
     for signal in ["-INT", "-TERM"] {
         let output = interrupted(d, &["wear", "d.toml", "--points", "400", "--out", "o"], signal);
         let (_, said) = texts(&output);
-        assert!(said.contains("stopped before the end") && said.contains("nothing was written"), "{said}");
+        assert!(
+            said.contains("stopped before the end") && said.contains("no results were written"),
+            "{said}"
+        );
         assert_eq!((leftovers(&d.join("o")), all()), (Vec::new(), before.clone()));
     }
 }
@@ -232,12 +235,15 @@ fn an_interrupted_simulation_resumes_to_the_same_result() {
     let parts = [&run[..], &["parts"]].concat();
     let output = interrupted(d, &parts, "-TERM");
     let (_, said) = texts(&output);
-    assert!(said.contains("stopped at t = ") && said.contains("with --resume goes on from there"), "{said}");
+    assert!(
+        said.contains("stopped at t = ") && said.contains("with --resume to continue from there"),
+        "{said}"
+    );
     assert!(d.join("parts/checkpoint.json").exists());
     let resume = [&parts[..], &["--resume"]].concat();
     write(d, "load.csv", &load.replace("9,1", "9,2"));
     let said = refused(d, &resume).replace("\n  │ ", " ");
-    assert!(said.contains("belongs to a run of another design, with other options or input files"), "{said}");
+    assert!(said.contains("belongs to a run with another design, other options or input files"), "{said}");
     write(d, "load.csv", load);
     good(d, &resume);
     assert!(read(d, "whole/timeseries.csv") == read(d, "parts/timeseries.csv"));

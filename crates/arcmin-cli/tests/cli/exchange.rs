@@ -68,7 +68,7 @@ fn ages_that_are_none_are_refused() {
     for hours in ["0,x", "-1", "", "0,,5", "nan", "1e9"] {
         let said = refused(directory.path(), &["export", "joint", "d.toml", &format!("--hours={hours}")]);
         assert!(
-            said.contains("is no age in hours") && said.contains("--hours 0,2000,6000"),
+            said.contains("is not an age in hours") && said.contains("--hours 0,2000,6000"),
             "{hours}: {said}"
         );
     }

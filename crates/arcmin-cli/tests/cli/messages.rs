@@ -12,14 +12,14 @@ const LENGTH_WITHOUT_UNIT: &str = "  × `pin_radius` lacks its unit
   help: units are part of the keys: write `pin_radius_mm = 3` if 3 is in mm
 ";
 
-const ABSURD_VALUE: &str = "  × `pin_radius_mm` is outside of what this program believes
+const ABSURD_VALUE: &str = "  × `pin_radius_mm` is out of range
     ╭─[d.toml:14:17]
  13 │ pin_circle_radius_mm = 64             # Tao2024, Table 1
  14 │ pin_radius_mm = 3000                     # Tao2024, Table 1
     ·                 ────
  15 │ material = \"GCr15\"                    # Tao2024, Table 2
     ╰────
-  help: 0.1 to 200 mm are believable; if the value is in µm, write pin_radius_mm = 3
+  help: the allowed range is 0.1 to 200 mm; if the value is in µm, write pin_radius_mm = 3
 ";
 
 const UNKNOWN_SECTION: &str = "  × unknown key `lead` in the design file
@@ -106,27 +106,27 @@ fn option_errors_name_the_option() {
         ),
         (
             &["contact", "--hours", "-1"],
-            "  × --hours must not be negative\n  help: 0 to 1e7 are believable\n",
+            "  × --hours must not be negative\n  help: the allowed range is 0 to 1e7\n",
         ),
         (
             &["contact", "--wear-um", "1e9"],
-            "  × --wear-um is outside of what this program believes\n  help: 0 to 1000 µm are believable\n",
+            "  × --wear-um is out of range\n  help: the allowed range is 0 to 1000 µm\n",
         ),
         (
             &["profile", "--points", "0"],
-            "  × --points must be positive\n  help: 4 to 100000 are believable\n",
+            "  × --points must be positive\n  help: the allowed range is 4 to 100000\n",
         ),
         (&["profile", "--points", "4.5"], "  × --points must be a whole number\n"),
         (
             &["contact", "--wear-um", "3", "--hours", "5"],
-            "  × a flank is worn uniformly (--wear-um) or by its duty (--hours), not both\n  \
+            "  × uniform wear (--wear-um) and wear by the duty (--hours) exclude each other\n  \
              help: leave one of them out\n",
         ),
         (&["simulate", "--load", "table"], "  × this load needs a file\n  help: name it with --load-file\n"),
         (
             &["calibrate", "nowhere.csv"],
             "  × nowhere.csv: cannot be read: No such file or directory (os error 2)\n  \
-             help: check its name and place\n",
+             help: check its name and path\n",
         ),
     ] {
         let all = [&arguments[..1], &["d.toml"], &arguments[1..]].concat();
@@ -148,49 +148,49 @@ fn combinations_that_mean_nothing_say_why() {
     let d = directory.path();
     write(d, "load.csv", "time_s,torque_n_m\n0,0\n1,412\n");
     write(d, "drive.csv", "time_s,speed_rpm\n0,0\n1,1500\n");
-    let ideal_only = "help: it knows ideal joints and rigid discs only: --joints ideal, --discs rigid";
+    let ideal_only = "help: use --joints ideal, --discs rigid";
     for (arguments, words) in [
         (
             &["contact", "--joints", "bearings", "--method", "closed-form"][..],
-            &["the closed form knows no bearings", ideal_only][..],
+            &["the closed form does not support bearings", ideal_only][..],
         ),
         (
             &["contact", "--discs", "elastic", "--method", "closed-form"],
-            &["the closed form knows no elastic discs", ideal_only],
+            &["the closed form does not support elastic discs", ideal_only],
         ),
         (
             &["wear", "--mode", "tao2024", "--joints", "bearings"],
-            &["the study of Tao2024 knows no bearings", ideal_only],
+            &["the study of Tao2024 does not support bearings", ideal_only],
         ),
         (
             &["wear", "--mode", "tao2024", "--discs", "elastic"],
-            &["the study of Tao2024 knows no elastic discs", ideal_only],
+            &["the study of Tao2024 does not support elastic discs", ideal_only],
         ),
         (
             &["contact", "--errors", "drawn"],
-            &["ideal joints have no place for manufacturing errors", "help: choose --joints bearings"],
+            &["ideal joints do not support manufacturing errors", "help: choose --joints bearings"],
         ),
         (
             &["simulate", "--errors", "given"],
-            &["ideal joints have no place for manufacturing errors", "help: choose --joints bearings"],
+            &["ideal joints do not support manufacturing errors", "help: choose --joints bearings"],
         ),
         (
             &["simulate", "--load-file", "load.csv"],
-            &["load.csv would not be read", "help: it goes with --load table, stepped or duty-cycle"],
+            &["load.csv is not used by these options", "help: add --load table, stepped or duty-cycle"],
         ),
         (
             &["simulate", "--drive-file", "drive.csv"],
-            &["drive.csv would not be read", "help: it goes with --drive speed-table or torque-table"],
+            &["drive.csv is not used by these options", "help: add --drive speed-table or torque-table"],
         ),
         (
             &["simulate", "--torque-nm", "412"],
-            &["a torque loads nothing here (--torque-nm)", "help: it goes with --load constant or sine"],
+            &["a torque without a load (--torque-nm)", "help: add --load constant or sine"],
         ),
-        (&["rig", "--seed", "3"], &["a seed draws nothing here", "help: it goes with --errors drawn"]),
+        (&["rig", "--seed", "3"], &["a seed needs drawn errors", "help: add --errors drawn"]),
         (&["rig", "--errors", "given"], &["the design gives no manufacturing errors", "[errors]"]),
         (
             &["simulate", "--joints", "bearings", "--discs", "elastic", "--bores", "common"],
-            &["one spider for all bores", "leave --bores common out, or choose --joints ideal"],
+            &["one rigid spider for all bores", "leave --bores common out, or choose --joints ideal"],
         ),
     ] {
         let said = refused(d, &[&arguments[..1], &["d.toml"], &arguments[1..]].concat());

@@ -222,7 +222,7 @@ fn drawn_robots_go_on_after_a_kill() {
     assert_eq!(read(d, "whole/population.csv").lines().count(), 4);
     // All are there: nothing is computed.
     let said = good(d, &["robot", "run", "one.toml", "--shard", "2/2", "--out", "k"]);
-    assert!(said.contains("0 drawn robots computed, 1 were there"), "{said}");
+    assert!(said.contains("0 drawn robots computed, 1 were computed before"), "{said}");
     for (engine, file, runs) in
         [("hq", "hq.sh", "robot run"), ("dask", "on_dask.py", "\"robot run\".split()")]
     {

@@ -163,7 +163,7 @@ fn an_interrupted_study_keeps_its_samples() {
     let output = child.wait_with_output().unwrap();
     let (_, complaint) = texts(&output);
     assert_eq!(output.status.code(), Some(2), "{complaint}");
-    assert!(complaint.contains("goes on from there"), "{complaint}");
+    assert!(complaint.contains("from there"), "{complaint}");
     let there = summary(d, "o")["rows"].as_u64().unwrap();
     assert!(there > 0 && there < 4000, "{there}");
     assert_eq!(read(d, "o/samples.csv").lines().count() as u64, there + 1);
@@ -191,7 +191,7 @@ fn a_study_interrupted_at_once_says_so() {
     let output = child.wait_with_output().unwrap();
     let (_, complaint) = texts(&output);
     assert_eq!(output.status.code(), Some(2), "{complaint}");
-    assert!(complaint.contains("goes on from there") && !complaint.contains("no samples"), "{complaint}");
+    assert!(complaint.contains("from there") && !complaint.contains("no samples"), "{complaint}");
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn study_files_are_refused_with_their_lines() {
         ("disc.width_mm", "disc.widht_mm", "did you mean `disc.width_mm`?"),
         ("\"contact\"", "\"kontakt\"", "no analysis is called"),
         ("\"ideal\"", "\"magic\"", "magic"),
-        ("tolerances = false", "tolerances = true", "ideal joints have no place"),
+        ("tolerances = false", "tolerances = true", "ideal joints do not support"),
         ("d.toml", "nowhere.toml", "cannot read nowhere.toml"),
         ("latin-hypercube", "optimise", "needs one goal or two"),
     ] {

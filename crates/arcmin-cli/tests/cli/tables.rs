@@ -16,7 +16,7 @@ fn measurements_beyond_belief_are_refused() {
     says(
         d,
         &["calibrate", "d.toml", "huge.csv", "--joints", "ideal"],
-        "  × huge.csv, line 2: 1e300 in column hours is outside of 0 to 1e7, which is believable\n  \
+        "  × huge.csv, line 2: 1e300 in column hours is out of the allowed range 0 to 1e7\n  \
          help: check the unit in the column's name\n",
     );
     write(d, "tiny.csv", "hours,lost_motion_increase_arcsec\n600,1e-12\n");
@@ -31,8 +31,8 @@ fn measurements_beyond_belief_are_refused() {
     says(
         d,
         &["rig", "d.toml", "--measured", "te.csv"],
-        "  × te.csv, line 3: 7.03125e199 in column output_angle_deg is outside of -360000 to 360000, which is \
-         believable\n  help: check the unit in the column's name\n",
+        "  × te.csv, line 3: 7.03125e199 in column output_angle_deg is out of the allowed range -360000 to \
+         360000\n  help: check the unit in the column's name\n",
     );
     assert!(!d.join("out/d/calibrate/summary.json").exists());
 }
@@ -135,7 +135,7 @@ fn measured_curves_are_answered_with_their_line() {
     );
     edit(d, "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]");
     let said = refused(d, &["rig", "d.toml"]);
-    assert!(said.contains("flank.csv") && said.contains("its place is beside the design file"), "{said}");
+    assert!(said.contains("flank.csv") && said.contains("its path is relative to the design file"), "{said}");
     let flank = |step: f64, bad: Option<usize>| {
         let angle = |i: usize| if bad == Some(i) { 3.0 } else { step * i as f64 };
         let rows: Vec<String> =

@@ -93,16 +93,16 @@ fn new_does_not_overwrite_unless_told_so() {
     assert!(read(d, "d.toml").contains("RV-80E"));
     assert_eq!(
         refused(d, &["new", "rv-9", "e.toml"]),
-        "  × no template is called \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024\n"
+        "  × there is no template \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024\n"
     );
     assert_eq!(
         refused(d, &["new", "rv-80e"]),
-        "  × rv-80e is a template, and there is no file to write it to\n  \
+        "  × rv-80e is a template; the name of the file to write is missing\n  \
          help: `arcmin new rv-80e rv-80e.toml` writes rv-80e.toml\n"
     );
     assert_eq!(
         refused(d, &["new"]),
-        "  × there is no file to write\n  help: `arcmin new my-reducer.toml`, or `arcmin new --list`\n"
+        "  × the name of the file to write is missing\n  help: `arcmin new my-reducer.toml`, or `arcmin new --list`\n"
     );
     assert_eq!(names(d), ["d.toml"]);
 }
@@ -169,7 +169,7 @@ fn keys_explain_the_design_and_the_results() {
     assert!(!some.contains("timeseries"), "{some}");
     assert_eq!(
         refused(d, &["keys", "phlogiston"]),
-        "  × nothing here is called \"phlogiston\"\n  help: try a part of the word, or no filter\n"
+        "  × no line contains \"phlogiston\"\n  help: try a part of the word, or no filter\n"
     );
 }
 
@@ -204,7 +204,7 @@ fn words_too_many_are_answered_with_what_fits() {
         "{out}"
     );
     let place = answer(&["life", "d.toml", "results"]);
-    assert!(place.contains("tip: '--out results' is how to say where results go"), "{place}");
+    assert!(place.contains("tip: '--out results' sets the directory for results"), "{place}");
     let torque = answer(&["life", "d.toml", "--torque", "5"]);
     assert!(
         torque.contains("'--torque-nm' is an option of new, contact") && !torque.contains("force"),
@@ -227,9 +227,9 @@ fn files_that_are_not_there_are_answered_with_what_writes_them() {
     good(d, &["study", "new", "s.toml", "--design", "d.toml"]);
     assert!(refused(d, &["check", "none.toml"]).contains("`arcmin new FILE` writes a design file"));
     assert!(refused(d, &["study", "none.toml"]).contains("`arcmin study new FILE` writes a study file"));
-    assert!(refused(d, &["import", "duty", "d.toml", "none.csv"]).contains("check its name and place"));
+    assert!(refused(d, &["import", "duty", "d.toml", "none.csv"]).contains("check its name and path"));
     let elsewhere = refused(d, &["study", "collect", "s.toml"]).replace("\n        ", " ");
-    assert!(elsewhere.contains("if they lie elsewhere, --out says where"), "{elsewhere}");
+    assert!(elsewhere.contains("if they are in another directory, give it with --out"), "{elsewhere}");
 }
 
 #[test]

@@ -8,10 +8,9 @@ use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,
 };
 
-pub const ABOUT: &str = "Judge a design: findings with value, limit, reason and remedy";
-pub const GUIDE: &str = "Judges a design. Each finding has a code, a value and a limit; warnings and errors \
-                         also say why they matter and what to change. The exit status is 1 if there is an \
-                         error finding.";
+pub const ABOUT: &str = "Check a design: findings with value, limit, reason and remedy";
+pub const GUIDE: &str = "Checks a design. Each finding has a code, a value and a limit. Warnings and errors also state why \
+    they matter and what to change. The exit status is 1 if there is an error finding.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin check my-reducer.toml",
     "arcmin check my-reducer.toml --explain",
@@ -21,7 +20,7 @@ pub const EXAMPLES: &[&str] = &[
 options! {
     /// Options of `check`.
     pub struct Options {
-        /// Explain every check, passed ones included.
+        /// Explain all checks, including those that passed.
         explain: bool => optional(0.0, 0.0),
     }
 }

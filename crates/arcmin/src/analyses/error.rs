@@ -53,14 +53,14 @@ impl AnalysisError {
                 (!help.is_empty()).then(|| help.clone())
             }
             AnalysisError::Interrupted { .. } => {
-                Some("the same call with resume goes on from there".to_owned())
+                Some("repeat the call with resume to continue from the checkpoint".to_owned())
             }
             AnalysisError::Compute { cause, .. } => {
                 let in_closed_form = cause.is::<ClosedFormError>()
                     || matches!(cause.downcast_ref(), Some(WearError::ClosedForm(_)));
                 in_closed_form.then(|| {
-                    "the closed form of the handbook cannot answer for this machine; the balance of forces can: \
-                     leave out the method of `contact`, the mode of `wear`"
+                    "the closed form has no solution for this machine; use the equilibrium of forces: leave out \
+                     the method of `contact` or the mode of `wear`"
                         .to_owned()
                 })
             }

@@ -63,7 +63,7 @@ pub trait Host: Progress {
     /// # Errors
     /// [`AnalysisError`] where there is none.
     fn checkpoint(&self) -> Result<Vec<u8>, AnalysisError> {
-        Err(AnalysisError::usage("there is no checkpoint to go on from", "start afresh without resume"))
+        Err(AnalysisError::usage("there is no checkpoint to resume from", "start again without resume"))
     }
 }
 

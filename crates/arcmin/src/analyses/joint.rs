@@ -34,7 +34,7 @@ const BETWEEN: f64 = 0.5;
 pub fn joint(design: &Design, options: &JointOptions, host: &dyn Host) -> Result<JointExport, AnalysisError> {
     if options.fidelity.joints.value == Joints::Ideal {
         return Err(AnalysisError::usage(
-            "a joint's play is that of its bearings",
+            "the exported joint needs a machine in bearings",
             "choose joints = bearings",
         ));
     }

@@ -13,8 +13,8 @@ use crate::results::{
 use crate::units::{DEG, MM, UM, wrap_angle};
 
 pub const ABOUT: &str = "Compute the flank of the cycloid disc: points, normals, curvature";
-pub const GUIDE: &str = "Computes the flank of the cycloid disc over one full turn, as cut: with its \
-                         modifications, and less the wear.";
+pub const GUIDE: &str = "Computes the flank of the cycloid disc over one full turn, with its modifications and with uniform \
+    wear if given.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin profile my-reducer.toml --points 400",
     "arcmin profile my-reducer.toml --wear-um 60 --out flank60",
@@ -25,7 +25,7 @@ options! {
     pub struct Options {
         /// Points per lobe.
         points: usize => default(200.0, 4.0, 1e5),
-        /// Depth removed from the whole flank.
+        /// Uniform wear depth of the whole flank.
         wear_um: f64 => default(0.0, 0.0, 1000.0),
     }
 }

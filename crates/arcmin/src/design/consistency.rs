@@ -313,7 +313,7 @@ fn duty(design: &DesignSections, source: &Source) -> Result<()> {
         ));
     }
     if *design.load.input_speed_rpm == 0.0 {
-        let message = "a rated input speed of zero turns nothing".to_owned();
+        let message = "the rated input speed must not be zero".to_owned();
         return Err(contradiction(
             source,
             &design.load.input_speed_rpm.span,

@@ -259,7 +259,7 @@ fn the_reader_takes_flags_and_lists() {
     assert!(!*sample.fast && *sample.hours == [1.0, 2.0] && *sample.results == ["a"]);
     for (text, message) in [
         ("fast = 1", "s.toml:1:8: `fast` must be true or false, but here is a number"),
-        ("hours = [1, 101]", "s.toml:1:13: `hours` is outside of what this program believes"),
+        ("hours = [1, 101]", "s.toml:1:13: `hours` is out of range"),
         ("hours = 1", "s.toml:1:9: `hours` must be a list of numbers, but here is a number"),
         ("results = [1]", "s.toml:1:12: `results` must be a list of texts, but here is a number"),
         ("result = []", "s.toml:1:1: unknown key `result` in the study file"),
@@ -349,8 +349,8 @@ fn wrong_unknowns_are_answered_with_line_and_remedy() {
         ),
         (
             "\"ring.pin_radius_mm\" = { low = 0, high = 5 }",
-            "`ring.pin_radius_mm` would vary from 0 to 5, beyond what this program believes",
-            "0.1 to 200 mm are believable",
+            "`ring.pin_radius_mm` would vary from 0 to 5, which is out of range",
+            "the allowed range is 0.1 to 200 mm",
         ),
         (
             "\"ring.pin_radius_mm\" = { low = 2 }",

@@ -99,9 +99,9 @@ pub enum DesignErrorKind {
     NotPositive { key: String },
     #[error("`{key}` must not be negative")]
     Negative { key: String },
-    #[error("`{key}` is outside of what this program believes")]
+    #[error("`{key}` is out of range")]
     OutOfRange { key: String },
-    #[error("`{key}` does not know the choice \"{choice}\"")]
+    #[error("`{key}` has no choice \"{choice}\"")]
     UnknownChoice { key: String, choice: String },
     #[error("no material is called \"{name}\"")]
     UnknownMaterial { name: String },

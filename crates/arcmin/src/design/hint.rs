@@ -115,7 +115,7 @@ pub(super) fn for_number(key: &Key, number: f64) -> String {
         "°" => vec![("rad", 180.0 / std::f64::consts::PI)],
         _ => Vec::new(),
     };
-    let range = format!("{} to {}{unit} are believable", plain(low), plain(high));
+    let range = format!("the allowed range is {} to {}{unit}", plain(low), plain(high));
     match scaled.into_iter().find(|(_, factor)| number > 0.0 && fits(number * factor)) {
         Some((other, factor)) => {
             format!("{range}; if the value is in {other}, write {} = {}", key.name, plain(number * factor))
@@ -127,8 +127,8 @@ pub(super) fn for_number(key: &Key, number: f64) -> String {
 /// Hint for a word that is none of the choices.
 pub(super) fn for_word<'a>(word: &str, choices: impl Iterator<Item = &'a str> + Clone) -> String {
     match closest(word, choices.clone()) {
-        Some(close) => format!("did you mean \"{close}\"? Known are {}", quoted(choices)),
-        None => format!("known are {}", quoted(choices)),
+        Some(close) => format!("did you mean \"{close}\"? The choices are {}", quoted(choices)),
+        None => format!("the choices are {}", quoted(choices)),
     }
 }
 

@@ -389,8 +389,8 @@ fn wrong_manufacturing_errors_are_answered_with_line_and_remedy() {
         (
             "[[errors.flanks]]\ndisc = 1\nkind = \"run-out\"\norder = 1\namplitude_um = 4\n",
             2,
-            "`kind` does not know the choice \"run-out\"",
-            "known are \"radial\", \"pitch\", \"profile\"",
+            "`kind` has no choice \"run-out\"",
+            "the choices are \"radial\", \"pitch\", \"profile\"",
         ),
         (
             "[[errors.flanks]]\ndisc = 1\nkind = \"pitch\"\norder = 1\n",

@@ -75,15 +75,12 @@ fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Option<Unk
         if relative {
             return Ok(None);
         }
-        let message = format!(
-            "`{path}` would vary from {} to {}, beyond what this program believes",
-            plain(low),
-            plain(high)
-        );
+        let message =
+            format!("`{path}` would vary from {} to {}, which is out of range", plain(low), plain(high));
         let space = if unit.is_empty() { "" } else { " " };
         return Err(at(
             message,
-            &format!("{} to {}{space}{unit} are believable", plain(rule.low), plain(rule.high)),
+            &format!("the allowed range is {} to {}{space}{unit}", plain(rule.low), plain(rule.high)),
         ));
     }
     let variation = varied.variation.clone();

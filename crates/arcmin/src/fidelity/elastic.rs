@@ -122,7 +122,7 @@ fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {
 
 pub(super) fn no_free_bores() -> AnalysisError {
     AnalysisError::usage(
-        "bearings move every bore by itself: one spider for all bores leaves none to them",
+        "one rigid spider for all bores does not allow each bore its own bearing",
         "leave bores = common out, or choose joints = ideal",
     )
 }

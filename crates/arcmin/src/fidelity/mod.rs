@@ -80,7 +80,7 @@ impl Fidelity {
         let bends = options.bodies.value == FrameBodies::Elastic;
         if bends && options.joints.value == Joints::Ideal {
             return Err(AnalysisError::usage(
-                "ideal joints leave carrier and housing nothing to give way to",
+                "ideal joints do not support elastic carriers and housings",
                 "choose joints = bearings",
             ));
         }
@@ -118,7 +118,7 @@ impl Fidelity {
         }
         if self.joints == Joints::Ideal {
             return Err(AnalysisError::usage(
-                "ideal joints hold the output straight, whatever tilts it",
+                "ideal joints do not support forces that tilt the output",
                 "choose joints = bearings",
             ));
         }
@@ -137,7 +137,7 @@ impl Fidelity {
         if options.joints.value == Joints::Ideal {
             if matches!(options.errors, Some(ErrorSource::Given | ErrorSource::Drawn)) {
                 return Err(AnalysisError::usage(
-                    "ideal joints have no place for manufacturing errors",
+                    "ideal joints do not support manufacturing errors",
                     "choose joints = bearings",
                 ));
             }
@@ -149,7 +149,10 @@ impl Fidelity {
             });
         }
         if options.seed.is_some() && self.source != ErrorSource::Drawn {
-            return Err(AnalysisError::usage("a seed draws nothing here", "it goes with errors = drawn"));
+            return Err(AnalysisError::usage(
+                "a seed needs drawn errors",
+                "add errors = drawn, or leave the seed out",
+            ));
         }
         match self.source {
             ErrorSource::None => {}
@@ -238,8 +241,8 @@ impl Fidelity {
     pub fn running_meshing(&self, machine: &Machine) -> Result<MachineMeshing, AnalysisError> {
         if self.joints == Joints::Ideal {
             return Err(AnalysisError::usage(
-                "ideal joints share the load without friction",
-                "friction acts on the whole machine: joints = bearings",
+                "ideal joints do not support friction",
+                "choose joints = bearings",
             ));
         }
         let meshing = BearingMeshing::running(machine, &self.joint_settings()?)

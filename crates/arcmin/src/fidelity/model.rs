@@ -44,7 +44,7 @@ impl Fidelity {
             (Joints::Bearings, _) => {
                 if facets.is_some() {
                     return Err(AnalysisError::usage(
-                        "faceted flanks do not run in bearings",
+                        "faceted flanks are supported with ideal joints only",
                         "choose joints = ideal, or flank = smooth",
                     ));
                 }

@@ -9,24 +9,25 @@ options! {
     pub struct FidelityOptions {
         /// Joints between the bodies.
         joints: Stated<Joints> => default_word("ideal"),
-        /// Cycloid discs.
+        /// Model of the cycloid discs.
         discs: DiscBodies => default_word("rigid"),
-        /// Carrier, housing with pin grooves, crank seats and the discs' rims; elastic ones go with bearings and make the discs elastic as well, with windows for the carrier's pillars.
+        /// Model of carrier, housing with pin grooves, crank seats and rims of the disc bores. Elastic bodies need joints in
+        /// bearings; they make the discs elastic as well, with windows for the pillars of the carrier.
         bodies: Stated<FrameBodies> => default_word("rigid"),
-        /// Manufacturing errors; they act in bearings. Left out: those of the design's section `errors`, if it has one.
+        /// Manufacturing errors; they need joints in bearings. Left out: the errors of the design's section `errors`, if it has
+        /// one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
-        /// Seed of the machine that errors = drawn draws. Left out: 1.
+        /// Seed of the machine drawn with errors = drawn. Left out: 1.
         seed: Option<usize> => optional(0.0, LARGEST_SEED),
-        /// Seed of the batch that the drawn machine comes from; machines of one batch have part of their errors
-        /// in common.
+        /// Seed of the batch of the drawn machine. Machines of one batch share a part of their errors.
         batch_seed: Option<usize> => optional(0.0, LARGEST_SEED),
-        /// Share of the variance of every tolerance that machines of one batch have in common.
+        /// Share of the variance of every tolerance that is common to one batch, 0 to 1.
         batch_share: f64 => default(0.5, 0.0, 1.0),
-        /// Finite elements of elastic discs.
+        /// Elastic discs: type of the finite elements.
         element: Element => default_word("plane-stress"),
-        /// What the bores of elastic discs are tied to; in bearings each bore goes its own way.
+        /// Elastic discs: constraint of the bores. Joints in bearings need per-bore.
         bores: Bores => default_word("per-bore"),
-        /// Elastic discs: modes up to this frequency vibrate, the compliance of the others acts without inertia.
+        /// Elastic discs: cut-off frequency of the modes. Modes above it contribute their static compliance only.
         mode_frequency_hz: f64 => default(MODE_FREQUENCY, 0.0, 1e6),
         /// Elastic discs: damping ratio of every mode.
         damping_ratio: f64 => default(DAMPING_RATIO, 0.0, 0.99),
@@ -56,7 +57,7 @@ pub enum Joints {
 
 impl Choice for Joints {
     const WORDS: &'static [(&'static str, &'static str)] =
-        &[("ideal", "without clearance and compliance"), ("bearings", "every body free in its bearings")];
+        &[("ideal", "no clearance, no compliance"), ("bearings", "clearance and compliance of all bearings")];
     const VALUES: &'static [Joints] = &[Joints::Ideal, Joints::Bearings];
 }
 
@@ -69,8 +70,10 @@ pub enum DiscBodies {
 }
 
 impl Choice for DiscBodies {
-    const WORDS: &'static [(&'static str, &'static str)] =
-        &[("rigid", "rigid discs"), ("elastic", "finite elements, reduced to modes and flank compliances")];
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("rigid", "rigid discs"),
+        ("elastic", "finite elements, reduced to modes and compliances of the flank"),
+    ];
     const VALUES: &'static [DiscBodies] = &[DiscBodies::Rigid, DiscBodies::Elastic];
 }
 
@@ -85,7 +88,7 @@ pub enum FrameBodies {
 impl Choice for FrameBodies {
     const WORDS: &'static [(&'static str, &'static str)] = &[
         ("rigid", "rigid carrier and housing"),
-        ("elastic", "finite elements of the design's solids, condensed to their seats"),
+        ("elastic", "finite elements of the solids, condensed to their interfaces"),
     ];
     const VALUES: &'static [FrameBodies] = &[FrameBodies::Rigid, FrameBodies::Elastic];
 }
@@ -103,9 +106,9 @@ pub enum ErrorSource {
 
 impl Choice for ErrorSource {
     const WORDS: &'static [(&'static str, &'static str)] = &[
-        ("given", "those of the design's [errors]"),
-        ("drawn", "drawn from the design's [tolerances] with a seed"),
-        ("none", "the nominal machine"),
+        ("given", "errors of the design's section [errors]"),
+        ("drawn", "errors drawn from the design's section [tolerances] with a seed"),
+        ("none", "nominal machine"),
     ];
     const VALUES: &'static [ErrorSource] = &[ErrorSource::Given, ErrorSource::Drawn, ErrorSource::None];
 }
@@ -138,7 +141,7 @@ pub enum Bores {
 
 impl Choice for Bores {
     const WORDS: &'static [(&'static str, &'static str)] =
-        &[("per-bore", "each bore carries its own bearing"), ("common", "one rigid spider for all bores")];
+        &[("per-bore", "each bore has its own bearing"), ("common", "one rigid spider connects all bores")];
     const VALUES: &'static [Bores] = &[Bores::PerBore, Bores::Common];
 }
 

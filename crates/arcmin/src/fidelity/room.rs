@@ -14,7 +14,7 @@ pub(super) fn check(machine: &Machine) -> Result<(), AnalysisError> {
     match found.or_else(|| housing(machine)) {
         None => Ok(()),
         Some((message, remedy)) => Err(AnalysisError::usage(
-            format!("elastic bodies have no room: {message}"),
+            format!("the design leaves no room for elastic bodies: {message}"),
             format!("{remedy}; or leave bodies = elastic out"),
         )),
     }

@@ -194,7 +194,7 @@ impl Loaded<'_> {
 }
 
 fn of_parts(cause: String) -> AnalysisError {
-    AnalysisError::usage(cause, "choose another place with --out")
+    AnalysisError::usage(cause, "choose another directory with --out")
 }
 
 impl Population {

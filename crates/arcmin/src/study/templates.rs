@@ -21,7 +21,7 @@ impl Template {
 pub const TEMPLATES: [Template; 8] = [
     Template {
         name: "yield",
-        summary: "how many machines of a series keep their limits",
+        summary: "share of the machines of a series that keep their limits",
         text: include_str!("../../studies/yield.toml"),
     },
     Template {
@@ -31,28 +31,28 @@ pub const TEMPLATES: [Template; 8] = [
     },
     Template {
         name: "unknowns",
-        summary: "band of the life from what is not known, and what to measure first",
+        summary: "band of the life from the unknowns, and the input to measure first",
         text: include_str!("../../studies/unknowns.toml"),
     },
     Template {
         name: "morris",
-        summary: "which of many keys matter at all",
+        summary: "which of many keys have an effect",
         text: include_str!("../../studies/morris.toml"),
     },
     Template {
         name: "sobol-indices",
-        summary: "shares of the scatter by key, alone and together",
+        summary: "share of the variance by key, alone and in interaction",
         text: include_str!("../../studies/sobol-indices.toml"),
     },
     Template {
         name: "grid",
-        summary: "every combination of some levels",
+        summary: "all combinations of given levels",
         text: include_str!("../../studies/grid.toml"),
     },
     Template { name: "cases", summary: "a list of cases", text: include_str!("../../studies/cases.toml") },
     Template {
         name: "optimise",
-        summary: "search for the best design, for all machines of a series",
+        summary: "search for the best design, with the scatter of the series",
         text: include_str!("../../studies/optimise.toml"),
     },
 ];

@@ -77,8 +77,8 @@ pub enum TableErrorKind {
     MixedMarks { point: usize },
     #[error("the comma of \"{field}\" may be a decimal comma or group thousands")]
     AmbiguousComma { field: String },
-    #[error("{} in column {column} is outside of {} to {}, which is believable", plain(*.value), plain(*.low), plain(*.high))]
-    Unbelievable { column: String, value: f64, low: f64, high: f64 },
+    #[error("{} in column {column} is out of the allowed range {} to {}", plain(*.value), plain(*.low), plain(*.high))]
+    OutOfRange { column: String, value: f64, low: f64, high: f64 },
     #[error("{column} must {rule}, but {value} follows {before}")]
     Order { column: String, rule: &'static str, value: f64, before: f64 },
     /// What a command finds in columns that were read.
@@ -138,7 +138,7 @@ impl TableError {
             Grouped { .. } => "write the number without separators between its thousands".into(),
             MixedMarks { .. } => "use the same decimal mark in the whole file".into(),
             AmbiguousComma { .. } => "write decimal points and no separators of thousands".into(),
-            Unbelievable { .. } => "check the unit in the column's name".into(),
+            OutOfRange { .. } => "check the unit in the column's name".into(),
             Order { rule: "rise", value, before, .. } if value == before => {
                 "keep one row for each value; in the file of a load, two rows at one time are a step".into()
             }

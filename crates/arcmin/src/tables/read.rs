@@ -261,7 +261,7 @@ fn in_order(column: &Column, value: f64, before: Option<&f64>) -> Result<f64, Ta
     let (low, high) = column.within;
     let name = || column.name.to_owned();
     if !(low..=high).contains(&value) {
-        return Err(TableErrorKind::Unbelievable { column: name(), value, low, high });
+        return Err(TableErrorKind::OutOfRange { column: name(), value, low, high });
     }
     match (column.order, before) {
         (Order::Rising, Some(before)) if !(value > *before) => {

@@ -122,7 +122,7 @@ fn what_is_wrong_is_named_with_its_line() {
         ("hours,depth_um\n0;1\n", Some(2), |k| matches!(k, FieldCount { .. })),
         ("hours,depth_um,\n0,1,2\n", Some(2), |k| *k == Unnamed(3)),
         ("hours,depth_um\n5,1\n0,1\n", Some(3), |k| matches!(k, Order { .. })),
-        ("hours,depth_um\n5,1e4\n", Some(2), |k| matches!(k, Unbelievable { .. })),
+        ("hours,depth_um\n5,1e4\n", Some(2), |k| matches!(k, OutOfRange { .. })),
         ("hours,depth_um\n5,\"1\n6,2\n", Some(2), |k| *k == OpenQuote),
         ("hours,depth_um\n5,1\u{1b}[2J\n", Some(2), |k| *k == ControlCharacter(27)),
     ];

@@ -38,7 +38,8 @@ impl Lives {
         let watch = Watch { begun: &begun, finished: &|_| bar.one_more() };
         let done = run(&study.plan, Shard::WHOLE, &parts, &compute, &watch).map_err(broken)?;
         if done.cancelled {
-            let reason = "the lives of the band were stopped; the same command goes on from there".to_owned();
+            let reason =
+                "the lives of the band were stopped; repeat the command to continue from there".to_owned();
             return Err(Failure::Unfinished { reason });
         }
         let rows = collect(&study.plan, &parts).map_err(broken)?;

@@ -26,11 +26,11 @@ pub fn command(of: &str, file: &str) -> Command {
     Command::new("submit")
         .about("Compute all shards on an engine: local processes, HyperQueue, Slurm or Dask")
         .long_about(format!(
-            "Computes all shards on an engine, then reports.\n\nlocal starts processes here. hq, slurm and \
-             dask write a script into DIR/submit (readable, to be changed at will) and run it where the \
-             engine's command is there: hq, sbatch, or python3 with dask.distributed. All start `arcmin {of} \
-             run --shard I/N` and nothing else; the directory must be one that all machines see.\n\nAn \
-             optimisation is submitted generation by generation."
+            "Computes all shards on an engine, then reports.\n\nThe engine local starts processes on this machine. \
+             The engines hq, slurm and dask write a script to DIR/submit, which may be edited, and run it if the command of \
+             the engine is installed: hq, sbatch, or python3 with dask.distributed. Every job runs `arcmin {of} \
+             run --shard I/N`; all machines need access to the directory.\n\nAn optimisation is submitted \
+             generation by generation."
         ))
         .after_help(format!(
             "Examples:\n  arcmin {of} submit {file} --engine local --workers 8\n  \
@@ -41,29 +41,29 @@ pub fn command(of: &str, file: &str) -> Command {
                 .long("engine")
                 .default_value("local")
                 .value_parser(PossibleValuesParser::new(["local", "hq", "slurm", "dask"]))
-                .help("What runs the shards"),
+                .help("Engine that runs the shards"),
         )
         .arg(
             Arg::new("shards")
                 .long("shards")
                 .value_name("N")
                 .value_parser(value_parser!(u64).range(1..=1_000_000))
-                .help("Shards [default: 64, fewer for a study of fewer parts]"),
+                .help("Number of shards [default: 64, or the number of parts if smaller]"),
         )
         .arg(
             Arg::new("workers")
                 .long("workers")
                 .value_name("N")
                 .value_parser(value_parser!(u16).range(1..=4096))
-                .help("Processes at once (local, dask on this machine) [default: all cores]"),
+                .help("Number of processes at once (local, and dask on this machine) [default: all cores]"),
         )
         .arg(
             Arg::new("address")
                 .long("address")
                 .value_name("HOST:PORT")
-                .help("Address of a Dask scheduler that is there already"),
+                .help("Address of a running Dask scheduler"),
         )
-        .arg(Arg::new("print").long("print").action(ArgAction::SetTrue).help("Write the script, run nothing"))
+        .arg(Arg::new("print").long("print").action(ArgAction::SetTrue).help("Write the script without running it"))
 }
 
 /// What an engine is to compute.
@@ -112,8 +112,8 @@ pub fn run(job: &Shards<'_>, matches: &ArgMatches) -> Result<bool, Failure> {
     }
     if !is_there(program) {
         return Err(Failure::Usage {
-            message: format!("there is no `{program}` on this machine"),
-            help: format!("run `{typed}` where there is, or --engine local here"),
+            message: format!("`{program}` is not installed on this machine"),
+            help: format!("run `{typed}` on a machine with `{program}`, or use --engine local"),
         });
     }
     let ended = Process::new(runner).arg(&script).status();

@@ -24,17 +24,17 @@ use crate::run::{
 };
 
 const GUIDE: &str = "\
-A study computes many machines instead of one: it reads a study file (TOML), which names a design, an analysis
-with its options, what varies, how machines are chosen and which results to keep.
+A study computes many machines. The study file (TOML) names a design, an analysis with its options, the keys that
+vary, the method of sampling, and the results to keep.
 
-Results: samples.csv (a machine a row), summary.json (statistics, each with its interval) and report.html.
-Machines are kept in parts/ as they are computed: whoever stops the study, or kills it, starts it again and it
-goes on. Sample k depends on the seed and k alone, so that any sharing of the work gives the same rows.";
+Results: samples.csv (one machine a row), summary.json (statistics with intervals) and report.html. Every machine is
+written to parts/ when it is computed; after a stop or a kill the same command continues with the missing ones. Sample k
+depends only on the seed and on k, so every distribution of the work gives the same rows.";
 
 const EXAMPLES: &str = "Examples:
   arcmin study new yield my-study.toml       write a commented study file to start from
-  arcmin study my-study.toml                 run it here
-  arcmin study tighten my-reducer.toml       ask a template's question of a design at once
+  arcmin study my-study.toml                 run it on this machine
+  arcmin study tighten my-reducer.toml       run a template on a design directly
   arcmin study run my-study.toml --shard 3/50 --out shared/study
   arcmin study collect my-study.toml --out shared/study
   arcmin study submit my-study.toml --engine slurm --shards 50 --out shared/study";
@@ -47,7 +47,7 @@ pub fn command() -> Command {
     };
     Command::new("study")
         .about("Compute many machines: sweeps, tolerances, unknowns, sensitivity, optimisation")
-        .long_about(format!("Compute many machines instead of one.\n\n{GUIDE}"))
+        .long_about(GUIDE)
         .after_help(EXAMPLES)
         .args_conflicts_with_subcommands(true)
         .subcommand_negates_reqs(true)
@@ -59,14 +59,14 @@ pub fn command() -> Command {
         .arg(quiet())
         .subcommand(new::command())
         .subcommands(question::commands())
-        .subcommand(with(Command::new("plan").about("Lay out the samples and write plan.csv and plan.json")))
+        .subcommand(with(Command::new("plan").about("Choose the samples and write plan.csv and plan.json")))
         .subcommand(planned(
-            Command::new("run").about("Compute one shard of the samples and keep its parts").arg(shard()),
+            Command::new("run").about("Compute one shard of the samples and keep it in parts/").arg(shard()),
         ))
         .subcommand(planned(engines::command("study", "my-study.toml")))
         .subcommand(planned(
             Command::new("collect")
-                .about("Write samples.csv, summary.json and report.html from the parts there are"),
+                .about("Write samples.csv, summary.json and report.html from the parts computed so far"),
         ))
 }
 
@@ -87,7 +87,7 @@ pub(super) fn shard() -> Arg {
         .value_name("I/N")
         .default_value("1/1")
         .value_parser(|text: &str| Shard::parse(text).ok_or("write I/N with I from 1 to N, such as 3/50"))
-        .help("Which of how many shards")
+        .help("Number of the shard, of how many shards")
 }
 
 /// The shard that [`shard`] asks for.
@@ -108,14 +108,11 @@ fn threads() -> Arg {
         .long("threads")
         .value_name("N")
         .value_parser(value_parser!(u16).range(1..=1024))
-        .help("Samples computed at once; results do not depend on it [default: all cores]")
+        .help("Number of samples computed at once; results do not depend on it [default: all cores]")
 }
 
 fn force() -> Arg {
-    Arg::new("force")
-        .long("force")
-        .action(ArgAction::SetTrue)
-        .help("Write over the results of another design")
+    Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite the results of another design")
 }
 
 fn quiet() -> Arg {
@@ -161,8 +158,8 @@ impl Job {
             (Some(path), _) => path.clone(),
             (None, Some(out)) => planned_in(out)?,
             (None, None) => {
-                let message = "there is no study".to_owned();
-                let help = "name its file, or with --out the directory that it is planned in".to_owned();
+                let message = "the study file is missing".to_owned();
+                let help = "name the file, or give --out with the directory of a planned study".to_owned();
                 return Err(Failure::Usage { message, help });
             }
         };
@@ -234,7 +231,7 @@ impl Job {
 
     fn stopped(&self) -> Failure {
         Failure::Unfinished {
-            reason: format!("the study was stopped; `{}` goes on from there", crate::command_line()),
+            reason: format!("the study was stopped; `{}` continues from there", crate::command_line()),
         }
     }
 
@@ -297,7 +294,7 @@ impl Job {
         Failure::Usage {
             message: format!("there are no samples in {}", self.out.join("parts").display()),
             help: format!(
-                "`arcmin study run {} --shard 1/1 --out {}` computes them; if they lie elsewhere, --out says where",
+                "`arcmin study run {} --shard 1/1 --out {}` computes them; if they are in another directory, give it with --out",
                 self.path.display(),
                 self.out.display()
             ),
@@ -376,9 +373,9 @@ fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
 pub(super) fn told(what: &str, done: &Done) -> String {
     let failed = match done.failed {
         0 => String::new(),
-        failed => format!(", {failed} of them without result"),
+        failed => format!(", {failed} of them failed"),
     };
-    let found = if done.found > 0 { format!(", {} were there", done.found) } else { String::new() };
+    let found = if done.found > 0 { format!(", {} were computed before", done.found) } else { String::new() };
     format!("{} {what} computed{failed}{found}", done.computed)
 }
 

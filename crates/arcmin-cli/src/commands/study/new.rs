@@ -12,7 +12,7 @@ pub fn command() -> Command {
         TEMPLATES.iter().map(|template| format!("\n  {:13} {}", template.name, template.summary)).collect();
     Command::new("new")
         .about("Write a commented study file to start from")
-        .long_about(format!("Writes a study file that can be run as it is.\n\nTemplates:{list}"))
+        .long_about(format!("Writes a study file that can be run without changes.\n\nTemplates:{list}"))
         .after_help(
             "Examples:\n  arcmin study new yield my-study.toml\n  \
              arcmin study new optimise my-search.toml --design my-reducer.toml\n  arcmin study new --list",
@@ -22,12 +22,13 @@ pub fn command() -> Command {
                 .num_args(0..=2)
                 .action(ArgAction::Append)
                 .value_names(["TEMPLATE", "FILE"])
-                .help("File to write, and before it the template to start from [default: yield]"),
+                .help("File to write, optionally after the name of a template [default: yield]"),
         )
         .arg(
-            Arg::new("design").long("design").value_name("FILE").help(
-                "Design that the study is about, as seen from the study file [default: rv-40e-81.toml]",
-            ),
+            Arg::new("design")
+                .long("design")
+                .value_name("FILE")
+                .help("Design of the study, as a path relative to the study file [default: rv-40e-81.toml]"),
         )
         .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the templates"))
         .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite an existing file"))
@@ -49,19 +50,22 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
             None => {
                 let names = TEMPLATES.map(|template| template.name).join(", ");
                 return Err(usage(
-                    format!("no study template is called \"{name}\""),
-                    &format!("there are {names}"),
+                    format!("there is no study template \"{name}\""),
+                    &format!("the templates are {names}"),
                 ));
             }
         },
         [one] if known(one).is_some() => {
             let help = format!("`arcmin study new {one} {one}.toml` writes {one}.toml");
-            return Err(usage(format!("{one} is a template, and there is no file to write it to"), &help));
+            return Err(usage(
+                format!("{one} is a template; the name of the file to write is missing"),
+                &help,
+            ));
         }
         [file] => (&TEMPLATES[0], *file),
         _ => {
             let help = "`arcmin study new yield my-study.toml`, or `arcmin study new --list`";
-            return Err(usage("there is no file to write".to_owned(), help));
+            return Err(usage("the name of the file to write is missing".to_owned(), help));
         }
     };
     let path = PathBuf::from(file);

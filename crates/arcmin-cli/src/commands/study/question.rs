@@ -18,13 +18,13 @@ pub fn template(name: &str) -> Option<&'static Template> {
 
 pub fn commands() -> Vec<Command> {
     let command = |template: &'static Template| {
-        let about = format!("Ask of a design: {}", template.summary);
+        let about = format!("For one design: {}", template.summary);
         common(
             Command::new(template.name)
                 .about(about.clone())
                 .long_about(format!(
-                    "{about}.\n\nRuns the study template of this name on the design. Its study file is left as \
-                     {FILE} beside the results, to be changed and run again with `arcmin study`."
+                    "{about}.\n\nRuns the study template of this name on the design. The study file {FILE} stays in \
+                     the result directory; edit it and run it again with `arcmin study`."
                 ))
                 .after_help(format!("Examples:\n  arcmin study {} my-reducer.toml", template.name))
                 .arg(

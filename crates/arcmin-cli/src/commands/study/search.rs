@@ -28,14 +28,14 @@ impl Job {
         let standing = self.standing(search)?;
         let Some((stage, there)) = &standing.next else {
             if !self.quiet {
-                say("the search is over: nothing is left to compute")?;
+                say("the search is complete")?;
             }
             return Ok(false);
         };
         let cancelled = self.compute(&stage.plan, &stage.stage.name(), shard)?;
         if !self.quiet {
             say(&format!(
-                "{} of the search: {} of {} rows were there before",
+                "{} of the search: {} of {} rows were computed before",
                 stage.stage.name(),
                 there.records.len(),
                 stage.plan.rows()

@@ -31,18 +31,19 @@ use crate::report::{compact, significant};
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{Fit, FitPlan, Measured, Model, RunningInFit, Truth, follow_and_fit};
 
-pub const ABOUT: &str = "Fit the wear coefficient to readings of a machine; how long it still lasts";
-pub const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction to readings, by least squares of \
-    their residuals over their scale, with its 95 % band, and says how long the machine still keeps each of its \
-    limits. With manufacturing errors the readings are those of one real machine.\n\nOne reading is enough \
-    (--reading 5200h=1.4arcmin), with the lost motion when new: measured (--new-arcmin) or the design's. A file has \
-    a column hours and one or more of depth_um (largest depth of a flank), lost_motion_increase_arcmin (since new) \
-    and lost_motion_arcmin (as read: what the machine had when new is fitted with it). A column machine tells \
-    several machines of one design apart. An empty field is no reading. Increases and depths count relative to \
-    their value, readings of lost motion relative to the largest growth of their machine.\n\nThe running-in of \
-    the design is kept, or fitted: its factor (--running-in-h), or factor and duration (--fit-running-in). What \
-    the readings cannot tell apart is said. Bands come from the profile likelihood: from the scatter of the \
-    readings, or from their error where it is given; from an assumed error where neither tells.";
+pub const ABOUT: &str = "Fit the wear coefficient to readings of a machine and predict its remaining hours";
+pub const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction to readings by least squares, with its 95 % \
+    band, and predicts for how many hours the machine keeps each of its limits. With manufacturing \
+    errors the readings are those of one real machine.\n\nOne reading is enough (--reading \
+    5200h=1.4arcmin). The lost motion of the new machine is then --new-arcmin or the design's. A file \
+    has a column hours and one or more of the columns depth_um (largest wear depth of a flank), \
+    lost_motion_increase_arcmin (since new) and lost_motion_arcmin (as measured; its value when new is \
+    fitted too). A column machine separates several machines of one design. Empty fields are allowed. \
+    Residuals of increases and depths are relative to their value, residuals of lost motion to the \
+    largest growth of their machine.\n\nThe running-in is that of the design, or it is fitted: its \
+    factor (--running-in-h), or factor and time constant (--fit-running-in). The run names parameters \
+    that the readings cannot separate. Bands come from the profile likelihood. They use the scatter of \
+    the readings, or the error of a reading if it is given, or an assumed error.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin calibrate my-reducer.toml --reading 5200h=1.4arcmin --limit lost_motion=2",
     "arcmin calibrate my-reducer.toml measured.csv",
@@ -60,21 +61,26 @@ options! {
     /// Options of `calibrate`.
     pub struct Options {
         [fidelity: FidelityOptions, joints = "bearings"]
-        /// Readings: hours, and depth_um, lost_motion_increase_arcmin or lost_motion_arcmin; perhaps machine.
+        /// File of readings. Columns: hours, and depth_um, lost_motion_increase_arcmin or lost_motion_arcmin; optional: machine.
         data: Option<InputFile> => positional(),
-        /// One reading, hours and value: 5200h=1.4arcmin (lost motion as read), 5200h=+0.4arcmin (its increase since new), 5200h=12um (depth of the flank); may be given several times.
+        /// One reading: 5200h=1.4arcmin (lost motion), 5200h=+0.4arcmin (its increase since new) or 5200h=12um (wear depth of
+        /// the flank); may be given several times.
         reading: Vec<String> => optional(0.0, 0.0),
-        /// Lost motion that the machine had when new. Left out: fitted to its readings, or, where it was read once only, as the design predicts it.
+        /// Lost motion of the new machine. Left out: fitted to the readings; with one reading, the value that the design
+        /// predicts.
         new_arcmin: Option<f64> => optional(-600.0, 600.0),
-        /// The limit that is asked about, such as lost_motion or bearing_life, perhaps with another value than the design's: lost_motion=2. Left out: the first to be reached.
+        /// Limit for the remaining hours, such as lost_motion or bearing_life; lost_motion=2 sets another value than the
+        /// design's. Left out: the limit that is reached first.
         limit: Option<String> => optional(0.0, 0.0),
-        /// Fit the readings up to this time only, and set the prediction beside the later ones.
+        /// Fit only readings up to this time and compare the prediction with later ones.
         fit_until_h: Option<f64> => optional(0.0, 1e7),
-        /// Fit a second coefficient, the factor of a running-in with this time constant, in place of the design's running-in.
+        /// Time constant of a running-in whose factor is fitted; it replaces the running-in of the design.
         running_in_h: Option<f64> => optional(1e-3, 1e7),
-        /// Fit factor and time constant of a running-in, in place of the design's.
+        /// Fit factor and time constant of a running-in; they replace the running-in of the design.
         fit_running_in: bool => optional(0.0, 0.0),
-        /// Standard deviation of one reading: in percent of its value, for readings of lost motion of the largest growth of their machine. Left out: from the scatter of the readings, if there are more than parameters; else 0.05 arcmin, and of depths and increases 5 %.
+        /// Standard deviation of a reading, in percent of its value; for lost motion, of the largest growth of its machine.
+        /// Left out: from the scatter of the readings if there are more readings than parameters, otherwise 0.05 arcmin (5 %
+        /// for depths and increases).
         reading_error_percent: Option<f64> => optional(1e-6, 1e3),
     }
 }
@@ -181,7 +187,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
     if !(fit.relative_rms < FAILED) {
         return Err(AnalysisError::usage(
             format!(
-                "no wear coefficient fits: the best leaves {:.0} % of the readings",
+                "no wear coefficient fits: the best one leaves an error of {:.0} % of the readings",
                 100.0 * fit.relative_rms
             ),
             "check units and hours of the file; a running-in (running_in_h) fits what slows down",

@@ -22,7 +22,7 @@ pub enum ReadingError {
 pub(super) fn running_in(options: &Options, machine: &Machine) -> Result<RunningInFit, AnalysisError> {
     match (options.running_in_h, options.fit_running_in) {
         (Some(_), true) => Err(AnalysisError::usage(
-            "the time constant of the running-in is given, and is to be fitted as well",
+            "the time constant of the running-in is both given and fitted",
             "leave out one of running_in_h and fit_running_in",
         )),
         (Some(hours), false) => Ok(RunningInFit::Factor(hours * HOUR)),

@@ -42,7 +42,7 @@ pub(super) fn reading(text: &str, machine: usize) -> Result<Reading, AnalysisErr
     let hours = hours.trim().trim_end_matches("hours").trim_end_matches('h');
     let hours = number(hours).ok_or_else(|| wrong("does not begin with hours"))?;
     if !(0.0..=1e7).contains(&hours) {
-        return Err(wrong("has hours outside of 0 to 1e7, which is believable"));
+        return Err(wrong("has hours outside the allowed range 0 to 1e7"));
     }
     let value = value.trim();
     let (digits, is_depth, unit) = UNITS
@@ -59,7 +59,7 @@ pub(super) fn reading(text: &str, machine: usize) -> Result<Reading, AnalysisErr
     };
     let believable = if is_depth { 0.0..=1e4 * UM } else { -600.0 * ARCMIN..=600.0 * ARCMIN };
     if !believable.contains(&value) {
-        return Err(wrong("is outside of what is believable: 10 000 µm, 600 arcmin"));
+        return Err(wrong("is out of range: at most 10 000 µm or ±600 arcmin"));
     }
     if !matches!(measured, Measured::LostMotion(_)) && (hours == 0.0 || value <= 0.0) {
         return Err(wrong("counts from new: it needs hours and more than nothing"));
@@ -167,9 +167,9 @@ mod tests {
             ("xh=1.4arcmin", "does not begin with hours"),
             ("5200h=1.4", "has no unit"),
             ("5200h=arcmin", "has no number"),
-            ("-3h=1.4arcmin", "outside of 0 to 1e7"),
-            ("1e300h=1.4arcmin", "outside of 0 to 1e7"),
-            ("5200h=1e9arcmin", "believable"),
+            ("-3h=1.4arcmin", "outside the allowed range 0 to 1e7"),
+            ("1e300h=1.4arcmin", "outside the allowed range 0 to 1e7"),
+            ("5200h=1e9arcmin", "out of range"),
             ("0h=+0.2arcmin", "counts from new"),
             ("5200h=nanarcmin", "has no number"),
         ] {

@@ -17,13 +17,13 @@ use crate::machine::{CrankAngle, Friction, Machine};
 use crate::results::quantities::TORSIONAL_STIFFNESS;
 use crate::units::UM;
 
-pub const ABOUT: &str = "Share the load among the pins over one turn of the crankshaft";
-pub const GUIDE: &str = "Shares the output torque among the pins over one turn of the crankshaft, input \
-    locked.\n\nThe equilibrium method finds the pose in which all forces and moments vanish, with the real \
-    gaps of both flanks; the closed form is the handbook method of Tao2024 (eqs. 5-10) at one crank position, \
-    with ideal joints.\n\nIn bearings, manufacturing errors act. Errors of single pins repeat after a turn of \
-    the output: the figures are those of that whole turn, pins.csv tells what every pin bears in it, and \
-    contact.csv shows the first turn of the crankshaft.";
+pub const ABOUT: &str = "Compute force and pressure of every pin over one turn of the crankshaft";
+pub const GUIDE: &str = "Computes how the pins share the output torque over one turn of the crankshaft, with the input \
+    locked.\n\nThe method equilibrium solves the equilibrium of forces and moments with the actual gaps \
+    of both flanks. The method closed-form is that of Tao2024 (eqs. 5-10), at one crank position and \
+    with ideal joints.\n\nManufacturing errors need joints in bearings. Errors of single pins repeat \
+    after one output turn. Summary and pins.csv (loads of every pin) then cover the whole output turn; \
+    contact.csv contains the first turn of the crankshaft.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin contact my-reducer.toml",
     "arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10",
@@ -37,15 +37,17 @@ options! {
     /// Options of `contact`.
     pub struct Options {
         [fidelity: FidelityOptions]
-        /// How to share the load.
+        /// Method of load sharing.
         method: Method => default_word("equilibrium"),
-        /// Output torque, positive against positive output motion. Left out: the rated torque.
+        /// Output torque; positive torque opposes positive output motion. Left out: the rated torque.
         torque_nm: Option<f64> => optional(-1e7, 1e7),
-        /// Depth removed from the whole flank.
+        /// Uniform wear depth of the whole flank.
         wear_um: f64 => default(0.0, 0.0, 1000.0),
-        /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
+        /// Age of the machine in hours of its duty: flanks, pins, bearings and gears are worn accordingly, with the same
+        /// model of the machine.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Friction as in steady running at rated speed; assumed where the design gives none. In bearings.
+        /// With friction, as in steady running at rated speed; needs joints in bearings. Coefficients are assumed if the
+        /// design gives none.
         friction: bool => optional(0.0, 0.0),
         /// Crank positions per turn.
         positions: usize => default(360.0, 8.0, 36_000.0),
@@ -63,8 +65,8 @@ pub enum Method {
 
 impl Choice for Method {
     const WORDS: &'static [(&'static str, &'static str)] = &[
-        ("equilibrium", "balance of forces and moments with the real gaps"),
-        ("closed-form", "handbook method of Tao2024"),
+        ("equilibrium", "equilibrium of forces and moments with the actual gaps"),
+        ("closed-form", "closed form of Tao2024"),
     ];
     const VALUES: &'static [Method] = &[Method::Equilibrium, Method::ClosedForm];
 }
@@ -115,7 +117,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
     let torque = options.torque_nm.unwrap_or(machine.rated.torque);
     if options.wear_um > 0.0 && options.hours > 0.0 {
         return Err(AnalysisError::usage(
-            "a flank is worn uniformly (wear_um) or by its duty (hours), not both",
+            "uniform wear (wear_um) and wear by the duty (hours) exclude each other",
             "leave one of them out",
         ));
     }
@@ -133,14 +135,14 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
         }
         Method::ClosedForm if options.friction => {
             return Err(AnalysisError::usage(
-                "the closed form knows no friction",
+                "the closed form does not support friction",
                 "leave out friction or the method",
             ));
         }
         Method::ClosedForm => {
             if options.hours > 0.0 {
                 return Err(AnalysisError::usage(
-                    "the closed form knows uniform wear only",
+                    "the closed form supports uniform wear only",
                     "give wear_um in place of hours, or leave the method out",
                 ));
             }
@@ -151,15 +153,15 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
     Ok(Contact { machine, fidelity, torque, worn, friction, answer })
 }
 
-/// The handbook's methods know ideal joints and rigid discs only.
+/// The handbook's methods support ideal joints and rigid discs only.
 pub(crate) fn refuse_beyond_closed_form(method: &str, fidelity: &Fidelity) -> Result<(), AnalysisError> {
     let what = match (fidelity.joints, &fidelity.elastic) {
         (Joints::Bearings, _) => "bearings",
         (Joints::Ideal, Some(_)) => "elastic discs",
         (Joints::Ideal, None) => return Ok(()),
     };
-    let help = "it knows ideal joints and rigid discs only: joints = ideal, discs = rigid";
-    Err(AnalysisError::usage(format!("{method} knows no {what}"), help))
+    let help = "use joints = ideal, discs = rigid";
+    Err(AnalysisError::usage(format!("{method} does not support {what}"), help))
 }
 
 fn equilibrium(

@@ -40,15 +40,17 @@ use band::Inputs;
 use judgement::{banded, judge_elastic, wants_both};
 use record::Record;
 
-pub const ABOUT: &str = "Predict accuracy over the hours of service, and what ends the life";
-pub const GUIDE: &str = "The main job: how the accuracy of the reducer decays with running hours, which limit \
-    ends its life, and what to change.\n\nPredicts the wear coupled to the load sharing; evaluates play, lost \
-    motion by cause, transmission error, forces and pressures over the service life; runs the multibody model \
-    without load (STE) and under a sinusoidal load (DTE) at five ages; rates every bearing by ISO 281 at the \
-    design's duty. All limits enter one verdict; an unkept limit is verdict.ok = false, not a failure of the \
-    run.\n\nHours have a band: where nine of ten machines lie that the design's [unknowns] allow, by first-order \
-    sensitivities (--band computes whole lives). The machine is judged with rigid and with elastic bodies; limits \
-    that only one of them keeps are undecided. --bodies rigid or --bodies elastic judges in that one alone.";
+pub const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
+pub const GUIDE: &str = "The main job: accuracy of the reducer over its running hours, the limit that ends its life, and the \
+    changes that help most.\n\nThe command predicts wear coupled to the load sharing. Over the service \
+    life it computes play, lost motion by cause, transmission error, forces and pressures. At five ages \
+    it runs the multibody model without load (STE) and under a sinusoidal load (DTE). It rates every \
+    bearing by ISO 281 at the design's duty. All limits enter one verdict. A limit that is not kept \
+    gives verdict.ok = false; the run itself has not failed.\n\nEvery limit has a band of hours that \
+    contains nine of ten machines within the design's [unknowns], from first-order sensitivities (--band \
+    computes whole lives instead). The machine is judged with rigid and with elastic bodies; a limit \
+    that only one of them keeps is undecided. --bodies rigid or --bodies elastic judges with one of \
+    them.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin life my-reducer.toml",
     "arcmin life my-reducer.toml --quasi-static",
@@ -63,7 +65,7 @@ options! {
     /// Options of `life`.
     pub struct Options {
         [fidelity: FidelityOptions, joints = "bearings"]
-        /// Times between new and the end of the service life.
+        /// Number of times between new and the end of the service life.
         points: usize => default(30.0, 4.0, 1000.0),
         /// Leave out the multibody runs (STE and DTE).
         quasi_static: bool => optional(0.0, 0.0),

@@ -17,13 +17,14 @@ use crate::rig::{
 };
 
 pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
-pub const GUIDE: &str = "Virtual test bench: every body free in its bearings, no inertia. Input locked, output \
-    torque cycled to ± rated: hysteresis loop, lost motion (mid-points at ±3 %), backlash (width at zero \
-    torque), torsional stiffness (50–100 % of rated torque); then one output turn in both directions, held \
-    lightly and at rated torque; efficiency, running torques, bearing loads and lives.\n\nA design without \
-    friction is tested with assumed coefficients, and the run says so; --frictionless switches that off. With \
-    --hours the new machine is tested as well. --bodies elastic lets carrier, housing, pin grooves, crank seats and \
-    rims give way; --moment-nm and --axial-n tilt the output in its main bearings.";
+pub const GUIDE: &str = "Virtual test bench for the machine in its bearings, without inertia.\n\nHysteresis loop with the \
+    input locked and the output torque cycled to ± rated torque: lost motion (mid-points at ±3 %), \
+    backlash (width at zero torque), torsional stiffness (50–100 % of rated torque). One output turn in \
+    both directions, at 1 % and at 100 % of rated torque: transmission error. Further results: \
+    efficiency, running torques, loads and lives of the bearings.\n\nIf the design gives no friction, \
+    coefficients are assumed and the run states it; --frictionless omits friction. With --hours the new \
+    and the worn machine are tested. --bodies elastic includes the compliance of carrier, housing, pin \
+    grooves, crank seats and rims. --moment-nm, --axial-n and --radial-n load the main bearings.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin rig my-reducer.toml",
     "arcmin rig my-reducer.toml --hours 2000",
@@ -37,22 +38,26 @@ options! {
     /// Options of `rig`.
     pub struct Options {
         [fidelity: FidelityOptions, joints = "bearings"]
-        /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
+        /// Age of the machine in hours of its duty: flanks, pins, bearings and gears are worn accordingly, with the same
+        /// model of the machine.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// A measured curve, evaluated by the same code and drawn over ours; may be given several times. A loop has the columns torque_n_m, angle_arcmin and, where known, branch (falling or rising), time_s and, for several crank positions, position; a transmission error has output_angle_deg, te_arcmin and, where known, direction, torque_n_m and time_s. Other columns are passed over.
+        /// Measured curve, evaluated by the same code and drawn over the computed one; may be given several times. Columns of
+        /// a hysteresis loop: torque_n_m, angle_arcmin; optional: branch (falling or rising), time_s, position (of the
+        /// crankshafts). Columns of a transmission error: output_angle_deg, te_arcmin; optional: direction, torque_n_m,
+        /// time_s. Other columns are ignored.
         measured: Vec<InputFile> => optional(0.0, 0.0),
-        // With two crankshafts every place comes twice in a turn: four positions would be two.
-        /// Crank positions at which the loop is run, evenly over a turn of the crankshafts.
+        // With two crankshafts every position occurs twice in a turn: four positions would be two.
+        /// Number of crank positions for the hysteresis loop, evenly over a turn of the crankshafts.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Positions over the output turn.
+        /// Number of points of the transmission error over one output turn.
         te_positions: usize => default(1024.0, 64.0, 65536.0),
-        /// Tilting moment on the output from outside, N·m: the output leans in its main bearings, whose forces and life follow.
+        /// External tilting moment on the output. The run computes tilt, forces and life of the main bearings.
         moment_nm: f64 => default(0.0, 0.0, 1e7),
-        /// Axial force on the output from outside, N, positive out of the machine.
+        /// External axial force on the output, positive out of the machine.
         axial_n: f64 => default(0.0, -1e8, 1e8),
-        /// Radial force on the output from outside in the middle of the main bearings, N, in the plane of the moment.
+        /// External radial force on the output, in the middle of the main bearings and in the plane of the moment.
         radial_n: f64 => default(0.0, -1e8, 1e8),
-        /// No friction, even where the design gives none and some would be assumed.
+        /// Without friction. Otherwise coefficients are assumed if the design gives none.
         frictionless: bool => optional(0.0, 0.0),
     }
 }
@@ -120,8 +125,8 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     let started = host.seconds();
     if options.fidelity.joints.value == Joints::Ideal {
         return Err(AnalysisError::usage(
-            "the bench tests the machine in its bearings",
-            "leave joints = ideal out; `arcmin contact` shares the load with ideal joints",
+            "the bench needs a machine in bearings",
+            "leave joints = ideal out; for ideal joints use `arcmin contact`",
         ));
     }
     let nominal_friction = design.machine();

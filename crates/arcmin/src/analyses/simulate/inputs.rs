@@ -15,13 +15,13 @@ choice! {
     Law {
         /// Hertzian line contact (Johnson)
         LineHertz = "line-hertz",
-        /// force in proportion to approach
+        /// force proportional to approach
         Linear = "linear",
-        /// approach in proportion to force^0.9 (Palmgren)
+        /// approach proportional to force^0.9 (Palmgren)
         Palmgren = "palmgren",
         /// eq. (6) of Tao2024
         Tao2024 = "tao2024",
-        /// F = k δ^e with step-wise damping
+        /// F = k δ^e with a damping step
         Impact = "impact",
     }
 }
@@ -41,7 +41,7 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Analy
         Some(Law::Impact) => {
             let stiffness = options.contact_stiffness.ok_or_else(|| {
                 AnalysisError::usage(
-                    "this contact law has no stiffness of its own",
+                    "this contact law needs a stiffness",
                     "give it as contact_stiffness, in N/m^e",
                 )
             })?;
@@ -106,8 +106,8 @@ pub(super) fn load(
     }
     if options.load == LoadKind::None && options.torque_nm.is_some() {
         return Err(AnalysisError::usage(
-            "a torque loads nothing here (torque_nm)",
-            "it goes with load = constant or sine",
+            "a torque without a load (torque_nm)",
+            "add load = constant or sine",
         ));
     }
     let value = match options.load {
@@ -184,8 +184,8 @@ fn needed<'a>(
 /// A file that is named but would not be read is a mistake.
 fn unread(file: &Option<InputFile>, option: &str, choice: &str) -> Result<(), AnalysisError> {
     file.as_ref().map_or(Ok(()), |file| {
-        let message = format!("{} would not be read ({option})", file.0);
-        Err(AnalysisError::usage(message, format!("it goes with {choice}")))
+        let message = format!("{} is not used by these options ({option})", file.0);
+        Err(AnalysisError::usage(message, format!("add {choice}")))
     })
 }
 

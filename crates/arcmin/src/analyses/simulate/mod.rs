@@ -36,11 +36,11 @@ use crate::machine::{Machine, OutputForces};
 use crate::units::{MM, UM};
 
 pub const ABOUT: &str = "Integrate the equations of motion: transmission error in time";
-pub const GUIDE: &str = "Integrates the equations of motion of the reducer in time and reports its \
-    transmission error θ_out − θ_in/i. Statistics are taken from the start of the window on. Without load and \
-    drag the machine rattles in its clearance and the mean is no result: the run says so and reports the \
-    spread over perturbed starts.\n\nA long run keeps a checkpoint beside its results; Ctrl-C keeps it, and \
-    --resume goes on from there, if design, options and input files are the same.";
+pub const GUIDE: &str = "Integrates the equations of motion of the reducer in time and reports its transmission error θ_out − \
+    θ_in/i, with statistics from the start of the window on. Without load and drag the machine rattles \
+    in its clearance and the mean depends on the start; the run then reports the spread over perturbed \
+    starts.\n\nA long run writes checkpoints to its result directory. After Ctrl-C, --resume continues \
+    from the last one if design, options and input files are the same.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin simulate my-reducer.toml --wear-um 10",
     "arcmin simulate my-reducer.toml --hours 2000 --load sine --torque-nm 412 --period-s 0.3",
@@ -51,64 +51,65 @@ options! {
     /// Options of `simulate`.
     pub struct Options {
         [fidelity: FidelityOptions]
-        /// What the pins touch: the smooth flank, or what a mesh of linear elements leaves of it.
+        /// Geometry of the flank in contact: smooth, or as a mesh of linear elements represents it.
         flank: Flank => default_word("smooth"),
-        /// Edge length of that mesh.
+        /// Edge length of the mesh of a faceted flank.
         facet_mm: f64 => default(1.0, 0.02, 5.0),
-        /// Depth removed from the whole flank.
+        /// Uniform wear depth of the whole flank.
         wear_um: Option<f64> => optional(0.0, 1000.0),
-        /// Surfaces, bearings and gears as the duty leaves them after these hours, in the same fidelity.
+        /// Age of the machine in hours of its duty: flanks, pins, bearings and gears are worn accordingly, with the same
+        /// model of the machine.
         hours: Option<f64> => optional(0.0, 1e7),
-        /// External torque at the output.
+        /// Course of the external torque at the output.
         load: LoadKind => default_word("none"),
-        /// Torque or amplitude of the load, positive against positive output motion. Left out: the rated torque.
+        /// Torque or amplitude of the load; positive torque opposes positive output motion. Left out: the rated torque.
         torque_nm: Option<f64> => optional(-1e7, 1e7),
         /// Period of the sinusoidal load.
         period_s: f64 => default(0.3, 1e-4, 1e4),
-        /// Rows of the load: time_s and torque_n_m for table and stepped, duration_s and torque_n_m for duty-cycle.
+        /// File of the load. Columns: time_s and torque_n_m (table, stepped), duration_s and torque_n_m (duty-cycle).
         load_file: Option<InputFile> => optional(0.0, 0.0),
-        /// What the columns of these files are called, where their names say nothing:
-        /// theirs=time_s,theirs=torque_n_m, or with numbers of columns, 1=time_s,2=torque_n_m.
+        /// Names for columns of load and drive files with other headings: HEADING=time_s,HEADING=torque_n_m, or by number,
+        /// 1=time_s,2=torque_n_m.
         columns: String => default_word(""),
-        /// Lines of these files before the names of the columns.
+        /// Number of lines in load and drive files before the column names.
         skip_lines: usize => default(0.0, 0.0, 1e6),
-        /// Steady drag torque at the output against the motion.
+        /// Constant drag torque at the output, against the motion.
         drag_nm: f64 => default(0.0, 0.0, 1e6),
-        /// Tilting moment on the output from outside, N·m; joints = bearings.
+        /// External tilting moment on the output; needs joints in bearings.
         moment_nm: f64 => default(0.0, 0.0, 1e7),
-        /// Axial force on the output from outside, N, positive out of the machine.
+        /// External axial force on the output, positive out of the machine.
         axial_n: f64 => default(0.0, -1e8, 1e8),
-        /// Radial force on the output from outside in the middle of the main bearings, N, in the plane of the moment.
+        /// External radial force on the output, in the middle of the main bearings and in the plane of the moment.
         radial_n: f64 => default(0.0, -1e8, 1e8),
-        /// How the input is driven.
+        /// Drive of the input.
         drive: DriveKind => default_word("speed"),
         /// Input speed. Left out: the rated speed.
         speed_rpm: Option<f64> => optional(-30000.0, 30000.0),
-        /// Time within which speed and angle law reach their full value.
+        /// Rise time of the speed law and the angle law.
         rise_s: f64 => default(0.1, 1e-4, 1e3),
-        /// Rows of the drive: time_s and speed_rpm for speed-table, time_s and torque_n_m at the motor for torque-table.
+        /// File of the drive. Columns: time_s and speed_rpm (speed-table), time_s and torque_n_m at the motor (torque-table).
         drive_file: Option<InputFile> => optional(0.0, 0.0),
-        /// Gain of the governed motor, in N·m·s/rad.
+        /// Gain of the speed controller (governed), in N·m·s/rad.
         gain: f64 => default(0.5, 1e-6, 1e6),
-        /// Length of the run.
+        /// Simulated time.
         end_s: f64 => default(0.8, 1e-6, 1e5),
-        /// Start of the window for the statistics. Left out: the rise time of the drive.
+        /// Time from which statistics are taken. Left out: the rise time of the drive.
         window_start_s: Option<f64> => optional(0.0, 1e5),
-        /// Interval of timeseries.csv.
+        /// Sampling interval of timeseries.csv.
         sample_s: f64 => default(2e-4, 1e-7, 10.0),
         /// Contact law of flank and pins. Left out: the design's.
         contact: Option<inputs::Law> => optional(0.0, 0.0),
-        /// Stiffness of the linear law in N/m (left out: 2.85e8) or of the impact function in N/m^e.
+        /// Stiffness of the linear law in N/m (left out: 2.85e8), or of the impact law in N/m^e.
         contact_stiffness: Option<f64> => optional(1.0, 1e20),
-        /// Exponent of the impact function.
+        /// Exponent e of the impact law.
         contact_exponent: f64 => default(1.1, 1.0, 3.0),
-        /// Local error per step, in arcmin at the output.
+        /// Allowed local error of a time step, in arcmin at the output.
         tolerance: f64 => default(5e-5, 1e-10, 1.0),
-        /// Constant time step in place of error control.
+        /// Constant time step, without error control.
         fixed_step_s: Option<f64> => optional(1e-9, 1e-2),
-        /// Perturbed starts of an unloaded run without drag, for its spread.
+        /// Number of perturbed starts that give the spread of an unloaded run without drag.
         starts: usize => default(4.0, 0.0, 1000.0),
-        /// Go on from the checkpoint beside the results.
+        /// Continue from the checkpoint in the result directory.
         resume: bool => optional(0.0, 0.0),
     }
 }
@@ -116,11 +117,11 @@ options! {
 choice! {
     /// What the pins touch.
     Flank {
-        /// the worn flank itself
+        /// the worn flank as computed
         Smooth = "smooth",
-        /// straight edges from node to node
+        /// straight edges between nodes
         Faceted = "faceted",
-        /// the nodes alone
+        /// contact at the nodes only
         Nodes = "nodes",
     }
 }
@@ -130,15 +131,15 @@ choice! {
     LoadKind {
         /// no load
         None = "none",
-        /// the same torque all the time
+        /// constant torque
         Constant = "constant",
         /// torque × sin(2π t/period)
         Sine = "sine",
-        /// straight lines between the rows of a file
+        /// linear between the rows of a file
         Table = "table",
-        /// each torque of a file holds from its time on
+        /// each torque of a file holds until the next row
         Stepped = "stepped",
-        /// phases of a file that repeat
+        /// the phases of a file, repeated
         DutyCycle = "duty-cycle",
     }
 }
@@ -146,15 +147,15 @@ choice! {
 choice! {
     /// How the input is driven.
     DriveKind {
-        /// the speed rises smoothly and never overshoots
+        /// speed law with a smooth rise and no overshoot
         Speed = "speed",
-        /// the angle law of Tao2024, ω t STEP(t): the speed overshoots to 1.69 ω
+        /// angle law of Tao2024, ω t STEP(t); the speed overshoots to 1.69 ω
         Angle = "angle",
         /// speed from a file
         SpeedTable = "speed-table",
-        /// motor torque from a file on the inertia of motor and sun
+        /// motor torque from a file, acting on the inertia of motor and sun
         TorqueTable = "torque-table",
-        /// motor inertia with a torque in proportion to the error of speed
+        /// motor inertia with a torque proportional to the speed error
         Governed = "governed",
     }
 }
@@ -198,7 +199,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Simula
     }
     if options.wear_um.is_some() && options.hours.is_some() {
         return Err(AnalysisError::usage(
-            "a flank is worn uniformly (wear_um) or by its duty (hours), not both",
+            "uniform wear (wear_um) and wear by the duty (hours) exclude each other",
             "leave one of them out",
         ));
     }

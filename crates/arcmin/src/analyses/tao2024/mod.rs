@@ -28,11 +28,12 @@ use crate::report::Section;
 use crate::units::{ARCMIN, UM};
 
 pub const ABOUT: &str = "Repeat the study of Tao2024: uniform wear, static and dynamic transmission error";
-pub const GUIDE: &str = "Repeats the study of Tao, Liu, Wu, Zheng and Pei (Machines 2024, 12(8), 511) on any \
-    design: flanks that have lost 0, 10, …, 60 µm everywhere, the hours of the paper's wear rule, and the \
-    multibody model without load (STE) and under a sinusoidal load (DTE), with rigid and, if asked for, elastic \
-    discs. The report holds Figures 4 and 7 to 19 and Tables 1 to 3, the paper's numbers beside ours.\n\nThe \
-    joints are ideal, as the paper's are. For this machine as it wears in its bearings, see `arcmin life`.";
+pub const GUIDE: &str = "Repeats the study of Tao, Liu, Wu, Zheng and Pei (Machines 2024, 12(8), 511) for any design: flanks \
+    with uniform wear of 0, 10, …, 60 µm, hours by the wear rule of the paper, and the multibody model \
+    without load (STE) and under a sinusoidal load (DTE), with rigid discs and, with --discs elastic, \
+    elastic ones. The report contains Figures 4 and 7 to 19 and Tables 1 to 3 with the numbers of the \
+    paper beside ours.\n\nJoints are ideal, as in the paper. For the wear of a machine in bearings use \
+    `arcmin life`.";
 pub const EXAMPLES: &[&str] =
     &["arcmin tao2024 my-reducer.toml", "arcmin tao2024 my-reducer.toml --discs elastic"];
 
@@ -40,7 +41,7 @@ options! {
     /// Options of `tao2024`.
     pub struct Options {
         [fidelity: FidelityOptions]
-        /// Perturbed starts of every run without load, for its spread.
+        /// Number of perturbed starts that give the spread of every run without load.
         starts: usize => default(4.0, 0.0, 1000.0),
         /// Leave out the multibody runs (STE and DTE).
         quasi_static: bool => optional(0.0, 0.0),
@@ -122,8 +123,8 @@ impl Level {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Tao2024, AnalysisError> {
     if options.fidelity.joints.value == Joints::Bearings {
         return Err(AnalysisError::usage(
-            "the study of Tao2024 has ideal joints: its bodies have no bearings",
-            "leave joints out here; `arcmin life` follows the machine in its bearings",
+            "the study of Tao2024 supports ideal joints only",
+            "leave joints out; for the machine in bearings use `arcmin life`",
         ));
     }
     let machine = design.machine();

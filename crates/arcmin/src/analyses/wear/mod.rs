@@ -22,11 +22,11 @@ use crate::units::{HOUR, UM};
 use crate::wear::paper::PaperWear;
 use crate::wear::{CoupledOptions, Exposure, WearError};
 
-pub const ABOUT: &str = "Wear the flanks over the hours of service";
-pub const GUIDE: &str = "Wears flanks (and pins, bearings and gears, where the design says so) over the hours \
-    of service at the design's duty.\n\nThe coupled mode lets the worn flank change the load sharing: wear \
-    slows down by itself. The mode tao2024 is the study of that paper: one uniform depth that grows by the \
-    largest k (F/B) ξ of all pins, with ideal joints.";
+pub const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
+pub const GUIDE: &str = "Computes the wear of the flanks over the hours of service at the design's duty. Pins, bearings and \
+    gears wear too if the design gives their coefficients.\n\nIn the mode coupled, the worn flank \
+    changes the load sharing, which slows the wear down. The mode tao2024 is the method of that paper \
+    with ideal joints: one uniform depth whose rate is the largest k (F/B) ξ of all pins.";
 pub const EXAMPLES: &[&str] = &[
     "arcmin wear my-reducer.toml",
     "arcmin wear my-reducer.toml --mode tao2024",
@@ -37,13 +37,13 @@ options! {
     /// Options of `wear`.
     pub struct Options {
         [fidelity: FidelityOptions, joints = "bearings"]
-        /// Coupled to the load sharing, or the uniform depth of Tao2024.
+        /// Wear model.
         mode: Mode => default_word("coupled"),
-        /// Hours of service. Left out: the service life of the design.
+        /// Hours to compute. Left out: the service life of the design.
         hours: Option<f64> => optional(0.0, 1e7),
-        /// Times between new and the end at which results are written.
+        /// Number of times at which results are written, between new and the end.
         points: usize => default(30.0, 1.0, 10_000.0),
-        /// Largest depth worn off between two updates of the flank; the elastic approach of a contact is about 1.5 µm.
+        /// Largest wear depth between two updates of the flank. For comparison: a contact approaches by about 1.5 µm under load.
         increment_um: f64 => default(0.8, 1e-3, 10.0),
     }
 }
@@ -57,8 +57,8 @@ pub enum Mode {
 
 impl Choice for Mode {
     const WORDS: &'static [(&'static str, &'static str)] = &[
-        ("coupled", "the worn flank changes the load sharing"),
-        ("tao2024", "one uniform depth that grows by the largest k (F/B) ξ of all pins"),
+        ("coupled", "wear and load sharing change each other"),
+        ("tao2024", "one uniform depth; its rate is the largest k (F/B) ξ of all pins"),
     ];
     const VALUES: &'static [Mode] = &[Mode::Coupled, Mode::Tao2024];
 }

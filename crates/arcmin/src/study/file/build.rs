@@ -31,7 +31,7 @@ impl StudyFile {
         let schema = (analysis.options)();
         if *self.tolerances {
             if !["errors", "seed"].iter().all(|name| schema.keys.iter().any(|key| key.name == *name)) {
-                let message = format!("`{}` knows no drawn machines", analysis.name);
+                let message = format!("`{}` does not support drawn machines", analysis.name);
                 return Err(self
                     .wrong(message, self.tolerances.span.clone(), "set `tolerances = false`")
                     .into());
@@ -42,7 +42,7 @@ impl StudyFile {
                 return Err(self.wrong(message, self.tolerances.span.clone(), hint).into());
             }
             if normal.text.lines().any(|line| line == "joints = \"ideal\"" || line == "joints = ideal") {
-                let message = "ideal joints have no place for the errors of drawn machines".to_owned();
+                let message = "ideal joints do not support the errors of drawn machines".to_owned();
                 let hint = "write joints = \"bearings\" in [options]";
                 return Err(self.wrong(message, self.tolerances.span.clone(), hint).into());
             }
@@ -319,7 +319,7 @@ impl StudyFile {
             && (ends[0] < low || ends[1] > high)
         {
             let why = format!("`{path}` would vary from {} to {}", ends[0], ends[1]);
-            return Err(at(why, &format!("{low} to {high} are believable")));
+            return Err(at(why, &format!("the allowed range is {low} to {high}")));
         }
         Ok(Factor { whole, ..Factor::number(path.clone(), unit, distribution) })
     }
