@@ -20,13 +20,14 @@ def test_the_reference_is_current() -> None:
     assert reference.TARGET.read_text() == reference.text(), "`python python/tools/reference.py` writes it"
 
 
-def test_the_tutorial_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The code of the chapter in one session, top to bottom; comments that are values hold."""
-    chapter = (ROOT / "docs" / "src" / "python.md").read_text()
+@pytest.mark.parametrize("page", ["python.md", "tutorials/simulate.md"])
+def test_the_code_of_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The code of the page in one session, top to bottom."""
+    chapter = (ROOT / "docs" / "src" / page).read_text()
     monkeypatch.chdir(tmp_path)
     session: dict[str, object] = {}
     for block in re.findall(r"```python\n(.*?)```", chapter, re.DOTALL):
-        exec(compile(block, "docs/src/python.md", "exec"), session)  # noqa: S102
+        exec(compile(block, f"docs/src/{page}", "exec"), session)  # noqa: S102
     assert os.listdir(tmp_path)
 
 

@@ -2,6 +2,7 @@
 
 mod answers;
 mod atomic;
+mod book;
 mod common;
 mod errors;
 mod exchange;
