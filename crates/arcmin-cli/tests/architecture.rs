@@ -113,7 +113,13 @@ fn links_of_the_documents_lead_somewhere() {
         ("README.md", ""),
         ("ARCHITECTURE.md", ""),
         ("CONTRIBUTING.md", ""),
+        ("RELEASING.md", ""),
+        ("ROADMAP.md", ""),
+        ("SECURITY.md", ""),
+        ("CODE_OF_CONDUCT.md", ""),
+        ("docs/dependencies.md", "docs/"),
         ("docs/src/SUMMARY.md", "docs/src/"),
+        ("validation/measurements/README.md", "validation/measurements/"),
     ] {
         for link in read(file).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
             let path = link.split('#').next().unwrap();
@@ -121,6 +127,32 @@ fn links_of_the_documents_lead_somewhere() {
                 assert!(root().join(base).join(path).exists(), "{file} links to {link}");
             }
         }
+    }
+}
+
+/// Every direct dependency has its line of reasons, and no line is left of one that is gone.
+#[test]
+fn every_dependency_is_justified() {
+    let reasons = read("docs/dependencies.md");
+    for (heading, package) in [
+        ("## Library", "arcmin"),
+        ("## Command", "arcmin-cli"),
+        ("## FMU", "arcmin-fmu"),
+        ("## Python package", "arcmin-py"),
+    ] {
+        let section = reasons.split(&format!("{heading}\n")).nth(1).unwrap().split("\n## ").next().unwrap();
+        let mut told: Vec<&str> =
+            section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).collect();
+        let manifest = read(&format!("crates/{package}/Cargo.toml"));
+        let mut needed = Vec::new();
+        for part in
+            manifest.split("\n[").filter(|part| part.split(']').next().unwrap().ends_with("dependencies"))
+        {
+            needed.extend(part.lines().skip(1).filter_map(|line| Some(line.split_once(" = ")?.0)));
+        }
+        told.sort_unstable();
+        needed.sort_unstable();
+        assert_eq!(told, needed, "docs/dependencies.md, {heading}");
     }
 }
 

@@ -41,7 +41,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         Some(("export", matches)) => exchange::run_export(matches),
         Some(("import", matches)) => exchange::run_import(matches),
         Some(("completions", matches)) => shell::run_completions(matches),
-        Some(("man", _)) => shell::run_man(),
+        Some(("man", matches)) => shell::run_man(matches),
         Some((name, matches)) => match arcmin::analyses::by_name(name) {
             Some(analysis) => analysis::run(analysis, matches),
             None => unreachable!("clap knows the commands"),

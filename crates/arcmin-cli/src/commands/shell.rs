@@ -16,8 +16,15 @@ pub fn completions() -> Command {
 
 pub fn man() -> Command {
     Command::new("man")
-        .about("Print the manual page (troff)")
-        .after_help("Examples:\n  arcmin man | man -l -")
+        .about("Print the manual page (troff), or write those of all commands")
+        .after_help("Examples:\n  arcmin man | man -l -\n  arcmin man --out /usr/local/share/man/man1")
+        .arg(
+            Arg::new("out")
+                .long("out")
+                .value_name("DIR")
+                .value_parser(value_parser!(std::path::PathBuf))
+                .help("Write the pages of the command and of all its subcommands into this directory, which exists"),
+        )
 }
 
 pub fn run_completions(matches: &ArgMatches) -> Result<Ending, Failure> {
@@ -28,7 +35,12 @@ pub fn run_completions(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-pub fn run_man() -> Result<Ending, Failure> {
+pub fn run_man(matches: &ArgMatches) -> Result<Ending, Failure> {
+    if let Some(directory) = matches.get_one::<std::path::PathBuf>("out") {
+        let failed = |cause| Failure::Write { path: directory.clone(), cause };
+        clap_mangen::generate_to(crate::arguments::command(), directory).map_err(failed)?;
+        return Ok(Ending::Fine);
+    }
     let mut page = Vec::new();
     let write = |cause| Failure::Write { path: "standard output".into(), cause };
     clap_mangen::Man::new(crate::arguments::command()).render(&mut page).map_err(write)?;

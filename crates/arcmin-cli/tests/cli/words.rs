@@ -246,6 +246,12 @@ fn completions_and_manual_page_name_the_commands() {
     let directory = tempfile::tempdir().unwrap();
     assert!(good(directory.path(), &["completions", "bash"]).contains("simulate"));
     assert!(good(directory.path(), &["man"]).starts_with(".ie"));
+    good(directory.path(), &["man", "--out", "."]);
+    // Every page that the first one sends to is there.
+    let first = std::fs::read_to_string(directory.path().join("arcmin.1")).unwrap().replace('\\', "");
+    let pages: Vec<&str> = first.lines().filter_map(|line| line.strip_suffix("(1)")).collect();
+    assert!(pages.contains(&"arcmin-life"), "{pages:?}");
+    assert!(pages.iter().all(|page| directory.path().join(format!("{page}.1")).exists()), "{pages:?}");
 }
 
 /// Files that a design names are part of it: that one is missing is an error finding like any other.
