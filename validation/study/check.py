@@ -37,35 +37,6 @@ samples = 100
 seed = 7
 samples_per_part = 2
 """
-ROBOT = """name = "one"
-planned_hours = 6000
-[[axis]]
-name = "a"
-direction = [0, -1, 0]
-mass_kg = 20
-centre_mm = [1000, 0, 0]
-inertia_kg_m2 = [0, 0, 0]
-[tool]
-position_mm = [1000, 0, 0]
-[[joint]]
-axis = "a"
-design = "d.toml"
-speed_deg_s = 100
-acceleration_deg_s2 = 100
-[[program]]
-name = "p"
-cycles_per_hour = 100
-[[program.pose]]
-angles_deg = [-30]
-[[program.pose]]
-angles_deg = [30]
-[model]
-ages = 2
-positions = 1
-te_positions = 64
-[population]
-robots = 4
-"""
 
 
 def call(arcmin, *arguments, **options):
@@ -178,7 +149,7 @@ def main():
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
     call(arcmin, "new", directory / "d.toml")
-    files = {"study": STUDY, "robot": ROBOT}
+    files = {"study": STUDY, "robot": (HERE / "robot.toml").read_text()}
     failures = sum(check(of, text, arcmin, directory, engines) for of, text in files.items())
     sys.exit(failures > 0)
 

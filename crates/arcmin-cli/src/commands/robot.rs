@@ -158,7 +158,7 @@ impl Job {
             loaded.draw(&plan, shard, &self.parts(), &self.host).map_err(|error| told(error, &self.file))?;
         self.host.clear();
         if !self.quiet {
-            say(&study::told("drawn robots", &done))?;
+            say(&study::counted("drawn robots", &done))?;
         }
         Ok(Ending::Fine)
     }

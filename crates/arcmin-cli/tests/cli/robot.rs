@@ -148,36 +148,13 @@ fn what_is_wrong_with_a_program_is_said_with_its_line() {
     good(d, &["robot", "t.toml", "--loads", "--out", "t"]);
 }
 
-/// One axis with an RV-40E and three drawn robots.
-const DRAWN: &str = r#"name = "one"
-planned_hours = 6000
-[[axis]]
-name = "a"
-direction = [0, -1, 0]
-mass_kg = 20
-centre_mm = [1000, 0, 0]
-inertia_kg_m2 = [0, 0, 0]
-[tool]
-position_mm = [1000, 0, 0]
-[[joint]]
-axis = "a"
-design = "d.toml"
-speed_deg_s = 100
-acceleration_deg_s2 = 100
-[[program]]
-name = "p"
-cycles_per_hour = 100
-[[program.pose]]
-angles_deg = [-30]
-[[program.pose]]
-angles_deg = [30]
-[model]
-ages = 2
-positions = 1
-te_positions = 64
-[population]
-robots = 3
-"#;
+/// One axis with an RV-40E and three drawn robots, as `validation/study/check.py` has them.
+fn drawn() -> String {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/study/robot.toml");
+    let text = std::fs::read_to_string(file).unwrap();
+    assert!(text.ends_with("[population]\nrobots = 4\n"));
+    text.replace("robots = 4", "robots = 3")
+}
 
 /// A shard that is killed, another that is stopped, shards as processes for what is missing: the robots of a single run, to
 /// the byte, each computed from its own cache.
@@ -186,7 +163,7 @@ fn drawn_robots_go_on_after_a_kill() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
     good(d, &["new", "rv-40e", "d.toml"]);
-    write(d, "one.toml", DRAWN);
+    write(d, "one.toml", &drawn());
     good(d, &["robot", "one.toml", "--cache", "first", "--out", "whole"]);
     let shard = |cache: &str| {
         let words = ["robot", "run", "one.toml", "--cache", cache, "--out", "k", "--threads", "1", "--quiet"];
@@ -231,7 +208,7 @@ fn drawn_robots_go_on_after_a_kill() {
         let script = read(d, &format!("k/submit/{file}"));
         assert!(script.contains(runs) && script.contains("one.toml"), "{script}");
     }
-    write(d, "alone.toml", &DRAWN.replace("[population]\nrobots = 3\n", ""));
+    write(d, "alone.toml", &drawn().replace("[population]\nrobots = 3\n", ""));
     let said = refused(d, &["robot", "d.toml", "--out", "k"]);
     assert!(said.contains("d.toml is the design of a reducer"), "{said}");
     let said = refused(d, &["robot", "run", "alone.toml", "--out", "k"]);

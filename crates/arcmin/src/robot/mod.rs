@@ -27,6 +27,7 @@ mod kept;
 mod life;
 mod loads;
 mod memory;
+mod models;
 mod motion;
 mod newton_euler;
 mod page;

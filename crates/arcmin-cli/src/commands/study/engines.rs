@@ -1,7 +1,7 @@
 //! `arcmin study submit` and `arcmin robot submit`: shards as processes here, or handed to the engine that is there.
 //!
-//! An engine starts `arcmin study run --shard i/N`, or `arcmin robot run`, and nothing else. Whatever it loses (a worker, its
-//! scheduler, the machine), the parts that are in the directory stay, and the next submission computes the
+//! An engine starts `arcmin study run --shard i/N`, or `arcmin robot run`, and nothing else. Whatever it loses (a
+//! worker, its scheduler, the machine), the parts that are in the directory stay, and the next submission computes the
 //! rest.
 
 use std::collections::VecDeque;

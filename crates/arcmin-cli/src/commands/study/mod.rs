@@ -248,7 +248,7 @@ impl Job {
                 .map_err(broken)?;
         drop(bar);
         if !self.quiet && self.study.search.is_none() {
-            say(&told("samples", &done))?;
+            say(&counted("samples", &done))?;
         }
         Ok(done.cancelled)
     }
@@ -369,8 +369,8 @@ fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-/// What a shard did.
-pub(super) fn told(what: &str, done: &Done) -> String {
+/// Numbers of rows that a shard computed, found, and found no result for.
+pub(super) fn counted(what: &str, done: &Done) -> String {
     let failed = match done.failed {
         0 => String::new(),
         failed => format!(", {failed} of them failed"),
