@@ -62,40 +62,6 @@ impl Profile {
         relief: &Relief,
         pin_radius: f64,
     ) -> Closest {
-        let found = self.closest_local(p, foot, outlook, relief, pin_radius);
-        if found.gap > 1e-6 {
-            return found;
-        }
-        let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
-        let step = std::f64::consts::TAU / lobes / relief.samples().len() as f64;
-        let count = (0.3 / lobes / step) as i32;
-        let at = |k: i32| {
-            let place = foot.place.moved(found.tau + f64::from(k) * step - foot.tau, z);
-            self.worn_at(place, relief).reach(p).norm() - pin_radius
-        };
-        let (mut best, mut least) = (0, found.gap - 1e-12);
-        for k in -count..=count {
-            let gap = at(k);
-            if gap < least {
-                (best, least) = (k, gap);
-            }
-        }
-        if best == 0 {
-            return found;
-        }
-        let tau = found.tau + f64::from(best) * step;
-        let place = foot.place.moved(tau - foot.tau, z);
-        self.closest_between(p, [tau - step, tau + step], place, relief, pin_radius)
-    }
-
-    fn closest_local(
-        &self,
-        p: Vec2,
-        foot: &Foot,
-        outlook: Outlook,
-        relief: &Relief,
-        pin_radius: f64,
-    ) -> Closest {
         let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
         let bounded = |step: f64| step.clamp(-0.1 / lobes, 0.1 / lobes);
         let mut place = foot.place.moved(bounded(outlook.step), z);

@@ -13,9 +13,9 @@ const UNSURE: f64 = 0.01;
 /// So many samples beside an edge a spline rings.
 const RINGING: usize = 8;
 
-/// Flank and pin at the samples of a relief, from one place around the lobe.
+/// Flank and pin at the samples of a relief once around the lobe, the first also at the end.
 struct Shape {
-    /// Number of the sample that comes first.
+    /// Number of the sample that comes first, which lies on the hull.
     first: usize,
     /// Way along the flank in m.
     way: Vec<f64>,
@@ -44,18 +44,16 @@ impl Relief {
         let original = self.control_points();
         let control = self.without_ringing(&original, &Shape::of(profile, pin_radius, &original)?.concave());
         let shape = Shape::of(profile, pin_radius, &control)?;
-        let mut hollows = Vec::new();
-        let mut rounding = vec![0.0_f64; count];
-        hull(&shape.way, &shape.fall, |from, to| {
-            let length = shape.way[to] - shape.way[from];
-            hollows.push((from, to, 8.0 * SAG / (length * length), shape.steepest(from, to).powi(2)));
-        });
+        let hollows = chords(&shape.way, &shape.fall);
         if hollows.is_empty() && control == original {
             return None;
         }
-        for (from, to, curvature, steepness) in hollows {
-            let width = to - from;
-            for i in from.saturating_sub(width)..(to + width + 1).min(count) {
+        let mut rounding = vec![0.0_f64; count + 1];
+        for [from, to] in hollows {
+            let (width, length) = (to - from, shape.way[to] - shape.way[from]);
+            let curvature = 8.0 * SAG / (length * length);
+            let steepness = shape.steepest(from, to).powi(2);
+            for i in from.saturating_sub(width)..=(to + width).min(count) {
                 let unsure = (UNSURE + 2.0 * steepness) * shape.relative_curvature[i];
                 let most = CLOSEST_FIT * shape.relative_curvature[i];
                 rounding[i] = (curvature + unsure).min(most).max(rounding[i]);
@@ -64,13 +62,13 @@ impl Relief {
         let sag = twice_summed(&shape.way, &rounding);
         let fall: Vec<f64> = shape.fall.iter().zip(&sag).map(|(fall, sag)| fall - sag).collect();
         let mut filled = control.clone();
-        hull(&shape.way, &fall, |from, to| {
+        for [from, to] in chords(&shape.way, &fall) {
             let slope = (fall[to] - fall[from]) / (shape.way[to] - shape.way[from]);
             for i in from + 1..to {
                 let chord = fall[from] + slope * (shape.way[i] - shape.way[from]);
                 filled[(i + shape.first) % count] -= fall[i] - chord;
             }
-        });
+        }
         Some(self.with_control_points(&original, &filled))
     }
 
@@ -110,23 +108,23 @@ impl Shape {
             steps.push(per_lobe * profile.speed_factor(cos) * stretch);
             relative_curvature.push(1.0 / pin_radius - curvature / stretch);
         }
-        // The lobe begins where the flank bends away from the pin most: surely not within a hollow.
-        let bend = |i: usize| {
-            let second = depths[(i + count - 1) % count] - 2.0 * depths[i] + depths[(i + 1) % count];
-            relative_curvature[i] + second / (steps[i] * steps[i])
+        let around = |first: usize, turns: usize| -> [Vec<f64>; 4] {
+            let turned = |values: &[f64]| (0..=turns * count).map(|i| values[(first + i) % count]).collect();
+            let [steps, curvatures, depths]: [Vec<f64>; 3] =
+                [turned(&steps), turned(&relative_curvature), turned(depths)];
+            let mut sum = 0.0;
+            let on = steps.windows(2).map(|pair| {
+                sum += 0.5 * (pair[0] + pair[1]);
+                sum
+            });
+            let way: Vec<f64> = std::iter::once(0.0).chain(on).collect();
+            let fall = twice_summed(&way, &curvatures).iter().zip(&depths).map(|(p, w)| p + w).collect();
+            [way, curvatures, depths, fall]
         };
-        let first = (0..count).max_by(|a, b| bend(*a).total_cmp(&bend(*b)))?;
-        let mut depth = depths.to_vec();
-        for values in [&mut steps, &mut relative_curvature, &mut depth] {
-            values.rotate_left(first);
-        }
-        let mut sum = 0.0;
-        let up_to = |i: usize| {
-            sum += if i == 0 { 0.0 } else { 0.5 * (steps[i - 1] + steps[i]) };
-            sum
-        };
-        let way: Vec<f64> = (0..count).map(up_to).collect();
-        let fall = twice_summed(&way, &relative_curvature).iter().zip(&depth).map(|(p, w)| p + w).collect();
+        // A lobe that begins and ends on the hull: at one of its corners between two other lobes.
+        let [way, .., fall] = around(0, 3);
+        let first = hull(&way, &fall).into_iter().find(|corner| *corner >= count)? % count;
+        let [way, relative_curvature, depth, fall] = around(first, 1);
         Some(Shape { first, way, relative_curvature, depth, fall })
     }
 
@@ -141,7 +139,7 @@ impl Shape {
         let (way, fall) = (&self.way, &self.fall);
         let slope = |i: usize| (fall[i + 1] - fall[i]) / (way[i + 1] - way[i]);
         let inner = 1..way.len() - 1;
-        inner.filter(|i| slope(*i) < slope(i - 1)).map(|i| (i + self.first) % way.len()).collect()
+        inner.filter(|i| slope(*i) < slope(i - 1)).map(|i| i + self.first).collect()
     }
 }
 
@@ -163,8 +161,8 @@ fn twice_summed(way: &[f64], bend: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Hands on the chords of the lower convex hull that pass over samples, by their ends.
-fn hull(way: &[f64], values: &[f64], mut visit: impl FnMut(usize, usize)) {
+/// Numbers of the samples at the corners of the lower convex hull.
+fn hull(way: &[f64], values: &[f64]) -> Vec<usize> {
     let mut corners: Vec<usize> = Vec::new();
     for i in 0..way.len() {
         while let [.., a, b] = corners[..] {
@@ -176,11 +174,13 @@ fn hull(way: &[f64], values: &[f64], mut visit: impl FnMut(usize, usize)) {
         }
         corners.push(i);
     }
-    for pair in corners.windows(2) {
-        if pair[1] > pair[0] + 1 {
-            visit(pair[0], pair[1]);
-        }
-    }
+    corners
+}
+
+/// The chords of the lower convex hull that pass over samples, by their ends.
+fn chords(way: &[f64], values: &[f64]) -> Vec<[usize; 2]> {
+    let corners = hull(way, values);
+    corners.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[from, to]| to > &(from + 1)).collect()
 }
 
 #[cfg(test)]
