@@ -85,6 +85,8 @@ pub struct PinContact {
     pub gradient: [f64; 3],
     /// d²w/dψ² in m/rad² of the worn pin where the contact stands on it.
     pub(super) pin_bend: f64,
+    /// ∂ψ/∂(x, y, θ) there in rad/m and rad/rad.
+    pub(super) pin_turn: [f64; 3],
     /// Displacement of the disc's point of contact along the flank, per (x, y, θ).
     pub along: [f64; 3],
     /// e(φ) and e(τ) of the foot on the trace, and the normal there.
@@ -134,10 +136,9 @@ impl PinContact {
             }
         }
         if self.pin_bend != 0.0 {
-            let turn = [-turning * along[0], -turning * along[1], 1.0 - turning * along[2]];
             for i in 0..3 {
                 for j in 0..3 {
-                    hessian[i][j] += self.pin_bend * turn[i] * turn[j];
+                    hessian[i][j] += self.pin_bend * self.pin_turn[i] * self.pin_turn[j];
                 }
             }
         }
@@ -152,7 +153,7 @@ impl PinContact {
     /// −κ/(1 − κ D) in 1/m: by how much the normal turns as the pin centre moves along the flank.
     #[inline]
     fn turning(&self, pin_radius: f64) -> f64 {
-        let reach = 1.0 - self.flank_curvature * (self.gap + pin_radius);
+        let reach = 1.0 - self.flank_curvature * (self.gap - self.read + pin_radius);
         -self.flank_curvature / reach.max(LEAST_REACH)
     }
 
@@ -162,8 +163,9 @@ impl PinContact {
         let n = self.normal;
         let along = self.along[0] * motion.x + self.along[1] * motion.y + self.along[2] + pin_radius;
         let turning = self.turning(pin_radius);
+        let pin_turn = self.pin_turn[0] * motion.x + self.pin_turn[1] * motion.y + self.pin_turn[2];
         turning * along * along + 2.0 * cross(motion, n) - n.dot(&self.arm)
-            + self.pin_bend * (1.0 - turning * along).powi(2)
+            + self.pin_bend * pin_turn * pin_turn
     }
 }
 

@@ -218,12 +218,13 @@ impl PinContacts {
         let normal = turned(flank_normal, rotation);
         let t = quarter_turn(normal);
         let mut gradient = [-normal.x, -normal.y, -normal.dot(&quarter_turn(arm))];
-        let mut pin_bend = 0.0;
-        if let Some(worn) = self.worn_pin(pin, normal) {
+        let foot_normal = turned(foot.normal, rotation);
+        let (mut pin_bend, mut pin_turn) = (0.0, [0.0; 3]);
+        if let Some(worn) = self.worn_pin(pin, foot_normal) {
             pin_bend = worn.bend;
-            let turn = turn_on_pin(t, arm, flank_curvature, closest.gap + radius);
+            pin_turn = turn_on_pin(quarter_turn(foot_normal), arm, foot.trace_curvature, foot.distance);
             read += worn.depth;
-            gradient.iter_mut().zip(turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
+            gradient.iter_mut().zip(pin_turn).for_each(|(sum, turn)| *sum += worn.slope * turn);
         }
         gap += read;
         let designed_curvature = if self.facets.is_some() {
@@ -265,10 +266,11 @@ impl PinContacts {
             designed_curvature,
             gradient,
             pin_bend,
+            pin_turn,
             along,
             meshing_unit: Vec2::new(foot.cos_meshing, foot.sin_meshing),
             direction,
-            foot_normal: turned(foot.normal, rotation),
+            foot_normal,
             foot_distance: foot.distance,
             trace_curvature: foot.trace_curvature,
             read,

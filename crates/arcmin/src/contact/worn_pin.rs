@@ -3,11 +3,11 @@
 use super::{PinContact, PinContacts};
 use crate::geometry::{DepthSample, Vec2, cross, quarter_turn};
 
-/// ∂ψ/∂(x, y, θ) of the disc in rad/m and rad/rad: the flank's normal turns with the disc, and by −κ/(1 − κ
-/// D) per length as the pin centre, at the distance D from a flank of the curvature κ, moves along it.
-/// `along` is the flank's tangent, `arm` the pin centre from the disc centre.
-pub(super) fn turn_on_pin(along: Vec2, arm: Vec2, flank_curvature: f64, distance: f64) -> [f64; 3] {
-    let turning = flank_curvature / (1.0 - flank_curvature * distance);
+/// ∂ψ/∂(x, y, θ) of the disc in rad/m and rad/rad: the trace's normal turns with the disc, and by −κ/(1 − κ D) per
+/// length as the pin centre, at the distance D from a trace of the curvature κ, moves along it. `along` is the
+/// tangent of the trace, `arm` the pin centre from the disc centre.
+pub(super) fn turn_on_pin(along: Vec2, arm: Vec2, curvature: f64, distance: f64) -> [f64; 3] {
+    let turning = curvature / (1.0 - curvature * distance);
     [turning * along.x, turning * along.y, 1.0 + turning * cross(arm, along)]
 }
 
@@ -19,28 +19,28 @@ impl PinContact {
 }
 
 impl PinContacts {
-    /// ψ in rad: from the pin's own place on the ring to the line from the flank through the pin centre.
+    /// ψ in rad: from the pin's own place on the ring to the normal of the trace through the pin centre.
     pub fn pin_angle(&self, contact: &PinContact) -> f64 {
-        self.pin_angle_of(contact.pin, contact.normal)
+        self.pin_angle_of(contact.pin, contact.foot_normal)
     }
 
-    fn pin_angle_of(&self, pin: usize, normal: Vec2) -> f64 {
+    fn pin_angle_of(&self, pin: usize, foot_normal: Vec2) -> f64 {
         let place = self.directions[pin];
-        cross(place, normal).atan2(place.dot(&normal))
+        cross(place, foot_normal).atan2(place.dot(&foot_normal))
     }
 
-    /// Metal lost by the pin where a contact's line of action leaves it, in m.
+    /// Metal lost by the pin where a contact is on it, in m.
     pub fn pin_depth(&self, contact: &PinContact) -> f64 {
-        self.worn_pin(contact.pin, contact.normal).map_or(0.0, |worn| worn.depth)
+        self.worn_pin(contact.pin, contact.foot_normal).map_or(0.0, |worn| worn.depth)
     }
 
-    /// What the pin has lost where the flank's normal leaves it.
+    /// What the pin has lost where the normal of the trace leaves it, as errors of the flank are read.
     ///
-    /// The gap grows by the depth there, and so its gradient by the slope times the turn of the normal. The
-    /// closest point itself stays that of a round pin: the pin hardly wears but at the edge of its zone,
-    /// where two contacts could stand side by side and the closest point would jump between them.
+    /// The normal of the worn flank differs by the slope of its relief, a few hundredths of a degree, but where the flank
+    /// has worn into the shape of the pin it turns with the pin centre a hundred times as fast, and with it what the pin
+    /// has lost would change in place of staying what it is about there.
     #[inline]
-    pub(super) fn worn_pin(&self, pin: usize, normal: Vec2) -> Option<DepthSample> {
-        self.pin_relief(pin).map(|relief| relief.at(self.pin_angle_of(pin, normal)))
+    pub(super) fn worn_pin(&self, pin: usize, foot_normal: Vec2) -> Option<DepthSample> {
+        self.pin_relief(pin).map(|relief| relief.at(self.pin_angle_of(pin, foot_normal)))
     }
 }

@@ -55,13 +55,6 @@ const GOOD_GAIN: f64 = 0.7;
 const CORRECTION: f64 = 0.1;
 /// Share of the tolerance within which an estimate of what a step leaves must be.
 const ESTIMATED: f64 = 0.1;
-/// How far, in units of scale, a state of rest on an edge of the energy may lie from the place where the search ends: 0.01'
-/// at the output. Where several pins stand on edges at once no smooth way leads nearer.
-const AT_EDGE: f64 = 1e-2;
-/// Stiffness that holds a place across an edge, against the largest other one.
-const ACROSS: f64 = 1e3;
-/// Reach after a step that does less, against its length.
-const POOR: f64 = 0.5;
 /// Factor on the reach after a step that is not accepted.
 const SHRINK: f64 = 0.25;
 
@@ -196,41 +189,19 @@ fn search<S: System>(
                 gain = (before + dot(&there.force, &step)) / before;
             }
         }
-        let size = |look: &Look| look.force.iter().zip(scale).map(|(f, s)| (f * s).powi(2)).sum::<f64>();
-        if solution.is_inside && length <= AT_EDGE && size(there) >= size(here) {
-            // Forces jump on a way that by the contacts here leads to the state of rest.
-            return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
-        }
         last = (solution.is_inside && gain >= GOOD_GAIN).then_some((length, solution.pressed));
         if gain >= LEAST_GAIN {
             std::mem::swap(&mut position, &mut trial);
             std::mem::swap(here, there);
-            // Steps of poor ones may go round an edge of the energy: they get shorter until they end there.
-            reach = if gain >= GOOD_GAIN { reach.max(2.0 * length) } else { POOR * reach.min(length) };
+            if gain >= GOOD_GAIN {
+                reach = reach.max(2.0 * length);
+            }
         } else {
             reach = SHRINK * reach.min(length);
         }
-        if reach >= control.tolerance && iterations < EVALUATIONS {
-            continue;
-        }
-        // Where forces reverse over the last step, an edge of the energy lies between its ends.
-        if !(length <= AT_EDGE && dot(&here.force, &step) * dot(&there.force, &step) < 0.0) {
+        if reach < control.tolerance {
             break;
         }
-        let residual = hold_edge(system, here, &there.force);
-        if model.solve(system, here, NEAR, &mut step).is_none() {
-            break;
-        }
-        let length = length_of(&step);
-        if length <= AT_EDGE {
-            return Ok(Equilibrium { residual, position, iterations });
-        }
-        // The state of rest lies farther along the edge.
-        position.iter_mut().zip(&step).for_each(|(q, d)| *q += d);
-        sight = NEAR.max(2.0 * length);
-        evaluate(&position, sight, here);
-        iterations += 1;
-        (reach, last) = (length, None);
     }
     Err(DynamicsError::NoEquilibrium {
         time,
@@ -238,31 +209,6 @@ fn search<S: System>(
         residual: largest(&here.force),
         iterations,
     })
-}
-
-/// Makes the look at a place on an edge of the energy, where forces jump from Q to `beyond`, one at the edge itself: with
-/// the smallest force λ Q + (1 − λ) Q' of those between, which vanishes in a state of rest on the edge (Clarke 1983,
-/// *Optimization and Nonsmooth Analysis*, 2.3), and held across the edge, whose normal is Q − Q'. Returns the largest
-/// force that is left.
-///
-/// A pin that goes from one side of a hollow to the other has such an edge between.
-fn hold_edge<S: System>(system: &S, look: &mut Look, beyond: &[f64]) -> f64 {
-    let Look { force, smooth, columns, .. } = look;
-    let scale = system.scale();
-    let jump: Vec<f64> = force.iter().zip(beyond).map(|(here, there)| here - there).collect();
-    let work =
-        |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(scale).map(|((a, b), s)| a * b * s * s).sum() };
-    let size = work(&jump, &jump);
-    let share = (-work(beyond, &jump) / size).clamp(0.0, 1.0);
-    force.iter_mut().zip(beyond).for_each(|(here, there)| *here = share * *here + (1.0 - share) * there);
-    let searched = columns.searched();
-    let stiffest =
-        searched.iter().enumerate().map(|(at, i)| smooth.stiffness(at, at) * scale[*i] * scale[*i]);
-    let stiffness = ACROSS * stiffest.fold(0.0, f64::max) / size;
-    let (all, normal): (Vec<usize>, Vec<f64>) =
-        searched.iter().enumerate().map(|(at, i)| (at, jump[*i])).unzip();
-    smooth.add_outer(&all, &normal, &normal, stiffness);
-    force.iter().fold(0.0, |most, force| most.max(force.abs()))
 }
 
 /// The state of rest under a load by way of larger ones, under which more contacts hold the bodies: the continuation for

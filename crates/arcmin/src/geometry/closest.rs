@@ -29,9 +29,12 @@ pub(crate) struct Outlook {
     step: f64,
 }
 
-/// A step (rad of φ) after which the place is taken: convergence is quadratic, so that the error left is some
-/// 1e-8, which the distance feels in its square and the normal in its last digits.
+/// A step (rad of φ) after which the trace is continued by its Taylor series instead of being evaluated again.
 const LAST_STEP: f64 = 2e-4;
+/// Error (rad of φ) at which the place is taken: the distance feels its square and the normal changes in its last
+/// digits. One step of [`LAST_STEP`] leaves its square on a smooth flank, but far more where the curvature of the relief
+/// changes within a step of its grid and the flank nearly fits the pin.
+const SETTLED: f64 = LAST_STEP * LAST_STEP;
 /// Steps of Newton's method before the closest point is enclosed.
 const QUICK_STEPS: usize = 8;
 /// As far from the foot on the unworn flank the closest point is sought, in rad of φ.
@@ -48,7 +51,7 @@ impl Profile {
     /// With q = c − (r + w) n the distance |p − q| is stationary where off·t = w_s (off·n + r + w), off = p −
     /// c, t the tangent and w_s the slope of the depth along the flank. Newton's method, whose first step
     /// needs nothing but the foot and the depth there, and whose last is carried out by the Taylor series of
-    /// the trace; where it does not settle, the place is enclosed between two whose slopes differ in sign.
+    /// the trace; where it does not converge, the place is enclosed between two whose slopes differ in sign.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
         self.closest_ahead(p, foot, self.outlook(foot, relief, pin_radius), relief, pin_radius)
     }
@@ -71,7 +74,12 @@ impl Profile {
             let station = Station::new(p, &here);
             let step = -station.slope / station.slope_by_tau;
             if (step * lobes).abs() < LAST_STEP && station.slope_by_tau < 0.0 {
-                return self.closest_at(p, place.moved(step, z), &here.trace.moved(step), relief, pin_radius);
+                let next = place.moved(step, z);
+                let there = self.worn_on(here.trace.moved(step), next.tau, relief);
+                let left = Station::new(p, &there);
+                if (left.slope * lobes).abs() < SETTLED * left.slope_by_tau.abs() {
+                    return Closest::on(p, next, &there, pin_radius);
+                }
             }
             *(if station.slope > 0.0 { &mut before } else { &mut after }) = place.tau;
             place = place.moved(bounded(station.step(pin_radius)), z);
@@ -109,7 +117,7 @@ impl Profile {
             earlier = (next - place.tau).abs();
             place = place.moved(next - place.tau, z);
         }
-        self.closest_at(p, place, &self.trace_course(place), relief, pin_radius)
+        Closest::on(p, place, &self.worn_at(place, relief), pin_radius)
     }
 
     /// The first step of [`Profile::closest_on_worn`], and a bound of the gap to the worn flank: what it is at the foot
@@ -260,10 +268,11 @@ impl Profile {
             meshing_angle,
         }
     }
+}
 
+impl Closest {
     #[inline]
-    fn closest_at(&self, p: Vec2, place: Place, trace: &Trace, relief: &Relief, pin_radius: f64) -> Closest {
-        let worn = self.worn_on(*trace, place.tau, relief);
+    fn on(p: Vec2, place: Place, worn: &Worn, pin_radius: f64) -> Closest {
         let reach = worn.reach(p);
         let distance = reach.norm();
         let curvature = worn.curvature();

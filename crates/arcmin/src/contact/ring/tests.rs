@@ -196,10 +196,7 @@ fn gaps_bend_with_what_the_pin_has_lost() {
         if m.meshing_angle.abs() < 0.4 {
             continue;
         }
-        let turn_of = |c: &PinContact| {
-            let along = c.along[0] * motion.x + c.along[1] * motion.y + c.along[2] + 3e-3;
-            1.0 - c.turning(3e-3) * along
-        };
+        let turn_of = |c: &PinContact| c.pin_turn[0] * motion.x + c.pin_turn[1] * motion.y + c.pin_turn[2];
         let turn = turn_of(m);
         let by_slope = 1e-5 * ((turn_of(b) - turn_of(a)) / (2.0 * h)).abs();
         let difference = (b.gap - 2.0 * m.gap + a.gap) / (h * h);
