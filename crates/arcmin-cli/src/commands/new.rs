@@ -108,13 +108,14 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
                 known(template).ok_or_else(|| Failure::UnknownTemplate { name: (*template).clone() })?;
             (template, *file)
         }
-        [one] if known(one).is_some() => {
+        [one] if known(one).is_some() && !one.ends_with(".toml") => {
             return Err(Failure::Usage {
                 message: format!("{one} is a template; the name of the file to write is missing"),
                 help: format!("`arcmin new {one} {one}.toml` writes {one}.toml"),
             });
         }
-        [file] => (&TEMPLATES[0], *file),
+        // A file that is named after a template holds that one.
+        [file] => (known(file).unwrap_or(&TEMPLATES[0]), *file),
         _ => {
             return Err(Failure::Usage {
                 message: "the name of the file to write is missing".to_owned(),
