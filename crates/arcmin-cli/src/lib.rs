@@ -66,11 +66,11 @@ pub(crate) fn command_line() -> String {
     std::iter::once("arcmin").chain(typed().iter().map(String::as_str)).collect::<Vec<_>>().join(" ")
 }
 
-/// Where the numbers of a page about this design come from.
-pub(crate) fn provenance(design: &arcmin::design::Design, seeds: Vec<u64>) -> arcmin::report::Provenance {
+/// Where the numbers of a page come from; `design_hash` in full.
+pub(crate) fn provenance(design_hash: &str, seeds: Vec<u64>) -> arcmin::report::Provenance {
     arcmin::report::Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        design_hash: design.short_hash(),
+        design_hash: design_hash[..12].to_owned(),
         command: command_line(),
         seeds,
     }

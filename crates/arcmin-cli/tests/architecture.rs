@@ -86,7 +86,7 @@ fn modules_import_in_the_order_of_the_architecture() {
 /// The designs at the root are those that go into the package.
 #[test]
 fn shipped_designs_are_packaged() {
-    for name in ["rv-40e-81.toml", "rv-80e.toml", "tao2024.toml"] {
+    for name in ["rv-40e-81.toml", "rv-80e.toml", "tao2024.toml", "nema17-19.toml"] {
         let copy = format!("crates/arcmin/designs/{name}");
         assert!(read(&format!("designs/{name}")) == read(&copy), "`cp designs/{name} {copy}`");
     }

@@ -49,7 +49,16 @@ pub const TAO2024: Template = Template {
     outer_diameter_mm: 190.0,
 };
 
-/// All shipped designs, the default first.
+/// A single stage (family `eccentric`).
+pub const NEMA17_19: Template = Template {
+    name: "nema17-19",
+    file: "nema17-19.toml",
+    summary: "single stage for a NEMA 17 motor: 20 pins, 19 lobes, ratio −19, 3 N·m",
+    text: include_str!("../designs/nema17-19.toml"),
+    outer_diameter_mm: 42.0,
+};
+
+/// All shipped RV reducers, the default first.
 pub const TEMPLATES: [Template; 3] = [RV_40E, RV_80E, TAO2024];
 
 /// A shipped design by its name or the name of its file, with or without `.toml`.
@@ -57,6 +66,12 @@ pub fn find(name: &str) -> Option<&'static Template> {
     static ALL: [Template; 3] = TEMPLATES;
     let stem = name.strip_suffix(".toml").unwrap_or(name);
     ALL.iter().find(|template| template.name == stem || template.file.strip_suffix(".toml") == Some(stem))
+}
+
+/// The single stage of this name, as [`find`] takes names.
+pub fn find_single_stage(name: &str) -> Option<&'static Template> {
+    static STAGE: Template = NEMA17_19;
+    (name.strip_suffix(".toml").unwrap_or(name) == STAGE.name).then_some(&STAGE)
 }
 
 /// A shipped design by the names that [`find`] takes; `None` if there is none of that name.

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use arcmin::analyses::{Analysis, AnalysisError, Outcome, identity};
-use arcmin::checks::{Finding, Severity, check_design};
+use arcmin::analyses::stage::Drive;
+use arcmin::analyses::{Analysis, AnalysisError, Outcome};
+use arcmin::checks::{Finding, Severity};
 use arcmin::design::SectionSchema;
 use arcmin::study::band::MACHINES;
 use clap::ArgMatches;
@@ -13,20 +14,20 @@ use super::Ending;
 use super::study::Lives;
 use crate::arguments::{options_text, take_threads};
 use crate::failure::Failure;
-use crate::run::{Cache, Results, Terminal, is_checkpointed, read_design, say, say_findings, terminal_text};
+use crate::run::{Cache, Results, Terminal, is_checkpointed, read_drive, say, say_findings, terminal_text};
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
     let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
-    let design = read_design(path)?;
+    let design = read_drive(path)?;
     take_threads(matches)?;
     let options = options_text(analysis, matches);
     let schema = (analysis.options)();
     let is_check = analysis.name == "check";
     let errors: Vec<Finding> =
-        check_design(&design).into_iter().filter(|finding| finding.severity == Severity::Error).collect();
+        design.findings().into_iter().filter(|finding| finding.severity == Severity::Error).collect();
     if is_check && matches.get_flag("json") {
         let host = Terminal::new(path, Path::new("."), Cache::of_user(Path::new(".")), true);
-        let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
+        let outcome = answered(design.run(analysis, &options, "the options", &host), schema, &errors)?;
         let text = serde_json::to_string_pretty(&outcome.summary().to_json());
         say(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
         return Ok(ending_of(found_by_check(outcome.as_ref())));
@@ -35,7 +36,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
         Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join(analysis.name)
     });
-    let mut results = Results::prepare(&out, &design, matches.get_flag("force"))?;
+    let mut results = Results::prepare_for(&out, design.name(), matches.get_flag("force"))?;
     if !is_check {
         for finding in &errors {
             crate::failure::warn(&format!("ERROR {}: {}", finding.code, finding.message));
@@ -44,14 +45,17 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let chosen = matches.get_one::<PathBuf>("cache").map(|chosen| Cache::new(chosen));
     let cache = chosen.unwrap_or_else(|| Cache::of_user(&out));
     let host = Terminal::new(path, &out, cache, quiet);
-    let identity = answered(identity(analysis, &design, &options, "the options", &host), schema, &errors)?;
+    let identity = answered(design.identity(analysis, &options, "the options", &host), schema, &errors)?;
     host.set_identity(&identity);
-    let outcome = answered(analysis.run(&design, &options, "the options", &host), schema, &errors)?;
+    let outcome = answered(design.run(analysis, &options, "the options", &host), schema, &errors)?;
     host.clear();
     let found = if is_check { found_by_check(outcome.as_ref()) } else { errors.len() };
-    let lives = if analysis.name == "life" && matches.get_flag("band") {
+    let lives = if let Drive::Rv(design) = &design
+        && analysis.name == "life"
+        && matches.get_flag("band")
+    {
         let machines = matches.get_one::<u64>("band-machines").copied().unwrap_or(MACHINES);
-        Some(Lives::compute(&design, &options, machines, &host, &out, quiet)?)
+        Some(Lives::compute(design, &options, machines, &host, &out, quiet)?)
     } else {
         None
     };
@@ -69,7 +73,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         page.sections.extend(band.sections());
         results.file("band.csv", lives.csv().as_bytes())?;
     }
-    page.provenance = crate::provenance(&design, outcome.seeds());
+    page.provenance = crate::provenance(&design.hash(), outcome.seeds());
     results.file("report.html", page.render().as_bytes())?;
     let mut summary = outcome.summary().to_json();
     summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
@@ -78,7 +82,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     summary.insert("command_line".to_owned(), json!(crate::typed()));
     summary.insert(
         "design".to_owned(),
-        json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),
+        json!({ "name": design.name(), "hash": design.hash(), "short_hash": &design.hash()[..12] }),
     );
     if let Some(lives) = &lives {
         summary.insert("band".to_owned(), lives.band().to_json());

@@ -454,7 +454,7 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
 
 /// What a log says, for programs.
 fn duty_summary(found: &DutyImport, design: &Design) -> serde_json::Value {
-    let provenance = crate::provenance(design, Vec::new());
+    let provenance = crate::provenance(&design.hash(), Vec::new());
     let r = &found.reduction;
     serde_json::json!({
         "arcmin_version": provenance.version,
@@ -488,6 +488,6 @@ fn name_of(file: &Path) -> String {
 }
 
 fn write_page(path: &Path, mut page: Page, design: &Design) -> Result<(), Failure> {
-    page.provenance = crate::provenance(design, Vec::new());
+    page.provenance = crate::provenance(&design.hash(), Vec::new());
     write_file(path, page.render().as_bytes())
 }

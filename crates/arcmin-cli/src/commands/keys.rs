@@ -42,7 +42,8 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     let text = if matches.get_flag("results") {
         let analyses = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)());
-        let declared: Vec<_> = analyses.chain([arcmin::robot::declared()]).collect();
+        let stages = arcmin::analyses::stage::ALL.iter().map(|analysis| (analysis.results)());
+        let declared: Vec<_> = analyses.chain(stages).chain([arcmin::robot::declared()]).collect();
         arcmin::results::reference_of_results(&declared)
     } else if matches.get_flag("robot") {
         arcmin::robot::reference_of_keys()

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use arcmin::analyses::like::{Bodies, like};
-use arcmin::templates::{self, DataSheet, TEMPLATES, Template};
+use arcmin::templates::{self, DataSheet, NEMA17_19, TEMPLATES, Template};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::Ending;
@@ -22,8 +22,11 @@ const SHEET: [(&str, &str); 9] = [
 ];
 
 pub fn command() -> Command {
-    let list: String =
-        TEMPLATES.iter().map(|template| format!("\n  {:10} {}", template.name, template.summary)).collect();
+    let list: String = TEMPLATES
+        .iter()
+        .chain([&NEMA17_19])
+        .map(|template| format!("\n  {:10} {}", template.name, template.summary))
+        .collect();
     Command::new("new")
         .about("Write a commented design file to start from")
         .long_about(format!(
@@ -92,7 +95,7 @@ pub fn command() -> Command {
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
-        for template in TEMPLATES {
+        for template in TEMPLATES.iter().chain([&NEMA17_19]) {
             say(&format!("{:10} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
@@ -101,7 +104,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return run_like(name, matches);
     }
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
-    let known = templates::find;
+    let known = |name: &String| templates::find(name).or_else(|| templates::find_single_stage(name));
     let (template, file) = match words.as_slice() {
         [template, file] => {
             let template =

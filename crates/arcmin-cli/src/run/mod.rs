@@ -10,6 +10,7 @@ mod text;
 use std::io::Read;
 use std::path::Path;
 
+use arcmin::analyses::stage::Drive;
 use arcmin::design::Design;
 
 use crate::failure::{Failure, Start};
@@ -42,13 +43,24 @@ pub fn text_of(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
     })
 }
 
-/// Reads and parses a design file.
+/// Reads and parses the design file of an RV reducer.
 pub fn read_design(path: &Path) -> Result<Design, Failure> {
+    let (text, name) = design_text(path)?;
+    Design::parse(&text, &name).map_err(|error| Failure::design(error, &text))
+}
+
+/// Reads and parses a design file of any family.
+pub fn read_drive(path: &Path) -> Result<Drive, Failure> {
+    let (text, name) = design_text(path)?;
+    Drive::parse(&text, &name).map_err(|error| Failure::design(error, &text))
+}
+
+/// Text of a design file, and how messages call it.
+fn design_text(path: &Path) -> Result<(String, String), Failure> {
     let bytes = read_bounded(path, LARGEST_DESIGN).map_err(|cause| Failure::Read {
         path: path.to_owned(),
         cause,
         start: Start::Design,
     })?;
-    let text = text_of(path, &bytes)?;
-    Design::parse(&text, &path.display().to_string()).map_err(|error| Failure::design(error, &text))
+    Ok((text_of(path, &bytes)?, path.display().to_string()))
 }

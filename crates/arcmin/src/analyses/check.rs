@@ -1,8 +1,9 @@
 //! Is the design sound? Findings with value, limit, reason and remedy.
 
-use super::{AnalysisError, Host, Origin, Outcome, Said, inputs};
+use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
+use crate::dynamics::PlayChain;
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,
@@ -29,8 +30,10 @@ options! {
 #[derive(Debug, Clone)]
 pub struct Check {
     pub findings: Vec<Finding>,
-    name: String,
-    explain: bool,
+    /// Of a single stage: its play by part.
+    pub play_chain: Option<PlayChain>,
+    pub(super) name: String,
+    pub(super) explain: bool,
 }
 
 const FINDINGS: TableOf<Finding> = TableOf {
@@ -69,6 +72,10 @@ pub const SUMMARY: SummaryOf<Check> = SummaryOf {
     },
 };
 
+/// Of a single stage.
+pub const STAGE_SUMMARY: SummaryOf<Check> =
+    SummaryOf { entries: || (SUMMARY.entries)().into_iter().chain(stage::play_entries()).collect() };
+
 pub fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
 }
@@ -81,7 +88,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check,
     let mut findings = check_design(design);
     findings.extend(measured_flanks(design, host));
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-    Ok(Check { findings, name: design.name.value.clone(), explain: options.explain })
+    Ok(Check { findings, play_chain: None, name: design.name.value.clone(), explain: options.explain })
 }
 
 /// Whether the files that the design names are there and can be used; nothing if it names none.
@@ -132,9 +139,15 @@ impl Check {
     }
 }
 
+impl stage::HasPlay for Check {
+    fn play_chain(&self) -> Option<PlayChain> {
+        self.play_chain
+    }
+}
+
 impl Outcome for Check {
     fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
+        if self.play_chain.is_some() { STAGE_SUMMARY.fill(self) } else { SUMMARY.fill(self) }
     }
 
     fn tables(&self) -> Vec<Table> {
@@ -155,6 +168,7 @@ impl Outcome for Check {
                 said.push(Said::line(format!("           change: {}", finding.change)));
             }
         }
+        said.extend(self.play_chain.iter().map(|play| Said::line(stage::play_sentence(play))));
         said.push(Said::line(self.sentence()));
         said
     }
@@ -204,7 +218,12 @@ impl Outcome for Check {
             subtitle: "Is the design sound?".to_owned(),
             provenance: Provenance::default(),
             verdict,
-            sections: vec![Section::new("findings", "Findings", blocks)],
+            sections: self
+                .play_chain
+                .iter()
+                .map(|play| Section::new("play", "Play", vec![stage::play_table(play)]))
+                .chain([Section::new("findings", "Findings", blocks)])
+                .collect(),
         }
     }
 

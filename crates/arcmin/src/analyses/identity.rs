@@ -1,6 +1,6 @@
 use sha2::{Digest, Sha256};
 
-use super::{Analysis, AnalysisError, Host, Origin};
+use super::{Analysis, AnalysisError, Host, NormalOptions, Origin};
 use crate::design::{Design, InputFile};
 
 /// Identity of a run: the SHA-256 of analysis, design, options with their defaults, the content of every
@@ -16,6 +16,18 @@ pub fn identity(
     host: &dyn Host,
 ) -> Result<String, AnalysisError> {
     let normal = analysis.normal_options(options, origin)?;
+    let flanks = design.measured_flanks().into_iter().map(|flank| InputFile(flank.file)).collect();
+    identity_of(analysis.name, &design.canonical(), &normal, flanks, host)
+}
+
+/// [`identity`] by the canonical text of any design and the flanks that it names.
+pub(super) fn identity_of(
+    analysis: &str,
+    design: &str,
+    options: &NormalOptions,
+    flanks: Vec<InputFile>,
+    host: &dyn Host,
+) -> Result<String, AnalysisError> {
     let mut hash = Sha256::new();
     // Lengths in front keep two texts from running into each other.
     let mut put = |bytes: &[u8]| {
@@ -23,18 +35,18 @@ pub fn identity(
         hash.update(bytes);
     };
     put(env!("CARGO_PKG_VERSION").as_bytes());
-    put(analysis.name.as_bytes());
-    put(design.canonical().as_bytes());
+    put(analysis.as_bytes());
+    put(design.as_bytes());
     // Whether a run goes on from a checkpoint changes nothing of what it computes.
-    let lines = normal.text.lines().filter(|line| !line.starts_with("resume = "));
+    let lines = options.text.lines().filter(|line| !line.starts_with("resume = "));
     put(lines.collect::<Vec<_>>().join("\n").as_bytes());
-    for file in &normal.files {
+    for file in &options.files {
         put(&host.read(file, Origin::Options)?);
     }
-    for flank in design.measured_flanks() {
-        match host.read(&InputFile(flank.file), Origin::Design) {
+    for flank in flanks {
+        match host.read(&flank, Origin::Design) {
             // A check says of a file that is not there, or cannot be used, what is wrong with it.
-            Err(error) if analysis.name == "check" => put(error.to_string().as_bytes()),
+            Err(error) if analysis == "check" => put(error.to_string().as_bytes()),
             content => put(&content?),
         }
     }

@@ -32,6 +32,7 @@ mod outcome;
 pub mod profile;
 pub mod rig;
 pub mod simulate;
+pub mod stage;
 pub mod tao2024;
 pub mod wear;
 

@@ -129,8 +129,18 @@ pub fn tables() -> Vec<DeclaredTable> {
 /// None today; the type is that of every analysis.
 pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<FlankProfile, AnalysisError> {
     let machine = design.machine();
-    let profile = machine.profile();
-    let relief = machine.designed_relief();
+    let (ratio, name) = (machine.kinematics().ratio(), machine.name.clone());
+    Ok(flank(machine.profile(), &machine.designed_relief(), ratio, name, options))
+}
+
+/// The flank of one disc of a drive of this ratio and name.
+pub(super) fn flank(
+    profile: Profile,
+    relief: &Relief,
+    ratio: f64,
+    name: String,
+    options: &Options,
+) -> FlankProfile {
     let wear = options.wear_um * UM;
     let worn = relief.plus(&Relief::uniform(wear));
     let (lobes, per_lobe) = (profile.lobe_count(), options.points);
@@ -138,16 +148,16 @@ pub fn run(design: &Design, options: &Options, _host: &dyn Host) -> Result<Flank
         let tau = TAU * index as f64 / (lobes * per_lobe) as f64;
         // From the whole number of steps within the lobe: exact at root and tip, equal on every lobe.
         let meshing_angle = wrap_angle(-TAU * (index % per_lobe) as f64 / per_lobe as f64);
-        FlankPoint::meshing_at(&profile, &relief, &worn, tau, meshing_angle)
+        FlankPoint::meshing_at(&profile, relief, &worn, tau, meshing_angle)
     };
-    Ok(FlankProfile {
+    FlankProfile {
         points: (0..lobes * per_lobe).map(point).collect(),
-        ratio: machine.kinematics().ratio(),
-        name: machine.name.clone(),
+        ratio,
+        name,
         profile,
         wear,
         points_per_lobe: per_lobe,
-    })
+    }
 }
 
 impl FlankPoint {

@@ -5,8 +5,11 @@ use std::ops::Range;
 
 use super::error::{DesignErrorKind, Source};
 use super::hint::plain;
-use super::{DesignError, DesignSections, resolve};
-use crate::geometry::unit;
+use super::{
+    At, DesignError, DesignSections, DiscSection, DutySection, LoadSection, ModificationSection, RingSection,
+    RollerBearingSection, Section, resolve,
+};
+use crate::geometry::{Profile, unit};
 use crate::machine::roller_spacing;
 use crate::units::MM;
 
@@ -27,27 +30,29 @@ pub(super) fn needs(source: &Source, place: &Place, what: &str, key: &str) -> Bo
 }
 
 pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
-    teeth(design, source)?;
+    teeth(&design.ring, &design.disc, source)?;
     gear_stage(design, source)?;
-    flank(design, source)?;
+    let eccentricity = &design.crankshafts.eccentricity_mm.span;
+    flank(&resolve::profile(design), &design.ring, &design.disc.modification, eccentricity, source)?;
     bores(design, source)?;
     super::bodies::check(design, source)?;
-    free_form(design, source)?;
-    bearings(design, source)?;
+    free_form(&design.disc.modification, source)?;
+    roller_bearing("turning_arm", &design.bearings.turning_arm, source)?;
+    roller_bearing("crank_support", &design.bearings.crank_support, source)?;
     preload(design, source)?;
-    duty(design, source)
+    duty(&design.duty, &design.load, source)
 }
 
-fn teeth(design: &DesignSections, source: &Source) -> Result<()> {
-    let pins = *design.ring.pin_count;
-    match design.disc.lobe_count.value {
+pub(super) fn teeth(ring: &RingSection, disc: &DiscSection, source: &Source) -> Result<()> {
+    let pins = *ring.pin_count;
+    match disc.lobe_count.value {
         Some(lobes) if lobes + 1 != pins => {
             let message = format!(
                 "{lobes} lobes do not run in {pins} pins: the disc has one lobe less than the ring has pins"
             );
             Err(contradiction(
                 source,
-                &design.disc.lobe_count.span,
+                &disc.lobe_count.span,
                 message,
                 &format!("write lobe_count = {}, or leave it out", pins - 1),
             ))
@@ -94,8 +99,14 @@ fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
     Ok(())
 }
 
-fn flank(design: &DesignSections, source: &Source) -> Result<()> {
-    let (ring, cranks) = (&design.ring, &design.crankshafts);
+/// Whether the flank as cut exists; `eccentricity` is the place of that key.
+pub(super) fn flank(
+    profile: &Profile,
+    ring: &RingSection,
+    modification: &ModificationSection,
+    eccentricity: &Place,
+    source: &Source,
+) -> Result<()> {
     if *ring.pin_radius_mm >= *ring.pin_circle_radius_mm {
         let message = format!(
             "a pin radius of {} mm does not fit on a pin circle of {} mm",
@@ -108,9 +119,8 @@ fn flank(design: &DesignSections, source: &Source) -> Result<()> {
             "both are radii, not diameters",
         ));
     }
-    let profile = resolve::profile(design);
     if profile.pin_radius <= 0.0 {
-        let offset = &design.disc.modification.equidistant_offset_um;
+        let offset = &modification.equidistant_offset_um;
         let message = format!("an equidistant offset of {} µm leaves no generating pin", **offset);
         return Err(contradiction(source, &offset.span, message, "a positive offset opens the gap"));
     }
@@ -126,9 +136,9 @@ fn flank(design: &DesignSections, source: &Source) -> Result<()> {
             *ring.pin_circle_radius_mm,
             { plain(profile.pin_circle_radius / profile.pin_count as f64 / MM) }
         );
-        return Err(contradiction(source, &cranks.eccentricity_mm.span, message, &hint));
+        return Err(contradiction(source, eccentricity, message, &hint));
     }
-    let root = root_radius(design);
+    let root = root_radius(profile);
     if root <= 0.0 {
         let message =
             "pin radius and eccentricity together exceed the pin circle: no disc is left".to_owned();
@@ -143,13 +153,12 @@ fn flank(design: &DesignSections, source: &Source) -> Result<()> {
 }
 
 /// Radius of the disc at its roots in m: R − a − r of the generating pins.
-fn root_radius(design: &DesignSections) -> f64 {
-    let profile = resolve::profile(design);
+fn root_radius(profile: &Profile) -> f64 {
     profile.pin_circle_radius - profile.eccentricity - profile.pin_radius
 }
 
 fn bores(design: &DesignSections, source: &Source) -> Result<()> {
-    let root = root_radius(design);
+    let root = root_radius(&resolve::profile(design));
     let all = resolve::bores(design);
     for (index, (name, bore, place)) in all.iter().enumerate() {
         let outside = bore.centre_radius + bore.radius - root;
@@ -188,8 +197,8 @@ fn bores(design: &DesignSections, source: &Source) -> Result<()> {
     Ok(())
 }
 
-fn free_form(design: &DesignSections, source: &Source) -> Result<()> {
-    let points = &design.disc.modification.free_form_deg_um;
+pub(super) fn free_form(modification: &ModificationSection, source: &Source) -> Result<()> {
+    let points = &modification.free_form_deg_um;
     if !points.is_empty() && points.len() < 4 {
         let message = format!("a free form of {} points is not a curve", points.len());
         return Err(contradiction(
@@ -246,45 +255,36 @@ fn preload(design: &DesignSections, source: &Source) -> Result<()> {
     Ok(())
 }
 
-fn bearings(design: &DesignSections, source: &Source) -> Result<()> {
-    for (name, bearing) in
-        [("turning_arm", &design.bearings.turning_arm), ("crank_support", &design.bearings.crank_support)]
-    {
-        let place = &bearing.roller_count.span;
-        match (*bearing.kind == crate::machine::RollerKind::Ball, bearing.roller_length_mm.value) {
-            (false, None) => {
-                return Err(needs(source, &bearing.kind.span, "a roller bearing", "roller_length_mm"));
-            }
-            (true, Some(_)) => {
-                let message = "a ball has no roller length".to_owned();
-                return Err(contradiction(
-                    source,
-                    &bearing.roller_length_mm.span,
-                    message,
-                    "leave roller_length_mm out",
-                ));
-            }
-            _ => {}
+/// A bearing of `[bearings]` by its name there.
+pub(super) fn roller_bearing(name: &str, bearing: &RollerBearingSection, source: &Source) -> Result<()> {
+    let place = &bearing.roller_count.span;
+    match (*bearing.kind == crate::machine::RollerKind::Ball, bearing.roller_length_mm.value) {
+        (false, None) => {
+            return Err(needs(source, &bearing.kind.span, "a roller bearing", "roller_length_mm"));
         }
-        let (pitch, diameter) = (*bearing.pitch_diameter_mm, *bearing.roller_diameter_mm);
-        if diameter >= pitch {
-            let message =
-                format!("rollers of {diameter} mm leave no inner ring on a pitch circle of {pitch} mm");
+        (true, Some(_)) => {
+            let message = "a ball has no roller length".to_owned();
             return Err(contradiction(
                 source,
-                &bearing.roller_diameter_mm.span,
+                &bearing.roller_length_mm.span,
                 message,
-                "both are diameters",
+                "leave roller_length_mm out",
             ));
         }
-        if roller_spacing(pitch, *bearing.roller_count) < diameter {
-            let fit = (std::f64::consts::PI / (diameter / pitch).asin()).floor();
-            let message = format!(
-                "{} rollers of {diameter} mm do not fit on the pitch circle of {pitch} mm in bearings.{name}",
-                *bearing.roller_count
-            );
-            return Err(contradiction(source, place, message, &format!("at most {fit} fit")));
-        }
+        _ => {}
+    }
+    let (pitch, diameter) = (*bearing.pitch_diameter_mm, *bearing.roller_diameter_mm);
+    if diameter >= pitch {
+        let message = format!("rollers of {diameter} mm leave no inner ring on a pitch circle of {pitch} mm");
+        return Err(contradiction(source, &bearing.roller_diameter_mm.span, message, "both are diameters"));
+    }
+    if roller_spacing(pitch, *bearing.roller_count) < diameter {
+        let fit = (std::f64::consts::PI / (diameter / pitch).asin()).floor();
+        let message = format!(
+            "{} rollers of {diameter} mm do not fit on the pitch circle of {pitch} mm in bearings.{name}",
+            *bearing.roller_count
+        );
+        return Err(contradiction(source, place, message, &format!("at most {fit} fit")));
     }
     Ok(())
 }
@@ -299,12 +299,12 @@ fn half_a_digit(share: f64) -> f64 {
     0.5 * 10_f64.powi(-(digits as i32))
 }
 
-fn duty(design: &DesignSections, source: &Source) -> Result<()> {
-    let sum: f64 = design.duty.iter().map(|row| *row.share).sum();
-    let rounding: f64 = design.duty.iter().map(|row| half_a_digit(*row.share)).sum();
-    if !design.duty.is_empty() && (sum - 1.0).abs() > rounding.min(LARGEST_ROUNDING) + 1e-6 {
+pub(super) fn duty(duty: &[At<Section<DutySection>>], load: &LoadSection, source: &Source) -> Result<()> {
+    let sum: f64 = duty.iter().map(|row| *row.share).sum();
+    let rounding: f64 = duty.iter().map(|row| half_a_digit(*row.share)).sum();
+    if !duty.is_empty() && (sum - 1.0).abs() > rounding.min(LARGEST_ROUNDING) + 1e-6 {
         let message = format!("the shares of the duty rows add up to {}, not to 1", plain(sum));
-        let place = design.duty.last().and_then(|row| row.share.span.clone());
+        let place = duty.last().and_then(|row| row.share.span.clone());
         return Err(contradiction(
             source,
             &place,
@@ -312,11 +312,11 @@ fn duty(design: &DesignSections, source: &Source) -> Result<()> {
             "shares are parts of the running time, not percent",
         ));
     }
-    if *design.load.input_speed_rpm == 0.0 {
+    if *load.input_speed_rpm == 0.0 {
         let message = "the rated input speed must not be zero".to_owned();
         return Err(contradiction(
             source,
-            &design.load.input_speed_rpm.span,
+            &load.input_speed_rpm.span,
             message,
             "give the speed of the motor",
         ));

@@ -25,6 +25,7 @@ mod resolve_laws;
 pub(crate) mod schema;
 mod sections;
 mod service;
+mod single_stage;
 mod solids;
 #[cfg(test)]
 mod tests;
@@ -54,6 +55,11 @@ pub use schema::{At, Key, Kind, Presence, Rule, SectionSchema};
 pub(crate) use schema::{default, default_word, optional, positional, word};
 pub use sections::*;
 pub use service::*;
+pub use single_stage::{
+    EccentricSection, OutputPinsSection, PinSupport, StageBearingsSection, StageDesign, StageMember,
+    StageSections,
+};
+pub(crate) use single_stage::{openings, output_contact};
 pub use unknowns::Unknown;
 pub use value::Value;
 pub use values::{Section, Stated};
@@ -71,12 +77,20 @@ use variation::Variations;
 use crate::machine::{FixedMember, Machine, ManufacturingErrors, Tolerances};
 
 section! {
+    /// Which kind of drive the file describes.
+    pub struct DriveSection {
+        /// Family of the drive. Each has sections of its own.
+        family: Family => default_word("rv"),
+    }
+
     /// A design file.
     pub struct DesignSections {
         /// Name of the design, for reports.
         name: String => word(),
         /// One sentence for reports.
         description: String => default_word(""),
+        /// Kind of drive.
+        drive: Section<DriveSection> => OPTIONAL_SECTION,
         /// Member at rest.
         fixed_member: FixedMember => default_word("housing"),
         /// The ring of pins.
@@ -115,6 +129,36 @@ section! {
         /// `"bearings.turning_arm.clearance_um" = { low = 2, high = 12 }`, `{ factor = 3 }` or `{ mean = 8,
         /// deviation = 2 }`. The value of the key must lie inside. A study can vary them all.
         unknowns: Variations => optional(0.0, 0.0),
+    }
+}
+
+/// Kinds of drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    Rv,
+    Eccentric,
+}
+
+impl Choice for Family {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("rv", "RV reducer: sun and planets drive crankshafts around the centre"),
+        ("eccentric", "single stage: eccentrics on the input shaft, output pins in holes of the discs"),
+    ];
+    const VALUES: &'static [Family] = &[Family::Rv, Family::Eccentric];
+}
+
+impl Family {
+    /// The family of the text of a design file.
+    pub(crate) fn of_text(text: &str, file_name: &str) -> Result<Family, Box<DesignError>> {
+        field::parse(&Source { text, file_name, title: TITLE }).map(|tree| Family::of(&tree))
+    }
+
+    /// The family of a design file, as far as it can be read.
+    fn of(tree: &Branch) -> Family {
+        match tree.at(&["drive", "family"]).map(|item| &item.node) {
+            Some(tree::Node::Text(word)) if **word == *Family::Eccentric.word() => Family::Eccentric,
+            _ => Family::Rv,
+        }
     }
 }
 
@@ -166,7 +210,11 @@ impl Design {
     /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not
     /// finite or outside of what is believable, values that contradict each other.
     pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
-        let tree = field::parse(&Source { text, file_name, title: TITLE })?;
+        let source = Source { text, file_name, title: TITLE };
+        let tree = field::parse(&source)?;
+        if Family::of(&tree) == Family::Eccentric {
+            return Err(single_stage::not_yet(&tree, &source));
+        }
         let base = Base { text: text.to_owned(), file_name: file_name.to_owned(), tree: tree.clone() };
         Design::from_tree(Arc::new(base), tree, Vec::new()).map_err(|(error, _)| error)
     }
@@ -258,7 +306,8 @@ impl Design {
     pub fn canonical(&self) -> String {
         let mut lines = Vec::new();
         self.sections.canonical_fields("", &mut lines);
-        lines.retain(|line| !line.starts_with("description = "));
+        // Designs that were written before there were families keep their hash.
+        lines.retain(|line| !line.starts_with("description = ") && line != "drive.family = \"rv\"");
         lines.join("\n")
     }
 
@@ -269,7 +318,10 @@ impl Design {
         self.sections.defaulted_fields("", &mut keys);
         // An error or a tolerance that is not listed is none, which is no assumption.
         keys.retain(|key| {
-            key != "description" && !key.starts_with("errors.") && !key.starts_with("tolerances.")
+            key != "description"
+                && key != "drive.family"
+                && !key.starts_with("errors.")
+                && !key.starts_with("tolerances.")
         });
         keys
     }

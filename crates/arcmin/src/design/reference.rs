@@ -1,9 +1,9 @@
 //! The reference of all keys, written from the same declarations that the reader obeys.
 
-use super::DesignSections;
 use super::field::join;
 use super::hint::plain;
 use super::schema::{Key, Kind, Presence, SectionSchema};
+use super::{DesignSections, StageSections};
 use crate::materials::Material;
 
 const INTRODUCTION: &str = "\
@@ -19,6 +19,16 @@ Materials are given by name or as an inline table, for example
 This chapter is the output of `arcmin keys`.
 ";
 
+const SINGLE_STAGE: &str = "
+## Single stages
+
+A file with `[drive] family = \"eccentric\"` describes a [single stage](single-stage.md): eccentrics in the middle of the input
+shaft, discs, a ring of pins, and output pins in holes of the discs. `[ring]`, `[disc]`, `[contact]`, `[load]` and `[limits]` are
+those above; `[[duty]]`, `[wear]`, `[friction]`, `[tolerances]` and `[unknowns]` are read, but not used yet. There is no
+`[crankshafts]`, `[gear_stage]` or `[carrier]`. `fixed_member` is `ring` (the default: the output pins turn, ratio −z_c) or `output`
+(the ring turns with the load, ratio z_p). These sections are its own:
+";
+
 /// The chapter in Markdown.
 pub fn markdown() -> String {
     let mut out = INTRODUCTION.to_owned();
@@ -30,6 +40,16 @@ pub fn markdown() -> String {
         out.push_str(&format!("| {} | {e} | {} | {density} |\n", material.name, material.poisson_ratio));
     }
     section(&mut out, &DesignSections::SCHEMA, "", "Top of the file");
+    out.push_str(SINGLE_STAGE);
+    let of_stages = StageSections::SCHEMA.keys.iter().filter_map(|key| match (key.kind)() {
+        Kind::Section(schema) => Some((key.name, schema)),
+        _ => None,
+    });
+    for (name, schema) in
+        of_stages.filter(|(name, _)| ["eccentric", "output_pins", "bearings"].contains(name))
+    {
+        section(&mut out, schema, name, &format!("`[{name}]` of a single stage"));
+    }
     out
 }
 

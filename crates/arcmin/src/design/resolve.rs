@@ -3,7 +3,10 @@
 use super::error::Source;
 use super::resolve_laws::{law, wear};
 use super::solids::{self, Section as Solid};
-use super::{DesignError, DesignSections, ModificationSection, RollerBearingSection};
+use super::{
+    At, DesignError, DesignSections, DutySection, LimitsSection, LoadSection, ModificationSection,
+    RollerBearingSection, Section,
+};
 use crate::contact::Damping;
 use crate::geometry::{Profile, Relief};
 use crate::machine::*;
@@ -18,26 +21,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
     let disc = disc(design);
     let bearings = bearings(design);
     let crankshafts = crankshafts(design);
-    let load = &design.load;
-    let rated = DutyPoint {
-        torque: *load.rated_torque_n_m,
-        input_speed: *load.input_speed_rpm * RPM,
-        share: 1.0,
-        forces: OutputForces::default(),
-    };
-    let duty = if design.duty.is_empty() {
-        vec![rated]
-    } else {
-        // Rounded shares are taken in proportion.
-        let whole: f64 = design.duty.iter().map(|row| *row.share).sum();
-        let row = |row: &super::DutySection| DutyPoint {
-            torque: *row.torque_n_m,
-            input_speed: *row.input_speed_rpm * RPM,
-            share: if (whole - 1.0).abs() > 1e-12 { *row.share / whole } else { *row.share },
-            forces: OutputForces { moment: *row.moment_n_m, axial: *row.axial_n, radial: *row.radial_n },
-        };
-        design.duty.iter().map(|at| row(at)).collect()
-    };
+    let (rated, duty) = duty(&design.load, &design.duty);
     let solids = super::bodies::solids(design, &ring, &disc, &gear_stage, &bearings);
     Ok(Machine {
         name: design.name.value.clone(),
@@ -69,19 +53,45 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
         rated,
         duty,
         wear: wear(design, source)?,
-        limits: Limits {
-            lost_motion: *design.limits.lost_motion_arcmin * ARCMIN,
-            contact_pressure: *design.limits.contact_pressure_mpa * MPA,
-            service_life: *design.limits.service_life_h * HOUR,
-            transmission_error: design.limits.transmission_error_arcmin.map(|limit| limit * ARCMIN),
-            backlash: design.limits.backlash_arcmin.map(|limit| limit * ARCMIN),
-            start_stop_torque: *design.limits.start_stop_torque_n_m,
-            emergency_torque: *design.limits.emergency_torque_n_m,
-            output_speed: design.limits.output_speed_rpm.map(|limit| limit * RPM),
-            catalogue_life: design.limits.catalogue_life_h.map(|limit| limit * HOUR),
-            contact_endurance: design.limits.contact_endurance_mpa.map(|limit| limit * MPA),
-        },
+        limits: limits(&design.limits),
     })
+}
+
+/// The rated point, and the load spectrum.
+pub(super) fn duty(load: &LoadSection, duty: &[At<Section<DutySection>>]) -> (DutyPoint, Vec<DutyPoint>) {
+    let rated = DutyPoint {
+        torque: *load.rated_torque_n_m,
+        input_speed: *load.input_speed_rpm * RPM,
+        share: 1.0,
+        forces: OutputForces::default(),
+    };
+    if duty.is_empty() {
+        return (rated, vec![rated]);
+    }
+    // Rounded shares are taken in proportion.
+    let whole: f64 = duty.iter().map(|row| *row.share).sum();
+    let row = |row: &DutySection| DutyPoint {
+        torque: *row.torque_n_m,
+        input_speed: *row.input_speed_rpm * RPM,
+        share: if (whole - 1.0).abs() > 1e-12 { *row.share / whole } else { *row.share },
+        forces: OutputForces { moment: *row.moment_n_m, axial: *row.axial_n, radial: *row.radial_n },
+    };
+    (rated, duty.iter().map(|at| row(at)).collect())
+}
+
+pub(super) fn limits(limits: &LimitsSection) -> Limits {
+    Limits {
+        lost_motion: *limits.lost_motion_arcmin * ARCMIN,
+        contact_pressure: *limits.contact_pressure_mpa * MPA,
+        service_life: *limits.service_life_h * HOUR,
+        transmission_error: limits.transmission_error_arcmin.map(|limit| limit * ARCMIN),
+        backlash: limits.backlash_arcmin.map(|limit| limit * ARCMIN),
+        start_stop_torque: *limits.start_stop_torque_n_m,
+        emergency_torque: *limits.emergency_torque_n_m,
+        output_speed: limits.output_speed_rpm.map(|limit| limit * RPM),
+        catalogue_life: limits.catalogue_life_h.map(|limit| limit * HOUR),
+        contact_endurance: limits.contact_endurance_mpa.map(|limit| limit * MPA),
+    }
 }
 
 fn ring(design: &DesignSections) -> PinRing {
@@ -212,7 +222,7 @@ fn disc(design: &DesignSections) -> CycloidDisc {
     }
 }
 
-fn modification(section: &ModificationSection) -> FlankModification {
+pub(super) fn modification(section: &ModificationSection) -> FlankModification {
     let points: Vec<[f64; 2]> =
         section.free_form_deg_um.iter().map(|[angle, depth]| [angle * DEG, depth * UM]).collect();
     FlankModification {
@@ -328,9 +338,8 @@ fn gear_stage(design: &DesignSections) -> GearStage {
     }
 }
 
-fn bearings(design: &DesignSections) -> BearingSet {
-    let bearings = &design.bearings;
-    let roller = |bearing: &RollerBearingSection| RollerBearing {
+pub(super) fn roller(bearing: &RollerBearingSection) -> RollerBearing {
+    RollerBearing {
         kind: *bearing.kind,
         roller_count: *bearing.roller_count,
         roller_diameter: *bearing.roller_diameter_mm * MM,
@@ -339,7 +348,11 @@ fn bearings(design: &DesignSections) -> BearingSet {
         contact_angle: *bearing.contact_angle_deg * DEG,
         clearance: *bearing.clearance_um * UM,
         dynamic_load_rating: bearing.dynamic_load_rating_kn.map(|rating| rating * 1e3),
-    };
+    }
+}
+
+fn bearings(design: &DesignSections) -> BearingSet {
+    let bearings = &design.bearings;
     BearingSet {
         turning_arm: roller(&bearings.turning_arm),
         crank_support: roller(&bearings.crank_support),

@@ -89,6 +89,17 @@ impl Branch {
         self.entries.iter().find(|entry| &*entry.key == key).map(|entry| &entry.item)
     }
 
+    /// The value of a dotted key.
+    pub fn at(&self, path: &[&str]) -> Option<&Item> {
+        let (first, rest) = path.split_first()?;
+        let item = self.get(first)?;
+        match &item.node {
+            _ if rest.is_empty() => Some(item),
+            Node::Table(inner) => inner.at(rest),
+            _ => None,
+        }
+    }
+
     /// Path of the innermost value or key that covers the bytes, dotted and with indices.
     pub fn path_at(&self, span: &Range<usize>) -> Option<String> {
         let covers = |outer: &Range<usize>| outer.start <= span.start && span.end <= outer.end;

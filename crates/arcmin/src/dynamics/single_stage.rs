@@ -9,7 +9,7 @@ use super::mechanism::{
     PinRing, Place, Registry, Resistance, RollingBearing, State, Support, Turn,
 };
 use crate::contact::{LineContact, Pin, PinContact, PinContacts};
-use crate::geometry::{Profile, Relief, unit};
+use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{Friction, RollerBearing};
 use crate::units::ARCMIN;
 
@@ -23,8 +23,6 @@ pub struct OutputPins {
     pub radius: f64,
     /// δ in m: a hole has the radius r_w + e + δ.
     pub hole_clearance: f64,
-    /// N/m, pin, roller and hole in series, for one disc.
-    pub stiffness: f64,
 }
 
 /// A cycloidal drive of one stage: eccentrics in the middle of the input shaft, discs, a ring of pins at rest, and output
@@ -34,8 +32,11 @@ pub struct OutputPins {
 /// their holes have no friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingleStage {
-    /// Pins, their circle, and eccentricity.
+    /// The flank as cut.
     pub profile: Profile,
+    /// Circle and radius of the pins of the ring as installed, m.
+    pub ring_circle_radius: f64,
+    pub ring_pin_radius: f64,
     /// Angles of the eccentrics on the shaft in rad, a disc each.
     pub phases: Vec<f64>,
     /// Law of contact of a pin with a flank.
@@ -45,6 +46,8 @@ pub struct SingleStage {
     /// Bearing between eccentric and disc.
     pub eccentric: RollerBearing,
     pub output_pins: OutputPins,
+    /// Of an output pin on each of the discs in N/m: pin, roller and hole in series.
+    pub output_pin_stiffness: Vec<f64>,
     /// Radial stiffness of the bearings of input shaft and output, N/m.
     pub input_support: f64,
     pub output_support: f64,
@@ -101,6 +104,9 @@ impl PlayChain {
     }
 }
 
+/// Places of a flank at which the play is looked for.
+const STOPS: usize = 2000;
+
 impl SingleStage {
     /// Turns of the input for one of the output: −z_c.
     pub fn ratio(&self) -> f64 {
@@ -112,11 +118,28 @@ impl SingleStage {
         self.profile.eccentricity * self.profile.lobe_count() as f64
     }
 
-    /// Play of a drive whose flank has lost the same everywhere; the least relief counts where it has not.
+    /// Gap (m) of the flank at a meshing angle in the nominal place: what the cut is larger by, and what is taken off.
+    pub fn gap(&self, meshing_angle: f64) -> f64 {
+        let (equidistant, radial) = (
+            self.profile.pin_radius - self.ring_pin_radius,
+            self.profile.pin_circle_radius - self.ring_circle_radius,
+        );
+        let normal = self.profile.pin_angle(meshing_angle);
+        equidistant - radial * normal.cos() + self.relief.at(meshing_angle).depth
+    }
+
+    /// Play of the drive as designed. In the ring the pin stops the disc at which the gap Δ is least for its lever l, to
+    /// either side: min Δ/l + min Δ/l, which is 2 Δ/(e z_c) where the gap is the same everywhere.
     pub fn play_chain(&self) -> PlayChain {
-        let gap = Relief::grid(360).map(|phi| self.relief.at(phi).depth).fold(f64::INFINITY, f64::min);
+        let turn = |side: f64| {
+            let free = |i: usize| {
+                let phi = side * std::f64::consts::PI * (i as f64 + 0.5) / STOPS as f64;
+                self.gap(phi).max(0.0) / self.profile.lever_arm(phi).abs()
+            };
+            (0..STOPS).map(free).fold(f64::INFINITY, f64::min)
+        };
         PlayChain {
-            ring: 2.0 * gap.max(0.0) / self.lever(),
+            ring: turn(1.0) + turn(-1.0),
             eccentric_bearing: self.eccentric.clearance.max(0.0) / self.lever(),
             output: 2.0 * self.output_pins.hole_clearance.max(0.0) / self.output_pins.circle_radius,
         }
@@ -136,6 +159,25 @@ impl SingleStage {
     pub fn output_pin_force(&self, torque: f64) -> f64 {
         let share = torque.abs() / self.phases.len() as f64;
         4.0 * share / (self.output_pins.count as f64 * self.output_pins.circle_radius)
+    }
+
+    /// Force (N) of an eccentric bearing where all pins carry as equal springs: T/(e z_c) across the eccentric, and along
+    /// it 4 T/(π R_w) of the output pins less what the ring presses. The lines of action of its pins meet in the pitch point,
+    /// e z_p from the centre of the ring.
+    pub fn eccentric_force(&self, torque: f64) -> f64 {
+        let share = torque.abs() / self.phases.len() as f64;
+        let pitch_point = Vec2::new(self.profile.eccentricity * self.profile.pin_count as f64, 0.0);
+        let (mut squares, mut along) = (0.0, 0.0);
+        for i in 0..STOPS {
+            let pin = self.ring_circle_radius * unit(0.5 * TAU * (i as f64 + 0.5) / STOPS as f64);
+            let normal = (pin - pitch_point).normalize();
+            squares += normal.y * normal.y;
+            along -= normal.y * normal.x;
+        }
+        let across = share / self.lever();
+        let by_ring = across * along / squares;
+        let by_pins = 2.0 * share / (0.25 * TAU * self.output_pins.circle_radius);
+        across.hypot(by_pins - by_ring)
     }
 
     /// Builds bodies and joints, the input held and without load.
@@ -214,7 +256,7 @@ impl SingleStage {
     }
 
     fn output_joint(&self, disc: usize, output: [usize; 3], [x, y, turn]: [usize; 3]) -> HolePins {
-        let OutputPins { count, circle_radius, hole_clearance, stiffness, .. } = self.output_pins;
+        let OutputPins { count, circle_radius, hole_clearance, .. } = self.output_pins;
         let nominal_distance = self.profile.eccentricity;
         let pairs = (0..count).map(|pin| {
             let at = |phase: f64| Arm { radius: circle_radius, phase };
@@ -228,15 +270,15 @@ impl SingleStage {
             pairs: pairs.collect(),
             clearance: nominal_distance + hole_clearance,
             nominal_distance,
-            stiffness,
+            stiffness: self.output_pin_stiffness[disc],
         }
     }
 
     fn ring(&self, disc: usize, [x, y, turn]: [usize; 3], housing: [usize; 3]) -> PinRing {
-        let Profile { pin_count, pin_circle_radius, pin_radius, .. } = self.profile;
+        let pin_count = self.profile.pin_count;
         let pins = (0..pin_count).map(|pin| Pin {
-            centre: pin_circle_radius * unit(TAU * pin as f64 / pin_count as f64),
-            radius: pin_radius,
+            centre: self.ring_circle_radius * unit(TAU * pin as f64 / pin_count as f64),
+            radius: self.ring_pin_radius,
         });
         let mut contacts =
             PinContacts::new(self.profile.clone(), pins.collect(), self.relief.clone(), self.contact);
@@ -249,7 +291,11 @@ impl SingleStage {
             elastic: None,
             housing: None,
             slopes: None,
-            designed: Designed { relief: self.relief.clone(), equidistant: 0.0, radial: 0.0 },
+            designed: Designed {
+                relief: self.relief.clone(),
+                equidistant: self.profile.pin_radius - self.ring_pin_radius,
+                radial: self.profile.pin_circle_radius - self.ring_circle_radius,
+            },
         }
     }
 
@@ -257,6 +303,14 @@ impl SingleStage {
         let check = DynamicsError::require;
         let pins = self.output_pins;
         check(!self.phases.is_empty(), "number of discs", 0.0, "", "must be at least 1")?;
+        let (stiffnesses, discs) = (self.output_pin_stiffness.len(), self.phases.len());
+        check(
+            stiffnesses == discs,
+            "number of stiffnesses of output pins",
+            stiffnesses as f64,
+            "",
+            "must be one a disc",
+        )?;
         check(pins.count >= 3, "number of output pins", pins.count as f64, "", "must be at least 3")?;
         check(
             pins.circle_radius > 0.0,
@@ -267,10 +321,12 @@ impl SingleStage {
         )?;
         check(pins.radius > 0.0, "radius of the output pins", pins.radius, "m", "must be positive")?;
         for (name, value) in [
-            ("stiffness of an output pin", pins.stiffness),
             ("stiffness of the input's bearings", self.input_support),
             ("stiffness of the output's bearings", self.output_support),
-        ] {
+        ]
+        .into_iter()
+        .chain(self.output_pin_stiffness.iter().map(|stiffness| ("stiffness of an output pin", *stiffness)))
+        {
             check(value > 0.0 && value.is_finite(), name, value, "N/m", "must be positive")?;
         }
         let k1 = self.profile.short_width_coefficient();

@@ -62,6 +62,13 @@ impl LoopFigures {
         ]
     }
 
+    /// Mean of the loops of several positions.
+    pub(crate) fn mean(loops: &[LoopFigures]) -> LoopFigures {
+        let all: Vec<[f64; 6]> = loops.iter().map(LoopFigures::all).collect();
+        let mean = |index: usize| all.iter().map(|one| one[index]).sum::<f64>() / all.len() as f64;
+        LoopFigures::from_all(std::array::from_fn(mean))
+    }
+
     pub(super) fn from_all(all: [f64; 6]) -> LoopFigures {
         let [lost_motion, backlash, stiffness, soft_stiffness, middle_stiffness, work] = all;
         LoopFigures { lost_motion, backlash, stiffness, soft_stiffness, middle_stiffness, work }
@@ -74,7 +81,7 @@ pub const STIFFNESS_WINDOW: (f64, f64) = (0.5, 1.0);
 const ZERO_SHARE: f64 = 1e-4;
 
 /// Torques of one branch as shares of the rated torque, falling.
-fn shares() -> Vec<f64> {
+pub(crate) fn shares() -> Vec<f64> {
     const STEPS: i32 = 24;
     let mut shares: Vec<f64> = (-STEPS..=STEPS)
         .filter(|i| *i != 0)

@@ -29,6 +29,7 @@ pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
 pub use bodies::{BodyCompliance, body_compliance};
 pub use efficiency::{EfficiencyMap, LossLine, efficiency_map, loss_lines};
 pub use heat::{HeatBalance, Steady, heat_balance};
+pub(crate) use hysteresis::shares;
 pub use hysteresis::{
     Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
     stiffness_split,

@@ -326,7 +326,8 @@ impl Job {
     }
 
     fn page(&self, results: &mut Results, mut page: Page) -> Result<(), Failure> {
-        page.provenance = crate::provenance(&self.study.design, vec![self.study.plan.sampling().seed()]);
+        page.provenance =
+            crate::provenance(&self.study.design.hash(), vec![self.study.plan.sampling().seed()]);
         results.file("report.html", page.render().as_bytes())
     }
 

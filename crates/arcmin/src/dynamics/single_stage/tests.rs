@@ -4,7 +4,6 @@
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{BearingJoints, EquilibriumControl, JointSettings, System, solve_equilibrium};
-use crate::geometry::Vec2;
 use crate::machine::RollerKind;
 use crate::units::UM;
 
@@ -30,13 +29,10 @@ fn stage() -> SingleStage {
             clearance: 0.0,
             dynamic_load_rating: None,
         },
-        output_pins: OutputPins {
-            count: 8,
-            circle_radius: 20e-3,
-            radius: 4.5e-3,
-            hole_clearance: 0.0,
-            stiffness: 5e7,
-        },
+        output_pins: OutputPins { count: 8, circle_radius: 20e-3, radius: 4.5e-3, hole_clearance: 0.0 },
+        output_pin_stiffness: vec![5e7],
+        ring_circle_radius: 0.04,
+        ring_pin_radius: 3e-3,
         input_support: 1e13,
         output_support: 1e13,
         disc: (0.2, 1e-4),
@@ -79,7 +75,7 @@ fn forces_are_the_closed_forms() {
     let stage = stage();
     let mut joints = stage.joints().unwrap();
     let torque = 10.0;
-    let (mut largest_ring, mut largest_pin) = (0.0_f64, 0.0_f64);
+    let (mut largest_ring, mut largest_pin, mut mean_eccentric) = (0.0_f64, 0.0_f64, 0.0);
     for step in 0..40 {
         // Over the periods of ring and output stage.
         let angle = 0.37 + TAU * step as f64 / 40.0;
@@ -106,7 +102,10 @@ fn forces_are_the_closed_forms() {
         let by_pins: Vec2 = pins.iter().map(|(force, direction, _)| *force * unit(*direction)).sum();
         let bearing = joints.eccentric_force(0, &q);
         assert!(((sum + by_pins).norm() / bearing - 1.0).abs() < 1e-6, "{bearing}");
+        mean_eccentric += bearing / 40.0;
     }
+    let eccentric = stage.eccentric_force(torque);
+    assert!((mean_eccentric / eccentric - 1.0).abs() < 0.01, "{mean_eccentric} {eccentric}");
     let (ring, pin) = (stage.ring_force(torque), stage.output_pin_force(torque));
     assert!((largest_ring / ring - 1.0).abs() < 0.015, "{largest_ring} {ring}");
     assert!((largest_pin / pin - 1.0).abs() < 0.01, "{largest_pin} {pin}");
@@ -118,6 +117,7 @@ fn forces_are_the_closed_forms() {
 fn forces_derive_from_an_energy() {
     let mut stage = stage();
     stage.phases = vec![0.0, 0.5 * TAU];
+    stage.output_pin_stiffness = vec![5e7; 2];
     stage.eccentric.roller_length = 8e-3;
     stage.eccentric.roller_count = 14;
     stage.output_pins.hole_clearance = 5.0 * UM;
@@ -201,7 +201,7 @@ fn play_is_the_sum_of_its_parts() {
 /// Two discs on opposite eccentrics bear the same half a turn apart, and share the torque over a turn.
 #[test]
 fn opposite_discs_bear_the_same() {
-    let stage = SingleStage { phases: vec![0.0, 0.5 * TAU], ..stage() };
+    let stage = SingleStage { phases: vec![0.0, 0.5 * TAU], output_pin_stiffness: vec![5e7; 2], ..stage() };
     let mut joints = stage.joints().unwrap();
     let largest = |joints: &SingleStageJoints, disc: usize, q: &[f64]| {
         joints.pin_contacts(disc, q).iter().fold(0.0_f64, |most, contact| most.max(contact.force))
@@ -224,6 +224,8 @@ fn pins_carry_as_in_an_rv_reducer() {
         BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
     let stage = SingleStage {
         profile: machine.profile(),
+        ring_circle_radius: machine.ring.pin_circle_radius,
+        ring_pin_radius: machine.ring.pin_radius,
         phases: vec![0.0],
         contact: machine.line_contact(),
         relief: machine.designed_relief(),

@@ -1,0 +1,273 @@
+//! Analyses of single stages (family `eccentric`), by the names that they have for RV reducers.
+
+pub mod contact;
+mod findings;
+mod rests;
+pub mod rig;
+#[cfg(test)]
+mod tests;
+
+pub use findings::findings;
+use rests::Rests;
+
+use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
+use crate::checks::{Finding, check_design};
+use crate::design::{Design, DesignError, Family, OptionSet, StageDesign};
+use crate::dynamics::PlayChain;
+use crate::report::{Block, Column as Head, Table};
+use crate::results::{Column, Declared, Value, decimals, quantity};
+use crate::units::ARCMIN;
+
+/// A design of any family.
+#[derive(Debug, Clone)]
+pub enum Drive {
+    Rv(Box<Design>),
+    Eccentric(Box<StageDesign>),
+}
+
+impl Drive {
+    /// Reads a design file of any family; `file_name` only serves messages.
+    ///
+    /// # Errors
+    /// As [`Design::parse`].
+    pub fn parse(text: &str, file_name: &str) -> Result<Drive, Box<DesignError>> {
+        match Family::of_text(text, file_name)? {
+            Family::Rv => Design::parse(text, file_name).map(|design| Drive::Rv(Box::new(design))),
+            Family::Eccentric => {
+                StageDesign::parse(text, file_name).map(|design| Drive::Eccentric(Box::new(design)))
+            }
+        }
+    }
+
+    pub fn name(&self) -> &str {
+        match self {
+            Drive::Rv(design) => &design.name,
+            Drive::Eccentric(design) => &design.name,
+        }
+    }
+
+    /// As [`Design::hash`].
+    pub fn hash(&self) -> String {
+        match self {
+            Drive::Rv(design) => design.hash(),
+            Drive::Eccentric(design) => design.hash(),
+        }
+    }
+
+    /// As [`check_design`].
+    pub fn findings(&self) -> Vec<Finding> {
+        match self {
+            Drive::Rv(design) => check_design(design),
+            Drive::Eccentric(design) => findings(design),
+        }
+    }
+
+    /// As [`Analysis::run`].
+    ///
+    /// # Errors
+    /// As there; and where this family does not have the analysis.
+    pub fn run(
+        &self,
+        analysis: &Analysis,
+        options: &str,
+        origin: &str,
+        host: &dyn Host,
+    ) -> Result<Box<dyn Outcome>, AnalysisError> {
+        match self {
+            Drive::Rv(design) => analysis.run(design, options, origin, host),
+            Drive::Eccentric(design) => (of(analysis)?.run)(design, options, origin, host),
+        }
+    }
+
+    /// As [`identity`](super::identity()).
+    ///
+    /// # Errors
+    /// As there; and where this family does not have the analysis.
+    pub fn identity(
+        &self,
+        analysis: &Analysis,
+        options: &str,
+        origin: &str,
+        host: &dyn Host,
+    ) -> Result<String, AnalysisError> {
+        match self {
+            Drive::Rv(design) => identity::identity(analysis, design, options, origin, host),
+            Drive::Eccentric(design) => {
+                let normal = (of(analysis)?.normal)(options, origin)?;
+                identity::identity_of(analysis.name, &design.canonical(), &normal, Vec::new(), host)
+            }
+        }
+    }
+}
+
+/// An analysis of a single stage.
+pub struct StageAnalysis {
+    pub name: &'static str,
+    run: fn(&StageDesign, &str, &str, &dyn Host) -> Result<Box<dyn Outcome>, AnalysisError>,
+    normal: fn(&str, &str) -> Result<NormalOptions, AnalysisError>,
+    /// Documentation of its results.
+    pub results: fn() -> Declared,
+}
+
+/// What single stages are asked.
+pub static ALL: &[StageAnalysis] = &[
+    StageAnalysis {
+        name: "check",
+        run: |design, options, origin, _| {
+            let options = check::Options::parse(options, origin)?;
+            let mut findings = findings(design);
+            findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+            Ok(Box::new(check::Check {
+                findings,
+                play_chain: Some(design.play_chain()),
+                name: design.name.value.clone(),
+                explain: options.explain,
+            }))
+        },
+        normal: normal::<check::Options>,
+        results: || Declared {
+            analysis: "check of a single stage",
+            about: check::ABOUT,
+            tables: check::tables(),
+            summary: check::STAGE_SUMMARY.quantities(),
+        },
+    },
+    StageAnalysis {
+        name: "profile",
+        run: |design, options, origin, _| {
+            let options = profile::Options::parse(options, origin)?;
+            let (stage, name) = (design.stage(), design.name.value.clone());
+            Ok(Box::new(profile::flank(stage.profile.clone(), &stage.relief, design.ratio(), name, &options)))
+        },
+        normal: normal::<profile::Options>,
+        results: || Declared {
+            analysis: "profile of a single stage",
+            about: profile::ABOUT,
+            tables: profile::tables(),
+            summary: profile::SUMMARY.quantities(),
+        },
+    },
+    StageAnalysis {
+        name: "contact",
+        run: |design, options, origin, host| {
+            Ok(Box::new(contact::run(design, &contact::Options::parse(options, origin)?, host)?))
+        },
+        normal: normal::<contact::Options>,
+        results: || Declared {
+            analysis: "contact of a single stage",
+            about: contact::ABOUT,
+            tables: contact::tables(),
+            summary: contact::SUMMARY.quantities(),
+        },
+    },
+    StageAnalysis {
+        name: "rig",
+        run: |design, options, origin, host| {
+            Ok(Box::new(rig::run(design, &rig::Options::parse(options, origin)?, host)?))
+        },
+        normal: normal::<rig::Options>,
+        results: || Declared {
+            analysis: "rig of a single stage",
+            about: rig::ABOUT,
+            tables: rig::tables(),
+            summary: rig::SUMMARY.quantities(),
+        },
+    },
+];
+
+fn normal<O: OptionSet>(options: &str, origin: &str) -> Result<NormalOptions, AnalysisError> {
+    let options = O::parse(options, origin)?;
+    let mut files = Vec::new();
+    options.files(&mut files);
+    Ok(NormalOptions { text: options.canonical(), files })
+}
+
+fn of(analysis: &Analysis) -> Result<&'static StageAnalysis, AnalysisError> {
+    ALL.iter().find(|known| known.name == analysis.name).ok_or_else(|| {
+        AnalysisError::usage(
+            format!("`{}` computes RV reducers only, and the file describes a single stage", analysis.name),
+            "single stages are known to `check`, `profile`, `contact` and `rig`",
+        )
+    })
+}
+
+/// What has a play by part.
+pub(super) trait HasPlay {
+    fn play_chain(&self) -> Option<PlayChain>;
+}
+
+/// The entries of a summary for the play by part.
+pub(super) fn play_entries<O: HasPlay>() -> Vec<Column<O>> {
+    vec![
+        quantity(
+            "play_chain.ring_arcmin",
+            decimals(3),
+            "Two-sided play at the output by the gap between ring pins and flank, input held: 2Δ/(e z_c) for an even gap Δ.",
+        )
+        .of(|o: &O| part(o, |play| play.ring)),
+        quantity(
+            "play_chain.eccentric_bearing_arcmin",
+            decimals(3),
+            "Two-sided play by the radial clearance c of the eccentric bearing: 2c/(e z_c).",
+        )
+        .of(|o| part(o, |play| play.eccentric_bearing)),
+        quantity(
+            "play_chain.output_arcmin",
+            decimals(3),
+            "Two-sided play by the clearance δ of the output pins in their holes: 2δ/R_w where a pin stands across the eccentric.",
+        )
+        .of(|o| part(o, |play| play.output)),
+        quantity("play_chain.total_arcmin", decimals(3), "Sum of the three: a lower bound of the play.")
+            .of(|o| part(o, PlayChain::total)),
+    ]
+}
+
+fn part<O: HasPlay>(outcome: &O, of: fn(&PlayChain) -> f64) -> Value {
+    Value::from(outcome.play_chain().map(|play| of(&play) / ARCMIN))
+}
+
+const PARTS: [(&str, fn(&PlayChain) -> f64); 4] = [
+    ("gap between ring pins and flank", |play| play.ring),
+    ("clearance of the eccentric bearing", |play| play.eccentric_bearing),
+    ("clearance of the output pins in their holes", |play| play.output),
+    ("together", PlayChain::total),
+];
+
+pub(super) fn play_sentence(play: &PlayChain) -> String {
+    let arcmin = |angle: f64| format!("{:.2}′", angle / ARCMIN);
+    format!(
+        "play at the output, input held: {} = ring {} + eccentric bearing {} + output pins {}",
+        arcmin(play.total()),
+        arcmin(play.ring),
+        arcmin(play.eccentric_bearing),
+        arcmin(play.output)
+    )
+}
+
+pub(super) fn play_table(play: &PlayChain) -> Block {
+    let row = |(name, of): &(&str, fn(&PlayChain) -> f64)| {
+        let value = of(play);
+        let share = if play.total() > 0.0 { 100.0 * value / play.total() } else { 0.0 };
+        vec![(*name).to_owned(), format!("{:.3}", value / ARCMIN), format!("{share:.0}")]
+    };
+    Block::Table(Table {
+        title: "Play at the output by part".to_owned(),
+        columns: vec![Head::text("Part"), Head::number("Two-sided play", "arcmin"), Head::number("Share", "%")],
+        rows: PARTS.iter().map(row).collect(),
+        note: "Input held, nominal dimensions. The sum is a lower bound: with all gaps open a disc also shifts along its \
+               eccentric, and the output pins give up to 1/cos(π/z_w) more by position."
+            .to_owned(),
+    })
+}
+
+impl StageDesign {
+    /// Play at the output by part, input held.
+    pub fn play_chain(&self) -> PlayChain {
+        let (play, factor) = (self.stage().play_chain(), self.seen_from_ring());
+        PlayChain {
+            ring: factor * play.ring,
+            eccentric_bearing: factor * play.eccentric_bearing,
+            output: factor * play.output,
+        }
+    }
+}

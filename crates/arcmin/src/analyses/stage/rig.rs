@@ -1,0 +1,248 @@
+//! The test bench of a single stage: play, lost motion, stiffness, transmission error.
+
+use std::f64::consts::TAU;
+
+use super::{HasPlay, Rests, play_entries, play_sentence, play_table};
+use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::design::{StageDesign, default, options};
+use crate::dynamics::PlayChain;
+use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
+use crate::results::{
+    DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
+};
+use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
+use crate::units::{ARCMIN, DEG};
+
+pub const ABOUT: &str = "Compute play, lost motion, stiffness and transmission error as on a test bench";
+
+options! {
+    /// Options of `rig` for a single stage.
+    pub struct Options {
+        /// Positions of the input at which the torque is cycled, evenly over a turn.
+        positions: usize => default(5.0, 1.0, 360.0),
+        /// Positions of the transmission error, evenly over a turn of the input.
+        te_positions: usize => default(180.0, 8.0, 36_000.0),
+    }
+}
+
+/// Share of the rated torque under which the play is read: nothing but gaps gives way.
+const NO_LOAD: f64 = 1e-4;
+
+/// A single stage on the bench.
+#[derive(Debug, Clone)]
+pub struct Rig {
+    /// Points of the torque cycle, with the number of the position.
+    pub points: Vec<(usize, LoopPoint)>,
+    /// Mean over the positions.
+    pub figures: LoopFigures,
+    /// Least and largest play over the positions in rad.
+    pub play: [f64; 2],
+    /// Input angle against the ring and error of the output under rated torque, rad.
+    pub errors: Vec<[f64; 2]>,
+    design: StageDesign,
+}
+
+const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
+    name: "hysteresis",
+    what: "One point of a torque cycle a row, without friction",
+    columns: || {
+        vec![
+            q::TORQUE.of(|(_, p): &(usize, LoopPoint)| p.torque.into()),
+            quantity("angle_arcmin", decimals(4), "Angle of the output, input held.")
+                .of(|(_, p)| (p.angle / ARCMIN).into()),
+            quantity("position", PLAIN, "Position of the input, counted from 0.").of(|(i, _)| (*i).into()),
+        ]
+    },
+};
+
+const ERRORS: TableOf<[f64; 2]> = TableOf {
+    name: "te",
+    what: "Transmission error under rated torque at one position of the input a row",
+    columns: || {
+        vec![
+            q::CRANK_ANGLE.of(|[angle, _]: &[f64; 2]| (angle / DEG).into()),
+            q::TE.of(|[_, error]| (error / ARCMIN).into()),
+        ]
+    },
+};
+
+pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
+    entries: || {
+        let own = vec![
+            q::RATIO.of(|o: &Rig| o.design.ratio().into()),
+            q::LOST_MOTION.of(|o| (o.figures.lost_motion / ARCMIN).into()),
+            q::STIFFNESS.with(digits(4)).of(|o| (o.figures.stiffness * ARCMIN).into()),
+            q::MIDDLE_STIFFNESS.with(digits(4)).of(|o| (o.figures.middle_stiffness * ARCMIN).into()),
+            q::SOFT_STIFFNESS.with(digits(4)).of(|o| (o.figures.soft_stiffness * ARCMIN).into()),
+            quantity(
+                "play_arcmin",
+                decimals(3),
+                "Two-sided travel of the output at no load, input held: the largest over the positions, from states of rest.",
+            )
+            .of(|o| (o.play[1] / ARCMIN).into()),
+            quantity("least_play_arcmin", decimals(3), "The least over the positions.")
+                .of(|o| (o.play[0] / ARCMIN).into()),
+            quantity(
+                "te_rated_peak_to_peak_arcmin",
+                decimals(4),
+                "Transmission error under rated torque, peak to peak over a turn of the input.",
+            )
+            .of(|o| (o.peak_to_peak() / ARCMIN).into()),
+        ];
+        own.into_iter().chain(play_entries()).collect()
+    },
+};
+
+pub fn tables() -> Vec<DeclaredTable> {
+    vec![LOOP.into(), ERRORS.into()]
+}
+
+/// Puts a single stage on the bench, without friction.
+///
+/// # Errors
+/// [`AnalysisError`] where a state of rest is not found.
+pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
+    let rated = design.rated().torque.abs();
+    let mut rests = Rests::new(design, host)?;
+    let mut points = Vec::new();
+    let (mut play, mut all) = ([f64::INFINITY, 0.0_f64], Vec::new());
+    for position in 0..options.positions {
+        host.report("torque cycle", position as f64 / options.positions as f64);
+        let angle = TAU * position as f64 / options.positions as f64;
+        let mut one = Vec::new();
+        for share in shares() {
+            // The load opposes positive motion.
+            let place = rests.at(angle, -share * rated)?;
+            let turned = rests.output_error(&place);
+            one.push(LoopPoint { torque: share * rated, angle: turned, branch: Branch::Falling });
+        }
+        // Without friction the way back is the same.
+        let back = one.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point });
+        let cycle: Vec<LoopPoint> = one.iter().copied().chain(back).collect();
+        all.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
+        points.extend(one.into_iter().map(|point| (position, point)));
+        let ends = [-NO_LOAD, NO_LOAD]
+            .map(|share| rests.at(angle, share * rated).map(|place| rests.output_error(&place)));
+        let [up, down] = ends;
+        let travel = up? - down?;
+        play = [play[0].min(travel), play[1].max(travel)];
+    }
+    let mut errors = Vec::new();
+    for step in 0..options.te_positions {
+        host.report("transmission error", step as f64 / options.te_positions as f64);
+        let angle = TAU * step as f64 / options.te_positions as f64;
+        let place = rests.at(angle, design.rated().torque)?;
+        errors.push([angle, rests.output_error(&place)]);
+    }
+    Ok(Rig { points, figures: LoopFigures::mean(&all), play, errors, design: design.clone() })
+}
+
+impl HasPlay for Rig {
+    fn play_chain(&self) -> Option<PlayChain> {
+        Some(self.design.play_chain())
+    }
+}
+
+impl Rig {
+    fn peak_to_peak(&self) -> f64 {
+        let errors = self.errors.iter().map(|[_, error]| *error);
+        let [low, high] = errors
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], error| [low.min(error), high.max(error)]);
+        high - low
+    }
+
+    fn sentence(&self) -> String {
+        format!(
+            "Lost motion {:.2}′, play {:.2} to {:.2}′, stiffness {:.3} N·m/arcmin from 50 to 100 % of the rated torque.",
+            self.figures.lost_motion / ARCMIN,
+            self.play[0] / ARCMIN,
+            self.play[1] / ARCMIN,
+            self.figures.stiffness * ARCMIN
+        )
+    }
+}
+
+impl Outcome for Rig {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        vec![LOOP.fill(&self.points), ERRORS.fill(&self.errors)]
+    }
+
+    fn said(&self) -> Vec<Said> {
+        let keys = [
+            "lost_motion_arcmin",
+            "stiffness_n_m_per_arcmin",
+            "middle_stiffness_n_m_per_arcmin",
+            "soft_stiffness_n_m_per_arcmin",
+            "te_rated_peak_to_peak_arcmin",
+        ];
+        vec![
+            Said::line(self.sentence()),
+            Said::figures(&self.summary(), &keys),
+            Said::line(play_sentence(&self.design.play_chain())),
+            Said::line("friction is not taken into account: both branches of the torque cycle are the same"),
+        ]
+    }
+
+    fn page(&self) -> Page {
+        let mut cycle =
+            Plot::new("Torque cycle", Axis::new("Angle of the output", "arcmin"), Axis::new("Torque", "N·m"))
+                .noted("Input held, without friction: both branches are the same.");
+        let positions = self.points.last().map_or(0, |(position, _)| position + 1);
+        for position in 0..positions {
+            let one = self.points.iter().filter(|(at, _)| *at == position);
+            cycle = cycle.with(Series::line(
+                format!("position {position}"),
+                one.map(|(_, point)| (point.angle / ARCMIN, point.torque)),
+            ));
+        }
+        let error = Plot::new(
+            "Transmission error under rated torque",
+            Axis::new("Angle of the input", "°"),
+            Axis::new("Error", "arcmin"),
+        )
+        .with(Series::line("error", self.errors.iter().map(|[angle, error]| (angle / DEG, error / ARCMIN))));
+        let limit = self.design.limits().lost_motion;
+        let kept = self.figures.lost_motion <= limit;
+        let mut verdict = Verdict::new(if kept { Tone::Good } else { Tone::Bad }, self.sentence());
+        verdict.figures = vec![
+            KeyFigure::new(
+                "Lost motion",
+                format!("{:.2}", self.figures.lost_motion / ARCMIN),
+                "arcmin",
+                format!("at ±3 % of the rated torque; limit {:.2} arcmin", limit / ARCMIN),
+            )
+            .kept(kept),
+            KeyFigure::new(
+                "Play",
+                format!("{:.2}", self.play[1] / ARCMIN),
+                "arcmin",
+                "largest over the positions",
+            ),
+            KeyFigure::new(
+                "Stiffness",
+                format!("{:.3}", self.figures.stiffness * ARCMIN),
+                "N·m/arcmin",
+                "from 50 to 100 % of the rated torque",
+            ),
+        ];
+        Page {
+            title: self.design.name.value.clone(),
+            subtitle: "A single stage on the test bench".to_owned(),
+            provenance: Provenance::default(),
+            verdict,
+            sections: vec![
+                Section::new("cycle", "Torque cycle", vec![Block::Plot(cycle)]),
+                Section::new("play", "Play", vec![play_table(&self.design.play_chain())]),
+                Section::new("error", "Transmission error", vec![Block::Plot(error)]),
+            ],
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

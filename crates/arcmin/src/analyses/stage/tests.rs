@@ -1,0 +1,175 @@
+use super::*;
+use crate::analyses::NoHost;
+use crate::templates::{NEMA17_19, RV_40E};
+
+fn design(changes: &[(&str, &str)]) -> StageDesign {
+    let text = changes.iter().fold(NEMA17_19.text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    StageDesign::parse(&text, "test.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn number(outcome: &dyn Outcome, key: &str) -> f64 {
+    outcome.summary().number(key).unwrap_or_else(|| panic!("{key}"))
+}
+
+fn bench(design: &StageDesign) -> rig::Rig {
+    rig::run(design, &rig::Options::parse("", "test").unwrap(), &NoHost).unwrap()
+}
+
+#[test]
+fn the_shipped_stage_is_sound() {
+    let design = design(&[]);
+    assert_eq!(design.ratio(), -19.0);
+    for finding in findings(&design) {
+        assert_eq!(finding.severity, crate::checks::Severity::Info, "{}", finding.message);
+    }
+}
+
+/// States of rest at no load against the chain of single gaps: at least their sum, at most a fifth more (the pins in their
+/// holes by 1/cos(π/z_w), and the way of a disc along its eccentric).
+#[test]
+fn play_is_at_least_the_chain() {
+    for count in ["count = 6 ", "count = 8 ", "count = 5 "] {
+        let design = design(&[("count = 6\n", &format!("{count}\n"))]);
+        let rig = bench(&design);
+        let total = design.play_chain().total();
+        assert!(rig.play[0] > 0.999 * total && rig.play[1] < 1.2 * total, "{:?} {total}", rig.play);
+        assert!(rig.figures.lost_motion > rig.play[0], "{:?}", rig.figures);
+    }
+}
+
+/// With the output at rest the discs do not turn, and the ring gives way by its gap over e z_p: 2Δ/(e z_p).
+#[test]
+fn a_driven_housing_is_seen_from_its_ring() {
+    let tight =
+        [("hole_clearance_um = 10 ", "hole_clearance_um = 0 "), ("clearance_um = 6\n", "clearance_um = 0\n")];
+    let output_at_rest = ("fixed_member = \"ring\" ", "fixed_member = \"output\" ");
+    let driven = design(&[tight[0], tight[1], output_at_rest]);
+    assert_eq!(driven.ratio(), 20.0);
+    let closed = 2.0 * 10e-6 / (0.5e-3 * 20.0);
+    assert!((driven.play_chain().total() / closed - 1.0).abs() < 1e-3, "{:?}", driven.play_chain());
+    // A torque on the ring is 19/20 of it at the pins, and a turn of the pins 19/20 of it at the ring: stiffer by (20/19)²
+    // where forces are proportional to the torque.
+    let linear = [
+        tight[0],
+        tight[1],
+        ("equidistant_offset_um = 10 ", "equidistant_offset_um = 0 "),
+        ("[drive]", "[contact]\nlaw = \"linear\"\nstiffness_n_per_um = 20\n[drive]"),
+        ("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 4"),
+    ];
+    let at_rest = [linear[0], linear[1], linear[2], linear[3], linear[4], output_at_rest];
+    let [one, other] = [design(&linear), design(&at_rest)].map(|design| bench(&design).figures.stiffness);
+    assert!((other / one / (20.0_f64 / 19.0).powi(2) - 1.0).abs() < 0.005, "{one} {other}");
+}
+
+/// Without gaps, forces are near the closed forms of equal springs, and the input turns as much work in as comes out.
+#[test]
+fn forces_are_near_the_closed_forms_without_gaps() {
+    let design = design(&[
+        ("hole_clearance_um = 10 ", "hole_clearance_um = 0 "),
+        ("clearance_um = 6\n", "clearance_um = 0\n"),
+        ("equidistant_offset_um = 10 ", "equidistant_offset_um = 0 "),
+        ("[drive]", "[contact]\nlaw = \"linear\"\nstiffness_n_per_um = 20\n[drive]"),
+    ]);
+    let contact =
+        contact::run(&design, &contact::Options::parse("positions = 60", "test").unwrap(), &NoHost).unwrap();
+    for (found, closed, within) in [
+        ("max_force_n", "closed_form.ring_pin_force_n", 0.25),
+        ("max_output_pin_force_n", "closed_form.output_pin_force_n", 0.35),
+        ("eccentric_bearing_force_n", "closed_form.eccentric_bearing_force_n", 0.25),
+    ] {
+        let (found, closed) = (number(&contact, found), number(&contact, closed));
+        assert!((found / closed - 1.0).abs() < within, "{found} {closed}");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_at_its_key() {
+    for (from, to, key) in [
+        ("eccentricity_mm = 0.5", "eccentricity_mm = 0.9", "eccentric.eccentricity_mm"),
+        ("roller_radius_mm = 2 ", "roller_radius_mm = 1 ", "output_pins.roller_radius_mm"),
+        ("count = 2\n", "count = 2\nlobe_count = 18\n", "disc.lobe_count"),
+        ("count = 2\n", "count = 2\ncentre_hole_diameter_mm = 3\n", "disc.centre_hole_diameter_mm"),
+    ] {
+        let error = StageDesign::parse(&NEMA17_19.text.replacen(from, to, 1), "test.toml").unwrap_err();
+        assert_eq!(error.key(), Some(key), "{error}");
+    }
+    let findings = findings(&design(&[("circle_radius_mm = 10.5", "circle_radius_mm = 13")]));
+    let broken = findings.iter().find(|finding| finding.code == "hole-to-root").unwrap();
+    assert_eq!(broken.severity, crate::checks::Severity::Error);
+}
+
+#[test]
+fn families_are_told_apart() {
+    assert!(matches!(Drive::parse(NEMA17_19.text, "a").unwrap(), Drive::Eccentric(_)));
+    let error = Design::parse(NEMA17_19.text, "a").unwrap_err();
+    assert_eq!(error.key(), Some("drive.family"));
+    let named = format!("{}\n[drive]\nfamily = \"rv\"\n", RV_40E.text);
+    let Drive::Rv(rv) = Drive::parse(&named, "a").unwrap() else { panic!() };
+    assert_eq!(rv.hash(), Design::parse(RV_40E.text, "a").unwrap().hash());
+    let wear = super::super::by_name("wear").unwrap();
+    let drive = Drive::parse(NEMA17_19.text, "a").unwrap();
+    assert!(drive.run(wear, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
+}
+
+/// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.
+#[test]
+fn random_stages_are_answered() {
+    let mut random = uniform(7);
+    let mut tried = 0;
+    while tried < 60 {
+        let mut between = |low: f64, high: f64| low + (high - low) * random();
+        let pins = between(8.0, 45.0) as usize;
+        let circle = between(12.0, 120.0);
+        let k1 = between(0.4, 0.8);
+        let eccentricity = k1 * circle / pins as f64;
+        let room = circle * (std::f64::consts::PI / pins as f64).sin();
+        let pin_radius = room * between(0.3, 0.6);
+        let (roller, holes) = (between(0.04, 0.08) * circle, between(4.0, 9.0) as usize);
+        let text = NEMA17_19
+            .text
+            .replace("pin_count = 20 ", &format!("pin_count = {pins} "))
+            .replace("pin_circle_radius_mm = 17", &format!("pin_circle_radius_mm = {circle}"))
+            .replacen("pin_radius_mm = 1.5 ", &format!("pin_radius_mm = {pin_radius} "), 1)
+            .replace("count = 2\n", &format!("count = {}\n", between(1.0, 3.99) as usize))
+            .replace("eccentricity_mm = 0.5", &format!("eccentricity_mm = {eccentricity}"))
+            .replace("count = 6\n", &format!("count = {holes}\n"))
+            .replace("circle_radius_mm = 10.5", &format!("circle_radius_mm = {}", 0.6 * circle))
+            .replace("roller_radius_mm = 2 ", &format!("roller_radius_mm = {roller} "))
+            .replacen("\npin_radius_mm = 1.5\n", &format!("\npin_radius_mm = {}\n", 0.7 * roller), 1)
+            .replace("hole_clearance_um = 10 ", &format!("hole_clearance_um = {} ", between(0.0, 60.0)))
+            .replace("clearance_um = 6\n", &format!("clearance_um = {}\n", between(0.0, 30.0)))
+            .replace(
+                "equidistant_offset_um = 10 ",
+                &format!("equidistant_offset_um = {} ", between(0.0, 60.0)),
+            )
+            .replace("crank_bore_diameter_mm = 13 ", "")
+            .replace(
+                "rated_torque_n_m = 3",
+                &format!("rated_torque_n_m = {}", between(0.2, 3.0) * (circle / 17.0).powi(3)),
+            );
+        let Ok(design) = StageDesign::parse(&text, "random.toml") else { continue };
+        if findings(&design).iter().any(|finding| finding.severity == crate::checks::Severity::Error) {
+            continue;
+        }
+        tried += 1;
+        let options = rig::Options::parse("positions = 2\nte_positions = 20", "test").unwrap();
+        let rig = rig::run(&design, &options, &NoHost).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
+        let total = design.play_chain().total();
+        assert!(rig.play[0] > 0.98 * total, "{:?} {total}\n{text}", rig.play);
+        assert!(rig.figures.stiffness > 0.0, "{text}");
+    }
+}
+
+/// Numbers in 0..1 by xorshift.
+fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
