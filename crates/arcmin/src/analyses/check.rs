@@ -3,7 +3,7 @@
 use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
-use crate::dynamics::PlayChain;
+use crate::machine::PlayChain;
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,

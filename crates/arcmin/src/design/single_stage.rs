@@ -21,9 +21,8 @@ use super::tree::Branch;
 use super::variation::Variations;
 use super::{DesignError, DriveSection, Section, TITLE, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
-use crate::dynamics::{OutputPins, SingleStage};
 use crate::geometry::{Profile, Relief};
-use crate::machine::{Bore, DutyPoint, Limits};
+use crate::machine::{Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageFriction};
 use crate::materials::Material;
 use crate::units::{MM, UM};
 
@@ -186,6 +185,26 @@ impl StageDesign {
         resolve::limits(&self.sections.limits)
     }
 
+    /// Coefficients of friction, and whether they are assumed because the file gives none.
+    pub fn friction(&self) -> (StageFriction, bool) {
+        let given = &self.sections.friction;
+        let assumed = given.span.is_none();
+        let [flank, seat, bearing] = if assumed {
+            ASSUMED_FRICTION
+        } else {
+            [*given.flank_coefficient, *given.pin_seat_coefficient, *given.bearing_coefficient]
+        };
+        let pins = &self.output_pins;
+        let has_rollers = *pins.roller_radius_mm > *pins.pin_radius_mm;
+        let friction = StageFriction {
+            ring: if *self.ring.pin_mounting == PinMounting::Spinning { flank.min(seat) } else { flank },
+            output: if has_rollers { seat } else { flank },
+            pin_over_roller: *pins.pin_radius_mm / *pins.roller_radius_mm,
+            bearing,
+        };
+        (friction, assumed)
+    }
+
     /// Whether the ring turns with the load.
     pub fn is_driven_housing(&self) -> bool {
         *self.fixed_member == StageMember::Output
@@ -335,6 +354,9 @@ fn disc_solid(design: &StageSections, stage: &SingleStage) -> (f64, f64) {
     // Openings that overlap are a finding; a mass is positive all the same.
     (mass_per_area * solid.area.max(1e-9), mass_per_area * solid.polar_moment.max(1e-15))
 }
+
+/// Of flanks, of pins in their seats and rollers on their pins, of rolling bearings: grease, as for RV reducers.
+const ASSUMED_FRICTION: [f64; 3] = [0.06, 0.06, 0.002];
 
 /// Shear coefficient of a round section (Cowper 1966 for ν = 0.3).
 const SHEAR: f64 = 0.9;

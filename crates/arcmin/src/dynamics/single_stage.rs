@@ -8,55 +8,23 @@ use super::mechanism::{
     Arm, Axis, Body, Designed, Flanges, HolePins, Joint, Journal, Losses, Mechanism, NominalMotion, Part,
     PinRing, Place, Registry, Resistance, RollingBearing, State, Support, Turn,
 };
-use crate::contact::{LineContact, Pin, PinContact, PinContacts};
-use crate::geometry::{Profile, Relief, Vec2, unit};
-use crate::machine::{Friction, RollerBearing};
+use crate::contact::{Pin, PinContact, PinContacts};
+use crate::geometry::unit;
+use crate::machine::{Friction, OutputPins, SingleStage, StageFriction};
 use crate::units::ARCMIN;
 
-/// Pins of the output in holes of the discs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OutputPins {
-    pub count: usize,
-    /// R_w in m.
-    pub circle_radius: f64,
-    /// r_w in m: of the roller, or of a pin without one.
-    pub radius: f64,
-    /// δ in m: a hole has the radius r_w + e + δ.
-    pub hole_clearance: f64,
+/// Torque in N·m at the input, seen from the ring, that friction takes in each part.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StageLosses {
+    pub ring: f64,
+    pub output: f64,
+    pub eccentric: f64,
 }
 
-/// A cycloidal drive of one stage: eccentrics in the middle of the input shaft, discs, a ring of pins at rest, and output
-/// pins in holes of the discs. The output turns against the input, i = −z_c.
-///
-/// Bodies are rigid but for their contacts; the input shaft may shift in its bearings, but not bend. Output pins and
-/// their holes have no friction.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SingleStage {
-    /// The flank as cut.
-    pub profile: Profile,
-    /// Circle and radius of the pins of the ring as installed, m.
-    pub ring_circle_radius: f64,
-    pub ring_pin_radius: f64,
-    /// Angles of the eccentrics on the shaft in rad, a disc each.
-    pub phases: Vec<f64>,
-    /// Law of contact of a pin with a flank.
-    pub contact: LineContact,
-    /// What is taken off the flank, m.
-    pub relief: Relief,
-    /// Bearing between eccentric and disc.
-    pub eccentric: RollerBearing,
-    pub output_pins: OutputPins,
-    /// Of an output pin on each of the discs in N/m: pin, roller and hole in series.
-    pub output_pin_stiffness: Vec<f64>,
-    /// Radial stiffness of the bearings of input shaft and output, N/m.
-    pub input_support: f64,
-    pub output_support: f64,
-    /// kg and kg·m² of a disc.
-    pub disc: (f64, f64),
-    /// The same of the input shaft.
-    pub input: (f64, f64),
-    /// The same of the output.
-    pub output: (f64, f64),
+impl StageLosses {
+    pub fn total(&self) -> f64 {
+        self.ring + self.output + self.eccentric
+    }
 }
 
 /// A [`SingleStage`] as bodies and joints. Coordinates are absolute places (m) and angles (rad) of input shaft, discs and
@@ -66,6 +34,8 @@ pub struct SingleStageJoints {
     mechanism: Mechanism,
     /// Numbers of the eccentric bearings among the joints, a disc each.
     eccentrics: Vec<usize>,
+    /// Mean radius of these bearings in m.
+    eccentric_radius: f64,
     output_pins: Vec<HolePins>,
 }
 
@@ -83,103 +53,7 @@ impl DerefMut for SingleStageJoints {
     }
 }
 
-/// Two-sided play at the output in rad with the input held, as the sum of what single gaps let the output turn.
-///
-/// The sum is a lower bound: with all gaps open a disc also shifts along its eccentric, which gave a tenth more in a drive of
-/// 19 : 1 with 8 output pins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlayChain {
-    /// Of the gap between flank and pins, 2 Δ/(e z_c).
-    pub ring: f64,
-    /// Of the radial clearance c of the eccentric bearing, 2 c/(e z_c).
-    pub eccentric_bearing: f64,
-    /// Of the output pins in their holes, 2 δ/R_w where one of them stands across the eccentric; up to 1/cos(π/z_w) times
-    /// as much elsewhere.
-    pub output: f64,
-}
-
-impl PlayChain {
-    pub fn total(&self) -> f64 {
-        self.ring + self.eccentric_bearing + self.output
-    }
-}
-
-/// Places of a flank at which the play is looked for.
-const STOPS: usize = 2000;
-
 impl SingleStage {
-    /// Turns of the input for one of the output: −z_c.
-    pub fn ratio(&self) -> f64 {
-        -(self.profile.lobe_count() as f64)
-    }
-
-    /// e z_c in m: torque of a disc per force across its eccentric.
-    fn lever(&self) -> f64 {
-        self.profile.eccentricity * self.profile.lobe_count() as f64
-    }
-
-    /// Gap (m) of the flank at a meshing angle in the nominal place: what the cut is larger by, and what is taken off.
-    pub fn gap(&self, meshing_angle: f64) -> f64 {
-        let (equidistant, radial) = (
-            self.profile.pin_radius - self.ring_pin_radius,
-            self.profile.pin_circle_radius - self.ring_circle_radius,
-        );
-        let normal = self.profile.pin_angle(meshing_angle);
-        equidistant - radial * normal.cos() + self.relief.at(meshing_angle).depth
-    }
-
-    /// Play of the drive as designed. In the ring the pin stops the disc at which the gap Δ is least for its lever l, to
-    /// either side: min Δ/l + min Δ/l, which is 2 Δ/(e z_c) where the gap is the same everywhere.
-    pub fn play_chain(&self) -> PlayChain {
-        let turn = |side: f64| {
-            let free = |i: usize| {
-                let phi = side * std::f64::consts::PI * (i as f64 + 0.5) / STOPS as f64;
-                self.gap(phi).max(0.0) / self.profile.lever_arm(phi).abs()
-            };
-            (0..STOPS).map(free).fold(f64::INFINITY, f64::min)
-        };
-        PlayChain {
-            ring: turn(1.0) + turn(-1.0),
-            eccentric_bearing: self.eccentric.clearance.max(0.0) / self.lever(),
-            output: 2.0 * self.output_pins.hole_clearance.max(0.0) / self.output_pins.circle_radius,
-        }
-    }
-
-    /// Largest force (N) of a pin of the ring where all of one disc's side carry as equal springs, 4 T/(K₁ z_c R) with the
-    /// disc's share T of the torque.
-    pub fn ring_force(&self, torque: f64) -> f64 {
-        let share = torque.abs() / self.phases.len() as f64;
-        4.0 * share
-            / (self.profile.short_width_coefficient()
-                * self.profile.lobe_count() as f64
-                * self.profile.pin_circle_radius)
-    }
-
-    /// Largest force (N) of an output pin on a disc where half of them carry as equal springs, 4 T/(z_w R_w).
-    pub fn output_pin_force(&self, torque: f64) -> f64 {
-        let share = torque.abs() / self.phases.len() as f64;
-        4.0 * share / (self.output_pins.count as f64 * self.output_pins.circle_radius)
-    }
-
-    /// Force (N) of an eccentric bearing where all pins carry as equal springs: T/(e z_c) across the eccentric, and along
-    /// it 4 T/(π R_w) of the output pins less what the ring presses. The lines of action of its pins meet in the pitch point,
-    /// e z_p from the centre of the ring.
-    pub fn eccentric_force(&self, torque: f64) -> f64 {
-        let share = torque.abs() / self.phases.len() as f64;
-        let pitch_point = Vec2::new(self.profile.eccentricity * self.profile.pin_count as f64, 0.0);
-        let (mut squares, mut along) = (0.0, 0.0);
-        for i in 0..STOPS {
-            let pin = self.ring_circle_radius * unit(0.5 * TAU * (i as f64 + 0.5) / STOPS as f64);
-            let normal = (pin - pitch_point).normalize();
-            squares += normal.y * normal.y;
-            along -= normal.y * normal.x;
-        }
-        let across = share / self.lever();
-        let by_ring = across * along / squares;
-        let by_pins = 2.0 * share / (0.25 * TAU * self.output_pins.circle_radius);
-        across.hypot(by_pins - by_ring)
-    }
-
     /// Builds bodies and joints, the input held and without load.
     ///
     /// # Errors
@@ -247,12 +121,8 @@ impl SingleStage {
         let rings = discs.iter().enumerate().map(|(j, disc)| self.ring(j, *disc, housing)).collect();
         let flanges = Flanges { input: input[2], output: output[2], phase: discs[0][2], ratio };
         let mechanism = Mechanism::with_pins(coordinates, joints, rings, flanges, Resistance::none())?;
-        Ok(SingleStageJoints { mechanism, eccentrics, output_pins })
-    }
-
-    /// Angle of a disc against the output: its flank meets the pins for the phase of its eccentric.
-    fn mounting(&self, disc: usize) -> f64 {
-        self.phases[disc] / self.ratio()
+        let eccentric_radius = 0.5 * self.eccentric.pitch_diameter;
+        Ok(SingleStageJoints { mechanism, eccentrics, eccentric_radius, output_pins })
     }
 
     fn output_joint(&self, disc: usize, output: [usize; 3], [x, y, turn]: [usize; 3]) -> HolePins {
@@ -351,6 +221,29 @@ impl SingleStageJoints {
     pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<(f64, f64, f64)> {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.output_pins[disc].loads(&q).collect()
+    }
+
+    /// What friction takes in a state of rest with the input held at an angle (rad), as the drive turns through it: forces
+    /// without friction, each times its coefficient and its way per turn. Ring pins slide as the flank passes them, output
+    /// pins by e (1 + 1/z_c) times the turn of the input, the eccentric bearing turns by 1 + 1/z_c of it.
+    pub fn losses(&self, position: &[f64], angle: f64, friction: &StageFriction) -> StageLosses {
+        let velocity = self.nominal_velocity_at(angle, 1.0);
+        let slower = 1.0 - 1.0 / self.flanges().ratio;
+        let mut losses = StageLosses::default();
+        for disc in 0..self.eccentrics.len() {
+            let place = self.rings[disc].place;
+            for contact in self.pin_contacts(disc, position) {
+                let sliding: f64 = (0..3).map(|axis| contact.along[axis] * velocity[place[axis]]).sum();
+                losses.ring += friction.ring * contact.force * sliding.abs();
+            }
+            let (pins, way) = (&self.output_pins[disc], slower * friction.pin_over_roller);
+            for (force, ..) in self.output_pin_loads(disc, position) {
+                losses.output += friction.output * force * pins.nominal_distance * way;
+            }
+            let force = self.eccentric_force(disc, position);
+            losses.eccentric += friction.bearing * force * self.eccentric_radius * slower;
+        }
+        losses
     }
 
     /// Force (N) of the eccentric on one disc, its size.

@@ -10,6 +10,7 @@ mod errors;
 mod kinematics;
 mod part_wear;
 mod parts;
+mod single_stage;
 mod solids;
 mod thermal;
 mod tolerances;
@@ -24,6 +25,7 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
+pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};

@@ -203,7 +203,6 @@ fn unused(design: &StageDesign) -> Option<Finding> {
         ("wear", design.wear.is_some()),
         ("tolerances", design.tolerances.is_some()),
         ("unknowns", design.unknowns.span.is_some()),
-        ("friction", design.friction.span.is_some()),
     ];
     let given: Vec<&str> = sections.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
     (!given.is_empty()).then(|| Finding {

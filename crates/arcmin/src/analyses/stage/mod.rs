@@ -13,7 +13,7 @@ use rests::Rests;
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::checks::{Finding, check_design};
 use crate::design::{Design, DesignError, Family, OptionSet, StageDesign};
-use crate::dynamics::PlayChain;
+use crate::machine::PlayChain;
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, Value, decimals, quantity};
 use crate::units::ARCMIN;

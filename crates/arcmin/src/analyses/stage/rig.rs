@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use super::{HasPlay, Rests, play_entries, play_sentence, play_table};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{StageDesign, default, options};
-use crate::dynamics::PlayChain;
+use crate::dynamics::StageLosses;
+use crate::machine::PlayChain;
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
@@ -39,6 +40,10 @@ pub struct Rig {
     pub play: [f64; 2],
     /// Input angle against the ring and error of the output under rated torque, rad.
     pub errors: Vec<[f64; 2]>,
+    /// Mean over a turn of the input under rated torque.
+    pub losses: StageLosses,
+    /// Output work over input work at rated torque.
+    pub efficiency: f64,
     design: StageDesign,
 }
 
@@ -88,6 +93,23 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 "Transmission error under rated torque, peak to peak over a turn of the input.",
             )
             .of(|o| (o.peak_to_peak() / ARCMIN).into()),
+            q::EFFICIENCY.of(|o| o.efficiency.into()),
+            quantity(
+                "backward_efficiency",
+                decimals(3),
+                "With the output driving, 2 − 1/η: as much is lost. At zero and below the drive holds by itself.",
+            )
+            .of(|o| o.backward().into()),
+            quantity("loss_shares.ring", decimals(3), "Share of the losses between ring pins and flanks.")
+                .of(|o| (o.losses.ring / o.losses.total()).into()),
+            quantity(
+                "loss_shares.output_pins",
+                decimals(3),
+                "Share of the losses between output pins and holes, or of rollers on their pins.",
+            )
+            .of(|o| (o.losses.output / o.losses.total()).into()),
+            quantity("loss_shares.eccentric_bearings", decimals(3), "Share of the losses of the eccentric bearings.")
+                .of(|o| (o.losses.eccentric / o.losses.total()).into()),
         ];
         own.into_iter().chain(play_entries()).collect()
     },
@@ -127,14 +149,30 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<R
         let travel = up? - down?;
         play = [play[0].min(travel), play[1].max(travel)];
     }
-    let mut errors = Vec::new();
+    let (mut errors, mut losses, (friction, _)) = (Vec::new(), StageLosses::default(), design.friction());
     for step in 0..options.te_positions {
         host.report("transmission error", step as f64 / options.te_positions as f64);
         let angle = TAU * step as f64 / options.te_positions as f64;
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
+        let here = rests.joints.losses(&place, angle, &friction);
+        let part = 1.0 / options.te_positions as f64;
+        losses.ring += part * here.ring;
+        losses.output += part * here.output;
+        losses.eccentric += part * here.eccentric;
     }
-    Ok(Rig { points, figures: LoopFigures::mean(&all), play, errors, design: design.clone() })
+    // η = T/(T + z_c M), M seen from the ring; the same with the ring turning.
+    let lobes = design.stage().profile.lobe_count() as f64;
+    let efficiency = rated / (rated + lobes * losses.total());
+    Ok(Rig {
+        losses,
+        efficiency,
+        points,
+        figures: LoopFigures::mean(&all),
+        play,
+        errors,
+        design: design.clone(),
+    })
 }
 
 impl HasPlay for Rig {
@@ -144,11 +182,32 @@ impl HasPlay for Rig {
 }
 
 impl Rig {
+    fn backward(&self) -> f64 {
+        2.0 - 1.0 / self.efficiency
+    }
+
     fn peak_to_peak(&self) -> f64 {
         let errors = self.errors.iter().map(|[_, error]| *error);
         let [low, high] = errors
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], error| [low.min(error), high.max(error)]);
         high - low
+    }
+
+    fn losses_sentence(&self) -> String {
+        let (losses, backward) = (&self.losses, self.backward());
+        let share = |part: f64| format!("{:.0} %", 100.0 * part / losses.total());
+        let assumed = if self.design.friction().1 { ", friction assumed: the design gives none" } else { "" };
+        let back = match backward > 0.0 {
+            true => format!("{backward:.2} with the output driving"),
+            false => "the output cannot drive it".to_owned(),
+        };
+        format!(
+            "efficiency at rated torque {:.3}, {back}{assumed}; losses: ring pins {}, output pins {}, eccentric bearings {}",
+            self.efficiency,
+            share(losses.ring),
+            share(losses.output),
+            share(losses.eccentric)
+        )
     }
 
     fn sentence(&self) -> String {
@@ -183,7 +242,8 @@ impl Outcome for Rig {
             Said::line(self.sentence()),
             Said::figures(&self.summary(), &keys),
             Said::line(play_sentence(&self.design.play_chain())),
-            Said::line("friction is not taken into account: both branches of the torque cycle are the same"),
+            Said::line(self.losses_sentence()),
+            Said::line("the torque cycle is computed without friction: both branches are the same"),
         ]
     }
 

@@ -85,6 +85,34 @@ fn forces_are_near_the_closed_forms_without_gaps() {
     }
 }
 
+/// Rollers in place of sliding pins lose by the ratio of the radii, and a drive without friction nothing.
+#[test]
+fn losses_are_forces_times_ways() {
+    let friction = |pin: f64, ring: f64| {
+        format!(
+            "[friction]\nflank_coefficient = {ring}\npin_seat_coefficient = {pin}\nbearing_coefficient = 0\n[drive]"
+        )
+    };
+    let with = |pin: f64, ring: f64| bench(&design(&[("[drive]", friction(pin, ring).as_str())]));
+    assert_eq!(with(0.0, 0.0).efficiency, 1.0);
+    // Holes move on the pins by e (1 + 1/z_c) a radian of the input, rollers slide by 1.5/2 of that on their pins. Forces of
+    // all pins on a disc add up to 4 T/(π R_w) with equal springs; with a gap fewer carry, nearer to the full lever: T/R_w.
+    let rolling = with(0.1, 0.0);
+    let way = 0.5e-3 * (1.0 + 1.0 / 19.0) * 0.75;
+    let [least, most] = [1.0, 4.0 / std::f64::consts::PI].map(|sum| 0.1 * way * sum * 3.0 / 10.5e-3);
+    assert!(
+        rolling.losses.total() > 0.98 * least && rolling.losses.total() < 1.02 * most,
+        "{:?}",
+        rolling.losses
+    );
+    assert!((rolling.efficiency - 3.0 / (3.0 + 19.0 * rolling.losses.output)).abs() < 1e-12);
+    let sliding = bench(&design(&[
+        ("[drive]", friction(0.0, 0.1).as_str()),
+        ("roller_radius_mm = 2 ", "roller_radius_mm = 1.5 "),
+    ]));
+    assert!(sliding.losses.output > 1.2 * rolling.losses.output, "{:?}", sliding.losses);
+}
+
 #[test]
 fn what_cannot_be_is_refused_at_its_key() {
     for (from, to, key) in [

@@ -2,9 +2,10 @@
 //! discs on equal springs for the forces.
 
 use super::*;
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::{BearingJoints, EquilibriumControl, JointSettings, System, solve_equilibrium};
-use crate::machine::RollerKind;
+use crate::geometry::{Profile, Relief, Vec2};
+use crate::machine::{RollerBearing, RollerKind};
 use crate::units::UM;
 
 const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
