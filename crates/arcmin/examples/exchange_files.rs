@@ -29,11 +29,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             fs::write(place.join("profile.dxf"), export.dxf(Contour::Both))?;
             fs::write(place.join("profile.csv"), export.csv())?;
             fs::write(place.join("profile.svg"), export.svg())?;
-            fs::write(place.join("discs.step"), export.step(Parts::Discs))?;
-            fs::write(place.join("pin.step"), export.step(Parts::Pin))?;
-            fs::write(place.join("crankshaft.step"), export.step(Parts::Crankshaft))?;
+            fs::write(place.join("discs.step"), export.step(Parts::Discs)?)?;
+            fs::write(place.join("pin.step"), export.step(Parts::Pin)?)?;
+            fs::write(place.join("crankshaft.step"), export.step(Parts::Crankshaft)?)?;
             let assembly = Parts::Assembly { crank_angle: 0.4 };
-            fs::write(place.join("assembly.step"), export.step(assembly))?;
+            fs::write(place.join("assembly.step"), export.step(assembly)?)?;
             fs::write(place.join("cutter-polyline.dxf"), second.dxf(Contour::Polyline))?;
             fs::write(place.join("cutter-spline.dxf"), second.dxf(Contour::Spline))?;
             for (stem, export, parts) in [

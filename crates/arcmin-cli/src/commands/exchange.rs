@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use arcmin::analyses::stage::Drive;
 use arcmin::design::Design;
 use arcmin::exchange::{
     Contour, DutyImport, DutyImportOptions, ExchangeError, Flank, FlankImportOptions, FlankTarget, Parts,
@@ -18,7 +19,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::fmu::pack;
 use crate::failure::{Failure, Start};
-use crate::run::{Cache, LARGEST_TABLE, Terminal, read_bounded, read_design, say, write_file};
+use crate::run::{Cache, LARGEST_TABLE, Terminal, read_bounded, read_design, read_drive, say, write_file};
 
 pub fn export() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
@@ -257,15 +258,17 @@ pub fn run_export(matches: &ArgMatches) -> Result<Ending, Failure> {
 
 fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
-    let (path, design) = given.design()?;
-    let machine = design.machine();
+    let path = given.file("DESIGN");
+    let drive = read_drive(&path)?;
     let hours = given.within("worn-h", 0.0, 1e7)?;
     let out = directory(matches, &path, "export")?;
+    let count = match &drive {
+        Drive::Rv(design) => *design.disc.count,
+        Drive::Eccentric(design) => *design.disc.count,
+    };
     let disc = match matches.get_one::<u32>("disc") {
-        Some(disc) if (1..=machine.disc_count()).contains(&(*disc as usize)) => Some(*disc as usize - 1),
-        Some(disc) => {
-            return Err(failed(ExchangeError::NoDisc { disc: *disc as usize, count: machine.disc_count() }));
-        }
+        Some(disc) if (1..=count).contains(&(*disc as usize)) => Some(*disc as usize - 1),
+        Some(disc) => return Err(failed(ExchangeError::NoDisc { disc: *disc as usize, count })),
         None => None,
     };
     let contour = match (matches.get_one::<String>("contour").map(String::as_str), disc) {
@@ -274,7 +277,15 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         _ => Contour::Both,
     };
     let flank = match (hours > 0.0, given.word("flank")) {
-        (true, _) => Flank::Worn(worn(&design, &path, &out, hours, disc.unwrap_or(0))?),
+        (true, _) => match &drive {
+            Drive::Rv(design) => Flank::Worn(worn(design, &path, &out, hours, disc.unwrap_or(0))?),
+            Drive::Eccentric(_) => {
+                return Err(Failure::Usage {
+                    message: "the wear of single stages is not computed".to_owned(),
+                    help: "leave --worn-h out".to_owned(),
+                });
+            }
+        },
         (false, "as-cut") => Flank::AsCut,
         (false, _) => Flank::Modified,
     };
@@ -284,7 +295,11 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         offset: given.number("offset-um") * UM,
         disc,
     };
-    let export = ProfileExport::new(&machine, Stamp::of(&design), options).map_err(failed)?;
+    let export = match &drive {
+        Drive::Rv(design) => ProfileExport::new(&design.machine(), Stamp::of(design), options),
+        Drive::Eccentric(design) => ProfileExport::of_stage(design, options),
+    }
+    .map_err(failed)?;
     let crank_angle = given.within("crank-deg", -3600.0, 3600.0)? * DEG;
     let parts = match given.word("parts") {
         "pin" => Parts::Pin,
@@ -295,7 +310,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let format = given.word("format");
     let file = out.join(format!("profile.{format}"));
     let bytes = match format {
-        "step" => export.step(parts).into_bytes(),
+        "step" => export.step(parts).map_err(failed)?.into_bytes(),
         "stl" => export.stl(parts).map_err(failed)?,
         "3mf" => {
             let entries = export.three_mf(parts).map_err(failed)?;

@@ -248,7 +248,7 @@ impl StageDesign {
 pub(super) fn not_yet(tree: &Branch, source: &Source) -> Box<DesignError> {
     let message = "this command computes RV reducers only, and the file describes a single stage (family \"eccentric\")";
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
-    let hint = "single stages are known to `arcmin check`, `profile`, `contact` and `rig`";
+    let hint = "single stages are known to `arcmin check`, `profile`, `contact`, `rig` and `export profile`";
     field::with_path(contradiction(source, &place, message.to_owned(), hint), tree)
 }
 

@@ -21,7 +21,7 @@ fn reversed(edges: &Loop) -> Loop {
 impl ProfileExport {
     /// Disc between z = 0 and its width, in the frame of its flank.
     pub(super) fn disc(&self, step: &mut Step, disc: usize, name: &str) -> usize {
-        let width = self.machine.disc.width;
+        let width = self.width();
         let mut faces = Vec::new();
         let (lower, upper) = self.flank_faces(step, &mut faces);
         let mut sides = Sides { below: vec![reversed(&lower)], above: vec![upper] };
@@ -48,7 +48,7 @@ impl ProfileExport {
 
     /// Faces of the flank, and its lower and upper edges counter-clockwise.
     fn flank_faces(&self, step: &mut Step, faces: &mut Vec<usize>) -> (Loop, Loop) {
-        let width = self.machine.disc.width;
+        let width = self.width();
         let lobe = || self.flanks.iter().flat_map(|flank| &flank.parts);
         let splines: Vec<CubicSpline> = (0..self.outline.lobe_count())
             .flat_map(|k| {

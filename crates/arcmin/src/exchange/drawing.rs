@@ -11,8 +11,8 @@ impl ProfileExport {
     /// holes and windows of every disc and the pins in groups named like the layers of
     /// [`ProfileExport::dxf`].
     pub fn svg(&self) -> String {
-        let ring = &self.machine.ring;
-        let reach = 1.1 * (ring.pin_circle_radius + ring.pin_radius);
+        let (circle, pin) = self.ring_radii();
+        let reach = 1.1 * (circle + pin);
         let (low, size) = (millimetres(-reach), millimetres(2.0 * reach));
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{size}mm\" height=\"{size}mm\" \

@@ -170,7 +170,8 @@ impl ProfileExport {
         for stamp in self.stamps() {
             w.put(999, &escaped(&stamp));
         }
-        let reach = millimetres(1.1 * (self.machine.ring.pin_circle_radius + self.machine.ring.pin_radius));
+        let (circle, pin) = self.ring_radii();
+        let reach = millimetres(1.1 * (circle + pin));
         let (seed, low) = (format!("{:X}", last + 0x400), format!("-{reach}"));
         w.put_all(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")]);
         w.put_all(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED"), (5, &seed)]);
@@ -285,11 +286,12 @@ impl ProfileExport {
 
     /// Marks, ring of pins and words.
     fn explain(&self, w: &mut Writer) {
-        let ring = self.machine.ring.pin_circle_radius;
+        let (ring, _) = self.ring_radii();
         for disc in self.discs() {
             let Some(first) = self.openings(disc).bores.first().copied() else { continue };
             let layer = format!("DISC_{}_MARK", disc + 1);
-            let towards = first.centre.normalize();
+            // Of a bore in the centre, along the x axis.
+            let towards = first.centre.try_normalize(1e-9).unwrap_or(Vec2::new(1.0, 0.0));
             let from = first.centre + first.radius * towards;
             w.line(&layer, from, from + 0.02 * ring * towards);
             w.text(&layer, from + 0.025 * ring * towards, 0.03 * ring, &(disc + 1).to_string());

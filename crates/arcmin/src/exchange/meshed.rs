@@ -30,23 +30,26 @@ impl ProfileExport {
     /// tolerance. Discs stand one above the other as in the machine.
     ///
     /// # Errors
-    /// [`ExchangeError::Fit`] where outlines of a part cross each other.
+    /// [`ExchangeError::Fit`] where outlines of a part cross each other, [`ExchangeError::NoPart`] as in
+    /// [`ProfileExport::step`].
     pub fn bodies(&self, parts: Parts) -> Result<Vec<Body>, ExchangeError> {
-        let machine = &self.machine;
-        let (floors, _) = crankshaft::heights(machine);
+        let floors = self.floors();
         let origin = |name: &str| Placement { name: name.into(), angle: 0.0, place: [0.0; 3] };
         let mut bodies = Vec::new();
-        let kinematics = machine.kinematics();
         let assembly = match parts {
             Parts::Assembly { crank_angle } => {
-                Some((crank_angle, kinematics.nominal_output_angle(crank_angle)))
+                let kinematics = self.reducer()?.kinematics();
+                let output = kinematics.nominal_output_angle(crank_angle);
+                Some((crank_angle, output, kinematics))
             }
             _ => None,
         };
         if matches!(parts, Parts::Discs | Parts::Assembly { .. }) {
             for disc in self.discs() {
                 let name = format!("cycloid disc {}", disc + 1);
-                let pose = assembly.map(|(crank, output)| kinematics.disc_pose(disc, crank, output));
+                let pose = assembly
+                    .as_ref()
+                    .map(|(crank, output, kinematics)| kinematics.disc_pose(disc, *crank, *output));
                 let (angle, centre) = pose.map_or((0.0, Vec2::zeros()), |pose| (pose.angle, pose.centre));
                 // One disc alone stands at zero, as in a file of STEP.
                 let floor =
@@ -56,7 +59,7 @@ impl ProfileExport {
             }
         }
         if matches!(parts, Parts::Pin | Parts::Assembly { .. }) {
-            let copies = match assembly {
+            let copies = match &assembly {
                 None => vec![origin("pin")],
                 Some(_) => self
                     .pins()
@@ -69,14 +72,15 @@ impl ProfileExport {
                     })
                     .collect(),
             };
-            let outline = circle(Vec2::zeros(), machine.ring.pin_radius, self.options.tolerance);
+            let outline = circle(Vec2::zeros(), self.ring_radii().1, self.options.tolerance);
             let mesh = Mesh::prism(&outline, &[], 0.0, self.pin_length()).ok_or_else(crossing)?;
             bodies.push(Body { name: "pin".into(), mesh, copies });
         }
         if matches!(parts, Parts::Crankshaft | Parts::Assembly { .. }) {
+            let machine = self.reducer()?;
             let copies = match assembly {
                 None => vec![origin("crankshaft")],
-                Some((crank, output)) => (0..machine.crankshafts.count)
+                Some((crank, output, _)) => (0..machine.crankshafts.count)
                     .map(|k| {
                         let count = machine.crankshafts.count;
                         let first = machine.crankshafts.first_angle;
@@ -102,7 +106,7 @@ impl ProfileExport {
             .map(|hole| circle(hole.centre, hole.radius, tolerance))
             .chain(openings.windows.iter().map(|window| corners(window, tolerance)))
             .collect();
-        Mesh::prism(&self.polyline(), &holes, 0.0, self.machine.disc.width).ok_or_else(crossing)
+        Mesh::prism(&self.polyline(), &holes, 0.0, self.width()).ok_or_else(crossing)
     }
 
     /// What is said in meshes: the tolerance of their chords.

@@ -73,6 +73,8 @@ pub enum ExchangeError {
     Tolerance { reached: f64, tolerance: f64 },
     #[error("there is no disc {disc}: the design has {count}")]
     NoDisc { disc: usize, count: usize },
+    #[error("only discs and pins of a single stage are drawn")]
+    NoPart,
     #[error("{0}")]
     Table(#[from] TableError),
     #[error("{file}, line {line}: {message}")]
@@ -89,6 +91,7 @@ impl ExchangeError {
             ExchangeError::Option { .. } => "choose a value in this range".into(),
             ExchangeError::Tolerance { .. } => "allow a larger tolerance".into(),
             ExchangeError::NoDisc { .. } => "count the discs from 1".into(),
+            ExchangeError::NoPart => "leave --parts out, or choose `discs` or `pin`".into(),
             ExchangeError::Table(error) => error.remedy(),
             ExchangeError::Points { remedy, .. } | ExchangeError::Fit { remedy, .. } => remedy.clone(),
         }
@@ -108,11 +111,16 @@ pub struct Stamp {
 impl Stamp {
     /// The stamp of this version of the program.
     pub fn of(design: &crate::design::Design) -> Stamp {
+        Stamp::named(&design.name, &design.hash())
+    }
+
+    /// That of a design by its name and whole hash.
+    fn named(name: &str, hash: &str) -> Stamp {
         Stamp {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             // It stands in comments of source text, which a line of its own would leave.
-            design_name: crate::report::printable(&design.name),
-            design_hash: design.short_hash(),
+            design_name: crate::report::printable(name),
+            design_hash: hash[..12].to_owned(),
         }
     }
 }

@@ -3,10 +3,12 @@ use std::fmt::Write as _;
 use super::outline::Outline;
 use super::spline::FittedSpline;
 use super::{ExchangeError, Stamp, millimetres, trimmed};
+use crate::contact::Pin;
+use crate::design::{StageDesign, openings};
 use crate::fem::{DiscShape, RoundHole};
 use crate::geometry::{Profile, Relief, Segment, Vec2, turned, unit};
-use crate::machine::Machine;
-use crate::units::{DEG, UM};
+use crate::machine::{Bore, Machine};
+use crate::units::{DEG, MM, UM};
 
 /// Which flank is handed over.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +66,12 @@ impl Default for ProfileOptions {
 /// their bores stand at the carrier's angles minus the mounting angle δ_j = −α_j/z_c of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileExport {
-    pub(super) machine: Machine,
+    /// Of every disc, in the frame of its flank.
+    shapes: Vec<DiscShape>,
+    /// The pins of the ring as installed, about the ring's own centre.
+    ring: Vec<Pin>,
+    /// An RV reducer; of single stages only discs and pins are drawn.
+    machine: Option<Machine>,
     pub(super) stamp: Stamp,
     pub(super) options: ProfileOptions,
     pub(super) outline: Outline,
@@ -73,6 +80,24 @@ pub struct ProfileExport {
     /// Root to crest and crest to root of the first lobe.
     pub(super) flanks: [FittedSpline; 2],
     polyline_deviation: f64,
+}
+
+/// One disc of a single stage in the frame of its flank.
+fn stage_shape(design: &StageDesign, disc: usize) -> DiscShape {
+    let stage = design.stage();
+    let round = |hole: &Bore| RoundHole {
+        centre: hole.centre_radius * unit(hole.centre_angle - stage.mounting(disc)),
+        radius: hole.radius,
+    };
+    let all = openings(design, stage);
+    DiscShape {
+        profile: stage.profile.clone(),
+        bores: all[..1].iter().map(round).collect(),
+        holes: all[1..].iter().map(round).collect(),
+        windows: Vec::new(),
+        width: *design.disc.width_mm * MM,
+        material: design.disc.material.value.clone(),
+    }
 }
 
 /// Splines keep this part of the tolerance: their error falls with the fourth power of the number of pieces,
@@ -91,6 +116,36 @@ impl ProfileExport {
         stamp: Stamp,
         options: ProfileOptions,
     ) -> Result<ProfileExport, ExchangeError> {
+        let shapes = (0..machine.disc_count).map(|disc| DiscShape::of(machine, disc)).collect();
+        let (relief, pins) = (machine.designed_relief(), machine.pins());
+        ProfileExport::of(shapes, &relief, pins, Some(machine.clone()), stamp, options)
+    }
+
+    /// Prepares the export of a single stage: the bore of the eccentric bearing in the centre of every disc, and holes for
+    /// the output pins, which stand elsewhere against the lobes from disc to disc.
+    ///
+    /// # Errors
+    /// As [`ProfileExport::new`].
+    pub fn of_stage(design: &StageDesign, options: ProfileOptions) -> Result<ProfileExport, ExchangeError> {
+        let stage = design.stage();
+        let count = stage.profile.pin_count;
+        let pin = |i: usize| Pin {
+            centre: stage.ring_circle_radius * unit(std::f64::consts::TAU * i as f64 / count as f64),
+            radius: stage.ring_pin_radius,
+        };
+        let stamp = Stamp::named(&design.name, &design.hash());
+        let shapes = (0..stage.phases.len()).map(|disc| stage_shape(design, disc)).collect();
+        ProfileExport::of(shapes, &stage.relief, (0..count).map(pin).collect(), None, stamp, options)
+    }
+
+    fn of(
+        shapes: Vec<DiscShape>,
+        designed: &Relief,
+        ring: Vec<Pin>,
+        machine: Option<Machine>,
+        stamp: Stamp,
+        options: ProfileOptions,
+    ) -> Result<ProfileExport, ExchangeError> {
         let within = |what, value: f64, unit: f64, low, high| {
             let value = value / unit;
             if (low..=high).contains(&value) {
@@ -101,15 +156,15 @@ impl ProfileExport {
         };
         within("a tolerance in µm", options.tolerance, UM, 0.01, 1000.0)?;
         within("an offset in µm", options.offset, UM, -1e5, 1e5)?;
-        if let Some(disc) = options.disc.filter(|disc| *disc >= machine.disc_count) {
-            return Err(ExchangeError::NoDisc { disc: disc + 1, count: machine.disc_count });
+        if let Some(disc) = options.disc.filter(|disc| *disc >= shapes.len()) {
+            return Err(ExchangeError::NoDisc { disc: disc + 1, count: shapes.len() });
         }
         let relief = match &options.flank {
             Flank::AsCut => Relief::uniform(0.0),
-            Flank::Modified => machine.designed_relief(),
-            Flank::Worn(wear) => machine.designed_relief().plus(wear),
+            Flank::Modified => designed.clone(),
+            Flank::Worn(wear) => designed.plus(wear),
         };
-        let outline = Outline::new(machine.profile(), relief, options.offset)?;
+        let outline = Outline::new(shapes[0].profile.clone(), relief, options.offset)?;
         let (crest, end) = (0.5 * outline.lobe_pitch(), outline.lobe_pitch());
         // A thousandth is left for the decimals of the file.
         let tolerance = 0.999 * options.tolerance;
@@ -125,7 +180,9 @@ impl ProfileExport {
             return Err(ExchangeError::Tolerance { reached, tolerance: options.tolerance });
         }
         Ok(ProfileExport {
-            machine: machine.clone(),
+            shapes,
+            ring,
+            machine,
             stamp,
             options,
             outline,
@@ -159,14 +216,14 @@ impl ProfileExport {
 
     /// What is cut out of disc j (from 0), in the frame of its flank.
     pub(super) fn openings(&self, disc: usize) -> Openings {
-        let shape = DiscShape::of(&self.machine, disc);
+        let shape = self.shapes[disc].clone();
         let windows = shape.windows.iter().map(|window| window.outline()).collect();
         Openings { bores: shape.bores, holes: shape.holes, windows }
     }
 
     /// The discs that are handed over.
     pub(super) fn discs(&self) -> std::ops::Range<usize> {
-        self.options.disc.map_or(0..self.machine.disc_count, |disc| disc..disc + 1)
+        self.options.disc.map_or(0..self.shapes.len(), |disc| disc..disc + 1)
     }
 
     /// What is said in every file, one sentence a line.
@@ -235,7 +292,31 @@ impl ProfileExport {
 
     /// The theoretical pin ring: places and radius of the installed pins in m, about the ring's own centre.
     pub(super) fn pins(&self) -> Vec<(Vec2, f64)> {
-        self.machine.pins().iter().map(|pin| (pin.centre, pin.radius)).collect()
+        self.ring.iter().map(|pin| (pin.centre, pin.radius)).collect()
+    }
+
+    /// Radius of the circle of the pins and of a pin in m.
+    pub(super) fn ring_radii(&self) -> (f64, f64) {
+        (self.ring[0].centre.norm(), self.ring[0].radius)
+    }
+
+    /// Face width of a disc in m.
+    pub(super) fn width(&self) -> f64 {
+        self.shapes[0].width
+    }
+
+    /// Heights of the discs' lower sides in m, 0 in the middle; discs of a single stage touch.
+    pub(super) fn floors(&self) -> Vec<f64> {
+        let (count, width) = (self.shapes.len(), self.width());
+        match &self.machine {
+            Some(machine) => super::crankshaft::heights(machine).0,
+            None => (0..count).map(|disc| (disc as f64 - 0.5 * count as f64) * width).collect(),
+        }
+    }
+
+    /// The RV reducer, for parts that only it has.
+    pub(super) fn reducer(&self) -> Result<&Machine, ExchangeError> {
+        self.machine.as_ref().ok_or(ExchangeError::NoPart)
     }
 
     /// The flank profile without offset, for messages.

@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-use super::crankshaft;
 use super::profile::{Parts, ProfileExport};
 use super::solid::SolidFigures;
+use super::{ExchangeError, crankshaft};
 use crate::geometry::unit;
 use crate::machine::Kinematics;
 
@@ -136,12 +136,12 @@ impl ProfileExport {
     /// half cylinders per bore and hole, a face for every side and arc of a window. Pins are as long as the
     /// stack of discs. Crankshafts are drawn without their planets' teeth: eccentrics with the diameter of
     /// the inner raceway, the shaft between and beside them.
-    pub fn step(&self, parts: Parts) -> String {
+    ///
+    /// # Errors
+    /// [`ExchangeError::NoPart`] for crankshafts and assemblies of single stages.
+    pub fn step(&self, parts: Parts) -> Result<String, ExchangeError> {
         let mut step = Step { text: String::new(), count: 0 };
         let frame = Frame::begin(&mut step);
-        let machine = &self.machine;
-        let (floors, ends) = crankshaft::heights(machine);
-        let slices = crankshaft::slices(machine);
         let disc_name = |disc: usize| format!("cycloid disc {}", disc + 1);
         match parts {
             Parts::Discs => {
@@ -155,11 +155,12 @@ impl ProfileExport {
                 frame.product(&mut step, "pin", Some(solid));
             }
             Parts::Crankshaft => {
-                let solid = crankshaft::solid(&mut step, "crankshaft", &slices);
+                let solid = crankshaft::solid(&mut step, "crankshaft", &crankshaft::slices(self.reducer()?));
                 frame.product(&mut step, "crankshaft", Some(solid));
             }
             Parts::Assembly { crank_angle } => {
                 let whole = frame.product(&mut step, &format!("{} assembly", self.stamp.design_name), None);
+                let (machine, floors) = (self.reducer()?, self.floors());
                 let kinematics = machine.kinematics();
                 let output = kinematics.nominal_output_angle(crank_angle);
                 for (disc, floor) in floors.iter().enumerate() {
@@ -175,7 +176,7 @@ impl ProfileExport {
                     let place = [centre.x, centre.y, floors[0]];
                     frame.place(&mut step, &whole, &part, &format!("pin {}", index + 1), 0.0, place);
                 }
-                let solid = crankshaft::solid(&mut step, "crankshaft", &slices);
+                let solid = crankshaft::solid(&mut step, "crankshaft", &crankshaft::slices(machine));
                 let part = frame.product(&mut step, "crankshaft", Some(solid));
                 let cranks = &machine.crankshafts;
                 for k in 0..cranks.count {
@@ -184,12 +185,11 @@ impl ProfileExport {
                     let name = format!("crankshaft {}", k + 1);
                     frame.place(&mut step, &whole, &part, &name, crank_angle, [centre.x, centre.y, 0.0]);
                 }
-                debug_assert!(ends[0] < ends[1]);
             }
         }
         let stamps: Vec<String> = self.stamps().iter().map(|line| format!("'{}'", words(line))).collect();
         let version = &self.stamp.version;
-        format!(
+        Ok(format!(
             "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(({}),'2;1');\n\
              FILE_NAME('{}','1970-01-01T00:00:00',(''),(''),'arcmin {version}','arcmin {version}','');\n\
              FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\nENDSEC;\nDATA;\n{}ENDSEC;\n\
@@ -197,12 +197,12 @@ impl ProfileExport {
             stamps.join(","),
             words(&self.stamp.design_name),
             step.text
-        )
+        ))
     }
 
     /// Volume and surface of every part of a STEP file, each once: what a reader must find.
     pub fn solid_figures(&self) -> Vec<SolidFigures> {
-        let width = self.machine.disc.width;
+        let width = self.width();
         let (area, length) = self.disc_area_and_length();
         let mut all: Vec<SolidFigures> = self
             .discs()
@@ -212,25 +212,26 @@ impl ProfileExport {
                 surface: 2.0 * area + length * width,
             })
             .collect();
-        let (radius, height) = (self.machine.ring.pin_radius, self.pin_length());
+        let (radius, height) = (self.ring_radii().1, self.pin_length());
         all.push(SolidFigures {
             name: "pin".to_owned(),
             volume: PI * radius * radius * height,
             surface: 2.0 * PI * radius * (radius + height),
         });
-        all.push(crankshaft::figures("crankshaft", &crankshaft::slices(&self.machine)));
+        let crankshafts = self.reducer().ok().map(|machine| crankshaft::slices(machine));
+        all.extend(crankshafts.map(|slices| crankshaft::figures("crankshaft", &slices)));
         all
     }
 
     pub(super) fn pin_length(&self) -> f64 {
-        let (floors, _) = crankshaft::heights(&self.machine);
-        floors[floors.len() - 1] + self.machine.disc.width - floors[0]
+        let floors = self.floors();
+        floors[floors.len() - 1] + self.width() - floors[0]
     }
 
     fn pin(&self, step: &mut Step) -> usize {
         let slice = crankshaft::Slice {
             centre: crate::geometry::Vec2::zeros(),
-            radius: self.machine.ring.pin_radius,
+            radius: self.ring_radii().1,
             from: 0.0,
             to: self.pin_length(),
         };

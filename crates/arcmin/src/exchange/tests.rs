@@ -189,7 +189,7 @@ fn files_are_stamped_and_repeat_to_the_byte() {
     let make = || export(ProfileOptions { flank: Flank::Worn(wear()), ..ProfileOptions::default() });
     let (a, b) = (make(), make());
     let assembly = Parts::Assembly { crank_angle: 0.3 };
-    let files = |e: &ProfileExport| [e.dxf(Contour::Both), e.step(assembly), e.csv(), e.svg()];
+    let files = |e: &ProfileExport| [e.dxf(Contour::Both), e.step(assembly).unwrap(), e.csv(), e.svg()];
     assert_eq!(files(&a), files(&b));
     for file in files(&a) {
         for word in
@@ -199,7 +199,7 @@ fn files_are_stamped_and_repeat_to_the_byte() {
         }
         assert!(!file.contains("NaN") && !file.contains("inf"));
     }
-    assert_eq!(a.step(assembly).matches("=PRODUCT(").count(), 5);
+    assert_eq!(a.step(assembly).unwrap().matches("=PRODUCT(").count(), 5);
     assert_eq!(a.csv().lines().filter(|line| !line.starts_with('#')).count(), a.polyline().len() + 1);
 }
 
@@ -228,4 +228,30 @@ fn holes_of_each_disc() {
     let turned = crate::geometry::turned(first[0].centre, turn);
     let other = crate::geometry::turned(first[0].centre, Vec2::new(turn.x, -turn.y));
     assert!((second[0].centre - turned).norm().min((second[0].centre - other).norm()) < 1e-12);
+}
+
+/// The discs of a single stage: the bore in the centre, and the holes of a disc on an eccentric p ahead turned by p/z_c
+/// against its lobes; area by Green's theorem less the round openings.
+#[test]
+fn discs_of_a_single_stage_differ_by_their_holes() {
+    let template = crate::templates::NEMA17_19;
+    let design = crate::design::StageDesign::parse(template.text, template.name).unwrap();
+    let export = ProfileExport::of_stage(&design, ProfileOptions::default()).unwrap();
+    let [first, second] = [0, 1].map(|disc| export.openings(disc));
+    assert_eq!((first.bores.len(), first.holes.len()), (1, 6));
+    assert!(first.bores[0].centre.norm() == 0.0 && (first.bores[0].radius - 6.5e-3).abs() < 1e-12);
+    for (one, other) in first.holes.iter().zip(&second.holes) {
+        assert!((one.radius - 2.51e-3).abs() < 1e-12 && (one.centre.norm() - 10.5e-3).abs() < 1e-12);
+        let turn = cross(one.centre, other.centre).atan2(one.centre.dot(&other.centre));
+        assert!((turn - std::f64::consts::PI / 19.0).abs() < 1e-12, "{turn}");
+    }
+    let corners = export.polyline();
+    let polygon: f64 =
+        (0..corners.len()).map(|i| 0.5 * cross(corners[i], corners[(i + 1) % corners.len()])).sum();
+    let open = std::f64::consts::PI * (6.5e-3_f64.powi(2) + 6.0 * 2.51e-3_f64.powi(2));
+    let (area, _) = export.disc_area_and_length();
+    assert!((area / (polygon - open) - 1.0).abs() < 1e-3, "{area} {polygon}");
+    assert_eq!(export.step(Parts::Discs).unwrap().matches("=PRODUCT(").count(), 2);
+    assert!(export.stl(Parts::Discs).is_ok() && export.dxf(Contour::Both).contains("DISC_2_HOLES"));
+    assert!(matches!(export.step(Parts::Crankshaft), Err(ExchangeError::NoPart)));
 }
