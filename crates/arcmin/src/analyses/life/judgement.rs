@@ -125,9 +125,9 @@ fn no_room(error: &AnalysisError) -> Finding {
         value: 0.0,
         limit: 0.0,
         unit: "",
-        why: "rigid bodies make a machine about twice as stiff as measured ones are, which flatters lost motion, \
-              pressures and lives",
+        why: "with rigid bodies a machine is about twice as stiff as measured machines, so that lost motion and pressures \
+              are underestimated and lives overestimated",
         change: "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the \
-                 crankshafts (`arcmin keys carrier.solid`), or say --bodies rigid to do without",
+                 crankshafts (`arcmin keys carrier.solid`), or choose --bodies rigid",
     }
 }

@@ -88,8 +88,8 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     let (bearings, service) = (&life.bearings, life.verdict.service_h);
     if !bearings.bearings.is_empty() {
         notes.push(format!(
-            "all {} bearings together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h all are sound in \
-             {:.0} of 100 machines. No limit: the 6000 h of makers are the L10 of one bearing.",
+            "all {} bearings together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h no bearing has \
+             failed in {:.0} of 100 machines. This is not a limit: catalogues state the L10 of one bearing.",
             bearings.bearings.len(),
             about(bearings.system_h),
             100.0 * bearings.survival(service)
@@ -97,8 +97,8 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     }
     if let Some(assumed) = bearings.assumed_friction {
         notes.push(format!(
-            "bearing lives contain an assumed friction of {} on the flanks, since the design gives none; without any \
-             the shortest is {} h.",
+            "bearing lives include an assumed friction coefficient of {} on the flanks, because the design gives none; \
+             without friction the shortest is {} h.",
             compact(assumed.flank, 3),
             about(assumed.without_h)
         ));
@@ -107,12 +107,12 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     if rest > 0.0 {
         let hours = life.verdict.hours_to_limit().unwrap_or(service);
         notes.push(format!(
-            "hours are those of the duty by the clock, rest included; {} of {} h are in motion.",
+            "hours are clock hours of the duty, rest included; in {} of {} h the machine moves.",
             about((1.0 - rest) * hours),
             about(hours)
         ));
     } else {
-        notes.push("hours are hours in motion: the duty has no rest (rows with speed 0).".to_owned());
+        notes.push("hours are hours in motion, because the duty has no row with speed 0.".to_owned());
     }
     notes.extend(about_bodies(life));
     let undecided = life.verdict.undecided.iter();
@@ -127,8 +127,8 @@ fn about_bodies(life: &Life) -> Option<String> {
             let lag = |point: &LifePoint| point.accuracy.loaded_error.arcmin().abs();
             let (rigid, soft) = (lag(life.first()), lag(&elastic.prediction.points[0]));
             Some(format!(
-                "at rated torque the output of the new machine lags by {} arcmin with rigid bodies, by {} with elastic \
-                 ones: {} times as much. Measured machines are as compliant as the latter.",
+                "at rated torque the output of the new machine lags by {} arcmin with rigid bodies and by {} arcmin with \
+                 elastic bodies, {} times as much. The stiffness of measured machines agrees with elastic bodies.",
                 significant(rigid, 3),
                 significant(soft, 3),
                 significant(soft / rigid, 2)
@@ -136,8 +136,8 @@ fn about_bodies(life: &Life) -> Option<String> {
         }
         WithElasticBodies::NoRoom(finding) => Some(finding.message.clone()),
         WithElasticBodies::NotAsked if life.bodies_are_chosen && life.fidelity.frame.is_none() => Some(
-            "rigid bodies were chosen: measured machines (RV-40E, RV-80E) are about 2.2 times as compliant, so lost \
-             motion and pressures are flattered. Without --bodies both kinds are judged."
+            "rigid bodies were chosen. Measured machines (RV-40E, RV-80E) are about 2.2 times as compliant, so lost \
+             motion and pressures are underestimated. Without --bodies the verdict uses rigid and elastic bodies."
                 .to_owned(),
         ),
         WithElasticBodies::NotAsked => None,
@@ -150,7 +150,7 @@ pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
     let one = |name: &str, point: &LifePoint| {
         let (force, pressure) = (&point.accuracy.hardest_pushed, &point.accuracy.hardest_pressed);
         format!(
-            "{name}: largest force {} N at {} (pressed there with {} MPa); largest pressure {} MPa at {} (by {} N)",
+            "{name}: largest force {} N at {} (pressure there {} MPa); largest pressure {} MPa at {} (force there {} N)",
             significant(force.force, 3),
             at(force),
             significant(force.pressure / MPA, 3),
@@ -163,8 +163,8 @@ pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
     let of = |point: &LifePoint| (point.accuracy.max_force, point.accuracy.max_pressure);
     let ((force_new, pressure_new), (force_end, pressure_end)) = (of(new), of(end));
     let parts = (force_end > 1.1 * force_new && pressure_end < 0.9 * pressure_new).then(|| {
-        "force rises while pressure falls: flanks wear where they slide and hand the load on to the root, which hardly \
-         slides, does not wear, and fits its pin closely."
+        "the largest force increases while the largest pressure decreases: flanks wear where they slide, and the load \
+         moves to the root, which slides and wears little and has nearly the curvature of the pin."
             .to_owned()
     });
     [Some(one("new", new)), Some(one(&format!("after {:.0} h", end.hours()), end)), parts]
@@ -184,8 +184,8 @@ pub(super) fn blocks(life: &Life) -> Vec<Block> {
         columns: columns(life).into_iter().map(column).collect(),
         rows: life.verdict.limits.iter().map(|limit| row(limit, life)).collect(),
         note: "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and \
-               duty, bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band is where nine \
-               of ten machines lie that `[unknowns]` allows, by first-order sensitivities. Further limits can be set in \
+               duty, bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band \
+               contains nine of ten machines within `[unknowns]`, by first-order sensitivities. Further limits can be set in \
                `[limits]`."
             .to_owned(),
     };

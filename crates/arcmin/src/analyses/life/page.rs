@@ -196,7 +196,7 @@ fn answers(life: &Life) -> Vec<(String, String)> {
     answers.push((
         "Where the lost motion comes from".to_owned(),
         format!(
-            "{} of {} arcmin are there when new, wear adds {}. Largest causes at the end: {}.",
+            "Of {1} arcmin {0} are present when new and {2} come from wear. Largest causes at the end: {3}.",
             significant(new, 3),
             significant(end, 3),
             significant(end - new, 2),
@@ -218,17 +218,17 @@ fn physics(life: &Life) -> String {
     if life.fidelity.joints == Joints::Ideal {
         let contacts = significant(life.last().contact_lost_motion.arcmin(), 3);
         text.push_str(&format!(
-            " Load sharing and wear are those of ideal joints; lost motion is that of the whole machine in its \
-             bearings all the same (contacts alone: {contacts} arcmin). `joints = bearings` lets wear follow them too."
+            " Load sharing and wear are computed with ideal joints, lost motion with the whole machine in its bearings \
+             (contacts alone: {contacts} arcmin). With `joints = bearings` wear includes the bearings too."
         ));
     }
     if life.fidelity.elastic.is_none() {
         text.push_str(
-            " Discs, carrier and housing are rigid but at the contacts; `bodies = elastic` lets them give way.",
+            " Discs, carrier and housing are rigid except at the contacts; `bodies = elastic` includes their deformation.",
         );
     }
     if life.fidelity.errors.is_zero() {
-        text.push_str(" Manufacturing errors are left out; `errors = drawn` shows a machine of the series.");
+        text.push_str(" Manufacturing errors are not included; `errors = drawn` computes a machine drawn from the tolerances.");
     }
     text
 }

@@ -328,7 +328,7 @@ fn a_pressure_is_not_judged_twice() {
     assert!(headline.contains("until contacts have worn in, after about"), "{headline}");
     // Places of force and pressure with their partners, and why the one rises while the other falls.
     let said = format!("{:?}", life.said());
-    assert!(said.contains("largest force 713 N at 10.") && said.contains("(pressed there with"), "{said}");
+    assert!(said.contains("largest force 713 N at 10.") && said.contains("(pressure there"), "{said}");
     assert!(said.contains("force rises while pressure falls"), "{said}");
     let told = life.summary();
     assert!(told.number("force_at_max_pressure_n").unwrap() < 0.6 * told.number("max_force_n").unwrap());

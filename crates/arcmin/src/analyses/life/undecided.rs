@@ -33,15 +33,15 @@ impl Undecided {
     pub fn why(&self) -> &'static str {
         match self.kind {
             LimitKind::LostMotion => {
-                "elastic discs, carrier and housing give way, also at ±3 % of rated torque; rigid ones make the machine \
-                 stiffer than measured ones are"
+                "elastic discs, carrier and housing deform, also at ±3 % of rated torque; with rigid bodies the machine is \
+                 stiffer than measured machines"
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue | LimitKind::EmergencyTorque => {
-                "elastic discs bend between bores, windows and root circle, so that few pins near the root take over \
-                 load; how much hangs on the metal left there, and no measurement has checked either pressure"
+                "elastic discs bend between bores, windows and root circle, so that few pins near the root carry more; how \
+                 much depends on the metal left there, and no measurement has confirmed either pressure"
             }
-            LimitKind::BearingLife => "elastic bodies share the load otherwise between crankshafts and discs",
-            _ => "elastic bodies share the load otherwise between the pins",
+            LimitKind::BearingLife => "elastic bodies share the load differently among crankshafts and discs",
+            _ => "elastic bodies share the load differently among the pins",
         }
     }
 

@@ -324,11 +324,13 @@ impl LifeVerdict {
         }
         if let Some(band) = self.band.as_ref().filter(|band| !band.is_point()) {
             text.push_str(&format!(
-                " As far as the inputs are known, its first limit is reached after {}",
+                " With the uncertainty of the inputs in [unknowns] the first limit is reached after {}",
                 band.words()
             ));
             match &band.hangs_on {
-                Some(key) => text.push_str(&format!("; that hangs on `{key}` first: measure it.")),
+                Some(key) => {
+                    text.push_str(&format!("; `{key}` has the largest influence: measure it first."))
+                }
                 None => text.push('.'),
             }
         }

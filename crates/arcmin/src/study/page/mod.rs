@@ -133,7 +133,7 @@ impl StudyReport<'_> {
         }
         let ranks: Vec<Block> = drawn.iter().flat_map(|result| self.ranking(result)).collect();
         if !ranks.is_empty() {
-            sections.push(Section::new("causes", "What the answer hangs on", ranks));
+            sections.push(Section::new("causes", "Inputs with the largest influence", ranks));
         }
         let papers: Vec<Block> = drawn.iter().filter_map(|result| self.paper(result)).collect();
         if !papers.is_empty() {

@@ -22,7 +22,7 @@ impl StudyReport<'_> {
         for result in self.judged.results.iter().take(RANKINGS) {
             let rows = self.ranked(result);
             if !rows.is_empty() {
-                said.push(Said::line(format!("\n{} hangs on", named(&result.key).0)));
+                said.push(Said::line(format!("\n{} depends most on", named(&result.key).0)));
                 said.push(Said::Table(TextTable { header: Vec::new(), rows }));
             }
         }
