@@ -136,6 +136,12 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
 }
 
 fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
+    if templates::find_single_stage(name).is_some() {
+        return Err(Failure::Usage {
+            message: format!("{name} is a single stage; --like scales RV reducers"),
+            help: format!("`arcmin new {name} FILE` writes it as it is"),
+        });
+    }
     let template: &Template =
         templates::find(name).ok_or_else(|| Failure::UnknownTemplate { name: name.to_owned() })?;
     let usage =

@@ -72,14 +72,44 @@ fn new_lists_its_templates_and_writes_one() {
     let d = directory.path();
     let list = good(d, &["new", "--list"]);
     let first: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(first, ["rv-40e", "rv-80e", "tao2024"]);
+    assert_eq!(first, ["rv-40e", "rv-80e", "tao2024", "nema17-19"]);
     assert_eq!(names(d), Vec::<String>::new(), "a list writes nothing");
     assert!(good(d, &["new", "d.toml"]).ends_with("next: arcmin check d.toml\n"));
     good(d, &["new", "rv-80e", "e.toml"]);
+    good(d, &["new", "nema17-19", "f.toml"]);
+    // A file that is named after a template holds that one.
+    good(d, &["new", "tao2024.toml"]);
+    assert!(
+        read(d, "f.toml").contains("family = \"eccentric\"") && read(d, "tao2024.toml").contains("Tao2024")
+    );
     assert!(read(d, "d.toml").contains("RV-40E-81") && read(d, "e.toml").contains("RV-80E"));
-    for design in ["d.toml", "e.toml"] {
+    for design in ["d.toml", "e.toml", "f.toml"] {
         assert!(good(d, &["check", design]).contains(" 0 errors"), "shipped designs have no error findings");
     }
+}
+
+/// A single stage is asked what it can be asked; everything else is refused at the family.
+#[test]
+fn single_stages_are_known_to_some_commands() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    good(d, &["new", "nema17-19", "s.toml"]);
+    good(d, &["contact", "s.toml", "--positions", "24", "--out", "c"]);
+    let pins = read(d, "c/output_pins.csv");
+    assert!(pins.starts_with("crank_angle_deg,disc,pin,force_n,pressure_mpa,gap_um\n"), "{pins}");
+    assert_eq!(pins.lines().count(), 1 + 24 * 2 * 6);
+    good(d, &["rig", "s.toml", "--positions", "2", "--te-positions", "12", "--out", "r"]);
+    let summary: serde_json::Value = serde_json::from_str(&read(d, "r/summary.json")).unwrap();
+    let part = |key: &str| summary["play_chain"][key].as_f64().unwrap();
+    let sum = part("ring_arcmin") + part("eccentric_bearing_arcmin") + part("output_arcmin");
+    assert!((part("total_arcmin") - sum).abs() < 1e-9 && summary["ratio"] == -19.0, "{summary}");
+    good(d, &["export", "profile", "s.toml", "--format", "dxf", "--out", "e"]);
+    for arguments in [&["life", "s.toml"][..], &["wear", "s.toml"], &["export", "joint", "s.toml"]] {
+        let said = refused(d, arguments);
+        assert!(said.contains("RV reducers only") && said.contains("single stages are known to"), "{said}");
+    }
+    let said = refused(d, &["new", "--like", "nema17-19", "--ratio", "30", "--torque-nm", "3", "x.toml"]);
+    assert!(said.contains("is a single stage"), "{said}");
 }
 
 #[test]
@@ -93,7 +123,7 @@ fn new_does_not_overwrite_unless_told_so() {
     assert!(read(d, "d.toml").contains("RV-80E"));
     assert_eq!(
         refused(d, &["new", "rv-9", "e.toml"]),
-        "  × there is no template \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024\n"
+        "  × there is no template \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024, nema17-19\n"
     );
     assert_eq!(
         refused(d, &["new", "rv-80e"]),
