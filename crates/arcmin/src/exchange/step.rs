@@ -218,7 +218,7 @@ impl ProfileExport {
             volume: PI * radius * radius * height,
             surface: 2.0 * PI * radius * (radius + height),
         });
-        let crankshafts = self.reducer().ok().map(|machine| crankshaft::slices(machine));
+        let crankshafts = self.reducer().ok().map(crankshaft::slices);
         all.extend(crankshafts.map(|slices| crankshaft::figures("crankshaft", &slices)));
         all
     }
