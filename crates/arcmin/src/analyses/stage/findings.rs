@@ -2,12 +2,15 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::contact;
+use crate::analyses::NoHost;
 use crate::checks::{Finding, Severity};
 use crate::design::{StageDesign, openings};
-use crate::geometry::unit;
+use crate::geometry::{Relief, unit};
 use crate::machine::RollerKind;
+use crate::report::significant;
 use crate::rig::dynamic_load_rating;
-use crate::units::{HOUR, MM};
+use crate::units::{HOUR, MM, MPA, UM};
 
 /// Walls (share of the pin circle's radius) below this are thin: 0.5 mm of a drive of 50 mm.
 const THIN: f64 = 0.02;
@@ -19,6 +22,8 @@ pub fn findings(design: &StageDesign) -> Vec<Finding> {
         pin_overlap(design),
         root_wall(design),
         hole_walls(design),
+        modification_gap(design),
+        contact_pressure(design),
         eccentric_life(design),
         balance(design),
         defaults(design),
@@ -126,6 +131,64 @@ fn wall(
     }
 }
 
+/// The least gap between flank and ring pins in the nominal place.
+fn modification_gap(design: &StageDesign) -> Finding {
+    let stage = design.stage();
+    let gap = Relief::grid(720).map(|phi| stage.gap(phi)).fold(f64::INFINITY, f64::min);
+    let overlaps = gap < -ROUNDING;
+    Finding {
+        code: "modification-gap",
+        severity: judged(overlaps, Severity::Warning),
+        message: match overlaps {
+            true => format!("flank and ring pins overlap by up to {:.1} µm before any load", -gap / UM),
+            false => format!("the least gap between flank and ring pins is {:.1} µm", gap / UM),
+        },
+        value: gap / UM,
+        limit: 0.0,
+        unit: "µm",
+        why: "discs that overlap the pins must be pressed into the ring, and press on all pins without load",
+        change: "a larger equidistant offset, or a smaller radial offset",
+    }
+}
+
+/// Gaps below this in m are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Largest Hertz pressure of the ring pins at rated torque, by states of rest over a turn of the input.
+fn contact_pressure(design: &StageDesign) -> Finding {
+    let limit = design.limits().contact_pressure / MPA;
+    let options = contact::Options { torque_nm: None, positions: PRESSURE_POSITIONS };
+    let found = contact::run(design, &options, &NoHost).map(|contact| {
+        let hardest = contact.ring.iter().max_by(|a, b| a.pressure.total_cmp(&b.pressure)).copied();
+        hardest.map_or([0.0; 2], |pin| [pin.pressure / MPA, pin.force])
+    });
+    let (severity, message, value) = match found {
+        Ok([pressure, force]) => (
+            judged(pressure > limit, Severity::Error),
+            format!(
+                "the largest pressure of ring pins at {} N·m is {pressure:.0} MPa, under {force:.0} N",
+                design.rated().torque
+            ),
+            pressure,
+        ),
+        // That a state of rest is not found is the solver's fault.
+        Err(error) => (Severity::Warning, format!("no pressure can be computed: {error}"), 0.0),
+    };
+    Finding {
+        code: "contact-pressure",
+        severity,
+        message,
+        value,
+        limit,
+        unit: "MPa",
+        why: "above its limit the surface pits; pressure also drives wear",
+        change: "wider discs, more pins, a smaller gap, a larger pin circle, or less torque",
+    }
+}
+
+/// Positions over a turn of the input.
+const PRESSURE_POSITIONS: usize = 24;
+
 /// L10 by ISO 281 with the closed form of the load: T/(e z_c) across the eccentric, and along it 4 T/(π R_w) of the output
 /// pins less the radial part of the ring's force.
 fn eccentric_life(design: &StageDesign) -> Finding {
@@ -159,11 +222,18 @@ fn balance(design: &StageDesign) -> Finding {
     let discs = stage.phases.len();
     let message = match discs {
         1 => {
-            format!("one disc is out of balance by {:.1} g·mm, {force:.1} N at rated speed", unbalance / 1e-6)
+            format!(
+                "one disc is out of balance by {:.1} g·mm, {} N at rated speed",
+                unbalance / 1e-6,
+                significant(force, 2)
+            )
         }
         2 => {
             let couple = force * *design.disc.width_mm * MM;
-            format!("two discs balance each other but for a couple of {couple:.3} N·m at rated speed")
+            format!(
+                "two discs balance each other but for a couple of {} N·m at rated speed",
+                significant(couple, 2)
+            )
         }
         _ => format!("{discs} discs balance each other"),
     };

@@ -1,5 +1,6 @@
 use super::*;
 use crate::analyses::NoHost;
+use crate::checks::Severity;
 use crate::templates::{NEMA17_19, RV_40E};
 
 fn design(changes: &[(&str, &str)]) -> StageDesign {
@@ -23,7 +24,7 @@ fn the_shipped_stage_is_sound() {
     let design = design(&[]);
     assert_eq!(design.ratio(), -19.0);
     for finding in findings(&design) {
-        assert_eq!(finding.severity, crate::checks::Severity::Info, "{}", finding.message);
+        assert_eq!(finding.severity, Severity::Info, "{}", finding.message);
     }
 }
 
@@ -124,9 +125,19 @@ fn what_cannot_be_is_refused_at_its_key() {
         let error = StageDesign::parse(&NEMA17_19.text.replacen(from, to, 1), "test.toml").unwrap_err();
         assert_eq!(error.key(), Some(key), "{error}");
     }
-    let findings = findings(&design(&[("circle_radius_mm = 10.5", "circle_radius_mm = 13")]));
-    let broken = findings.iter().find(|finding| finding.code == "hole-to-root").unwrap();
-    assert_eq!(broken.severity, crate::checks::Severity::Error);
+    for (from, to, code, severity) in [
+        ("circle_radius_mm = 10.5", "circle_radius_mm = 13", "hole-to-root", Severity::Error),
+        ("circle_radius_mm = 10.5", "circle_radius_mm = 9.1", "hole-walls", Severity::Warning),
+        ("pin_radius_mm = 1.5                  #", "pin_radius_mm = 2.7 #", "pin-overlap", Severity::Error),
+        ("equidistant_offset_um = 10 ", "equidistant_offset_um = -5 ", "modification-gap", Severity::Warning),
+        ("rated_torque_n_m = 3", "rated_torque_n_m = 60", "contact-pressure", Severity::Error),
+        ("input_speed_rpm = 600", "input_speed_rpm = 6000", "eccentric-bearing-life", Severity::Warning),
+        ("count = 2\n", "count = 1\n", "eccentric-balance", Severity::Warning),
+    ] {
+        let findings = findings(&design(&[(from, to)]));
+        let found = findings.iter().find(|finding| finding.code == code).unwrap();
+        assert_eq!(found.severity, severity, "{}", found.message);
+    }
 }
 
 #[test]
@@ -179,7 +190,7 @@ fn random_stages_are_answered() {
                 &format!("rated_torque_n_m = {}", between(0.2, 3.0) * (circle / 17.0).powi(3)),
             );
         let Ok(design) = StageDesign::parse(&text, "random.toml") else { continue };
-        if findings(&design).iter().any(|finding| finding.severity == crate::checks::Severity::Error) {
+        if findings(&design).iter().any(|finding| finding.severity == Severity::Error) {
             continue;
         }
         tried += 1;
