@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use arcmin::analyses::stage::Drive;
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::{Analysis, AnalysisError, Outcome};
 use arcmin::checks::{Finding, Severity};
 use arcmin::design::SectionSchema;
@@ -14,11 +14,13 @@ use super::Ending;
 use super::study::Lives;
 use crate::arguments::{options_text, take_threads};
 use crate::failure::Failure;
-use crate::run::{Cache, Results, Terminal, is_checkpointed, read_drive, say, say_findings, terminal_text};
+use crate::run::{
+    Cache, Results, Terminal, is_checkpointed, read_any_design, say, say_findings, terminal_text,
+};
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
     let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
-    let design = read_drive(path)?;
+    let design = read_any_design(path)?;
     take_threads(matches)?;
     let options = options_text(analysis, matches);
     let schema = (analysis.options)();
@@ -50,7 +52,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let outcome = answered(design.run(analysis, &options, "the options", &host), schema, &errors)?;
     host.clear();
     let found = if is_check { found_by_check(outcome.as_ref()) } else { errors.len() };
-    let lives = if let Drive::Rv(design) = &design
+    let lives = if let AnyDesign::Rv(design) = &design
         && analysis.name == "life"
         && matches.get_flag("band")
     {

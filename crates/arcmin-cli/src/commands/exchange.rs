@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use arcmin::analyses::stage::Drive;
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::design::Design;
 use arcmin::exchange::{
     Contour, DutyImport, DutyImportOptions, ExchangeError, Flank, FlankImportOptions, FlankTarget, Parts,
@@ -19,7 +19,9 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::fmu::pack;
 use crate::failure::{Failure, Start};
-use crate::run::{Cache, LARGEST_TABLE, Terminal, read_bounded, read_design, read_drive, say, write_file};
+use crate::run::{
+    Cache, LARGEST_TABLE, Terminal, read_any_design, read_bounded, read_design, say, write_file,
+};
 
 pub fn export() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
@@ -259,12 +261,12 @@ pub fn run_export(matches: &ArgMatches) -> Result<Ending, Failure> {
 fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
     let path = given.file("DESIGN");
-    let drive = read_drive(&path)?;
+    let design = read_any_design(&path)?;
     let hours = given.within("worn-h", 0.0, 1e7)?;
     let out = directory(matches, &path, "export")?;
-    let count = match &drive {
-        Drive::Rv(design) => *design.disc.count,
-        Drive::Eccentric(design) => *design.disc.count,
+    let count = match &design {
+        AnyDesign::Rv(design) => *design.disc.count,
+        AnyDesign::Eccentric(design) => *design.disc.count,
     };
     let disc = match matches.get_one::<u32>("disc") {
         Some(disc) if (1..=count).contains(&(*disc as usize)) => Some(*disc as usize - 1),
@@ -277,9 +279,9 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         _ => Contour::Both,
     };
     let flank = match (hours > 0.0, given.word("flank")) {
-        (true, _) => match &drive {
-            Drive::Rv(design) => Flank::Worn(worn(design, &path, &out, hours, disc.unwrap_or(0))?),
-            Drive::Eccentric(_) => {
+        (true, _) => match &design {
+            AnyDesign::Rv(design) => Flank::Worn(worn(design, &path, &out, hours, disc.unwrap_or(0))?),
+            AnyDesign::Eccentric(_) => {
                 return Err(Failure::Usage {
                     message: "the wear of single stages is not computed".to_owned(),
                     help: "leave --worn-h out".to_owned(),
@@ -295,9 +297,9 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         offset: given.number("offset-um") * UM,
         disc,
     };
-    let export = match &drive {
-        Drive::Rv(design) => ProfileExport::new(&design.machine(), Stamp::of(design), options),
-        Drive::Eccentric(design) => ProfileExport::of_stage(design, options),
+    let export = match &design {
+        AnyDesign::Rv(design) => ProfileExport::new(&design.machine(), Stamp::of(design), options),
+        AnyDesign::Eccentric(design) => ProfileExport::of_stage(design, options),
     }
     .map_err(failed)?;
     let crank_angle = given.within("crank-deg", -3600.0, 3600.0)? * DEG;

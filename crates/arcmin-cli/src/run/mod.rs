@@ -10,7 +10,7 @@ mod text;
 use std::io::Read;
 use std::path::Path;
 
-use arcmin::analyses::stage::Drive;
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::design::Design;
 
 use crate::failure::{Failure, Start};
@@ -50,9 +50,9 @@ pub fn read_design(path: &Path) -> Result<Design, Failure> {
 }
 
 /// Reads and parses a design file of any family.
-pub fn read_drive(path: &Path) -> Result<Drive, Failure> {
+pub fn read_any_design(path: &Path) -> Result<AnyDesign, Failure> {
     let (text, name) = design_text(path)?;
-    Drive::parse(&text, &name).map_err(|error| Failure::design(error, &text))
+    AnyDesign::parse(&text, &name).map_err(|error| Failure::design(error, &text))
 }
 
 /// Text of a design file, and how messages call it.

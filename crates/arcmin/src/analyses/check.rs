@@ -32,8 +32,8 @@ pub struct Check {
     pub findings: Vec<Finding>,
     /// Of a single stage: its play by part.
     pub play_chain: Option<PlayChain>,
-    pub(super) name: String,
-    pub(super) explain: bool,
+    name: String,
+    explain: bool,
 }
 
 const FINDINGS: TableOf<Finding> = TableOf {
@@ -87,8 +87,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check, AnalysisError> {
     let mut findings = check_design(design);
     findings.extend(measured_flanks(design, host));
-    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-    Ok(Check { findings, play_chain: None, name: design.name.value.clone(), explain: options.explain })
+    Ok(Check::of(findings, None, &design.name, options))
 }
 
 /// Whether the files that the design names are there and can be used; nothing if it names none.
@@ -122,6 +121,16 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
 }
 
 impl Check {
+    pub(super) fn of(
+        mut findings: Vec<Finding>,
+        play_chain: Option<PlayChain>,
+        name: &str,
+        options: &Options,
+    ) -> Check {
+        findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        Check { findings, play_chain, name: name.to_owned(), explain: options.explain }
+    }
+
     fn count(&self, severity: Severity) -> usize {
         self.findings.iter().filter(|finding| finding.severity == severity).count()
     }

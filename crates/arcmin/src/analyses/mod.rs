@@ -72,6 +72,14 @@ pub struct NormalOptions {
     pub files: Vec<InputFile>,
 }
 
+impl NormalOptions {
+    fn of(options: &impl OptionSet) -> NormalOptions {
+        let mut files = Vec::new();
+        options.files(&mut files);
+        NormalOptions { text: options.canonical(), files }
+    }
+}
+
 impl Analysis {
     /// Runs the analysis with options written as TOML; `origin` names them in messages.
     ///
@@ -110,12 +118,7 @@ macro_rules! analyses {
                 let options = $module::Options::parse(options, origin)?;
                 Ok(Box::new($module::run(design, &options, host)?))
             },
-            normal: |options, origin| {
-                let options = $module::Options::parse(options, origin)?;
-                let mut files = Vec::new();
-                options.files(&mut files);
-                Ok(NormalOptions { text: options.canonical(), files })
-            },
+            normal: |options, origin| Ok(NormalOptions::of(&$module::Options::parse(options, origin)?)),
             results: || Declared {
                 analysis: stringify!($module),
                 about: $module::ABOUT,

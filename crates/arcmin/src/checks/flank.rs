@@ -1,4 +1,5 @@
 use super::{Finding, Severity, severity_if};
+use crate::geometry::Profile;
 use crate::load::closed_form;
 use crate::machine::Machine;
 use crate::units::{DEG, MM, UM};
@@ -9,21 +10,37 @@ const SHORT_WIDTH_RANGE: (f64, f64) = (0.45, 0.87);
 /// A convex flank sharper than this part of the pin radius is at its limit of pressure and grinding.
 const SHARPEST_TO_PIN: f64 = 0.2;
 
+/// Flank of a disc as cut, and pins of the ring as installed (m).
+pub(crate) struct Teeth<'a> {
+    pub profile: &'a Profile,
+    pub pin_circle_radius: f64,
+    pub pin_radius: f64,
+}
+
+impl Teeth<'_> {
+    /// Checks of any disc in a ring of pins.
+    pub(crate) fn check(&self) -> [Finding; 5] {
+        [
+            undercut(self),
+            sharpness(self),
+            pin_overlap(self),
+            short_width_coefficient(self),
+            root_conformity(self),
+        ]
+    }
+}
+
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
-    let mut findings = vec![
-        undercut(machine),
-        sharpness(machine),
-        pin_overlap(machine),
-        short_width_coefficient(machine),
-        root_conformity(machine),
-    ];
+    let (profile, ring) = (machine.profile(), &machine.ring);
+    let teeth =
+        Teeth { profile: &profile, pin_circle_radius: ring.pin_circle_radius, pin_radius: ring.pin_radius };
+    let mut findings = teeth.check().to_vec();
     findings.extend(root_depth(machine));
     findings.extend(modification_gap(machine));
     findings
 }
 
-fn undercut(machine: &Machine) -> Finding {
-    let profile = machine.profile();
+fn undercut(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
     let (sharpest, at) = profile.sharpest_convex_trace();
     let broken = sharpest <= profile.pin_radius;
     Finding {
@@ -44,11 +61,10 @@ fn undercut(machine: &Machine) -> Finding {
     }
 }
 
-fn sharpness(machine: &Machine) -> Finding {
-    let profile = machine.profile();
+fn sharpness(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
     let (sharpest, at) = profile.sharpest_convex_trace();
     let radius = sharpest - profile.pin_radius;
-    let limit = SHARPEST_TO_PIN * machine.ring.pin_radius;
+    let limit = SHARPEST_TO_PIN * pin_radius;
     Finding {
         code: "flank-sharpness",
         severity: severity_if(radius < limit, Severity::Warning),
@@ -61,10 +77,10 @@ fn sharpness(machine: &Machine) -> Finding {
     }
 }
 
-fn pin_overlap(machine: &Machine) -> Finding {
-    let ring = &machine.ring;
-    let distance = 2.0 * ring.pin_circle_radius * (std::f64::consts::PI / ring.pin_count as f64).sin();
-    let diameter = 2.0 * ring.pin_radius;
+fn pin_overlap(teeth: &Teeth<'_>) -> Finding {
+    let half_pitch = std::f64::consts::PI / teeth.profile.pin_count as f64;
+    let distance = 2.0 * teeth.pin_circle_radius * half_pitch.sin();
+    let diameter = 2.0 * teeth.pin_radius;
     // A web of metal between the pin seats, without which a seat does not hold its pin.
     let web = distance - diameter;
     let severity = match web {
@@ -88,8 +104,8 @@ fn pin_overlap(machine: &Machine) -> Finding {
     }
 }
 
-fn short_width_coefficient(machine: &Machine) -> Finding {
-    let k1 = machine.profile().short_width_coefficient();
+fn short_width_coefficient(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
+    let k1 = profile.short_width_coefficient();
     let (low, high) = SHORT_WIDTH_RANGE;
     Finding {
         code: "short-width-coefficient",
@@ -103,10 +119,9 @@ fn short_width_coefficient(machine: &Machine) -> Finding {
     }
 }
 
-fn root_conformity(machine: &Machine) -> Finding {
-    let profile = machine.profile();
+fn root_conformity(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
     let flank = profile.flank_curvature_radius(1.0);
-    let pin = machine.ring.pin_radius;
+    let pin = *pin_radius;
     // Clearance between the centres of curvature of pin and root.
     let difference = flank - pin;
     Finding {
@@ -129,8 +144,6 @@ fn root_conformity(machine: &Machine) -> Finding {
 }
 
 fn root_depth(machine: &Machine) -> Option<Finding> {
-    let profile = machine.profile();
-    let root = profile.pin_circle_radius - profile.eccentricity - profile.pin_radius;
     let disc = &machine.disc;
     let crank_circle = machine.gear_stage.centre_distance();
     let bores =
@@ -139,9 +152,14 @@ fn root_depth(machine: &Machine) -> Option<Finding> {
     let centre = (disc.centre_hole_radius > 0.0).then_some(("the centre hole", disc.centre_hole_radius));
     let windows = disc.windows.iter().map(|window| ("a window", window.outer_radius));
     let (name, reach) = bores.chain(holes).chain(windows).chain(centre).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let rim = root - reach;
-    let limit = 0.75 * machine.ring.pin_radius;
-    Some(Finding {
+    Some(rim(&machine.profile(), machine.ring.pin_radius, name, reach))
+}
+
+/// Metal between the roots and the opening of a disc that reaches farthest (m).
+pub(crate) fn rim(profile: &Profile, pin_radius: f64, name: &str, reach: f64) -> Finding {
+    let rim = profile.root_radius() - reach;
+    let limit = 0.75 * pin_radius;
+    Finding {
         code: "rim-thickness",
         severity: severity_if(rim < limit, Severity::Warning),
         message: format!("between the roots and {name} there are {:.2} mm of metal", rim / MM),
@@ -149,8 +167,8 @@ fn root_depth(machine: &Machine) -> Option<Finding> {
         limit: limit / MM,
         unit: "mm",
         why: "a thin rim bends under the teeth and cracks from the root; three quarters of the pin radius is a lower bound in use",
-        change: "smaller bore, or move the crankshafts inwards (gear stage)",
-    })
+        change: "a smaller opening, or one that lies farther inside",
+    }
 }
 
 fn modification_gap(machine: &Machine) -> Option<Finding> {

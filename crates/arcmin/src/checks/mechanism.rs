@@ -5,14 +5,18 @@ use crate::units::{DEG, MM};
 
 /// Thinnest wall between two bores as a part of the smaller radius.
 const LIGAMENT_TO_RADIUS: f64 = 0.1;
+/// Share of the unbalance of one disc below which the sum is rounding.
+const BALANCED: f64 = 1e-9;
 /// Least teeth of an involute gear without undercut and profile shift at 20°.
 const LEAST_TEETH_20_DEG: f64 = 17.0;
 
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     let mut findings = Vec::new();
-    findings.extend(ligament(machine));
+    findings.extend(ligament(&machine.disc_bores()));
+    let (_, crank, _) = machine.kinematics().speeds(machine.rated.input_speed);
+    let phases = &machine.kinematics().phases;
     findings.extend([
-        balance(machine),
+        balance(phases, machine.disc.mass * machine.crankshafts.eccentricity, crank, None),
         assembly(machine),
         planet_clearance(machine),
         sun_undercut(machine),
@@ -26,8 +30,8 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     findings
 }
 
-fn ligament(machine: &Machine) -> Option<Finding> {
-    let bores = machine.disc_bores();
+/// Thinnest wall between two bores of a disc.
+pub(crate) fn ligament(bores: &[Bore]) -> Option<Finding> {
     let centre = |bore: &Bore| bore.centre_radius * unit(bore.centre_angle);
     let (wall, limit) = bores
         .iter()
@@ -47,23 +51,32 @@ fn ligament(machine: &Machine) -> Option<Finding> {
         value: wall / MM,
         limit: limit / MM,
         unit: "mm",
-        why: "crank forces bend thin walls; the bore goes out of round, and the needles in it carry unevenly",
-        change: "smaller or other holes, or a larger circle of crankshafts",
+        why: "forces of the bearings bend thin walls; the bore goes out of round, and the rollers in it carry unevenly",
+        change: "smaller or fewer bores, or a larger circle for them",
     })
 }
 
-fn balance(machine: &Machine) -> Finding {
-    let kinematics = machine.kinematics();
-    let count = kinematics.phases.len() as f64;
-    let force = kinematics.phases.iter().map(|phase| unit(*phase)).sum::<crate::geometry::Vec2>().norm()
-        * machine.disc.mass;
-    let (_, crank, _) = kinematics.speeds(machine.rated.input_speed);
-    let newtons = force * machine.crankshafts.eccentricity * crank * crank;
+/// Rotating force of eccentrics at these angles (rad), each with the unbalance of its disc (kg·m), at the speed in rad/s;
+/// and their couple, where the distance of neighbouring discs is given (m).
+pub(crate) fn balance(phases: &[f64], unbalance: f64, speed: f64, distance: Option<f64>) -> Finding {
+    let newtons = unbalance * speed * speed;
+    let sum = |arm: &dyn Fn(usize) -> f64| {
+        let terms = phases.iter().enumerate().map(|(disc, phase)| arm(disc) * unit(*phase));
+        newtons * terms.sum::<crate::geometry::Vec2>().norm()
+    };
+    let force = sum(&|_| 1.0);
+    let middle = 0.5 * (phases.len() as f64 - 1.0);
+    let couple = distance.map(|distance| sum(&|disc| distance * (disc as f64 - middle)));
+    let couple = couple.map_or_else(String::new, |couple| format!(" and a couple of {couple:.2e} N·m"));
+    let is_balanced = phases.len() > 1 && force < BALANCED * newtons;
     Finding {
         code: "eccentric-balance",
-        severity: severity_if(!kinematics.is_balanced(), Severity::Warning),
-        message: format!("{count} eccentrics leave a rotating force of {newtons:.1} N at rated speed"),
-        value: newtons,
+        severity: severity_if(!is_balanced, Severity::Warning),
+        message: format!(
+            "{} eccentrics leave a rotating force of {force:.1} N{couple} at rated speed",
+            phases.len()
+        ),
+        value: force,
         limit: 0.0,
         unit: "N",
         why: "a single disc shakes the housing once per crank turn; two or more with equally spread phases cancel each other's forces",

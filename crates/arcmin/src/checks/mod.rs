@@ -11,6 +11,8 @@ mod strength;
 mod tests;
 mod windows;
 
+pub(crate) use flank::{Teeth, rim};
+pub(crate) use mechanism::{balance, ligament};
 pub(crate) use strength::CONTACT_PRESSURE;
 
 use crate::design::Design;
@@ -70,26 +72,29 @@ pub fn check(machine: &Machine) -> Vec<Finding> {
 /// All checks of the machine, and what only the file can tell: which inputs were left to their defaults.
 pub fn check_design(design: &Design) -> Vec<Finding> {
     let mut findings = check(&design.machine());
-    let defaulted = design.defaulted();
-    findings.push(Finding {
-        code: "defaults",
-        severity: Severity::Info,
-        message: match defaulted.len() {
-            0 => "every key is given".to_owned(),
-            count => format!("{count} keys are left to their defaults: {}", defaulted.join(", ")),
-        },
-        value: defaulted.len() as f64,
-        limit: 0.0,
-        unit: "",
-        why: "a default is an assumption; results are no better than the inputs nobody has looked at",
-        change: "write the keys with their true values (`arcmin keys` explains each)",
-    });
+    findings.push(defaults(&design.defaulted()));
     findings.extend(stale_masses(design));
     findings.extend(unknowns(design));
     findings
 }
 
-/// Masses given for another geometry; nothing for a design as it stands in its file.
+/// Keys that a file leaves to their defaults.
+pub(crate) fn defaults(keys: &[String]) -> Finding {
+    Finding {
+        code: "defaults",
+        severity: Severity::Info,
+        message: match keys.len() {
+            0 => "every key is given".to_owned(),
+            count => format!("{count} keys are left to their defaults: {}", keys.join(", ")),
+        },
+        value: keys.len() as f64,
+        limit: 0.0,
+        unit: "",
+        why: "a default is an assumption; results are no better than the inputs nobody has looked at",
+        change: "write the keys with their true values (`arcmin keys` explains each)",
+    }
+}
+
 /// Unknowns that do not fit the design any more: its value lies outside of their range, or is not there.
 fn unknowns(design: &Design) -> Option<Finding> {
     let all = design.unknowns();
@@ -116,6 +121,7 @@ fn unknowns(design: &Design) -> Option<Finding> {
     })
 }
 
+/// Masses given for another geometry; nothing for a design as it stands in its file.
 fn stale_masses(design: &Design) -> Option<Finding> {
     let stale = design.stale_masses();
     let worst = stale.iter().map(|mass| mass.factor.ln().abs().exp()).reduce(f64::max)?;
@@ -143,6 +149,6 @@ pub fn worst(findings: &[Finding]) -> Severity {
 }
 
 /// `bad` if the value breaks the limit, information otherwise.
-fn severity_if(broken: bool, bad: Severity) -> Severity {
+pub(crate) fn severity_if(broken: bool, bad: Severity) -> Severity {
     if broken { bad } else { Severity::Info }
 }

@@ -10,7 +10,7 @@ use super::{
     RollerBearingSection, Section, resolve,
 };
 use crate::geometry::{Profile, unit};
-use crate::machine::roller_spacing;
+use crate::machine::{Bore, roller_spacing};
 use crate::units::MM;
 
 /// Bytes in the file, if the value is in the file.
@@ -34,7 +34,7 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
     gear_stage(design, source)?;
     let eccentricity = &design.crankshafts.eccentricity_mm.span;
     flank(&resolve::profile(design), &design.ring, &design.disc.modification, eccentricity, source)?;
-    bores(design, source)?;
+    bores(&resolve::profile(design), &resolve::bores(design), source)?;
     super::bodies::check(design, source)?;
     free_form(&design.disc.modification, source)?;
     roller_bearing("turning_arm", &design.bearings.turning_arm, source)?;
@@ -138,7 +138,7 @@ pub(super) fn flank(
         );
         return Err(contradiction(source, eccentricity, message, &hint));
     }
-    let root = root_radius(profile);
+    let root = profile.root_radius();
     if root <= 0.0 {
         let message =
             "pin radius and eccentricity together exceed the pin circle: no disc is left".to_owned();
@@ -152,14 +152,9 @@ pub(super) fn flank(
     Ok(())
 }
 
-/// Radius of the disc at its roots in m: R − a − r of the generating pins.
-fn root_radius(profile: &Profile) -> f64 {
-    profile.pin_circle_radius - profile.eccentricity - profile.pin_radius
-}
-
-fn bores(design: &DesignSections, source: &Source) -> Result<()> {
-    let root = root_radius(&resolve::profile(design));
-    let all = resolve::bores(design);
+/// Whether bores of a disc, each with its name and place in the file, leave its flank and each other alone.
+pub(super) fn bores(profile: &Profile, all: &[(String, Bore, Place)], source: &Source) -> Result<()> {
+    let root = profile.root_radius();
     for (index, (name, bore, place)) in all.iter().enumerate() {
         let outside = bore.centre_radius + bore.radius - root;
         if outside >= 0.0 {

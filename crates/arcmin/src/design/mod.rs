@@ -59,7 +59,6 @@ pub use single_stage::{
     EccentricSection, OutputPinsSection, PinSupport, StageBearingsSection, StageDesign, StageMember,
     StageSections,
 };
-pub(crate) use single_stage::{openings, output_contact};
 pub use unknowns::Unknown;
 pub use value::Value;
 pub use values::{Section, Stated};
@@ -304,35 +303,48 @@ impl Design {
     /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout,
     /// comments and order.
     pub fn canonical(&self) -> String {
-        let mut lines = Vec::new();
-        self.sections.canonical_fields("", &mut lines);
-        // Designs that were written before there were families keep their hash.
-        lines.retain(|line| !line.starts_with("description = ") && line != "drive.family = \"rv\"");
-        lines.join("\n")
+        canonical(&self.sections)
     }
 
     /// Keys that the file leaves to their defaults, dotted. Keys without which something is simply not there
     /// are not among them.
     pub fn defaulted(&self) -> Vec<String> {
-        let mut keys = Vec::new();
-        self.sections.defaulted_fields("", &mut keys);
-        // An error or a tolerance that is not listed is none, which is no assumption.
-        keys.retain(|key| {
-            key != "description"
-                && key != "drive.family"
-                && !key.starts_with("errors.")
-                && !key.starts_with("tolerances.")
-        });
-        keys
+        defaulted(&self.sections)
     }
 
     /// SHA-256 of [`Design::canonical`] as 64 hexadecimal digits.
     pub fn hash(&self) -> String {
-        Sha256::digest(self.canonical().as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+        hash(&self.canonical())
     }
 
     /// The first twelve digits of [`Design::hash`], for outputs.
     pub fn short_hash(&self) -> String {
         self.hash()[..12].to_owned()
     }
+}
+
+/// [`Design::canonical`] of the sections of any family.
+fn canonical(sections: &impl SectionValue) -> String {
+    let mut lines = Vec::new();
+    sections.canonical_fields("", &mut lines);
+    // Designs that were written before there were families keep their hash.
+    lines.retain(|line| !line.starts_with("description = ") && line != "drive.family = \"rv\"");
+    lines.join("\n")
+}
+
+/// [`Design::defaulted`] of the sections of any family.
+fn defaulted(sections: &impl SectionValue) -> Vec<String> {
+    let mut keys = Vec::new();
+    sections.defaulted_fields("", &mut keys);
+    // An error or a tolerance that is not listed is none, which is no assumption.
+    keys.retain(|key| {
+        let stands_for_nothing = key == "description" || key == "drive.family";
+        !stands_for_nothing && !key.starts_with("errors.") && !key.starts_with("tolerances.")
+    });
+    keys
+}
+
+/// SHA-256 as 64 hexadecimal digits.
+fn hash(canonical: &str) -> String {
+    Sha256::digest(canonical.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }

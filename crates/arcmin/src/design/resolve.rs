@@ -1,11 +1,12 @@
 //! From the design as written to the machine in SI units.
 
+use super::consistency::Place;
 use super::error::Source;
 use super::resolve_laws::{law, wear};
 use super::solids::{self, Section as Solid};
 use super::{
-    At, DesignError, DesignSections, DutySection, LimitsSection, LoadSection, ModificationSection,
-    RollerBearingSection, Section,
+    At, DesignError, DesignSections, DiscSection, DutySection, LimitsSection, LoadSection,
+    ModificationSection, RollerBearingSection, Section,
 };
 use crate::contact::Damping;
 use crate::geometry::{Profile, Relief};
@@ -141,7 +142,7 @@ pub(super) fn profile(design: &DesignSections) -> Profile {
 }
 
 /// All bores and holes of a disc in m and rad, with what they are and the place in the file that says so.
-pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Option<std::ops::Range<usize>>)> {
+pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Place)> {
     let disc = &design.disc;
     let gear = &design.gear_stage;
     let crank_circle = 0.5 * *gear.module_mm * (*gear.sun_teeth + *gear.planet_teeth) as f64 * MM;
@@ -162,7 +163,7 @@ pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Option<std::o
         all.push(("the centre hole".to_owned(), hole, disc.centre_hole_diameter_mm.span.clone()));
     }
     all.extend(
-        holes(design)
+        holes(disc)
             .into_iter()
             .enumerate()
             .map(|(index, (bore, span))| (format!("hole {}", index + 1), bore, span)),
@@ -177,9 +178,9 @@ pub(super) fn crank_bore_radius(design: &DesignSections) -> f64 {
     0.5 * design.disc.crank_bore_diameter_mm.unwrap_or(raceway) * MM
 }
 
-fn holes(design: &DesignSections) -> Vec<(Bore, Option<std::ops::Range<usize>>)> {
+pub(super) fn holes(disc: &DiscSection) -> Vec<(Bore, Place)> {
     let mut all = Vec::new();
-    for hole in design.disc.holes.iter() {
+    for hole in disc.holes.iter() {
         for index in 0..*hole.count {
             let centre_angle =
                 *hole.angle_deg * DEG + std::f64::consts::TAU * index as f64 / *hole.count as f64;
@@ -215,7 +216,7 @@ fn disc(design: &DesignSections) -> CycloidDisc {
         modification: modification(&disc.modification),
         crank_bore_radius: crank_bore_radius(design),
         centre_hole_radius: 0.5 * *disc.centre_hole_diameter_mm * MM,
-        holes: holes(design).into_iter().map(|(bore, _)| bore).collect(),
+        holes: holes(disc).into_iter().map(|(bore, _)| bore).collect(),
         windows: super::bodies::windows(design),
         mass: disc.mass_kg.unwrap_or(solid.0),
         inertia: disc.inertia_kg_m2.unwrap_or(solid.1),

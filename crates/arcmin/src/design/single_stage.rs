@@ -1,13 +1,10 @@
 //! The design file of a single stage: the family `eccentric`.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
-use sha2::{Digest, Sha256};
-
-use super::consistency::{self, contradiction};
+use super::consistency::{self, Place, contradiction};
 use super::error::Source;
-use super::field::{self, Choice, SectionValue};
+use super::field::{self, Choice};
 use super::resolve;
 use super::resolve_laws::law;
 use super::schema::{At, default, default_word, optional, required, section, word};
@@ -21,7 +18,7 @@ use super::tree::Branch;
 use super::variation::Variations;
 use super::{DesignError, DriveSection, Section, TITLE, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
-use crate::geometry::{Profile, Relief};
+use crate::geometry::Profile;
 use crate::machine::{Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageFriction};
 use crate::materials::Material;
 use crate::units::{MM, UM};
@@ -132,12 +129,33 @@ impl Choice for StageMember {
     const VALUES: &'static [StageMember] = &[StageMember::Ring, StageMember::Output];
 }
 
+/// What sections shared with RV reducers have that no analysis of a single stage uses.
+const UNUSED: [&str; 17] = [
+    "duty",
+    "wear",
+    "tolerances",
+    "unknowns",
+    "friction.gear_mesh_coefficient",
+    "friction.seal_drag_n_m",
+    "friction.oil_drag_n_m_s_per_rad",
+    "friction.regularisation_speed_mm_s",
+    "friction.bearing_drag_factor",
+    "friction.crank_support_preload_n",
+    "contact.damping_n_s_per_m",
+    "contact.damping_depth_um",
+    "limits.start_stop_torque_n_m",
+    "limits.emergency_torque_n_m",
+    "limits.output_speed_rpm",
+    "limits.catalogue_life_h",
+    "limits.contact_endurance_mpa",
+];
+
 /// A single stage as written, free of contradictions.
 #[derive(Debug, Clone)]
 pub struct StageDesign {
     sections: StageSections,
     stage: SingleStage,
-    text: Arc<str>,
+    unused: Vec<&'static str>,
 }
 
 impl std::ops::Deref for StageDesign {
@@ -158,12 +176,9 @@ impl StageDesign {
         let tree = field::parse(&source)?;
         let sections: StageSections = field::read(&tree, &source)?;
         let stage = stage(&sections, &source).map_err(|error| field::with_path(error, &tree))?;
-        Ok(StageDesign { sections, stage, text: text.into() })
-    }
-
-    /// The text as read.
-    pub fn text(&self) -> &str {
-        &self.text
+        let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
+        let unused = UNUSED.into_iter().filter(|path| is_given(path)).collect();
+        Ok(StageDesign { sections, stage, unused })
     }
 
     /// The drive in SI units, its ring at rest.
@@ -224,23 +239,24 @@ impl StageDesign {
 
     /// As [`Design::canonical`](super::Design::canonical).
     pub fn canonical(&self) -> String {
-        let mut lines = Vec::new();
-        self.sections.canonical_fields("", &mut lines);
-        lines.retain(|line| !line.starts_with("description = "));
-        lines.join("\n")
+        super::canonical(&self.sections)
     }
 
     /// As [`Design::defaulted`](super::Design::defaulted).
     pub fn defaulted(&self) -> Vec<String> {
-        let mut keys = Vec::new();
-        self.sections.defaulted_fields("", &mut keys);
-        keys.retain(|key| key != "description" && !key.starts_with("tolerances."));
+        let mut keys = super::defaulted(&self.sections);
+        keys.retain(|key| !UNUSED.iter().any(|unused| key.starts_with(unused)));
         keys
+    }
+
+    /// Keys and sections of the file that no analysis of a single stage uses.
+    pub fn unused(&self) -> &[&'static str] {
+        &self.unused
     }
 
     /// SHA-256 of [`StageDesign::canonical`] as 64 hexadecimal digits.
     pub fn hash(&self) -> String {
-        Sha256::digest(self.canonical().as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+        super::hash(&self.canonical())
     }
 }
 
@@ -272,9 +288,11 @@ fn stage(design: &StageSections, source: &Source) -> Result<SingleStage, Box<Des
         let place = &disc.centre_hole_diameter_mm.span;
         return Err(contradiction(source, place, message, "leave centre_hole_diameter_mm out"));
     }
-    if disc.window_rim_mm.is_some() {
-        let message = "window_rim_mm describes windows between the crankshafts of an RV reducer".to_owned();
-        return Err(contradiction(source, &disc.window_rim_mm.span, message, "leave it out"));
+    for (key, place) in [("window_rim_mm", &disc.window_rim_mm.span), ("windows", &disc.windows.span)] {
+        if place.is_some() {
+            let message = format!("`{key}` describes windows for the pillars of an RV reducer");
+            return Err(contradiction(source, place, message, "describe round holes by [[disc.holes]]"));
+        }
     }
     let pins = &design.output_pins;
     if *pins.roller_radius_mm < *pins.pin_radius_mm {
@@ -294,65 +312,58 @@ fn stage(design: &StageSections, source: &Source) -> Result<SingleStage, Box<Des
     };
     let rated = *design.load.rated_torque_n_m;
     let contact_law = law(&design.contact.law, &design.contact.span, &design.contact.parameters(), source)?;
+    let openings = openings(design, &output_pins, profile.eccentricity);
+    consistency::bores(&profile, &openings, source)?;
+    let openings: Vec<Bore> = openings.into_iter().map(|(_, opening, _)| opening).collect();
+    let solid = openings.iter().fold(Solid::inside_flank(&profile), |solid, opening| solid.without(opening));
+    let mass_per_area = disc.material.density * width;
+    let mass = disc.mass_kg.unwrap_or(mass_per_area * solid.area);
+    let inertia = disc.inertia_kg_m2.unwrap_or(mass_per_area * solid.polar_moment);
+    let (law_of_holes, roller_radius) = (ContactLaw::LineHertz, output_pins.radius);
     let mut stage = SingleStage {
         phases: (0..*disc.count).map(|j| TAU * j as f64 / *disc.count as f64).collect(),
         contact: LineContact::new(contact_law, &disc.material, &ring.material, width, pin_radius)
             .with_seat_compliance(*ring.seat_compliance_um_per_kn * UM / 1e3),
-        relief: designed_relief(&profile, &cut),
+        relief: cut.relief(&profile),
         profile,
         ring_circle_radius: circle,
         ring_pin_radius: pin_radius,
         eccentric: resolve::roller(&design.bearings.eccentric),
         output_pins,
+        output_contact: LineContact::new(law_of_holes, &disc.material, &pins.material, width, roller_radius),
         output_pin_stiffness: Vec::new(),
+        openings,
         input_support: *design.bearings.input_radial_stiffness_n_per_um * 1e6,
         output_support: *design.bearings.output_radial_stiffness_n_per_um * 1e6,
-        disc: (1.0, 1.0),
-        input: (1.0, 1.0),
-        output: (1.0, 1.0),
+        disc: (mass, inertia),
+        // States of rest do not depend on the masses of shaft and output.
+        input: (mass, inertia),
+        output: (mass, inertia),
     };
-    let solid = disc_solid(design, &stage);
-    stage.disc = (disc.mass_kg.unwrap_or(solid.0), disc.inertia_kg_m2.unwrap_or(solid.1));
-    // States of rest do not depend on the masses of shaft and output.
-    (stage.input, stage.output) = (stage.disc, stage.disc);
     stage.output_pin_stiffness =
         (0..*disc.count).map(|j| output_pin_stiffness(design, &stage, j, rated)).collect();
     Ok(stage)
 }
 
-/// Relief on purpose beyond the two offsets.
-fn designed_relief(profile: &Profile, cut: &crate::machine::FlankModification) -> Relief {
-    if cut.rotation == 0.0 && cut.free_form.is_none() {
-        return Relief::uniform(0.0);
-    }
-    let turned = Relief::grid(720).map(|phi| cut.rotation * profile.lever_arm(phi).abs()).collect();
-    let turned = Relief::from_samples(turned);
-    cut.free_form.as_ref().map_or(turned.clone(), |free| turned.plus(free))
-}
-
-/// Holes of the output pins and the bore of the eccentric bearing, m and rad.
-pub(crate) fn openings(design: &StageSections, stage: &SingleStage) -> Vec<Bore> {
-    let bearing = &stage.eccentric;
-    let raceway = 0.5 * (bearing.pitch_diameter + bearing.roller_diameter);
-    let bore = design.disc.crank_bore_diameter_mm.map_or(raceway, |diameter| 0.5 * diameter * MM);
-    let pins = &stage.output_pins;
-    let hole = |index: usize| Bore {
-        radius: pins.radius + stage.profile.eccentricity + pins.hole_clearance,
-        centre_radius: pins.circle_radius,
-        centre_angle: TAU * index as f64 / pins.count as f64,
+/// Bore of the eccentric bearing, holes of the output pins and others, m and rad, with names and places in the file.
+fn openings(design: &StageSections, pins: &OutputPins, eccentricity: f64) -> Vec<(String, Bore, Place)> {
+    let (disc, bearing) = (&design.disc, &design.bearings.eccentric);
+    let raceway = *bearing.pitch_diameter_mm + *bearing.roller_diameter_mm;
+    let radius = 0.5 * disc.crank_bore_diameter_mm.unwrap_or(raceway) * MM;
+    let place = disc.crank_bore_diameter_mm.span.clone().or(bearing.pitch_diameter_mm.span.clone());
+    let bore = Bore { radius, centre_radius: 0.0, centre_angle: 0.0 };
+    let hole = |index: usize| {
+        let centre_angle = TAU * index as f64 / pins.count as f64;
+        let radius = pins.hole_radius(eccentricity);
+        let hole = Bore { radius, centre_radius: pins.circle_radius, centre_angle };
+        let place = design.output_pins.circle_radius_mm.span.clone();
+        (format!("the hole of output pin {}", index + 1), hole, place)
     };
-    std::iter::once(Bore { radius: bore, centre_radius: 0.0, centre_angle: 0.0 })
+    let others = resolve::holes(disc).into_iter().enumerate();
+    std::iter::once(("the bore of the eccentric bearing".to_owned(), bore, place))
         .chain((0..pins.count).map(hole))
+        .chain(others.map(|(index, (hole, place))| (format!("hole {}", index + 1), hole, place)))
         .collect()
-}
-
-fn disc_solid(design: &StageSections, stage: &SingleStage) -> (f64, f64) {
-    let solid = openings(design, stage)
-        .iter()
-        .fold(Solid::inside_flank(&stage.profile), |solid, bore| solid.without(bore));
-    let mass_per_area = design.disc.material.density * (*design.disc.width_mm * MM);
-    // Openings that overlap are a finding; a mass is positive all the same.
-    (mass_per_area * solid.area.max(1e-9), mass_per_area * solid.polar_moment.max(1e-15))
 }
 
 /// Of flanks, of pins in their seats and rollers on their pins, of rolling bearings: grease, as for RV reducers.
@@ -383,19 +394,7 @@ fn output_pin_stiffness(design: &StageSections, stage: &SingleStage, disc: usize
             (a * b).powi(3) / (3.0 * bending * span.powi(3)) + a * b / (span * shear)
         }
     };
-    let hole = stage.output_pins.radius + stage.profile.eccentricity + stage.output_pins.hole_clearance;
-    let equivalent = hole * stage.output_pins.radius / (hole - stage.output_pins.radius);
+    let equivalent = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
     let force = stage.output_pin_force(rated);
-    1.0 / (beam + output_contact(design).approach(force, equivalent) / force)
-}
-
-/// The line contact of a roller of the output with its hole.
-pub(crate) fn output_contact(design: &StageSections) -> LineContact {
-    LineContact::new(
-        ContactLaw::LineHertz,
-        &design.disc.material,
-        &design.output_pins.material,
-        *design.disc.width_mm * MM,
-        *design.output_pins.roller_radius_mm * MM,
-    )
+    1.0 / (beam + stage.output_contact.approach(force, equivalent) / force)
 }

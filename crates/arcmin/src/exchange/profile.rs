@@ -4,7 +4,7 @@ use super::outline::Outline;
 use super::spline::FittedSpline;
 use super::{ExchangeError, Stamp, millimetres, trimmed};
 use crate::contact::Pin;
-use crate::design::{StageDesign, openings};
+use crate::design::StageDesign;
 use crate::fem::{DiscShape, RoundHole};
 use crate::geometry::{Profile, Relief, Segment, Vec2, turned, unit};
 use crate::machine::{Bore, Machine};
@@ -89,11 +89,10 @@ fn stage_shape(design: &StageDesign, disc: usize) -> DiscShape {
         centre: hole.centre_radius * unit(hole.centre_angle - stage.mounting(disc)),
         radius: hole.radius,
     };
-    let all = openings(design, stage);
     DiscShape {
         profile: stage.profile.clone(),
-        bores: all[..1].iter().map(round).collect(),
-        holes: all[1..].iter().map(round).collect(),
+        bores: stage.openings[..1].iter().map(round).collect(),
+        holes: stage.openings[1..].iter().map(round).collect(),
         windows: Vec::new(),
         width: *design.disc.width_mm * MM,
         material: design.disc.material.value.clone(),

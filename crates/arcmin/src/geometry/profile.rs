@@ -106,6 +106,11 @@ impl Profile {
         (cos.abs() <= 1.0).then(|| cos.acos())
     }
 
+    /// Radius of the disc at its roots in m: R − a − r of the generating pins.
+    pub fn root_radius(&self) -> f64 {
+        self.pin_circle_radius - self.eccentricity - self.pin_radius
+    }
+
     /// Sharpest convex place of the trace: (|ρ0| in m, meshing angle in rad).
     ///
     /// The disc is free of undercut while |ρ0| there exceeds the generating pin radius; the difference is the

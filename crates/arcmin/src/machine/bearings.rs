@@ -21,6 +21,13 @@ pub enum RollerKind {
     Ball,
 }
 
+impl RollerKind {
+    /// p in L10 = (C/P)^p 10⁶ turns (ISO 281).
+    pub(crate) fn life_exponent(self) -> f64 {
+        if self == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 }
+    }
+}
+
 /// A radial rolling bearing from its geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RollerBearing {

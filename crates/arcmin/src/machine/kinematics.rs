@@ -1,4 +1,4 @@
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use super::{FixedMember, Machine};
 use crate::contact::DiscPose;
@@ -127,11 +127,5 @@ impl Kinematics {
     /// Angle γ_k of crankshaft k on the carrier, given that of the first.
     pub fn crankshaft_angle(first: f64, index: usize, count: usize) -> f64 {
         first + TAU * index as f64 / count as f64
-    }
-
-    /// (0, π] phases sum: true if the eccentrics balance each other.
-    pub fn is_balanced(&self) -> bool {
-        self.phases.len() > 1
-            && self.phases.iter().map(|phase| unit(*phase)).sum::<crate::geometry::Vec2>().norm() < 1e-9 * PI
     }
 }

@@ -154,15 +154,7 @@ impl Machine {
 
     /// Relief ground on purpose beyond the two offsets: rotation and free form.
     pub fn designed_relief(&self) -> Relief {
-        let cut = &self.disc.modification;
-        if cut.rotation == 0.0 && cut.free_form.is_none() {
-            return Relief::uniform(0.0);
-        }
-        let profile = self.profile();
-        let rotation = Relief::from_samples(
-            Relief::grid(720).map(|phi| cut.rotation * profile.lever_arm(phi).abs()).collect(),
-        );
-        cut.free_form.as_ref().map_or(rotation.clone(), |free| rotation.plus(free))
+        self.disc.modification.relief(&self.profile())
     }
 
     /// Coulomb coefficient between flank and pin; of pins that turn in their seats the smaller of flank and

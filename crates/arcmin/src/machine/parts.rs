@@ -1,4 +1,4 @@
-use crate::geometry::{Relief, Sector};
+use crate::geometry::{Profile, Relief, Sector};
 use crate::materials::Material;
 use crate::tribology::{Lubrication, WearLaw};
 
@@ -68,6 +68,18 @@ pub struct FlankModification {
     /// Each flank turned into the metal by this angle in rad: depth = angle × lever arm.
     pub rotation: f64,
     pub free_form: Option<Relief>,
+}
+
+impl FlankModification {
+    /// Relief ground on purpose beyond the two offsets: rotation and free form.
+    pub(crate) fn relief(&self, profile: &Profile) -> Relief {
+        if self.rotation == 0.0 && self.free_form.is_none() {
+            return Relief::uniform(0.0);
+        }
+        let turned = Relief::grid(720).map(|phi| self.rotation * profile.lever_arm(phi).abs()).collect();
+        let turned = Relief::from_samples(turned);
+        self.free_form.as_ref().map_or(turned.clone(), |free| turned.plus(free))
+    }
 }
 
 /// The crankshafts, each with its planet gear.

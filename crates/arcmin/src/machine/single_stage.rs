@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::RollerBearing;
+use super::{Bore, RollerBearing};
 use crate::contact::LineContact;
 use crate::geometry::{Profile, Relief, Vec2, unit};
 
@@ -16,6 +16,19 @@ pub struct OutputPins {
     pub radius: f64,
     /// δ in m: a hole has the radius r_w + e + δ.
     pub hole_clearance: f64,
+}
+
+impl OutputPins {
+    /// Radius of a hole in m for the eccentricity e: r_w + e + δ.
+    pub fn hole_radius(&self, eccentricity: f64) -> f64 {
+        self.radius + eccentricity + self.hole_clearance
+    }
+
+    /// Equivalent radius in m of the contact of a pin or roller with its hole, r_h r_w/(r_h − r_w).
+    pub fn equivalent_radius(&self, eccentricity: f64) -> f64 {
+        let hole = self.hole_radius(eccentricity);
+        hole * self.radius / (hole - self.radius)
+    }
 }
 
 /// A cycloidal drive of one stage: eccentrics in the middle of the input shaft, discs, a ring of pins at rest, and output
@@ -39,8 +52,13 @@ pub struct SingleStage {
     /// Bearing between eccentric and disc.
     pub eccentric: RollerBearing,
     pub output_pins: OutputPins,
+    /// Law of contact of a pin or roller of the output with its hole.
+    pub output_contact: LineContact,
     /// Of an output pin on each of the discs in N/m: pin, roller and hole in series.
     pub output_pin_stiffness: Vec<f64>,
+    /// Round openings of a disc whose eccentric stands at the angle 0: the bore of the eccentric bearing, the holes of the
+    /// output pins, others.
+    pub openings: Vec<Bore>,
     /// Radial stiffness of the bearings of input shaft and output, N/m.
     pub input_support: f64,
     pub output_support: f64,

@@ -143,7 +143,7 @@ pub fn bearing_loads(
             true => &machine.bearings.turning_arm,
             false => &machine.bearings.crank_support,
         };
-        let power = if bearing.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 };
+        let power = bearing.kind.life_exponent();
         let mean = carried[index].iter().map(|f| f.powf(power)).sum::<f64>() / positions.max(1) as f64;
         let equivalent = mean.powf(1.0 / power);
         let rating = dynamic_load_rating(bearing);

@@ -3,7 +3,7 @@
 use crate::analyses::AnalysisError;
 use crate::analyses::rig::with_friction;
 use crate::dynamics::{JointSettings, Lean};
-use crate::machine::{DutyPoint, Machine, RollerKind};
+use crate::machine::{DutyPoint, Machine};
 use crate::results::{TableOf, decimals, quantities as q, quantity};
 use crate::rig::{BearingLoad, bearing_loads, dynamic_load_rating, main_bearing_load};
 use crate::units::HOUR;
@@ -161,7 +161,7 @@ fn main_bearings(machine: &Machine) -> Result<Option<BearingLife>, AnalysisError
     }
     let row = &machine.solids.main_rows.row;
     let (life_h, rating) = (1.0 / damage, dynamic_load_rating(row));
-    let power = if row.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 };
+    let power = row.kind.life_exponent();
     let equivalent = rating * (1e6 / (life_h * turns)).powf(1.0 / power);
     Ok((damage > 0.0).then(|| BearingLife { name: "main bearings".to_owned(), equivalent, rating, life_h }))
 }
@@ -172,7 +172,7 @@ fn exponent(machine: &Machine, name: &str) -> f64 {
     } else {
         &machine.bearings.crank_support
     };
-    if bearing.kind == RollerKind::Ball { 3.0 } else { 10.0 / 3.0 }
+    bearing.kind.life_exponent()
 }
 
 /// From the definition of its own life: L10h = (C/P)^p 10⁶ turns.

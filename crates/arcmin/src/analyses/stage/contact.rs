@@ -2,10 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::Rests;
+use super::{Rests, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
-use crate::contact::LineContact;
-use crate::design::{StageDesign, default, optional, options, output_contact};
+use crate::design::{StageDesign, default, optional, options};
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
     DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
@@ -57,7 +56,9 @@ pub struct At {
     pub crank_angle: f64,
     /// rad.
     pub output_error: f64,
-    /// Largest of the discs, N.
+    /// Largest forces of all discs in N: of a ring pin, of an output pin, of an eccentric bearing.
+    pub ring_force: f64,
+    pub output_force: f64,
     pub eccentric_force: f64,
 }
 
@@ -128,10 +129,10 @@ pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
         vec![
             q::TORQUE.of(|o: &Contact| o.torque.into()),
             q::RATIO.of(|o| o.design.ratio().into()),
-            q::MAX_FORCE.of(|o| largest(&o.ring, |c| c.force).into()),
+            q::MAX_FORCE.of(|o| largest(&o.turn, |at| at.ring_force).into()),
             q::MAX_PRESSURE.of(|o| (largest(&o.ring, |c| c.pressure) / MPA).into()),
             quantity("max_output_pin_force_n", decimals(1), "Largest force of an output pin on a disc.")
-                .of(|o| largest(&o.output, |c| c.force).into()),
+                .of(|o| largest(&o.turn, |at| at.output_force).into()),
             quantity(
                 "max_output_pin_pressure_mpa",
                 decimals(0),
@@ -140,7 +141,8 @@ pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
             .of(|o| (largest(&o.output, |c| c.pressure) / MPA).into()),
             quantity("eccentric_bearing_force_n", decimals(1), "Largest force of an eccentric bearing.")
                 .of(|o| largest(&o.turn, |at| at.eccentric_force).into()),
-            q::TE_LOADED_PEAK_TO_PEAK.of(|o| (o.peak_to_peak() / ARCMIN).into()),
+            q::TE_LOADED_PEAK_TO_PEAK
+                .of(|o| (peak_to_peak(o.turn.iter().map(|at| at.output_error)) / ARCMIN).into()),
             quantity(
                 "closed_form.ring_pin_force_n",
                 decimals(1),
@@ -179,51 +181,53 @@ fn largest<T>(all: &[T], of: fn(&T) -> f64) -> f64 {
 pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<Contact, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
     let stage = design.stage();
-    let hole = stage.output_pins.radius + stage.profile.eccentricity + stage.output_pins.hole_clearance;
-    let pin_radius = stage.output_pins.radius;
-    let in_hole: LineContact = output_contact(design);
+    let radius = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
     let mut rests = Rests::new(design, host)?;
     let (mut ring, mut output, mut turn) = (Vec::new(), Vec::new(), Vec::new());
     for step in 0..options.positions {
         host.report("load sharing", step as f64 / options.positions as f64);
         let crank_angle = TAU * step as f64 / options.positions as f64;
         let place = rests.at(crank_angle, torque)?;
-        let mut eccentric_force = 0.0_f64;
+        let mut at = At {
+            crank_angle,
+            output_error: rests.output_error(&place),
+            ring_force: 0.0,
+            output_force: 0.0,
+            eccentric_force: 0.0,
+        };
         for disc in 0..stage.phases.len() {
-            eccentric_force = eccentric_force.max(rests.joints.eccentric_force(disc, &place));
-            let loaded = rests.joints.pin_contacts(disc, &place).into_iter().filter(|c| c.force > 0.0);
-            ring.extend(loaded.map(|c| RingContact {
-                crank_angle,
-                disc,
-                pin: c.pin,
-                meshing_angle: c.meshing_angle,
-                force: c.force,
-                pressure: stage.contact.pressure(c.force, 1.0 / c.relative_curvature),
-                gap: c.gap,
-            }));
+            at.eccentric_force = at.eccentric_force.max(rests.joints.eccentric_force(disc, &place));
+            for c in rests.joints.pin_contacts(disc, &place).into_iter().filter(|c| c.force > 0.0) {
+                at.ring_force = at.ring_force.max(c.force);
+                ring.push(RingContact {
+                    crank_angle,
+                    disc,
+                    pin: c.pin,
+                    meshing_angle: c.meshing_angle,
+                    force: c.force,
+                    pressure: stage.contact.pressure(c.force, 1.0 / c.relative_curvature),
+                    gap: c.gap,
+                });
+            }
             let loads = rests.joints.output_pin_loads(disc, &place);
-            output.extend(loads.into_iter().enumerate().map(|(pin, (force, _, gap))| OutputContact {
-                crank_angle,
-                disc,
-                pin,
-                force,
-                pressure: in_hole.pressure(force, hole * pin_radius / (hole - pin_radius)),
-                gap,
-            }));
+            for (pin, (force, _, gap)) in loads.into_iter().enumerate() {
+                at.output_force = at.output_force.max(force);
+                output.push(OutputContact {
+                    crank_angle,
+                    disc,
+                    pin,
+                    force,
+                    pressure: stage.output_contact.pressure(force, radius),
+                    gap,
+                });
+            }
         }
-        turn.push(At { crank_angle, output_error: rests.output_error(&place), eccentric_force });
+        turn.push(at);
     }
     Ok(Contact { torque, ring, output, turn, design: design.clone() })
 }
 
 impl Contact {
-    fn peak_to_peak(&self) -> f64 {
-        let errors = self.turn.iter().map(|at| at.output_error);
-        let [low, high] = errors
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], error| [low.min(error), high.max(error)]);
-        high - low
-    }
-
     /// Torque in N·m of the drive seen from its ring.
     fn seen_torque(&self) -> f64 {
         self.torque * self.design.seen_from_ring()
@@ -285,20 +289,11 @@ impl Outcome for Contact {
             KeyFigure::new(label, value, unit, note)
         };
         let angle = || Axis::new("Angle of the input", "°");
-        let most = |force: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
-            self.turn.iter().map(|at| (at.crank_angle / DEG, force(at.crank_angle))).collect()
-        };
-        let ring =
-            |at: f64| self.ring.iter().filter(|c| c.crank_angle == at).map(|c| c.force).fold(0.0, f64::max);
-        let output =
-            |at: f64| self.output.iter().filter(|c| c.crank_angle == at).map(|c| c.force).fold(0.0, f64::max);
+        let over = |of: fn(&At) -> f64| self.turn.iter().map(move |at| (at.crank_angle / DEG, of(at)));
         let forces = Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero())
-            .with(Series::line("ring pin", most(&ring)))
-            .with(Series::line("output pin", most(&output)))
-            .with(Series::line(
-                "eccentric bearing",
-                self.turn.iter().map(|at| (at.crank_angle / DEG, at.eccentric_force)),
-            ))
+            .with(Series::line("ring pin", over(|at| at.ring_force)))
+            .with(Series::line("output pin", over(|at| at.output_force)))
+            .with(Series::line("eccentric bearing", over(|at| at.eccentric_force)))
             .noted("Of all pins and discs, against the ring.");
         let one = |disc: usize, pin: usize| {
             self.output
@@ -312,12 +307,8 @@ impl Outcome for Contact {
         for pin in 0..self.design.stage().output_pins.count {
             pins = pins.with(Series::line(format!("pin {pin}"), one(0, pin)));
         }
-        let error = Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin")).with(
-            Series::line(
-                "error",
-                self.turn.iter().map(|at| (at.crank_angle / DEG, at.output_error / ARCMIN)),
-            ),
-        );
+        let error = Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin"))
+            .with(Series::line("error", over(|at| at.output_error / ARCMIN)));
         let limit = self.design.limits().contact_pressure / MPA;
         let kept = summary.number("max_pressure_mpa").is_some_and(|pressure| pressure <= limit);
         let mut verdict = Verdict::new(if kept { Tone::Good } else { Tone::Bad }, self.sentence());

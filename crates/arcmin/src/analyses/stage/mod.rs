@@ -12,7 +12,7 @@ use rests::Rests;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::checks::{Finding, check_design};
-use crate::design::{Design, DesignError, Family, OptionSet, StageDesign};
+use crate::design::{Design, DesignError, Family, StageDesign};
 use crate::machine::PlayChain;
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, Value, decimals, quantity};
@@ -20,45 +20,45 @@ use crate::units::ARCMIN;
 
 /// A design of any family.
 #[derive(Debug, Clone)]
-pub enum Drive {
+pub enum AnyDesign {
     Rv(Box<Design>),
     Eccentric(Box<StageDesign>),
 }
 
-impl Drive {
+impl AnyDesign {
     /// Reads a design file of any family; `file_name` only serves messages.
     ///
     /// # Errors
     /// As [`Design::parse`].
-    pub fn parse(text: &str, file_name: &str) -> Result<Drive, Box<DesignError>> {
+    pub fn parse(text: &str, file_name: &str) -> Result<AnyDesign, Box<DesignError>> {
         match Family::of_text(text, file_name)? {
-            Family::Rv => Design::parse(text, file_name).map(|design| Drive::Rv(Box::new(design))),
+            Family::Rv => Design::parse(text, file_name).map(|design| AnyDesign::Rv(Box::new(design))),
             Family::Eccentric => {
-                StageDesign::parse(text, file_name).map(|design| Drive::Eccentric(Box::new(design)))
+                StageDesign::parse(text, file_name).map(|design| AnyDesign::Eccentric(Box::new(design)))
             }
         }
     }
 
     pub fn name(&self) -> &str {
         match self {
-            Drive::Rv(design) => &design.name,
-            Drive::Eccentric(design) => &design.name,
+            AnyDesign::Rv(design) => &design.name,
+            AnyDesign::Eccentric(design) => &design.name,
         }
     }
 
     /// As [`Design::hash`].
     pub fn hash(&self) -> String {
         match self {
-            Drive::Rv(design) => design.hash(),
-            Drive::Eccentric(design) => design.hash(),
+            AnyDesign::Rv(design) => design.hash(),
+            AnyDesign::Eccentric(design) => design.hash(),
         }
     }
 
     /// As [`check_design`].
     pub fn findings(&self) -> Vec<Finding> {
         match self {
-            Drive::Rv(design) => check_design(design),
-            Drive::Eccentric(design) => findings(design),
+            AnyDesign::Rv(design) => check_design(design),
+            AnyDesign::Eccentric(design) => findings(design),
         }
     }
 
@@ -74,8 +74,8 @@ impl Drive {
         host: &dyn Host,
     ) -> Result<Box<dyn Outcome>, AnalysisError> {
         match self {
-            Drive::Rv(design) => analysis.run(design, options, origin, host),
-            Drive::Eccentric(design) => (of(analysis)?.run)(design, options, origin, host),
+            AnyDesign::Rv(design) => analysis.run(design, options, origin, host),
+            AnyDesign::Eccentric(design) => (of(analysis)?.run)(design, options, origin, host),
         }
     }
 
@@ -91,8 +91,8 @@ impl Drive {
         host: &dyn Host,
     ) -> Result<String, AnalysisError> {
         match self {
-            Drive::Rv(design) => identity::identity(analysis, design, options, origin, host),
-            Drive::Eccentric(design) => {
+            AnyDesign::Rv(design) => identity::identity(analysis, design, options, origin, host),
+            AnyDesign::Eccentric(design) => {
                 let normal = (of(analysis)?.normal)(options, origin)?;
                 identity::identity_of(analysis.name, &design.canonical(), &normal, Vec::new(), host)
             }
@@ -109,77 +109,48 @@ pub struct StageAnalysis {
     pub results: fn() -> Declared,
 }
 
-/// What single stages are asked.
-pub static ALL: &[StageAnalysis] = &[
-    StageAnalysis {
-        name: "check",
-        run: |design, options, origin, _| {
-            let options = check::Options::parse(options, origin)?;
-            let mut findings = findings(design);
-            findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-            Ok(Box::new(check::Check {
-                findings,
-                play_chain: Some(design.play_chain()),
-                name: design.name.value.clone(),
-                explain: options.explain,
-            }))
-        },
-        normal: normal::<check::Options>,
-        results: || Declared {
-            analysis: "check of a single stage",
-            about: check::ABOUT,
-            tables: check::tables(),
-            summary: check::STAGE_SUMMARY.quantities(),
-        },
-    },
-    StageAnalysis {
-        name: "profile",
-        run: |design, options, origin, _| {
-            let options = profile::Options::parse(options, origin)?;
-            let (stage, name) = (design.stage(), design.name.value.clone());
-            Ok(Box::new(profile::flank(stage.profile.clone(), &stage.relief, design.ratio(), name, &options)))
-        },
-        normal: normal::<profile::Options>,
-        results: || Declared {
-            analysis: "profile of a single stage",
-            about: profile::ABOUT,
-            tables: profile::tables(),
-            summary: profile::SUMMARY.quantities(),
-        },
-    },
-    StageAnalysis {
-        name: "contact",
-        run: |design, options, origin, host| {
-            Ok(Box::new(contact::run(design, &contact::Options::parse(options, origin)?, host)?))
-        },
-        normal: normal::<contact::Options>,
-        results: || Declared {
-            analysis: "contact of a single stage",
-            about: contact::ABOUT,
-            tables: contact::tables(),
-            summary: contact::SUMMARY.quantities(),
-        },
-    },
-    StageAnalysis {
-        name: "rig",
-        run: |design, options, origin, host| {
-            Ok(Box::new(rig::run(design, &rig::Options::parse(options, origin)?, host)?))
-        },
-        normal: normal::<rig::Options>,
-        results: || Declared {
-            analysis: "rig of a single stage",
-            about: rig::ABOUT,
-            tables: rig::tables(),
-            summary: rig::SUMMARY.quantities(),
-        },
-    },
-];
+/// Declares the analyses: name, module with its declarations, summary, and the function that answers.
+macro_rules! stage_analyses {
+    ($($name:literal: $module:ident, $summary:ident, $run:expr;)*) => {
+        /// What single stages are asked.
+        pub static ALL: &[StageAnalysis] = &[$(StageAnalysis {
+            name: $name,
+            run: |design, options, origin, host| {
+                Ok(Box::new($run(design, &$module::Options::parse(options, origin)?, host)?))
+            },
+            normal: |options, origin| Ok(NormalOptions::of(&$module::Options::parse(options, origin)?)),
+            results: || Declared {
+                analysis: concat!($name, " of a single stage"),
+                about: $module::ABOUT,
+                tables: $module::tables(),
+                summary: $module::$summary.quantities(),
+            },
+        },)*];
+    };
+}
 
-fn normal<O: OptionSet>(options: &str, origin: &str) -> Result<NormalOptions, AnalysisError> {
-    let options = O::parse(options, origin)?;
-    let mut files = Vec::new();
-    options.files(&mut files);
-    Ok(NormalOptions { text: options.canonical(), files })
+stage_analyses! {
+    "check": check, STAGE_SUMMARY, run_check;
+    "profile": profile, SUMMARY, run_profile;
+    "contact": contact, SUMMARY, contact::run;
+    "rig": rig, SUMMARY, rig::run;
+}
+
+fn run_check(
+    design: &StageDesign,
+    options: &check::Options,
+    _: &dyn Host,
+) -> Result<check::Check, AnalysisError> {
+    Ok(check::Check::of(findings(design), Some(design.play_chain()), &design.name, options))
+}
+
+fn run_profile(
+    design: &StageDesign,
+    options: &profile::Options,
+    _: &dyn Host,
+) -> Result<profile::FlankProfile, AnalysisError> {
+    let (stage, name) = (design.stage(), design.name.value.clone());
+    Ok(profile::flank(stage.profile.clone(), &stage.relief, design.ratio(), name, options))
 }
 
 fn of(analysis: &Analysis) -> Result<&'static StageAnalysis, AnalysisError> {
@@ -189,6 +160,13 @@ fn of(analysis: &Analysis) -> Result<&'static StageAnalysis, AnalysisError> {
             "single stages are known to `check`, `profile`, `contact` and `rig`",
         )
     })
+}
+
+/// Of values over a turn.
+fn peak_to_peak(values: impl Iterator<Item = f64>) -> f64 {
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    let [low, high] = values.fold(ends, |[low, high], value| [low.min(value), high.max(value)]);
+    high - low
 }
 
 /// What has a play by part.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{HasPlay, Rests, play_entries, play_sentence, play_table};
+use super::{HasPlay, Rests, peak_to_peak, play_entries, play_sentence, play_table};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{StageDesign, default, options};
 use crate::dynamics::StageLosses;
@@ -101,15 +101,15 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             )
             .of(|o| o.backward().into()),
             quantity("loss_shares.ring", decimals(3), "Share of the losses between ring pins and flanks.")
-                .of(|o| (o.losses.ring / o.losses.total()).into()),
+                .of(|o| o.loss_share(o.losses.ring).into()),
             quantity(
                 "loss_shares.output_pins",
                 decimals(3),
                 "Share of the losses between output pins and holes, or of rollers on their pins.",
             )
-            .of(|o| (o.losses.output / o.losses.total()).into()),
+            .of(|o| o.loss_share(o.losses.output).into()),
             quantity("loss_shares.eccentric_bearings", decimals(3), "Share of the losses of the eccentric bearings.")
-                .of(|o| (o.losses.eccentric / o.losses.total()).into()),
+                .of(|o| o.loss_share(o.losses.eccentric).into()),
         ];
         own.into_iter().chain(play_entries()).collect()
     },
@@ -182,20 +182,24 @@ impl HasPlay for Rig {
 }
 
 impl Rig {
+    /// `None` where nothing is lost.
+    fn loss_share(&self, part: f64) -> Option<f64> {
+        let total = self.losses.total();
+        (total > 0.0).then(|| part / total)
+    }
+
     fn backward(&self) -> f64 {
         2.0 - 1.0 / self.efficiency
     }
 
+    /// Of the transmission error, rad.
     fn peak_to_peak(&self) -> f64 {
-        let errors = self.errors.iter().map(|[_, error]| *error);
-        let [low, high] = errors
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], error| [low.min(error), high.max(error)]);
-        high - low
+        peak_to_peak(self.errors.iter().map(|[_, error]| *error))
     }
 
     fn losses_sentence(&self) -> String {
         let (losses, backward) = (&self.losses, self.backward());
-        let share = |part: f64| format!("{:.0} %", 100.0 * part / losses.total());
+        let share = |part: f64| format!("{:.0} %", 100.0 * self.loss_share(part).unwrap_or(0.0));
         let assumed = if self.design.friction().1 { ", friction assumed: the design gives none" } else { "" };
         let back = match backward > 0.0 {
             true => format!("{backward:.2} with the output driving"),
@@ -265,8 +269,13 @@ impl Outcome for Rig {
             Axis::new("Error", "arcmin"),
         )
         .with(Series::line("error", self.errors.iter().map(|[angle, error]| (angle / DEG, error / ARCMIN))));
-        let limit = self.design.limits().lost_motion;
-        let kept = self.figures.lost_motion <= limit;
+        let limits = self.design.limits();
+        let limit = limits.lost_motion;
+        let is_within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
+        let plays = is_within(self.play[1], limits.backlash);
+        let kept = self.figures.lost_motion <= limit
+            && plays
+            && is_within(self.peak_to_peak(), limits.transmission_error);
         let mut verdict = Verdict::new(if kept { Tone::Good } else { Tone::Bad }, self.sentence());
         verdict.figures = vec![
             KeyFigure::new(
@@ -275,13 +284,21 @@ impl Outcome for Rig {
                 "arcmin",
                 format!("at ±3 % of the rated torque; limit {:.2} arcmin", limit / ARCMIN),
             )
-            .kept(kept),
+            .kept(self.figures.lost_motion <= limit),
             KeyFigure::new(
                 "Play",
                 format!("{:.2}", self.play[1] / ARCMIN),
                 "arcmin",
                 "largest over the positions",
-            ),
+            )
+            .kept(plays),
+            KeyFigure::new(
+                "Transmission error",
+                format!("{:.3}", self.peak_to_peak() / ARCMIN),
+                "arcmin",
+                "under rated torque, peak to peak over a turn of the input",
+            )
+            .kept(is_within(self.peak_to_peak(), limits.transmission_error)),
             KeyFigure::new(
                 "Stiffness",
                 format!("{:.3}", self.figures.stiffness * ARCMIN),

@@ -121,15 +121,19 @@ fn what_cannot_be_is_refused_at_its_key() {
         ("roller_radius_mm = 2 ", "roller_radius_mm = 1 ", "output_pins.roller_radius_mm"),
         ("count = 2\n", "count = 2\nlobe_count = 18\n", "disc.lobe_count"),
         ("count = 2\n", "count = 2\ncentre_hole_diameter_mm = 3\n", "disc.centre_hole_diameter_mm"),
+        ("count = 2\n", "count = 2\nwindow_rim_mm = 3\n", "disc.window_rim_mm"),
+        ("circle_radius_mm = 10.5", "circle_radius_mm = 13", "output_pins.circle_radius_mm"),
+        ("circle_radius_mm = 10.5", "circle_radius_mm = 9", "output_pins.circle_radius_mm"),
     ] {
         let error = StageDesign::parse(&NEMA17_19.text.replacen(from, to, 1), "test.toml").unwrap_err();
         assert_eq!(error.key(), Some(key), "{error}");
     }
     for (from, to, code, severity) in [
-        ("circle_radius_mm = 10.5", "circle_radius_mm = 13", "hole-to-root", Severity::Error),
-        ("circle_radius_mm = 10.5", "circle_radius_mm = 9.1", "hole-walls", Severity::Warning),
+        ("circle_radius_mm = 10.5", "circle_radius_mm = 12", "rim-thickness", Severity::Warning),
+        ("circle_radius_mm = 10.5", "circle_radius_mm = 9.1", "bore-ligament", Severity::Warning),
+        ("[drive]", "[friction]\nseal_drag_n_m = 0.1\n[drive]", "unused-keys", Severity::Warning),
         ("pin_radius_mm = 1.5                  #", "pin_radius_mm = 2.7 #", "pin-overlap", Severity::Error),
-        ("equidistant_offset_um = 10 ", "equidistant_offset_um = -5 ", "modification-gap", Severity::Warning),
+        ("equidistant_offset_um = 10 ", "equidistant_offset_um = -5 ", "interference", Severity::Warning),
         ("rated_torque_n_m = 3", "rated_torque_n_m = 60", "contact-pressure", Severity::Error),
         ("input_speed_rpm = 600", "input_speed_rpm = 6000", "eccentric-bearing-life", Severity::Warning),
         ("count = 2\n", "count = 1\n", "eccentric-balance", Severity::Warning),
@@ -142,15 +146,15 @@ fn what_cannot_be_is_refused_at_its_key() {
 
 #[test]
 fn families_are_told_apart() {
-    assert!(matches!(Drive::parse(NEMA17_19.text, "a").unwrap(), Drive::Eccentric(_)));
+    assert!(matches!(AnyDesign::parse(NEMA17_19.text, "a").unwrap(), AnyDesign::Eccentric(_)));
     let error = Design::parse(NEMA17_19.text, "a").unwrap_err();
     assert_eq!(error.key(), Some("drive.family"));
     let named = format!("{}\n[drive]\nfamily = \"rv\"\n", RV_40E.text);
-    let Drive::Rv(rv) = Drive::parse(&named, "a").unwrap() else { panic!() };
+    let AnyDesign::Rv(rv) = AnyDesign::parse(&named, "a").unwrap() else { panic!() };
     assert_eq!(rv.hash(), Design::parse(RV_40E.text, "a").unwrap().hash());
     let wear = super::super::by_name("wear").unwrap();
-    let drive = Drive::parse(NEMA17_19.text, "a").unwrap();
-    assert!(drive.run(wear, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
+    let design = AnyDesign::parse(NEMA17_19.text, "a").unwrap();
+    assert!(design.run(wear, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
 }
 
 /// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.

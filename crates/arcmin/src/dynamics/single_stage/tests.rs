@@ -32,6 +32,8 @@ fn stage() -> SingleStage {
         },
         output_pins: OutputPins { count: 8, circle_radius: 20e-3, radius: 4.5e-3, hole_clearance: 0.0 },
         output_pin_stiffness: vec![5e7],
+        output_contact: LineContact::new(law, &steel, &steel, 8e-3, 4.5e-3),
+        openings: Vec::new(),
         ring_circle_radius: 0.04,
         ring_pin_radius: 3e-3,
         input_support: 1e13,
