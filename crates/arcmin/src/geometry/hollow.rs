@@ -344,4 +344,73 @@ mod tests {
             }
         }
     }
+
+    /// Flanks worn in waves of the size of the grid, as coarse steps of wear leave them, several times hollower than the
+    /// pin: on random designs, the waves elsewhere on each.
+    fn wavy() -> Vec<(Profile, Relief)> {
+        (1..=24)
+            .map(|seed| {
+                let profile = sound_design(seed).0.machine().profile();
+                let middle = -1.4 + 0.11 * seed as f64;
+                let depths = Relief::grid(720).enumerate().map(|(i, phi)| {
+                    let step = way_rate(&profile, phi) * std::f64::consts::TAU / 720.0;
+                    let fit = profile.relative_curvature(phi.cos(), profile.pin_radius) * step * step;
+                    // Any sequence without a period.
+                    let wave = ((i * i) as f64 * 0.7548 + seed as f64 * 0.569).fract();
+                    4.0 * fit * wave * (-((phi - middle) / 0.15).powi(4)).exp()
+                });
+                let relief = Relief::from_control_points(&depths.collect::<Vec<_>>());
+                (profile, relief)
+            })
+            .collect()
+    }
+
+    /// The hull must begin on itself: where it began at the sharpest sample, the hollow beside that stayed open.
+    #[test]
+    fn no_hollow_stays_open_beside_the_sample_that_comes_first() {
+        for (profile, relief) in wavy() {
+            // By the definition, all around: 1/R_eq + w″ along the flank, within a twentieth of 1/R_eq for how the steps along
+            // the flank change from sample to sample.
+            let concave = |relief: &Relief| {
+                let (depth, count) = (relief.control_points(), relief.samples().len());
+                let bend = |(i, phi): (usize, f64)| {
+                    let second = depth[(i + count - 1) % count] - 2.0 * depth[i] + depth[(i + 1) % count];
+                    let step = way_rate(&profile, phi) * std::f64::consts::TAU / count as f64;
+                    let fit = profile.relative_curvature(phi.cos(), profile.pin_radius);
+                    1.0 + second / (step * step * fit)
+                };
+                Relief::grid(count).enumerate().map(bend).filter(|bend| *bend < -0.05).count()
+            };
+            assert!(concave(&relief) > 5, "{}", concave(&relief));
+            let seen = relief.without_hollows(&profile, profile.pin_radius).unwrap();
+            assert_eq!(concave(&seen), 0);
+        }
+    }
+
+    /// The normal is the gradient of the gap where the flank nearly fits the pin and its curvature changes from sample to
+    /// sample: closest points are converged there.
+    #[test]
+    fn normals_are_gradients_of_the_gap_on_filled_hollows() {
+        for (profile, relief) in wavy() {
+            let seen = relief.without_hollows(&profile, profile.pin_radius).unwrap();
+            let closest = |p: Vec2, tau: f64| {
+                profile.closest_on_worn(p, &profile.foot(p, tau), &seen, profile.pin_radius)
+            };
+            for i in 0..200 {
+                // Pins that press by a micrometre, all over the waves.
+                let tau = (1.4 - 0.014 * f64::from(i)) / profile.lobe_count() as f64;
+                let p = profile.trace(tau) - 1e-6 * profile.outward_normal(tau);
+                let here = closest(p, tau);
+                let along = quarter_turn(here.normal);
+                let h = 1e-9;
+                let slope =
+                    |way: Vec2| (closest(p + h * way, tau).gap - closest(p - h * way, tau).gap) / (2.0 * h);
+                assert!(
+                    (slope(here.normal) - 1.0).abs() < 1e-6 && slope(along).abs() < 1e-5,
+                    "{i} {}",
+                    slope(along)
+                );
+            }
+        }
+    }
 }
