@@ -38,8 +38,8 @@ pub fn command() -> Command {
     command
         .subcommand(commands::study::command())
         .subcommand(commands::robot::command())
-        .subcommand(commands::exchange::export())
-        .subcommand(commands::exchange::import())
+        .subcommand(commands::export::command())
+        .subcommand(commands::import::command())
         .subcommand(commands::shell::completions())
         .subcommand(commands::shell::man())
 }

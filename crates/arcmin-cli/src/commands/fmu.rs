@@ -11,7 +11,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use zip::write::SimpleFileOptions;
 
 use super::Ending;
-use super::exchange::{Given, choice, directory, number, out, path};
+use super::export::{Given, choice, directory, number, out, path};
 use super::joint::{ages, failed, fidelity, fidelity_args};
 use crate::failure::{Failure, Start};
 use crate::run::{Cache, Terminal, say, write_file};

@@ -9,7 +9,7 @@ use arcmin::units::ARCMIN;
 use clap::{Arg, ArgMatches, Command};
 
 use super::Ending;
-use super::exchange::{Given, choice, directory, number, out, path};
+use super::export::{Given, choice, directory, number, out, path};
 use crate::failure::Failure;
 use crate::run::{Cache, Terminal, say, write_file};
 

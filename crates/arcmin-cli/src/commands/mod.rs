@@ -1,8 +1,9 @@
 //! What each command does: the analyses all alike, the others a file each.
 
 mod analysis;
-pub mod exchange;
+pub mod export;
 mod fmu;
+pub mod import;
 mod joint;
 pub mod keys;
 pub mod new;
@@ -38,8 +39,8 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         Some(("keys", matches)) => keys::run(matches),
         Some(("robot", matches)) => robot::run(matches),
         Some(("study", matches)) => study::run(matches),
-        Some(("export", matches)) => exchange::run_export(matches),
-        Some(("import", matches)) => exchange::run_import(matches),
+        Some(("export", matches)) => export::run(matches),
+        Some(("import", matches)) => import::run(matches),
         Some(("completions", matches)) => shell::run_completions(matches),
         Some(("man", matches)) => shell::run_man(matches),
         Some((name, matches)) => match arcmin::analyses::by_name(name) {

@@ -1,7 +1,8 @@
 //! From the place of a disc to the state of its contacts.
 
 use super::ContactForce;
-use super::ring::{DiscPose, DiscVelocity, FLOOR_SECTORS, PinContact, PinContacts};
+use super::PinContact;
+use super::ring::{DiscPose, DiscVelocity, FLOOR_SECTORS, PinContacts};
 use super::worn_pin::turn_on_pin;
 use crate::geometry::{Closest, Foot, LANES, Outlook, Vec2, cross, quarter_turn, turned, unit};
 
