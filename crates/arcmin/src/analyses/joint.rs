@@ -100,7 +100,7 @@ pub fn pin_loads(
     for age in hours {
         let worn = worn_after(&machine, &fidelity, *age, host)?;
         let mut meshing = fidelity.in_bearings(&machine)?;
-        worn.put_on(&machine, &mut meshing);
+        worn.put_on(&machine.designed_relief(), &mut meshing);
         let mut loads = Vec::with_capacity(PIN_SHARES.len());
         for share in PIN_SHARES {
             let torque = share * machine.rated.torque.abs();

@@ -2,7 +2,7 @@
 
 use super::consistency::{Place, contradiction, needs};
 use super::error::Source;
-use super::service::{Parameter, PartWearSection, RollingWearSection};
+use super::service::{Parameter, PartWearSection, RollingWearSection, WearSection};
 use super::{At, CoefficientSection, DesignError, DesignSections, Section};
 use crate::machine::*;
 use crate::named::LawName;
@@ -37,7 +37,11 @@ pub(super) fn law<N: LawName>(
 
 /// Wear of flanks, pins, bearings and gears.
 pub(super) fn wear(design: &DesignSections, source: &Source) -> Result<Wear, Box<DesignError>> {
-    let wear = &design.wear;
+    Ok(Wear { parts: part_wear(design, source)?, ..flank_wear(&design.wear, source)? })
+}
+
+/// Wear of flanks and pins alone.
+pub(super) fn flank_wear(wear: &WearSection, source: &Source) -> Result<Wear, Box<DesignError>> {
     let coupled = coefficient(&wear.coupled, &wear.coupled.span, source)?;
     Ok(Wear {
         law: law(&wear.law.name, &wear.law.span, &wear.law.parameters(), source)?,
@@ -56,7 +60,7 @@ pub(super) fn wear(design: &DesignSections, source: &Source) -> Result<Wear, Box
             pressure_viscosity: *film.pressure_viscosity_per_gpa * 1e-9,
             roughness: *film.roughness_um * UM,
         }),
-        parts: part_wear(design, source)?,
+        parts: PartWearLaws::default(),
     })
 }
 

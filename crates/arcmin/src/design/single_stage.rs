@@ -6,7 +6,7 @@ use super::consistency::{self, Place, contradiction};
 use super::error::Source;
 use super::field::{self, Choice};
 use super::resolve;
-use super::resolve_laws::law;
+use super::resolve_laws::{self, law};
 use super::schema::{At, default, default_word, optional, required, section, word};
 use super::sections::{DiscSection, RingSection};
 use super::service::{
@@ -19,9 +19,12 @@ use super::variation::Variations;
 use super::{DesignError, DriveSection, Section, TITLE, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
 use crate::geometry::Profile;
-use crate::machine::{Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageFriction};
+use crate::machine::{
+    Bore, DutyPoint, Limits, OutputForces, OutputPins, PinMounting, SingleStage, StageFriction, Wear,
+};
 use crate::materials::Material;
 use crate::units::{MM, UM};
+use crate::wear::{WearCase, largest_torque};
 
 section! {
     /// Eccentrics in the middle of the input shaft, one per disc, spread equally over one turn.
@@ -130,9 +133,12 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-const UNUSED: [&str; 17] = [
-    "duty",
-    "wear",
+const UNUSED: [&str; 16] = [
+    "wear.paper",
+    "wear.turning_arm",
+    "wear.crank_support",
+    "wear.sun",
+    "wear.planet",
     "tolerances",
     "unknowns",
     "friction.gear_mesh_coefficient",
@@ -143,19 +149,21 @@ const UNUSED: [&str; 17] = [
     "friction.crank_support_preload_n",
     "contact.damping_n_s_per_m",
     "contact.damping_depth_um",
-    "limits.start_stop_torque_n_m",
     "limits.emergency_torque_n_m",
-    "limits.output_speed_rpm",
-    "limits.catalogue_life_h",
-    "limits.contact_endurance_mpa",
 ];
+
+/// The same where a row of the duty has it.
+const UNUSED_FORCES: &str = "duty: moment_n_m, axial_n, radial_n";
 
 /// A single stage as written, free of contradictions.
 #[derive(Debug, Clone)]
 pub struct StageDesign {
     sections: StageSections,
     stage: SingleStage,
+    /// Of flanks and pins, where the file gives it.
+    wear: Option<Wear>,
     unused: Vec<&'static str>,
+    text: String,
 }
 
 impl std::ops::Deref for StageDesign {
@@ -177,8 +185,41 @@ impl StageDesign {
         let sections: StageSections = field::read(&tree, &source)?;
         let stage = stage(&sections, &source).map_err(|error| field::with_path(error, &tree))?;
         let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
-        let unused = UNUSED.into_iter().filter(|path| is_given(path)).collect();
-        Ok(StageDesign { sections, stage, unused })
+        let mut unused: Vec<&str> = UNUSED.into_iter().filter(|path| is_given(path)).collect();
+        if resolve::duty(&sections.load, &sections.duty).1.iter().any(|row| !row.forces.is_zero()) {
+            unused.push(UNUSED_FORCES);
+        }
+        let wear = sections.wear.as_ref().map(|wear| resolve_laws::flank_wear(wear, &source)).transpose();
+        let wear = wear.map_err(|error| field::with_path(error, &tree))?;
+        Ok(StageDesign { sections, stage, wear, unused, text: text.to_owned() })
+    }
+
+    /// The file as it was read.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// What wears, and by which law; `None` where the file gives no wear.
+    pub fn wear_case(&self) -> Option<WearCase> {
+        let (stage, rated, duty) = (&self.stage, self.rated(), self.duty_points());
+        // Forces on the output are not part of the model.
+        let duty: Vec<DutyPoint> =
+            duty.into_iter().map(|row| DutyPoint { forces: OutputForces::default(), ..row }).collect();
+        Some(WearCase {
+            profile: stage.profile.clone(),
+            contact: stage.contact,
+            designed: stage.relief.clone(),
+            disc_count: stage.phases.len(),
+            disc_width: *self.disc.width_mm * MM,
+            pin_radius: stage.ring_pin_radius,
+            pin_mounting: *self.ring.pin_mounting,
+            wear: self.wear.clone()?,
+            rated_torque: rated.torque,
+            largest_force: stage.ring_force(largest_torque(&duty) * self.seen_from_ring()),
+            duty,
+            lost_motion: self.limits().lost_motion,
+            flank_friction: self.friction().0.ring,
+        })
     }
 
     /// The drive in SI units, its ring at rest.
@@ -264,7 +305,7 @@ impl StageDesign {
 pub(super) fn not_yet(tree: &Branch, source: &Source) -> Box<DesignError> {
     let message = "this command computes RV reducers only, and the file describes a single stage (family \"eccentric\")";
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
-    let hint = "single stages are known to `arcmin check`, `profile`, `contact`, `rig` and `export profile`";
+    let hint = "single stages are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `life` and `export profile`";
     field::with_path(contradiction(source, &place, message.to_owned(), hint), tree)
 }
 

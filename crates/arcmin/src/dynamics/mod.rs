@@ -44,7 +44,7 @@ pub use reducer::{ForceSummary, Reducer};
 pub use ring_bearing::{Five, MainBalance, MainBearings, RingState};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
-pub use single_stage::{SingleStageJoints, StageLosses};
+pub use single_stage::{SingleStageJoints, StageLosses, StageMeshing};
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
 pub(crate) use statics::by_larger_loads;
 pub use statics::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};

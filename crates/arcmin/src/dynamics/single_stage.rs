@@ -1,5 +1,9 @@
 //! Cycloidal drives of a single stage as mechanisms.
 
+mod meshing;
+
+pub use meshing::StageMeshing;
+
 use std::f64::consts::TAU;
 use std::ops::{Deref, DerefMut};
 

@@ -4,7 +4,7 @@ use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::BearingMeshing;
 use crate::geometry::Relief;
 use crate::load::{Cycle, FlexibleMeshing, FreeTravel, LoadError, LoadSharing, Meshing, ShareLoad};
-use crate::machine::{CrankAngle, Kinematics, OutputAngle, OutputForces, PartWear};
+use crate::machine::{CrankAngle, OutputAngle, OutputForces, PartWear};
 
 /// Load sharing with ideal joints, on elastic discs, or of the machine in its bearings.
 #[derive(Debug, Clone)]
@@ -89,8 +89,12 @@ macro_rules! started {
 impl ShareLoad for MachineMeshing {
     type Start = MeshingStart;
 
-    fn kinematics(&self) -> &Kinematics {
-        each!(self, meshing => ShareLoad::kinematics(meshing))
+    fn pattern_period(&self) -> f64 {
+        each!(self, meshing => ShareLoad::pattern_period(meshing))
+    }
+
+    fn disc_speed(&self, input_speed: f64) -> f64 {
+        each!(self, meshing => ShareLoad::disc_speed(meshing, input_speed))
     }
 
     fn contacts(&self) -> &PinContacts {

@@ -3,8 +3,8 @@
 use super::extremes::{Extremes, extremes};
 use crate::geometry::Relief;
 use crate::load::{FlankForce, LoadError, PinLoad, ShareLoad, Spot};
-use crate::machine::{Machine, OutputAngle};
-use crate::wear::WearError;
+use crate::machine::OutputAngle;
+use crate::wear::{WearCase, WearError};
 
 /// What a state of wear makes of errors under load, forces and pressures.
 #[derive(Debug, Clone)]
@@ -80,11 +80,11 @@ fn positions<S: ShareLoad>(meshing: &S, crank_positions: usize) -> usize {
 /// # Errors
 /// [`WearError::Load`] when no load-free balance is found.
 pub fn travel<S: ShareLoad>(
-    machine: &Machine,
+    case: &WearCase,
     meshing: &mut S,
     crank_positions: usize,
 ) -> Result<Travel, WearError> {
-    let torque = machine.rated.torque;
+    let torque = case.rated_torque;
     let cycle = meshing.free_cycle(torque, positions(meshing, crank_positions))?;
     let play = cycle.mean_play();
     let sign = if torque < 0.0 { 1.0 } else { -1.0 };
@@ -93,7 +93,7 @@ pub fn travel<S: ShareLoad>(
         free_travel: cycle.mean_free_travel(),
         no_load_error: OutputAngle::from_radians(sign * play.radians()),
         preload: cycle.max_preload(),
-        preload_friction: cycle.preload_friction_torque(machine),
+        preload_friction: cycle.preload_friction_torque(case.flank_friction),
     })
 }
 
@@ -115,7 +115,7 @@ pub(crate) fn hardest<S: ShareLoad>(
 /// # Errors
 /// [`WearError::Load`] when a load sharing fails.
 pub fn accuracy<S: ShareLoad>(
-    machine: &Machine,
+    case: &WearCase,
     meshing: &mut S,
     flank: &Relief,
     hours: f64,
@@ -123,15 +123,15 @@ pub fn accuracy<S: ShareLoad>(
 ) -> Result<Accuracy, WearError> {
     let alike = meshing.discs_alike();
     let count = positions(meshing, crank_positions);
-    let cycle = meshing.loaded_cycle(machine.rated.torque, count)?;
-    let extremes = match machine.hardest_torque() {
-        torque if torque == machine.rated.torque => extremes(meshing, torque, &cycle),
+    let cycle = meshing.loaded_cycle(case.rated_torque, count)?;
+    let extremes = match case.hardest_torque() {
+        torque if torque == case.rated_torque => extremes(meshing, torque, &cycle),
         torque => hardest(meshing, torque, crank_positions)?,
     };
     let (flank_forces, flank_peaks) = if meshing.pitches() == 1 {
         (vec![cycle.flank_forces()], cycle.flank_forces())
     } else {
-        let (discs, cells) = if alike { (1, CRANK_CELLS) } else { (machine.disc_count, PIN_CELLS) };
+        let (discs, cells) = if alike { (1, CRANK_CELLS) } else { (case.disc_count, PIN_CELLS) };
         let (means, peaks): (Vec<_>, Vec<_>) = (0..discs).map(|disc| cycle.flank_cells(disc, cells)).unzip();
         (means, highest(&peaks, cells))
     };

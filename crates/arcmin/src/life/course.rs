@@ -10,7 +10,7 @@ use crate::machine::{Machine, PartWear};
 use crate::progress::Progress;
 use crate::units::HOUR;
 use crate::wear::calibrate::coupled_exposure;
-use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearError, WearSnapshot};
+use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearCase, WearError, WearSnapshot};
 
 /// The machine after some hours of its duty.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,9 +38,9 @@ impl WornState {
         self.surfaces.flank().deepest().0
     }
 
-    /// Puts surfaces and parts as they are now on joints of the machine.
-    pub fn put_on<S: ShareLoad>(&self, machine: &Machine, joints: &mut S) {
-        self.surfaces.put_on(&machine.designed_relief(), joints);
+    /// Puts surfaces, on top of what the design takes off the flank, and parts as they are now on joints.
+    pub fn put_on<S: ShareLoad>(&self, designed: &Relief, joints: &mut S) {
+        self.surfaces.put_on(designed, joints);
         joints.set_part_wear(&self.part_wear);
     }
 
@@ -71,15 +71,53 @@ impl Default for WornState {
 /// change the growth of the clearances by less than 1 % (tested).
 const INTERVALS: usize = 30;
 
-/// A machine on its way through its hours.
-pub struct Course<'a> {
-    machine: &'a Machine,
-    wear: CoupledWear<'a, MachineMeshing>,
-    parts: PartsFollower<'a>,
+/// Parts beside flanks and pins that wear, on the drive with its surfaces as they are.
+pub trait PartsBeside {
+    /// Whether any of them wears.
+    fn wear_at_all(&self) -> bool;
+
+    /// Takes over the surfaces of flanks and pins.
+    fn see(&mut self, surfaces: &WearSnapshot);
+
+    /// Wears them for `time` (s) at the loads of the present state.
+    ///
+    /// # Errors
+    /// [`WearError::Load`] where no balance is found.
+    fn advance(&mut self, time: f64) -> Result<(), WearError>;
+
+    fn wear(&self) -> PartWear;
+}
+
+/// Nothing beside flanks and pins wears.
+impl PartsBeside for () {
+    fn wear_at_all(&self) -> bool {
+        false
+    }
+
+    fn see(&mut self, _: &WearSnapshot) {}
+
+    fn advance(&mut self, _: f64) -> Result<(), WearError> {
+        Ok(())
+    }
+
+    fn wear(&self) -> PartWear {
+        PartWear::default()
+    }
+}
+
+/// A drive on its way through its hours.
+pub struct Course<S: ShareLoad, P: PartsBeside> {
+    wear: CoupledWear<S>,
+    parts: P,
     exposure: Exposure,
     hours: f64,
+    /// h; intervals are shares of it.
+    service_life: f64,
     way: Way,
 }
+
+/// An RV reducer on its way.
+pub type MachineCourse<'a> = Course<MachineMeshing, PartsFollower<'a>>;
 
 /// States on the way, evenly many updates apart and never many: what is known of a machine that wears away before the
 /// next station.
@@ -117,7 +155,7 @@ impl Way {
     }
 }
 
-impl<'a> Course<'a> {
+impl<'a> MachineCourse<'a> {
     /// The new machine. The wear coefficient belongs to the design: where it is to be calibrated, the nominal
     /// machine is.
     ///
@@ -127,30 +165,44 @@ impl<'a> Course<'a> {
         machine: &'a Machine,
         fidelity: &Fidelity,
         options: CoupledOptions,
-    ) -> Result<Course<'a>, AnalysisError> {
+    ) -> Result<MachineCourse<'a>, AnalysisError> {
         let exposure = coupled_exposure(machine, fidelity.nominal().meshing(machine)?, options)
             .map_err(AnalysisError::wear("find the wear coefficient"))?;
-        Course::with_exposure(machine, fidelity, options, exposure)
+        MachineCourse::with_exposure(machine, fidelity, options, exposure)
     }
 
     /// The new machine with a wear coefficient at hand.
     ///
     /// # Errors
-    /// As [`Course::new`].
+    /// As [`MachineCourse::new`].
     pub fn with_exposure(
         machine: &'a Machine,
         fidelity: &Fidelity,
         options: CoupledOptions,
         exposure: Exposure,
-    ) -> Result<Course<'a>, AnalysisError> {
-        Ok(Course {
-            wear: CoupledWear::with(machine, fidelity.meshing(machine)?, options).on_clock(&exposure),
-            parts: PartsFollower::with(machine, fidelity.in_bearings(machine)?),
-            machine,
+    ) -> Result<MachineCourse<'a>, AnalysisError> {
+        let wear = CoupledWear::with(machine, fidelity.meshing(machine)?, options);
+        let parts = PartsFollower::with(machine, fidelity.in_bearings(machine)?);
+        Ok(Course::of(wear, parts, exposure, machine.limits.service_life))
+    }
+}
+
+impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
+    /// The new drive; `service_life` in s.
+    pub fn of(wear: CoupledWear<S>, parts: P, exposure: Exposure, service_life: f64) -> Course<S, P> {
+        Course {
+            wear: wear.on_clock(&exposure),
+            parts,
             exposure,
             hours: 0.0,
+            service_life: service_life / HOUR,
             way: Way::new(),
-        })
+        }
+    }
+
+    /// What wears.
+    pub fn case(&self) -> &WearCase {
+        self.wear.case()
     }
 
     /// The wear coefficient over time.
@@ -169,7 +221,7 @@ impl<'a> Course<'a> {
 
     /// The machine as it is now.
     pub fn state(&self) -> WornState {
-        WornState { hours: self.hours, surfaces: self.wear.state().clone(), part_wear: *self.parts.wear() }
+        WornState { hours: self.hours, surfaces: self.wear.state().clone(), part_wear: self.parts.wear() }
     }
 
     /// Some states on the way after these hours.
@@ -178,17 +230,8 @@ impl<'a> Course<'a> {
     }
 
     /// Joints that share load, with the surfaces reached.
-    pub fn meshing(&mut self) -> &mut MachineMeshing {
+    pub fn meshing(&mut self) -> &mut S {
         self.wear.meshing_mut()
-    }
-
-    pub(super) fn machine(&self) -> &'a Machine {
-        self.machine
-    }
-
-    /// The whole machine in its bearings beside it.
-    pub fn parts(&self) -> &PartsFollower<'a> {
-        &self.parts
     }
 
     /// Goes on to the given hours.
@@ -196,14 +239,14 @@ impl<'a> Course<'a> {
     /// # Errors
     /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` where the machine is past use.
     pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
-        let interval = self.machine.limits.service_life / HOUR / INTERVALS as f64;
+        let interval = self.service_life / INTERVALS as f64;
         while self.hours < hours {
             let next = (((self.hours / interval) + 1e-9).floor() + 1.0) * interval;
             let next = next.min(hours);
-            if self.machine.wear.parts.any() {
+            if self.parts.wear_at_all() {
                 self.parts.see(self.wear.state());
                 self.parts.advance((next - self.hours) * HOUR)?;
-                self.wear.set_part_wear(self.parts.wear());
+                self.wear.set_part_wear(&self.parts.wear());
             }
             let mut stopped = false;
             let (exposure, parts, way) = (&self.exposure, &self.parts, &mut self.way);
@@ -211,7 +254,7 @@ impl<'a> Course<'a> {
                 way.see(|| WornState {
                     hours: exposure.time_at(surfaces.exposure) / HOUR,
                     surfaces: surfaces.clone(),
-                    part_wear: *parts.wear(),
+                    part_wear: parts.wear(),
                 });
                 stopped = progress.is_cancelled();
                 stopped
@@ -245,7 +288,7 @@ pub fn worn_after(
     if hours == 0.0 {
         return Ok(WornState::new());
     }
-    let mut course = Course::new(machine, fidelity, CoupledOptions::default())?;
+    let mut course = MachineCourse::new(machine, fidelity, CoupledOptions::default())?;
     course.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
     Ok(course.state())
 }

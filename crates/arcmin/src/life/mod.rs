@@ -6,12 +6,14 @@ mod extremes;
 mod parts;
 mod predict;
 mod tao2024;
+mod whole;
 
 pub(crate) use accuracy::hardest;
 pub use accuracy::{Accuracy, Travel, accuracy, travel};
-pub use course::{Course, WornState, worn_after};
+pub use course::{Course, MachineCourse, PartsBeside, WornState, worn_after};
 pub(crate) use parts::lost_motion_of;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
-pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict};
+pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict, predict_course};
 pub(crate) use predict::{STATES_IN_A_ROW, crossing};
 pub use tao2024::{PaperStudy, paper_depths, paper_study};
+pub use whole::{MachineInBearings, WholeDrive, WholeStage};

@@ -1,6 +1,8 @@
 //! What the whole machine with its bearings makes of worn surfaces: lost motion by cause, and the wear of
 //! bearings and gears.
 
+use super::whole::POSITIONS;
+use super::{MachineInBearings, PartsBeside, WholeDrive};
 use crate::dynamics::{BearingMeshing, LostMotionSplit};
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
@@ -28,85 +30,31 @@ pub struct PartsFollower<'a> {
     wear: PartWear,
 }
 
-/// Crank positions over a turn of the crankshafts for lost motion and for rates.
-const POSITIONS: usize = 12;
-
-/// Crank positions of the mean lost motion: more of them where it takes the whole ring to repeat (a test
-/// shows what is left).
-pub(super) fn lost_motion_positions<S: ShareLoad>(meshing: &S) -> usize {
-    if meshing.discs_alike() { POSITIONS } else { 4 * POSITIONS }
-}
-
 impl<'a> PartsFollower<'a> {
     /// Of joints at hand, as new.
     pub fn with(machine: &'a Machine, meshing: BearingMeshing) -> PartsFollower<'a> {
         PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default() }
     }
+}
 
-    pub fn wear(&self) -> &PartWear {
-        &self.wear
+impl PartsBeside for PartsFollower<'_> {
+    fn wear_at_all(&self) -> bool {
+        self.machine.wear.parts.any()
     }
 
-    /// Takes over the surfaces of flanks and pins.
-    pub fn see(&mut self, surfaces: &WearSnapshot) {
+    fn see(&mut self, surfaces: &WearSnapshot) {
         surfaces.put_on(&self.designed, &mut self.meshing);
     }
 
-    /// Lost motion by cause with these surfaces and what bearings and gears have lost by then.
-    ///
-    /// # Errors
-    /// [`WearError::Load`] where no balance is found.
-    pub fn lost_motion_causes(
-        &self,
-        surfaces: &WearSnapshot,
-        wear: PartWear,
-    ) -> Result<PartsPoint, WearError> {
-        self.lost_motion_causes_on(&mut self.meshing.clone(), surfaces, wear)
-    }
-
-    /// The whole machine in its bearings, for [`PartsFollower::lost_motion_causes_on`].
-    pub(super) fn meshing(&self) -> &BearingMeshing {
-        &self.meshing
-    }
-
-    /// [`PartsFollower::lost_motion_causes`] on joints that keep what they have found for the next state.
-    pub(super) fn lost_motion_causes_on(
-        &self,
-        meshing: &mut BearingMeshing,
-        surfaces: &WearSnapshot,
-        wear: PartWear,
-    ) -> Result<PartsPoint, WearError> {
-        let positions = self.worn_on(meshing, surfaces, wear);
-        Ok(PartsPoint { wear, lost_motion: meshing.lost_motion_causes(positions, &mut Vec::new())? })
-    }
-
-    /// Its whole alone, in rad.
-    pub(super) fn lost_motion_on(
-        &self,
-        meshing: &mut BearingMeshing,
-        surfaces: &WearSnapshot,
-        wear: PartWear,
-    ) -> Result<f64, WearError> {
-        let positions = self.worn_on(meshing, surfaces, wear);
-        Ok(meshing.lost_motion(positions)?)
-    }
-
-    /// Puts wear on, and says at how many positions lost motion is read.
-    fn worn_on(&self, meshing: &mut BearingMeshing, surfaces: &WearSnapshot, wear: PartWear) -> usize {
-        surfaces.put_on(&self.designed, meshing);
-        meshing.set_part_wear(&wear);
-        lost_motion_positions(meshing)
-    }
-
-    /// Wears bearings and gears for `time` (s) at the loads of the present state.
-    ///
-    /// # Errors
-    /// [`WearError::Load`] where no balance is found.
-    pub fn advance(&mut self, time: f64) -> Result<(), WearError> {
+    fn advance(&mut self, time: f64) -> Result<(), WearError> {
         let rates = self.meshing.part_wear_rates(self.machine, POSITIONS)?;
         self.wear = self.wear.plus(&rates, time);
         self.meshing.set_part_wear(&self.wear);
         Ok(())
+    }
+
+    fn wear(&self) -> PartWear {
+        self.wear
     }
 }
 
@@ -119,7 +67,7 @@ pub fn lost_motion_causes(
     joints: BearingMeshing,
     state: &super::WornState,
 ) -> Result<PartsPoint, WearError> {
-    PartsFollower::with(machine, joints).lost_motion_causes(&state.surfaces, state.part_wear)
+    MachineInBearings::new(machine, joints).split(state)
 }
 
 /// Lost motion of a machine in the given state in rad, friction aside.
@@ -131,8 +79,7 @@ pub(crate) fn lost_motion_of(
     joints: BearingMeshing,
     state: &super::WornState,
 ) -> Result<f64, WearError> {
-    let parts = PartsFollower::with(machine, joints);
-    parts.lost_motion_on(&mut parts.meshing.clone(), &state.surfaces, state.part_wear)
+    MachineInBearings::new(machine, joints).lost_motion(state)
 }
 
 #[cfg(test)]
@@ -329,7 +276,7 @@ mod tests {
             for _ in 0..steps {
                 parts.advance(7500.0 * HOUR / steps as f64).unwrap();
             }
-            *parts.wear()
+            parts.wear()
         };
         let (coarse, fine) = (growth(3), growth(6));
         assert!(coarse.turning_arm > UM, "{coarse:?}");
@@ -357,7 +304,7 @@ mod tests {
             let time = 1250.0 * HOUR;
             parts.see(wear.state());
             parts.advance(time).unwrap();
-            wear.set_part_wear(parts.wear());
+            wear.set_part_wear(&parts.wear());
             wear.advance_to(exposure.at(time * f64::from(step))).unwrap();
         }
         assert!(

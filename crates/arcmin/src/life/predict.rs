@@ -2,15 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::parts::{PartsPoint, lost_motion_positions};
-use super::{Accuracy, Course, Travel, WornState, accuracy, travel};
+use super::{
+    Accuracy, Course, MachineCourse, MachineInBearings, PartsBeside, PartsPoint, Travel, WholeDrive,
+    WornState, accuracy, travel,
+};
 use crate::analyses::AnalysisError;
-use crate::fidelity::{Fidelity, MachineMeshing};
-use crate::load::lost_motion;
+use crate::fidelity::Fidelity;
+use crate::load::ShareLoad;
 use crate::machine::{Machine, OutputAngle};
 use crate::progress::{Counter, Progress};
 use crate::units::{HOUR, UM};
-use crate::wear::{CoupledOptions, Exposure, WearError};
+use crate::wear::{CoupledOptions, Exposure, WearCase, WearError};
 
 /// The machine at one time of its life.
 #[derive(Debug, Clone)]
@@ -19,8 +21,8 @@ pub struct LifePoint {
     pub accuracy: Accuracy,
     /// Where it was asked for.
     pub travel: Option<Travel>,
-    /// Lost motion of the tooth contacts alone: ideal joints, the same surfaces.
-    pub contact_lost_motion: OutputAngle,
+    /// Lost motion of the tooth contacts alone: ideal joints, the same surfaces. `None` for a drive without this model.
+    pub contact_lost_motion: Option<OutputAngle>,
     /// Lost motion of the whole machine in its bearings: what the limit is about.
     pub lost_motion: OutputAngle,
     /// The same by cause, where it was asked for.
@@ -92,9 +94,7 @@ impl Default for LifeOptions {
     }
 }
 
-/// Follows the coupled wear over the service life and on until the limit of the lost motion is reached or
-/// `search_factor` service lives are over. `seen` is shown every state as soon as it is reached: what is
-/// computed from it can begin before the prediction ends.
+/// [`predict_course`] of an RV reducer.
 ///
 /// # Errors
 /// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
@@ -103,11 +103,30 @@ pub fn predict(
     fidelity: &Fidelity,
     options: LifeOptions,
     progress: &dyn Progress,
+    seen: impl FnMut(&WornState),
+) -> Result<Prediction, AnalysisError> {
+    let course = MachineCourse::new(machine, fidelity, options.wear)?;
+    let whole = MachineInBearings::new(machine, fidelity.in_bearings(machine)?);
+    predict_course(course, &whole, machine.limits.service_life, options, progress, seen)
+}
+
+/// Follows the coupled wear over the service life (s) and on until the limit of the lost motion is reached or
+/// `search_factor` service lives are over. `seen` is shown every state as soon as it is reached: what is
+/// computed from it can begin before the prediction ends.
+///
+/// # Errors
+/// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
+pub fn predict_course<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
+    mut course: Course<S, P>,
+    whole: &W,
+    service_life: f64,
+    options: LifeOptions,
+    progress: &dyn Progress,
     mut seen: impl FnMut(&WornState),
 ) -> Result<Prediction, AnalysisError> {
     let failed = || AnalysisError::wear("predict the wear");
-    let mut course = Course::new(machine, fidelity, options.wear)?;
-    let service_hours = machine.limits.service_life / HOUR;
+    let service_hours = service_life / HOUR;
+    let case = course.case().clone();
     let mut states = Vec::with_capacity(options.intervals + 1);
     let mut runs_away = None;
     for interval in 0..=options.intervals {
@@ -127,7 +146,7 @@ pub fn predict(
     let done = Counter::new("accuracy", states.len(), progress);
     let mut points = states
         .par_chunks(STATES_IN_A_ROW)
-        .map(|states| follow(&course, &joints, states, options, &done))
+        .map(|states| follow(&case, &joints, whole, states, options, &done))
         .collect::<Result<Vec<Vec<LifePoint>>, WearError>>()
         .map_err(failed())?
         .concat();
@@ -136,7 +155,7 @@ pub fn predict(
         let last = states.last().map_or(0.0, |state| state.hours);
         let lost: Vec<WornState> = course.on_the_way_after(last).cloned().collect();
         let done = Counter::new("accuracy", lost.len(), progress);
-        let known = |state| follow(&course, &joints, std::slice::from_ref(state), options, &done).ok();
+        let known = |state| follow(&case, &joints, whole, std::slice::from_ref(state), options, &done).ok();
         points.extend(lost.iter().map_while(known).flatten());
         if progress.is_cancelled() {
             return Err(AnalysisError::Stopped);
@@ -146,10 +165,11 @@ pub fn predict(
     let mut lost_motion: Vec<(f64, f64)> =
         points.iter().map(|point| (point.hours(), point.lost_motion.radians())).collect();
     let (beyond, searched_hours) = match runs_away {
-        None => search_limit(&mut course, machine, options, &mut lost_motion, progress).map_err(failed())?,
+        None => search_limit(&mut course, whole, service_hours, options, &mut lost_motion, progress)
+            .map_err(failed())?,
         Some(RunAway { hours, .. }) => (None, hours),
     };
-    let hours_to_limit = crossing(&lost_motion, machine.limits.lost_motion);
+    let hours_to_limit = crossing(&lost_motion, case.lost_motion);
     Ok(Prediction {
         points,
         exposure,
@@ -167,38 +187,35 @@ pub fn predict(
 pub(crate) const STATES_IN_A_ROW: usize = 16;
 
 /// Evaluates some states in a row.
-fn follow(
-    course: &Course<'_>,
-    joints: &MachineMeshing,
+fn follow<S: ShareLoad + Clone, W: WholeDrive>(
+    case: &WearCase,
+    joints: &S,
+    whole: &W,
     states: &[WornState],
     options: LifeOptions,
     done: &Counter<'_>,
 ) -> Result<Vec<LifePoint>, WearError> {
-    let machine = course.machine();
-    let mut joints = joints.clone();
-    let mut in_bearings = course.parts().meshing().clone();
+    let (mut joints, mut whole) = (joints.clone(), whole.clone());
     let mut points = Vec::with_capacity(states.len());
     for state in states {
         if done.is_cancelled() {
             return Err(WearError::Stopped);
         }
-        state.put_on(machine, &mut joints);
+        state.put_on(&case.designed, &mut joints);
         let flank = state.surfaces.flank();
-        let accuracy = accuracy(machine, &mut joints, flank, state.hours, options.crank_positions)?;
+        let accuracy = accuracy(case, &mut joints, flank, state.hours, options.crank_positions)?;
         let travel =
-            options.travel.then(|| travel(machine, &mut joints, options.crank_positions)).transpose()?;
-        let (parts, surfaces, wear) = (course.parts(), &state.surfaces, state.part_wear);
-        let (whole, causes) = if options.causes {
-            let point = parts.lost_motion_causes_on(&mut in_bearings, surfaces, wear)?;
-            (point.lost_motion.whole, Some(point))
-        } else {
-            (parts.lost_motion_on(&mut in_bearings, surfaces, wear)?, None)
+            options.travel.then(|| travel(case, &mut joints, options.crank_positions)).transpose()?;
+        let causes = if options.causes { whole.causes(state)? } else { None };
+        let lost_motion = match &causes {
+            Some(point) => point.lost_motion.whole,
+            None => whole.lost_motion(state)?,
         };
         points.push(LifePoint {
             accuracy,
             travel,
-            contact_lost_motion: of_contacts(machine, state)?,
-            lost_motion: OutputAngle::from_radians(whole),
+            contact_lost_motion: whole.contact_lost_motion(state)?,
+            lost_motion: OutputAngle::from_radians(lost_motion),
             causes,
             state: state.clone(),
         });
@@ -207,33 +224,26 @@ fn follow(
     Ok(points)
 }
 
-/// Lost motion of the tooth contacts alone.
-fn of_contacts(machine: &Machine, state: &WornState) -> Result<OutputAngle, WearError> {
-    let mut meshing = state.surfaces.meshing(machine);
-    let positions = lost_motion_positions(&meshing);
-    Ok(lost_motion(&mut meshing, machine.rated.torque, positions)?)
-}
-
 /// Goes on beyond the service life until the lost motion reaches its limit: the machine there, and how far
 /// was looked. `history` holds (h, rad) over the service life, and what was found beyond.
-fn search_limit(
-    course: &mut Course<'_>,
-    machine: &Machine,
+fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
+    course: &mut Course<S, P>,
+    whole: &W,
+    service_hours: f64,
     options: LifeOptions,
     history: &mut Vec<(f64, f64)>,
     progress: &dyn Progress,
 ) -> Result<(Option<WornState>, f64), WearError> {
-    let service_hours = machine.limits.service_life / HOUR;
-    let limit = machine.limits.lost_motion;
+    let limit = course.case().lost_motion;
     let furthest = options.search_factor.max(1.0) * service_hours;
     let (mut beyond, mut searched_hours) = (None, service_hours);
-    let mut in_bearings = course.parts().meshing().clone();
+    let mut whole = whole.clone();
     while crossing(history, limit).is_none() && searched_hours < furthest {
         progress.report("search of the limit", (searched_hours - service_hours) / (furthest - service_hours));
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
         let found = course.advance_to(hours, progress).and_then(|()| {
             let state = course.state();
-            let lost = course.parts().lost_motion_on(&mut in_bearings, &state.surfaces, state.part_wear)?;
+            let lost = whole.lost_motion(&state)?;
             Ok((state, lost))
         });
         match found {

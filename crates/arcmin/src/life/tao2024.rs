@@ -4,8 +4,8 @@ use super::{Accuracy, Travel, accuracy, travel};
 use crate::geometry::Relief;
 use crate::machine::Machine;
 use crate::units::UM;
-use crate::wear::WearError;
 use crate::wear::paper::PaperWear;
+use crate::wear::{WearCase, WearError};
 
 /// The paper's study.
 #[derive(Debug, Clone)]
@@ -31,14 +31,14 @@ pub fn paper_study(
     crank_positions: usize,
 ) -> Result<PaperStudy, WearError> {
     let deepest = depths.iter().copied().fold(0.0, f64::max);
-    let wear = PaperWear::new(machine, deepest);
+    let (wear, case) = (PaperWear::new(machine, deepest), WearCase::from(machine));
     let mut points = Vec::with_capacity(depths.len());
     for depth in depths {
         let flank = Relief::uniform(*depth);
         let hours = wear.as_ref().map_or(f64::NAN, |wear| wear.hours_at(*depth));
         let mut meshing = machine.meshing(&flank);
-        let accuracy = accuracy(machine, &mut meshing, &flank, hours, crank_positions)?;
-        points.push((*depth, accuracy, travel(machine, &mut meshing, crank_positions)?));
+        let accuracy = accuracy(&case, &mut meshing, &flank, hours, crank_positions)?;
+        points.push((*depth, accuracy, travel(&case, &mut meshing, crank_positions)?));
     }
     Ok(PaperStudy { points, wear })
 }

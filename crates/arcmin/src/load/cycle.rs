@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::{FreeTravel, LoadError, LoadSharing, Meshing, Preload};
 use crate::contact::{LineContact, PinContact};
-use crate::machine::{CrankAngle, Machine, OutputAngle};
+use crate::machine::{CrankAngle, OutputAngle};
 
 /// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads
 /// from it.
@@ -134,10 +134,10 @@ impl Cycle {
         self.preload.iter().map(|preload| preload.force).fold(0.0, f64::max)
     }
 
-    /// Friction torque at the output in N·m that the preload causes with the flank friction of the machine,
-    /// mean over the cycle.
-    pub fn preload_friction_torque(&self, machine: &Machine) -> f64 {
-        let sum: f64 = self.preload.iter().map(|preload| preload.friction_torque(machine)).sum();
+    /// Friction torque at the output in N·m that the preload causes with a coefficient of friction of the
+    /// flanks, mean over the cycle.
+    pub fn preload_friction_torque(&self, flank_friction: f64) -> f64 {
+        let sum: f64 = self.preload.iter().map(|preload| preload.friction_torque(flank_friction)).sum();
         sum / self.preload.len().max(1) as f64
     }
 

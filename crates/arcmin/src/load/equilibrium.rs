@@ -80,10 +80,10 @@ impl Preload {
         preload
     }
 
-    /// Friction torque at the output in N·m with the machine's coefficient of the flank (the smaller of flank
-    /// and seat for pins that spin).
-    pub fn friction_torque(&self, machine: &Machine) -> f64 {
-        machine.flank_friction() * self.sliding_moment
+    /// Friction torque at the output in N·m with a coefficient of the flanks (the smaller of flank and seat for pins that
+    /// spin).
+    pub fn friction_torque(&self, flank_friction: f64) -> f64 {
+        flank_friction * self.sliding_moment
     }
 }
 

@@ -2,7 +2,7 @@ use super::{FreeTravel, LoadError, LoadSharing, Meshing, Preload, ShareLoad};
 use crate::contact::{DiscVelocity, LineContact, PinContact, PinContacts};
 use crate::fem::{CoupledContact, CoupledForces, FlexibleDiscs};
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
-use crate::machine::{CrankAngle, Kinematics, Machine, OutputAngle};
+use crate::machine::{CrankAngle, Machine, OutputAngle};
 
 /// [`Meshing`] with elastic discs: ideal crank joints, input locked, each disc held at its bores.
 ///
@@ -254,8 +254,12 @@ impl FlexibleMeshing {
 impl ShareLoad for FlexibleMeshing {
     type Start = OutputAngle;
 
-    fn kinematics(&self) -> &Kinematics {
-        self.rigid.kinematics()
+    fn pattern_period(&self) -> f64 {
+        self.rigid.pattern_period()
+    }
+
+    fn disc_speed(&self, input_speed: f64) -> f64 {
+        self.rigid.disc_speed(input_speed)
     }
 
     fn contacts(&self) -> &PinContacts {
@@ -332,7 +336,7 @@ mod tests {
             let discs = FlexibleDiscs::with(&machine, |_| Ok::<_, FemError>(stiff.clone())).unwrap();
             machine.flexible_meshing(&Relief::uniform(0.0), discs)
         };
-        let worn = |mut wear: CoupledWear<'_, FlexibleMeshing>| {
+        let worn = |mut wear: CoupledWear<FlexibleMeshing>| {
             wear.advance_to(exposure).unwrap();
             wear.state().flank().clone()
         };

@@ -1,7 +1,7 @@
 use super::{Cycle, FreeTravel, LoadError, LoadSharing, Meshing};
 use crate::contact::{PinContact, PinContacts};
 use crate::geometry::Relief;
-use crate::machine::{CrankAngle, Kinematics, OutputAngle, OutputForces, PartWear};
+use crate::machine::{CrankAngle, OutputAngle, OutputForces, PartWear};
 
 /// Whatever finds the forces of all pins at a crank position with the input locked: ideal joints
 /// ([`Meshing`]) or bearings ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over
@@ -10,7 +10,11 @@ pub trait ShareLoad: Send + Sync {
     /// A solution, kept for where a neighbouring one may start.
     type Start: Clone + Send + Sync;
 
-    fn kinematics(&self) -> &Kinematics;
+    /// Crank angle over which the pattern of pins and discs repeats in rad.
+    fn pattern_period(&self) -> f64;
+
+    /// Speed (rad/s) at which the discs turn against the ring for a speed of the input.
+    fn disc_speed(&self, input_speed: f64) -> f64;
 
     /// Flank and contact law of a disc.
     fn contacts(&self) -> &PinContacts;
@@ -84,7 +88,7 @@ pub trait ShareLoad: Send + Sync {
     /// shifts the fractions, `shift` goes that many places on along the period with the same fractions: one
     /// place for one fraction would be taken for a property of the flank.
     fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
-        turn_position(self.kinematics(), self.pitches(), index, count, offset, shift)
+        turn_position(self.pattern_period(), self.pitches(), index, count, offset, shift)
     }
 
     /// Whether all discs lose the same metal, as in a machine without errors.
@@ -97,7 +101,7 @@ pub trait ShareLoad: Send + Sync {
     /// # Errors
     /// [`LoadError`] of the first position that has no solution.
     fn pitch_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        let period = self.kinematics().pattern_period();
+        let period = self.pattern_period();
         let angles = (0..count).map(|index| CrankAngle::from_radians(period * index as f64 / count as f64));
         sample(self, torque, period, angles)
     }
@@ -118,7 +122,7 @@ pub trait ShareLoad: Send + Sync {
     fn loaded_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let angles: Vec<CrankAngle> =
             (0..count).map(|index| self.crank_position(index, count, 0.0, 0)).collect();
-        sample(self, torque, self.kinematics().pattern_period() * self.pitches() as f64, angles)
+        sample(self, torque, self.pattern_period() * self.pitches() as f64, angles)
     }
 
     /// The play of [`ShareLoad::whole_cycle`] alone, towards the flank of `torque`.
@@ -126,7 +130,7 @@ pub trait ShareLoad: Send + Sync {
     /// # Errors
     /// [`LoadError`] of the first position that has no load-free balance.
     fn free_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        let mut cycle = Cycle::empty(self.kinematics().pattern_period() * self.pitches() as f64);
+        let mut cycle = Cycle::empty(self.pattern_period() * self.pitches() as f64);
         for index in (0..count).step_by(3) {
             let crank = self.crank_position(index, count, 0.0, 0);
             cycle.add_travel(self.travel(crank)?, torque);
@@ -135,9 +139,9 @@ pub trait ShareLoad: Send + Sync {
     }
 }
 
-/// [`ShareLoad::crank_position`] for a period of `pitches` pin pitches.
+/// [`ShareLoad::crank_position`] where the pattern repeats after `period` (rad) and everything after `pitches` of them.
 pub(crate) fn turn_position(
-    kinematics: &Kinematics,
+    period: f64,
     pitches: usize,
     index: usize,
     count: usize,
@@ -145,9 +149,7 @@ pub(crate) fn turn_position(
     shift: usize,
 ) -> CrankAngle {
     let whole = (index + shift) % count * pitches / count;
-    CrankAngle::from_radians(
-        kinematics.pattern_period() * (whole as f64 + (index as f64 + offset) / count as f64),
-    )
+    CrankAngle::from_radians(period * (whole as f64 + (index as f64 + offset) / count as f64))
 }
 
 /// Load sharing at the angles, each started from the one before.
@@ -200,8 +202,12 @@ pub fn lost_motion<S: ShareLoad>(
 impl ShareLoad for Meshing {
     type Start = OutputAngle;
 
-    fn kinematics(&self) -> &Kinematics {
-        Meshing::kinematics(self)
+    fn pattern_period(&self) -> f64 {
+        self.kinematics().pattern_period()
+    }
+
+    fn disc_speed(&self, input_speed: f64) -> f64 {
+        self.kinematics().speeds(input_speed).0
     }
 
     fn contacts(&self) -> &PinContacts {
@@ -244,7 +250,7 @@ impl ShareLoad for Meshing {
 
     /// At every position: with ideal joints it costs little.
     fn free_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
-        let mut cycle = Cycle::empty(Meshing::kinematics(self).pattern_period());
+        let mut cycle = Cycle::empty(self.pattern_period());
         for index in 0..count {
             cycle.add_travel(self.free_travel(self.crank_position(index, count, 0.0, 0))?, torque);
         }

@@ -10,7 +10,7 @@ use crate::analyses::{AnalysisError, Host};
 use crate::design::{Choice, Design, Value};
 use crate::exchange::{DutyRow, JointExport, JointInertia, JointState, Reduction, Stamp, reduce_duty};
 use crate::fidelity::{Fidelity, FidelityOptions};
-use crate::life::{Course, WornState};
+use crate::life::{MachineCourse, WornState};
 use crate::machine::{FixedMember, OutputForces};
 use crate::progress::Unseen;
 use crate::rig::{Curves, RigPlan, RigState, error_curve, loss_lines, main_bearing_load};
@@ -234,7 +234,7 @@ pub fn live(
     let rated = machine.rated.torque.abs();
     let mut course = match rests {
         true => None,
-        false => Some(Course::new(&nominal, &fidelity, CoupledOptions::default())?),
+        false => Some(MachineCourse::new(&nominal, &fidelity, CoupledOptions::default())?),
     };
     let mut states = Vec::with_capacity(measured.ages);
     for age in 0..if rests { 1 } else { measured.ages } {

@@ -1,6 +1,7 @@
 //! Calibration of the wear coefficient on observed depths or lost motion.
 
 use super::Exposure;
+use super::WearCase;
 use super::WearError;
 use super::coupled::{CoupledOptions, CoupledWear};
 use crate::geometry::Relief;
@@ -53,7 +54,7 @@ impl WearCurve {
     /// # Errors
     /// [`WearError`], `TargetNotReached` after 100 000 updates.
     pub fn until<S: ShareLoad>(
-        machine: &Machine,
+        case: &WearCase,
         meshing: S,
         options: CoupledOptions,
         clock: &Exposure,
@@ -61,12 +62,10 @@ impl WearCurve {
         mut enough: impl FnMut(f64, f64, f64) -> bool,
     ) -> Result<WearCurve, WearError> {
         let mut wear =
-            CoupledWear::with(machine, meshing, options.for_curves()).on_clock(clock).at_any_play();
+            CoupledWear::with(case.clone(), meshing, options.for_curves()).on_clock(clock).at_any_play();
         // As long as the wear itself, for those who ask for it.
-        let lost = |wear: &mut CoupledWear<'_, S>| match with_lost_motion {
-            true => {
-                Ok(lost_motion(wear.meshing_mut(), machine.rated.torque, LOST_MOTION_POSITIONS)?.radians())
-            }
+        let lost = |wear: &mut CoupledWear<S>| match with_lost_motion {
+            true => Ok(lost_motion(wear.meshing_mut(), case.rated_torque, LOST_MOTION_POSITIONS)?.radians()),
             false => Ok::<f64, WearError>(0.0),
         };
         let new = lost(&mut wear)?;
@@ -139,12 +138,12 @@ pub fn fit(
 /// # Errors
 /// [`WearError`].
 pub fn fit_with<S: ShareLoad + Clone>(
-    machine: &Machine,
+    case: impl Into<WearCase>,
     meshing: S,
     options: CoupledOptions,
     observations: &[Observation],
 ) -> Result<Calibration, WearError> {
-    fit_and_predict(machine, meshing, options, observations, &[], None)
+    fit_and_predict(case, meshing, options, observations, &[], None)
 }
 
 /// Fits k on some observations and predicts others, which take no part in the fit. With `running_in_duration`
@@ -157,18 +156,19 @@ pub fn fit_with<S: ShareLoad + Clone>(
 /// # Errors
 /// [`WearError`].
 pub fn fit_and_predict<S: ShareLoad + Clone>(
-    machine: &Machine,
+    case: impl Into<WearCase>,
     meshing: S,
     options: CoupledOptions,
     fitted: &[Observation],
     others: &[Observation],
     running_in_duration: Option<f64>,
 ) -> Result<Calibration, WearError> {
+    let case = case.into();
     let on_clock = |coefficient: f64| {
-        let clock = Exposure::new(coefficient, &machine.wear);
-        fit_on_clock(machine, meshing.clone(), options, fitted, others, running_in_duration, &clock)
+        let clock = Exposure::new(coefficient, &case.wear);
+        fit_on_clock(&case, meshing.clone(), options, fitted, others, running_in_duration, &clock)
     };
-    if !machine.wear.law.local_rate().depends_on_time() {
+    if !case.wear.law.local_rate().depends_on_time() {
         return on_clock(1.0);
     }
     if running_in_duration.is_some() {
@@ -211,7 +211,7 @@ pub(super) fn self_consistent(
 }
 
 fn fit_on_clock<S: ShareLoad>(
-    machine: &Machine,
+    case: &WearCase,
     meshing: S,
     options: CoupledOptions,
     fitted: &[Observation],
@@ -219,7 +219,7 @@ fn fit_on_clock<S: ShareLoad>(
     running_in_duration: Option<f64>,
     clock: &Exposure,
 ) -> Result<Calibration, WearError> {
-    let own = machine.wear.running_in;
+    let own = case.wear.running_in;
     let own = if running_in_duration.is_some() { None } else { own };
     // The exposure at which each observation alone is met bounds the common clock: a running-in only slows it
     // down later on.
@@ -228,7 +228,7 @@ fn fit_on_clock<S: ShareLoad>(
     let mut alone: Vec<Option<f64>> = vec![None; fitted.len()];
     let of_lost_motion = |o: &Observation| matches!(o.value, Observed::LostMotionIncrease(_));
     let lost_motion = fitted.iter().chain(others).any(of_lost_motion);
-    let curve = WearCurve::until(machine, meshing, options, clock, lost_motion, |exposure, depth, lost| {
+    let curve = WearCurve::until(case, meshing, options, clock, lost_motion, |exposure, depth, lost| {
         for (found, observation) in alone.iter_mut().zip(fitted) {
             let reached = match observation.value {
                 Observed::Depth(target) => depth >= target,
@@ -310,21 +310,22 @@ impl WearCurve {
 /// # Errors
 /// [`WearError`] when the prediction fails or the target is out of reach.
 pub fn coupled_exposure<S: ShareLoad + Clone>(
-    machine: &Machine,
+    case: impl Into<WearCase>,
     meshing: S,
     options: CoupledOptions,
 ) -> Result<Exposure, WearError> {
-    let observation = match machine.wear.coupled {
-        WearCoefficient::Given(k) => return Ok(Exposure::new(k, &machine.wear)),
+    let case = case.into();
+    let observation = match case.wear.coupled {
+        WearCoefficient::Given(k) => return Ok(Exposure::new(k, &case.wear)),
         WearCoefficient::Calibrated { time, depth } => Observation { time, value: Observed::Depth(depth) },
         WearCoefficient::CalibratedLostMotion { time, increase } => {
             Observation { time, value: Observed::LostMotionIncrease(increase) }
         }
     };
-    match fit_with(machine, meshing, options, &[observation]) {
+    match fit_with(case.clone(), meshing, options, &[observation]) {
         Ok(calibration) => Ok(calibration.exposure),
         // Whatever the coefficient, a duty that moves nothing under load wears nothing.
-        Err(WearError::NoWear) => Ok(Exposure::new(0.0, &machine.wear)),
+        Err(WearError::NoWear) => Ok(Exposure::new(0.0, &case.wear)),
         Err(error) => Err(error),
     }
 }

@@ -1,10 +1,11 @@
 //! Wear coupled to the load sharing: the worn flank moves the load, the load moves the wear.
 
+use std::sync::Arc;
+
 use super::deposit::FlankArc;
 use super::smoothing::ContactAverage;
-use super::{Exposure, WearError};
+use super::{Exposure, WearCase, WearError};
 use crate::geometry::Relief;
-use crate::load::closed_form::first_max_force;
 use crate::load::{Meshing, ShareLoad};
 use crate::machine::{Machine, PartWear};
 use crate::tribology::LocalRate;
@@ -93,25 +94,23 @@ const LEAST_INCREMENT: f64 = 0.01 * UM;
 /// Depth in m of flank or pin at which a machine is past any use: a quarter of the pin's radius is gone, or
 /// the flanks have opened `PAST_USE` times the limit of lost motion. A depth h off both flanks lets the output
 /// turn by 2 h/l, where l = e z_c is the largest lever arm of a pin.
-pub(crate) fn depth_past_use(machine: &Machine) -> f64 {
-    let lost_motion = PAST_USE * machine.limits.lost_motion.max(LEAST_LIMIT);
-    let open = 0.5 * lost_motion * machine.profile().largest_lever_arm();
-    open.min(WORN_OUT * machine.ring.pin_radius)
+pub(crate) fn depth_past_use(case: &WearCase) -> f64 {
+    let lost_motion = PAST_USE * case.lost_motion.max(LEAST_LIMIT);
+    let open = 0.5 * lost_motion * case.profile.largest_lever_arm();
+    open.min(WORN_OUT * case.pin_radius)
 }
 
 /// Approach in m of the hardest loaded contact of the new flank at the largest torque of the duty.
-fn hardest_approach(machine: &Machine) -> f64 {
-    let torque = machine.duty.iter().map(|duty| duty.torque.abs()).fold(0.0, f64::max);
-    let profile = machine.profile();
-    let at = profile.short_width_coefficient().min(1.0);
-    let curvature = profile.relative_curvature(at, machine.ring.pin_radius).max(1.0);
-    machine.line_contact().approach(first_max_force(machine, torque), 1.0 / curvature)
+fn hardest_approach(case: &WearCase) -> f64 {
+    let at = case.profile.short_width_coefficient().min(1.0);
+    let curvature = case.profile.relative_curvature(at, case.pin_radius).max(1.0);
+    case.contact.approach(case.largest_force, 1.0 / curvature)
 }
 
 /// The running computation: advance it in exposure and read snapshots.
 #[derive(Debug)]
-pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
-    machine: &'a Machine,
+pub struct CoupledWear<S: ShareLoad = Meshing> {
+    case: Arc<WearCase>,
     options: CoupledOptions,
     law: Box<dyn LocalRate>,
     /// Which time belongs to an exposure; only laws that depend on time need it.
@@ -119,7 +118,6 @@ pub struct CoupledWear<'a, S: ShareLoad = Meshing> {
     arc: FlankArc,
     average: ContactAverage,
     meshing: S,
-    designed: Relief,
     state: WearSnapshot,
     /// Depth in m at which the machine is past any use.
     past_use: f64,
@@ -151,39 +149,35 @@ fn equal_last_steps(left: f64, wanted: f64) -> f64 {
     if left > 2.0 * wanted { wanted } else { (left / (left / wanted).ceil()).min(left) }
 }
 
-impl<'a> CoupledWear<'a> {
+impl CoupledWear {
     /// With ideal joints.
-    pub fn new(machine: &'a Machine, options: CoupledOptions) -> CoupledWear<'a> {
+    pub fn new(machine: &Machine, options: CoupledOptions) -> CoupledWear {
         CoupledWear::with(machine, machine.meshing(&Relief::uniform(0.0)), options)
     }
 }
 
-impl<'a, S: ShareLoad> CoupledWear<'a, S> {
+impl<S: ShareLoad> CoupledWear<S> {
     /// With the joints of `meshing`, whose flanks and pins become those of the new machine.
-    pub fn with(machine: &'a Machine, meshing: S, options: CoupledOptions) -> CoupledWear<'a, S> {
-        let discs = if meshing.discs_alike() { 1 } else { machine.disc_count };
+    pub fn with(case: impl Into<WearCase>, meshing: S, options: CoupledOptions) -> CoupledWear<S> {
+        let case = case.into();
+        let discs = if meshing.discs_alike() { 1 } else { case.disc_count };
         // Pins that do not wear need no surface each.
-        let pins = if meshing.discs_alike() || machine.wear.pin_ratio == 0.0 {
-            1
-        } else {
-            discs * machine.ring.pin_count
-        };
+        let pins =
+            if meshing.discs_alike() || case.wear.pin_ratio == 0.0 { 1 } else { discs * case.pin_count() };
         let state = WearSnapshot::unworn(&options, discs, pins);
-        let profile = machine.profile();
-        let arc = FlankArc::new(&profile, options.flank_points);
+        let arc = FlankArc::new(&case.profile, options.flank_points);
         CoupledWear {
-            average: ContactAverage::new(machine, &profile, &arc, options.pin_points),
+            average: ContactAverage::new(&case, &arc, options.pin_points),
             arc,
             meshing,
-            designed: machine.designed_relief(),
-            starts: vec![None; machine.duty.len() * options.crank_positions],
-            law: machine.wear.law.local_rate(),
+            starts: vec![None; case.duty.len() * options.crank_positions],
+            law: case.wear.law.local_rate(),
             clock: None,
-            machine,
             options,
             state,
-            past_use: depth_past_use(machine),
-            approach: hardest_approach(machine),
+            past_use: depth_past_use(&case),
+            approach: hardest_approach(&case),
+            case: Arc::new(case),
             updates: 0,
             step: None,
             recent: None,
@@ -194,7 +188,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
 
     /// Goes on until flank or pin are gone, whatever play that leaves: for depths that were measured.
     pub(super) fn at_any_play(mut self) -> Self {
-        self.past_use = WORN_OUT * self.machine.ring.pin_radius;
+        self.past_use = WORN_OUT * self.case.pin_radius;
         self
     }
 
@@ -212,13 +206,18 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
 
     /// The joints, with the surfaces reached.
     pub fn meshing_mut(&mut self) -> &mut S {
-        self.state.put_on(&self.designed, &mut self.meshing);
+        self.state.put_on(&self.case.designed, &mut self.meshing);
         &mut self.meshing
     }
 
     /// Replaces what bearings and gears have lost, for joints that know of it.
     pub fn set_part_wear(&mut self, wear: &PartWear) {
         self.meshing.set_part_wear(wear);
+    }
+
+    /// The drive that wears.
+    pub fn case(&self) -> &WearCase {
+        &self.case
     }
 
     /// Surfaces reached.
@@ -310,7 +309,7 @@ impl<'a, S: ShareLoad> CoupledWear<'a, S> {
         depth: f64,
         target: f64,
     ) -> Result<Option<f64>, WearError> {
-        let pin_radius = self.machine.ring.pin_radius;
+        let pin_radius = self.case.pin_radius;
         let lost = |error: WearError| match error {
             WearError::Load(_) if depth > RUN_AWAY * pin_radius => runs_away(before.exposure, depth),
             error => error,

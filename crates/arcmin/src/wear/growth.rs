@@ -70,7 +70,7 @@ impl Growth {
         let mut wear =
             CoupledWear::with(machine, meshing, CoupledOptions::default().for_curves()).on_clock(clock);
         let torque = machine.rated.torque;
-        let lost = |wear: &mut CoupledWear<'_, S>| -> Result<f64, WearError> {
+        let lost = |wear: &mut CoupledWear<S>| -> Result<f64, WearError> {
             Ok(lost_motion(wear.meshing_mut(), torque, LOST_MOTION_POSITIONS)?.radians())
         };
         let new = lost(&mut wear)?;

@@ -6,6 +6,7 @@
 //! worn flank change the load sharing.
 
 pub mod calibrate;
+mod case;
 pub mod coupled;
 mod deposit;
 mod error;
@@ -16,6 +17,8 @@ pub mod parts;
 mod readings;
 mod smoothing;
 
+pub use case::WearCase;
+pub(crate) use case::largest_torque;
 pub(crate) use coupled::depth_past_use;
 pub use coupled::{CoupledOptions, CoupledWear, WearSnapshot};
 pub use deposit::FlankArc;

@@ -1,7 +1,6 @@
+use super::WearCase;
 use super::deposit::FlankArc;
 use crate::geometry::{Profile, Relief};
-use crate::load::closed_form::first_max_force;
-use crate::machine::Machine;
 
 /// What the contact sees of a worn surface: depth averaged over the width of the contact.
 ///
@@ -35,13 +34,11 @@ pub(super) struct ContactAverage {
 const SUPPORT: f64 = 1.732_050_807_568_877_2;
 
 impl ContactAverage {
-    pub fn new(machine: &Machine, profile: &Profile, arc: &FlankArc, pin_points: usize) -> ContactAverage {
-        let contact = machine.line_contact();
-        let torque = machine.duty.iter().map(|duty| duty.torque.abs()).fold(0.0, f64::max);
-        let largest = first_max_force(machine, torque);
+    pub fn new(case: &WearCase, arc: &FlankArc, pin_points: usize) -> ContactAverage {
+        let (profile, contact, largest) = (&case.profile, &case.contact, case.largest_force);
         let half_width = |phi: f64| {
             let force = largest * (profile.lever_arm(phi) / profile.largest_lever_arm()).abs();
-            contact.half_width(force, 1.0 / profile.relative_curvature(phi.cos(), machine.ring.pin_radius))
+            contact.half_width(force, 1.0 / profile.relative_curvature(phi.cos(), case.pin_radius))
         };
         let cells = arc.cells();
         let root = arc.centre(cells / 2);
@@ -58,15 +55,15 @@ impl ContactAverage {
             })
             .map(|(first, weights)| (first.rem_euclid(cells as isize) as usize, weights))
             .collect();
-        let pin_cell = std::f64::consts::TAU * machine.ring.pin_radius / pin_points as f64;
+        let pin_cell = std::f64::consts::TAU * case.pin_radius / pin_points as f64;
         // Pins wear where the contact turns back on them, at cos φ = K1.
         let pin_width = half_width(profile.short_width_coefficient().min(1.0).acos()).max(pin_cell);
         let (_, pin) = weights(0.5 * pin_cell, pin_width, |index| index as f64 * pin_cell);
         ContactAverage {
             flank,
             pin,
-            pin_curvature: pin_curvature(profile, machine.ring.pin_radius, pin_points),
-            pin_radius: machine.ring.pin_radius,
+            pin_curvature: pin_curvature(profile, case.pin_radius, pin_points),
+            pin_radius: case.pin_radius,
             pin_half_width: pin_width,
         }
     }
@@ -237,7 +234,7 @@ mod tests {
         let machine = crate::templates::tao2024();
         let profile = machine.profile();
         let arc = FlankArc::new(&profile, 720);
-        let average = ContactAverage::new(&machine, &profile, &arc, 1440);
+        let average = ContactAverage::new(&WearCase::from(&machine), &arc, 1440);
         for relief in [
             average.flank(&Relief::from_samples(vec![1e-5; 720])),
             average.pin(&Relief::from_samples(vec![1e-5; 1440])),
@@ -248,8 +245,7 @@ mod tests {
 
     fn average_of_the_rv_40e() -> ContactAverage {
         let machine = crate::templates::tao2024();
-        let profile = machine.profile();
-        ContactAverage::new(&machine, &profile, &FlankArc::new(&profile, 720), 1440)
+        ContactAverage::new(&WearCase::from(&machine), &FlankArc::new(&machine.profile(), 720), 1440)
     }
 
     /// A deep notch looks like two parabolas that stand on its shoulders: w = ½ κ (distance to the nearer one)²,

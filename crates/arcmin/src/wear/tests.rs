@@ -9,7 +9,7 @@ fn machine() -> Machine {
     crate::templates::tao2024()
 }
 
-fn life(m: &Machine, options: CoupledOptions) -> CoupledWear<'_> {
+fn life(m: &Machine, options: CoupledOptions) -> CoupledWear {
     let exposure = m.coupled_exposure(options).unwrap();
     let mut wear = CoupledWear::new(m, options);
     wear.advance_to(exposure.at(7500.0 * HOUR)).unwrap();
@@ -243,7 +243,7 @@ fn steps_of_wear_hold_on_random_designs() {
 fn wear_ends_where_a_machine_is_past_any_use() {
     let mut machine = crate::templates::tao2024();
     machine.limits.lost_motion = 0.1 * crate::units::ARCMIN;
-    let depth = super::depth_past_use(&machine);
+    let depth = super::depth_past_use(&(&machine).into());
     let mut meshing = machine.meshing(&Relief::uniform(depth));
     let lost_motion = crate::load::lost_motion(&mut meshing, machine.rated.torque, 6).unwrap().arcmin();
     // The discs carry 0.963 of the torque, the gears the rest, which lengthens the lever arm.

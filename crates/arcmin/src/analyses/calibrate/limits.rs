@@ -172,7 +172,7 @@ pub(super) fn judged(
         fidelity: fidelity.clone(),
         ..life::Options::parse("quasi_static = true\npoints = 12", "calibrate")?
     };
-    Ok(life::run(&design, &options, &Wanting { host, results: &["verdict"] })?.verdict)
+    Ok(life::run(&design, &options, &Wanting { host, results: &["verdict"] })?.drive.verdict)
 }
 
 /// A limit of the verdict at the last reading of a machine, with the hours planned and those looked at. `again` turns hours of the fitted coefficient into

@@ -151,7 +151,8 @@ pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
             q::PLAY.of(|o| o.either(|e| e.cycle.mean_play().arcmin(), |h| h.play.arcmin())),
             q::FREE_TRAVEL.of(|o| o.of_equilibrium(|e| e.cycle.mean_free_travel().arcmin())),
             q::PRELOAD.of(|o| o.of_equilibrium(|e| e.cycle.max_preload())),
-            q::PRELOAD_FRICTION.of(|o| o.of_equilibrium(|e| e.cycle.preload_friction_torque(&o.machine))),
+            q::PRELOAD_FRICTION
+                .of(|o| o.of_equilibrium(|e| e.cycle.preload_friction_torque(o.machine.flank_friction()))),
             q::TORSIONAL_STIFFNESS.of(|o| o.of_equilibrium(|e| e.stiffness() * ARCMIN)),
             quantity("disc_torque_shares", decimals(4), "Share of every disc in the output torque.").of(
                 |o| match &o.answer {

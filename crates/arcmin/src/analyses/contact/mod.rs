@@ -176,7 +176,7 @@ fn equilibrium(
         if options.friction { fidelity.running_meshing(machine) } else { fidelity.meshing(machine) }
     };
     let mut meshing = sharer(fidelity)?;
-    worn.put_on(machine, &mut meshing);
+    worn.put_on(&machine.designed_relief(), &mut meshing);
     let failed = || AnalysisError::compute("share the load");
     let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
     // The turn is what tables and pictures show; the figures are those of what repeats.
@@ -202,7 +202,7 @@ fn equilibrium(
     if host.is_cancelled() {
         return Err(AnalysisError::Stopped);
     }
-    let kinematics = meshing.kinematics();
+    let kinematics = machine.kinematics();
     let harmonics = match meshing.pitches() {
         1 => cycle.harmonics(kinematics.lobe_count, kinematics.pin_count),
         _ => Vec::new(),
@@ -214,9 +214,10 @@ fn equilibrium(
     } else {
         let mut nominal = sharer(&fidelity.nominal())?;
         if options.hours == 0.0 {
-            worn.put_on(machine, &mut nominal);
+            worn.put_on(&machine.designed_relief(), &mut nominal);
         } else {
-            worn_after(machine, &fidelity.nominal(), options.hours, host)?.put_on(machine, &mut nominal);
+            worn_after(machine, &fidelity.nominal(), options.hours, host)?
+                .put_on(&machine.designed_relief(), &mut nominal);
         }
         Some(nominal.whole_cycle(torque, 72).map_err(failed())?)
     };

@@ -288,7 +288,7 @@ impl Question<'_> {
             LimitKind::ContactPressure | LimitKind::ContactFatigue => {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
                 let mut meshing = self.fidelity.meshing(machine).ok()?;
-                point.state.put_on(machine, &mut meshing);
+                point.state.put_on(&machine.designed_relief(), &mut meshing);
                 let found = hardest(&mut meshing, machine.hardest_torque(), POSITIONS).ok()?;
                 Some(found.pressed.pressure / MPA)
             }
@@ -327,7 +327,7 @@ impl Question<'_> {
     /// crank positions as the prediction takes.
     fn cycle(&self, machine: &Machine, point: &LifePoint, of: CycleOf) -> Option<Cycle> {
         let mut meshing = self.fidelity.meshing(machine).ok()?;
-        point.state.put_on(machine, &mut meshing);
+        point.state.put_on(&machine.designed_relief(), &mut meshing);
         let positions = if meshing.discs_alike() { POSITIONS } else { RING_POSITIONS * POSITIONS };
         of(&mut meshing, machine.rated.torque, positions).ok()
     }

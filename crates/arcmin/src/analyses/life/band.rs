@@ -210,7 +210,7 @@ impl Inputs {
     }
 
     /// A record as it would be with these effects.
-    fn changed<'a>(&self, record: &Record<'a>, effect: &Effect) -> Record<'a> {
+    fn changed(&self, record: &Record, effect: &Effect) -> Record {
         let mut changed = record.clone();
         let between = |values: &[f64]| -> History {
             self.stations.iter().copied().zip(values.iter().copied()).collect()
@@ -235,7 +235,7 @@ impl Inputs {
     }
 
     /// Bands of the limits of a record; `None` where the design says of nothing that it is unknown.
-    pub fn bands(&self, record: &Record<'_>) -> Option<Bands> {
+    pub fn bands(&self, record: &Record) -> Option<Bands> {
         if self.inputs.is_empty() {
             return None;
         }
@@ -397,9 +397,9 @@ impl Look<'_> {
             bearing: 1.0,
         };
         for state in self.states {
-            state.put_on(machine, &mut in_bearings);
+            state.put_on(&machine.designed_relief(), &mut in_bearings);
             seen.lost_motion.push(in_bearings.lost_motion(LIGHT).map_err(failed())? / ARCMIN);
-            state.put_on(machine, &mut meshing);
+            state.put_on(&machine.designed_relief(), &mut meshing);
             let cycle: Cycle = meshing.loaded_cycle(machine.hardest_torque(), LOADED).map_err(failed())?;
             seen.pressure.push(cycle.max_pressure(&contact) / MPA);
             seen.transmission_error.push(cycle.peak_to_peak_error().arcmin());

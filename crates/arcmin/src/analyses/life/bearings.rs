@@ -1,5 +1,6 @@
 //! Rating lives of all bearings at the duty.
 
+use super::demands::Demands;
 use crate::analyses::AnalysisError;
 use crate::analyses::rig::with_friction;
 use crate::dynamics::{JointSettings, Lean};
@@ -139,8 +140,13 @@ fn lives_as_given(
         })
         .collect();
     bearings.extend(main_bearings(machine)?);
+    Ok(BearingLives { system_h: system_life(&bearings), bearings, assumed_friction: None })
+}
+
+/// L10h in h of bearings together: L^(−e) = Σ L_i^(−e).
+pub(in crate::analyses) fn system_life(bearings: &[BearingLife]) -> f64 {
     let system: f64 = bearings.iter().map(|bearing| bearing.life_h.powf(-WEIBULL_SLOPE)).sum();
-    Ok(BearingLives { bearings, system_h: system.powf(-1.0 / WEIBULL_SLOPE), assumed_friction: None })
+    system.powf(-1.0 / WEIBULL_SLOPE)
 }
 
 /// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of
@@ -196,18 +202,14 @@ impl BearingLives {
 /// The maker's catalogue life (hours at rated torque and 15 rpm of the output) at the duty, by ISO 281: L =
 /// L_c (15/n_m) (T_r/T_m)^(10/3), n_m and T_m the mean speed and the equivalent torque of the duty. `None`
 /// where nothing turns under load.
-pub fn catalogue_life_at_duty(machine: &Machine, hours: f64) -> Option<f64> {
+pub fn catalogue_life_at_duty(demands: &Demands, hours: f64) -> Option<f64> {
     const CATALOGUE_RPM: f64 = 15.0;
     let power = 10.0 / 3.0;
-    let kinematics = machine.kinematics();
-    let speed = |row: &DutyPoint| (kinematics.speeds(row.input_speed).0 / crate::units::RPM).abs();
-    let damage: f64 = machine
-        .duty
-        .iter()
-        .map(|row| {
-            row.share * speed(row) / CATALOGUE_RPM * (row.torque / machine.rated.torque).abs().powf(power)
-        })
-        .sum();
+    let damage = |row: &DutyPoint| {
+        let speed = demands.output_speed(row) / crate::units::RPM;
+        row.share * speed / CATALOGUE_RPM * (row.torque / demands.rated_torque).abs().powf(power)
+    };
+    let damage: f64 = demands.duty.iter().map(damage).sum();
     (damage > 0.0).then(|| hours / damage)
 }
 
@@ -289,9 +291,9 @@ mod tests {
         let mut machine = crate::templates::tao2024();
         let speed = 15.0 * crate::units::RPM * machine.kinematics().ratio();
         machine.duty = vec![DutyPoint { input_speed: speed, share: 1.0, ..machine.rated }];
-        assert!((catalogue_life_at_duty(&machine, 6000.0).unwrap() - 6000.0).abs() < 1e-6);
+        assert!((catalogue_life_at_duty(&Demands::of(&machine), 6000.0).unwrap() - 6000.0).abs() < 1e-6);
         machine.duty[0].torque *= 0.5;
-        let half = catalogue_life_at_duty(&machine, 6000.0).unwrap();
+        let half = catalogue_life_at_duty(&Demands::of(&machine), 6000.0).unwrap();
         assert!((half / 6000.0 - 2.0_f64.powf(10.0 / 3.0)).abs() < 1e-9);
     }
 }

@@ -1,10 +1,12 @@
 //! Tables and figures of the life of a machine.
 
+use std::ops::Deref;
+
 use super::ages::Age;
 use super::band::Band;
 use super::undecided::Undecided;
 use super::verdict::LimitKind;
-use super::{Life, bearings};
+use super::{DriveLife, Life, bearings};
 use crate::analyses::Host;
 use crate::analyses::causes::{self, CausesAt, HasCauses};
 use crate::analyses::{errors_table, wear};
@@ -12,6 +14,7 @@ use crate::dynamics::ErrorStatistics;
 use crate::fidelity::Fidelity;
 use crate::life::{Accuracy, LifePoint, PartsPoint, Travel};
 use crate::load::Spot;
+use crate::machine::OutputAngle;
 use crate::results::{
     Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits,
     quantities as q, quantity,
@@ -23,7 +26,7 @@ pub(super) struct Row {
     hours: f64,
     max_depth_um: f64,
     lost_motion_arcmin: f64,
-    contact_lost_motion_arcmin: f64,
+    contact_lost_motion_arcmin: Option<f64>,
     te_loaded_arcmin: f64,
     /// STE and DTE.
     te: [Option<ErrorStatistics>; 2],
@@ -70,7 +73,7 @@ impl Row {
             hours: point.hours(),
             max_depth_um: accuracy.max_depth / UM,
             lost_motion_arcmin: point.lost_motion.arcmin(),
-            contact_lost_motion_arcmin: point.contact_lost_motion.arcmin(),
+            contact_lost_motion_arcmin: point.contact_lost_motion.map(OutputAngle::arcmin),
             te_loaded_arcmin: accuracy.loaded_error.arcmin(),
             te: age.map_or([None, None], Age::statistics),
             max_force_n: accuracy.max_force,
@@ -147,31 +150,72 @@ pub fn tables() -> Vec<DeclaredTable> {
     ]
 }
 
-pub(super) fn fill(life: &Life) -> Vec<Table> {
-    let points = &life.prediction.points;
+/// `life.csv`, `wear.csv` and `bearing_life.csv` of a drive of any family.
+pub(in crate::analyses) fn tables_of(life: &DriveLife, ages: &[Age]) -> [Table; 3] {
+    let points = life.prediction.points.iter();
     let places: Vec<_> =
-        points.iter().flat_map(|point| wear::places(&life.machine, &point.state, &point.accuracy)).collect();
-    let mut tables = vec![
-        life_table(life),
-        wear::WEAR_TABLE.fill(&places),
-        causes::TABLE.fill(&life.causes_over_hours()),
-        bearings::TABLE.fill(&life.bearings.bearings),
-    ];
+        points.flat_map(|point| wear::places(&life.profile, &point.state, &point.accuracy)).collect();
+    [life_table(life, ages), wear::WEAR_TABLE.fill(&places), bearings::TABLE.fill(&life.bearings.bearings)]
+}
+
+pub(super) fn fill(life: &Life) -> Vec<Table> {
+    let [own, wear, bearings] = tables_of(life, &life.ages);
+    let mut tables = vec![own, wear, causes::TABLE.fill(&life.causes_over_hours()), bearings];
     tables.extend(errors_table::table(&life.fidelity));
     tables
 }
 
 /// `life.csv`.
-pub(super) fn life_table(life: &Life) -> Table {
+pub(super) fn life_table(life: &DriveLife, ages: &[Age]) -> Table {
     let points = life.prediction.points.iter().enumerate();
-    let row = |(index, point)| Row::new(point, life.ages.iter().find(|age| age.point == index));
+    let row = |(index, point)| Row::new(point, ages.iter().find(|age| age.point == index));
     LIFE.fill(&points.map(row).collect::<Vec<Row>>())
 }
 
 pub const SUMMARY: SummaryOf<Life> = SummaryOf {
     entries: || {
-        let mut entries = vec![
-            q::RATIO.of(|o: &Life| o.machine.kinematics().ratio().into()),
+        let mut entries = entries();
+        entries.extend(vec![
+            quantity(
+                "verdict.undecided",
+                PLAIN,
+                "Limits that are kept with rigid bodies and not with elastic ones, or the other way round: which, value \
+                 and hours of either, and why. Empty where bodies were chosen by name.",
+            )
+            .of(|o: &Life| Value::List(o.verdict.undecided.iter().map(Undecided::value).collect())),
+            quantity(
+                "hours_band",
+                PLAIN,
+                "Band [low, high] in h of hours_to_limit: nine of ten machines that [unknowns] allows lie in it, by \
+                 first-order sensitivities; null for more than was computed.",
+            )
+            .of(|o| o.verdict.band.as_ref().map_or(Value::Absent, Band::value)),
+            quantity("hangs_on", PLAIN, "Key of the input that moves hours_to_limit most: what to measure first.")
+                .of(|o| o.verdict.band.as_ref().and_then(|band| band.hangs_on.clone()).into()),
+            STE_MEAN.of(|o| o.last_te(false, |s| s.mean_abs)),
+            STE_MAX.of(|o| o.last_te(false, |s| s.max_abs)),
+            DTE_MEAN.of(|o| o.last_te(true, |s| s.mean_abs)),
+            DTE_MAX.of(|o| o.last_te(true, |s| s.max_abs)),
+            quantity(
+                "bearing_life_without_friction_h",
+                decimals(0),
+                "L10 of the bearing that lasts shortest without the friction that was assumed; absent where the design \
+                 gives its friction.",
+            )
+            .of(|o| o.bearings.assumed_friction.map(|assumed| assumed.without_h).into()),
+            quantity("advice", PLAIN, "What to change first, with what it gains of the limit reached first.")
+                .of(|o| Value::list(o.advice.iter().map(|advice| advice.text.clone()))),
+        ]);
+        entries.extend(causes::entries());
+        entries.extend(Fidelity::entries());
+        entries
+    },
+};
+
+/// Of an outcome of any family.
+pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column<O>> {
+    let mut entries = vec![
+            q::RATIO.of(|o: &O| o.ratio.into()),
             quantity(
                 "verdict.ok",
                 PLAIN,
@@ -181,13 +225,6 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             .of(|o| o.verdict.ok().into()),
             quantity("verdict.word", PLAIN, "The verdict in a word: kept, not kept, or undecided.")
                 .of(|o| o.verdict.word().into()),
-            quantity(
-                "verdict.undecided",
-                PLAIN,
-                "Limits that are kept with rigid bodies and not with elastic ones, or the other way round: which, value \
-                 and hours of either, and why. Empty where bodies were chosen by name.",
-            )
-            .of(|o| Value::List(o.verdict.undecided.iter().map(Undecided::value).collect())),
             quantity("verdict.limited_by", PLAIN, "The limit that ends the life first.")
                 .of(|o| Value::from(o.verdict.limited_by().map(|limit| limit.kind.key()))),
             quantity(
@@ -202,28 +239,19 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             .of(|o| o.verdict.value()),
             quantity("hours_to_limit", decimals(0), "Hours until the first of all limits is reached.")
                 .of(|o| o.verdict.hours_to_limit().into()),
-            quantity(
-                "hours_band",
-                PLAIN,
-                "Band [low, high] in h of hours_to_limit: nine of ten machines that [unknowns] allows lie in it, by \
-                 first-order sensitivities; null for more than was computed.",
-            )
-            .of(|o| o.verdict.band.as_ref().map_or(Value::Absent, Band::value)),
-            quantity("hangs_on", PLAIN, "Key of the input that moves hours_to_limit most: what to measure first.")
-                .of(|o| o.verdict.band.as_ref().and_then(|band| band.hangs_on.clone()).into()),
             quantity("rest_share", digits(3), "Share of the duty at rest; hours count it.")
-                .of(|o| o.machine.rest_share().into()),
+                .of(|o| o.demands.rest_share().into()),
             q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.prediction.hours_to_limit.into()),
             quantity("searched_h", decimals(0), "Hours up to which the limit of lost motion was looked for.")
                 .of(|o| o.prediction.searched_hours.into()),
             quantity("service_life_h", decimals(0), "Planned service life.")
-                .of(|o| (o.machine.limits.service_life / HOUR).into()),
+                .of(|o| (o.demands.limits.service_life / HOUR).into()),
             q::LOST_MOTION.of(|o| o.last().lost_motion.arcmin().into()),
             quantity("lost_motion_new_arcmin", decimals(3), "Lost motion of the whole machine when new.")
                 .of(|o| o.first().lost_motion.arcmin().into()),
             quantity("limit_lost_motion_arcmin", decimals(3), "Lost motion that the design allows.")
-                .of(|o| (o.machine.limits.lost_motion / ARCMIN).into()),
-            q::CONTACT_LOST_MOTION.of(|o| o.last().contact_lost_motion.arcmin().into()),
+                .of(|o| (o.demands.limits.lost_motion / ARCMIN).into()),
+            q::CONTACT_LOST_MOTION.of(|o| o.last().contact_lost_motion.map(OutputAngle::arcmin).into()),
             q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
             q::MAX_DEPTH_AT.of(|o| (o.last().accuracy.max_depth_at.abs() / DEG).into()),
             q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
@@ -233,10 +261,6 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             q::TE_LOADED_PEAK_TO_PEAK.of(|o| o.last().accuracy.loaded_peak_to_peak.arcmin().into()),
             q::PRELOAD.of(|o| o.travel_over_life(|t| t.preload).into()),
             q::PRELOAD_FRICTION.of(|o| o.travel_over_life(|t| t.preload_friction).into()),
-            STE_MEAN.of(|o| o.last_te(false, |s| s.mean_abs)),
-            STE_MAX.of(|o| o.last_te(false, |s| s.max_abs)),
-            DTE_MEAN.of(|o| o.last_te(true, |s| s.mean_abs)),
-            DTE_MAX.of(|o| o.last_te(true, |s| s.max_abs)),
             q::MAX_FORCE.of(|o| o.over_life(|point| point.accuracy.max_force).into()),
             q::MAX_PRESSURE.of(|o| (o.over_life(|point| point.accuracy.max_pressure) / MPA).into()),
             q::LOADED_PAIRS.of(|o| o.last().accuracy.loaded_pairs.into()),
@@ -264,27 +288,15 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
                 let service = o.verdict.service_h;
                 (!o.bearings.bearings.is_empty()).then(|| o.bearings.survival(service)).into()
             }),
-            quantity(
-                "bearing_life_without_friction_h",
-                decimals(0),
-                "L10 of the bearing that lasts shortest without the friction that was assumed; absent where the design \
-                 gives its friction.",
-            )
-            .of(|o| o.bearings.assumed_friction.map(|assumed| assumed.without_h).into()),
             q::WEAR_COEFFICIENT.of(|o| o.prediction.exposure.coefficient.into()),
             q::FLANK_UPDATES.of(|o| o.prediction.updates.into()),
-            quantity("advice", PLAIN, "What to change first, with what it gains of the limit reached first.")
-                .of(|o| Value::list(o.advice.iter().map(|advice| advice.text.clone()))),
             quantity("stages", PLAIN, "Wall seconds of the stages; some run side by side.").of(|o| {
                 Value::Record(o.stages.iter().map(|(stage, seconds)| (*stage, (*seconds).into())).collect())
             }),
-        ];
-        entries.extend(hours_of_limits());
-        entries.extend(causes::entries());
-        entries.extend(Fidelity::entries());
-        entries
-    },
-};
+    ];
+    entries.extend(hours_of_limits());
+    entries
+}
 
 macro_rules! hours_of_limits {
     ($($kind:ident: $key:literal,)*) => {
@@ -294,8 +306,8 @@ macro_rules! hours_of_limits {
             [lost_motion, $((LimitKind::$kind, $key)),*].into_iter()
         }
 
-        fn hours_of_limits() -> Vec<Column<Life>> {
-            vec![$(quantity($key, decimals(0), HOURS_OF_LIMIT).of(|o: &Life| {
+        fn hours_of_limits<O: Deref<Target = DriveLife>>() -> Vec<Column<O>> {
+            vec![$(quantity($key, decimals(0), HOURS_OF_LIMIT).of(|o: &O| {
                 o.verdict.limit(LimitKind::$kind).and_then(|limit| limit.hours).into()
             })),*]
         }
@@ -326,7 +338,9 @@ impl Life {
         let statistics = self.ages.last().and_then(|age| age.statistics()[usize::from(loaded)]);
         Value::from(statistics.map(|statistics| of(&statistics) / ARCMIN))
     }
+}
 
+impl DriveLife {
     /// Largest of the times; none where travel was not asked for.
     fn travel_over_life(&self, of: impl Fn(&Travel) -> f64) -> Option<f64> {
         self.prediction.points.iter().filter_map(|point| point.travel.as_ref().map(&of)).reduce(f64::max)

@@ -1,6 +1,8 @@
 //! Fatigue of flanks and pins by their Hertz pressure.
 
-use crate::machine::{DutyPoint, Machine};
+use super::demands::Demands;
+use crate::machine::DutyPoint;
+use crate::units::HOUR;
 
 /// Passes that the endurance pressure is borne for.
 const ENDURANCE_PASSES: f64 = 5e7;
@@ -19,27 +21,26 @@ pub(super) fn passes_borne(pressure: f64, endurance: f64) -> f64 {
 /// Damage per hour by Palmgren and Miner, for the largest pressure at rated torque. In line contact the pressure
 /// follows the root of the force, and the force the torque; a flank meets every torque of the duty once in a turn
 /// of the crankshafts against the disc, a pin a little less often.
-pub(super) fn damage_per_hour(machine: &Machine, pressure: f64, endurance: f64) -> f64 {
-    let kinematics = machine.kinematics();
+pub(super) fn damage_per_hour(demands: &Demands, pressure: f64, endurance: f64) -> f64 {
     let of_row = |row: &DutyPoint| {
-        let at_row = pressure * (row.torque / machine.rated.torque).abs().sqrt();
-        let passes = row.share * kinematics.passes_per_hour(row.input_speed);
+        let at_row = pressure * (row.torque / demands.rated_torque).abs().sqrt();
+        let passes = row.share * demands.passes_per_second(row) * HOUR;
         if at_row > 0.0 { passes / passes_borne(at_row, endurance) } else { 0.0 }
     };
-    machine.duty.iter().map(of_row).sum()
+    demands.duty.iter().map(of_row).sum()
 }
 
 /// Damage at the end of a history of (hours, largest pressure in Pa at rated torque), and the hours at which it
 /// is 1: beyond the history at its last rate, up to `searched` hours.
 pub(super) fn fatigue(
-    machine: &Machine,
+    demands: &Demands,
     history: &[(f64, f64)],
     endurance: f64,
     searched: f64,
 ) -> (f64, Option<f64>) {
     let rates: Vec<(f64, f64)> = history
         .iter()
-        .map(|(hours, pressure)| (*hours, damage_per_hour(machine, *pressure, endurance)))
+        .map(|(hours, pressure)| (*hours, damage_per_hour(demands, *pressure, endurance)))
         .collect();
     let mut damage = 0.0;
     let mut reached = None;
@@ -72,18 +73,18 @@ mod tests {
     /// times as long.
     #[test]
     fn constant_pressure_has_a_closed_form() {
-        let mut machine = crate::templates::tao2024();
+        let mut demands = Demands::of(&crate::templates::tao2024());
         let pressure = 1500.0 * MPA;
         let history = [(0.0, pressure), (500.0, pressure), (2000.0, pressure)];
-        let (damage, hours) = fatigue(&machine, &history, pressure, 1e4);
+        let (damage, hours) = fatigue(&demands, &history, pressure, 1e4);
         assert!(
             (hours.unwrap() / 1125.0 - 1.0).abs() < 1e-3 && (damage - 2000.0 / 1125.0).abs() < 2e-3,
             "{hours:?}"
         );
-        let short = fatigue(&machine, &history[..2], pressure, 1e4).1;
+        let short = fatigue(&demands, &history[..2], pressure, 1e4).1;
         assert!((short.unwrap() / 1125.0 - 1.0).abs() < 1e-3, "{short:?}");
-        machine.duty[0].torque *= 0.5;
-        let (half, none) = fatigue(&machine, &history, pressure, 1e4);
+        demands.duty[0].torque *= 0.5;
+        let (half, none) = fatigue(&demands, &history, pressure, 1e4);
         assert!((damage / half / 2.0_f64.powf(0.5 * FLAT) - 1.0).abs() < 1e-9 && none.is_none());
     }
 }

@@ -2,6 +2,7 @@
 
 use super::band::{Band, Inputs};
 use super::bearings::{self, BearingLives, bearing_lives};
+use super::demands::Demands;
 use super::record::Record;
 use super::verdict::Limit;
 use super::{Options, emergency_pressure};
@@ -103,13 +104,13 @@ fn judge(
     let prediction = predict(machine, &fidelity, settings, host, |_| ())?;
     let bearings = bearing_lives(machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
     let emergency = emergency_pressure(machine, &fidelity, &prediction)?;
-    let record = Record::of(machine, &prediction, &bearings, findings, emergency);
+    let record = Record::of(Demands::of(machine), &prediction, &bearings, findings, emergency);
     let (limits, _) = banded(&record, inputs);
     Ok(Judgement { fidelity, prediction, bearings, limits })
 }
 
 /// The limits of a record with their bands, and the band of the first of them.
-pub(super) fn banded(record: &Record<'_>, inputs: Option<&Inputs>) -> (Vec<Limit>, Option<Band>) {
+pub(super) fn banded(record: &Record, inputs: Option<&Inputs>) -> (Vec<Limit>, Option<Band>) {
     let limits = record.limits();
     let Some(bands) = inputs.and_then(|inputs| inputs.bands(record)) else { return (limits, None) };
     let limits = limits.into_iter().zip(bands.limits);

@@ -1,8 +1,8 @@
 //! The limits of a machine in words and tables, for terminal and report.
 
 use super::band::Band;
-use super::verdict::{Limit, LimitKind, about};
-use super::{Life, WithElasticBodies};
+use super::verdict::{LifeVerdict, Limit, LimitKind, about};
+use super::{BearingLives, Judgement, Life, WithElasticBodies};
 use crate::analyses::TextTable;
 use crate::life::LifePoint;
 use crate::load::Spot;
@@ -23,8 +23,7 @@ fn amount(limit: &Limit) -> String {
     }
 }
 
-fn lasts(limit: &Limit, life: &Life) -> String {
-    let verdict = &life.verdict;
+fn lasts(limit: &Limit, verdict: &LifeVerdict) -> String {
     match limit.hours {
         Some(hours) => format!("{} h", about(hours)),
         None if limit.kind == LimitKind::LostMotion => format!("> {} h", about(verdict.searched_h)),
@@ -33,12 +32,12 @@ fn lasts(limit: &Limit, life: &Life) -> String {
 }
 
 /// Head of the columns, `true` where they are set left.
-fn columns(life: &Life) -> Vec<(&'static str, bool)> {
+fn columns(verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec<(&'static str, bool)> {
     let mut columns = vec![("limit", true), ("found", false), ("allowed", false), ("lasts", false)];
-    if life.verdict.limits.iter().any(|limit| limit.band.is_some()) {
+    if verdict.limits.iter().any(|limit| limit.band.is_some()) {
         columns.push(("90 % band", false));
     }
-    if life.with_elastic_bodies.judged().is_some() {
+    if elastic.is_some() {
         columns.extend([("with elastic bodies", false), ("lasts", false)]);
     }
     columns.push(("", true));
@@ -46,8 +45,7 @@ fn columns(life: &Life) -> Vec<(&'static str, bool)> {
 }
 
 /// What is found, what is allowed, how long it lasts, in words.
-fn row(limit: &Limit, life: &Life) -> Vec<String> {
-    let verdict = &life.verdict;
+fn row(limit: &Limit, verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec<String> {
     let judged = match (limit.is_kept(verdict.service_h), limit.is_transient()) {
         _ if verdict.is_undecided(limit.kind) => "undecided",
         (false, _) => "not kept",
@@ -59,15 +57,18 @@ fn row(limit: &Limit, life: &Life) -> Vec<String> {
         None => limit.kind.name().to_owned(),
     };
     let allowed = format!("{} {}", compact(limit.allowed, 4), limit.kind.unit()).trim().to_owned();
-    let mut row = vec![name, amount(limit), allowed, lasts(limit, life)];
+    let mut row = vec![name, amount(limit), allowed, lasts(limit, verdict)];
     if verdict.limits.iter().any(|limit| limit.band.is_some()) {
         let band = limit.band.as_ref().filter(|band| !band.is_point());
         row.push(band.map_or_else(String::new, Band::words));
     }
-    if let Some(elastic) = life.with_elastic_bodies.judged() {
+    if let Some(elastic) = elastic {
         let other = elastic.limits.iter().find(|other| other.kind == limit.kind);
         row.extend(
-            other.map_or_else(|| [String::new(), String::new()], |other| [amount(other), lasts(other, life)]),
+            other.map_or_else(
+                || [String::new(), String::new()],
+                |other| [amount(other), lasts(other, verdict)],
+            ),
         );
     }
     row.push(judged.to_owned());
@@ -75,11 +76,48 @@ fn row(limit: &Limit, life: &Life) -> Vec<String> {
 }
 
 /// For a terminal.
-pub(super) fn text(life: &Life) -> TextTable {
+pub(in crate::analyses) fn text(verdict: &LifeVerdict, elastic: Option<&Judgement>) -> TextTable {
     TextTable {
-        header: columns(life).into_iter().map(|(head, _)| head.to_owned()).collect(),
-        rows: life.verdict.limits.iter().map(|limit| row(limit, life)).collect(),
+        header: columns(verdict, elastic).into_iter().map(|(head, _)| head.to_owned()).collect(),
+        rows: verdict.limits.iter().map(|limit| row(limit, verdict, elastic)).collect(),
     }
+}
+
+/// For a report, with a note on what the numbers mean.
+pub(in crate::analyses) fn table(
+    verdict: &LifeVerdict,
+    elastic: Option<&Judgement>,
+    note: impl Into<String>,
+) -> Block {
+    let column = |(head, left): (&'static str, bool)| match (head, left) {
+        ("", _) => Column::text("Verdict"),
+        (head, true) => Column::text(crate::report::capitalised(head)),
+        (head, false) => Column::number(crate::report::capitalised(head), ""),
+    };
+    Block::Table(Table {
+        title: "Every limit and how long it is kept".to_owned(),
+        columns: columns(verdict, elastic).into_iter().map(column).collect(),
+        rows: verdict.limits.iter().map(|limit| row(limit, verdict, elastic)).collect(),
+        note: note.into(),
+    })
+}
+
+/// Rating lives for a report.
+pub(in crate::analyses) fn bearings_table(lives: &BearingLives, note: impl Into<String>) -> Block {
+    let bearings = lives.bearings.iter().map(|b| {
+        vec![b.name.clone(), significant(b.equivalent, 4), significant(b.rating, 4), about(b.life_h)]
+    });
+    Block::Table(Table {
+        title: "Rating life of the bearings".to_owned(),
+        columns: vec![
+            Column::text("Bearing"),
+            Column::number("Equivalent load", "N"),
+            Column::number("Load rating C", "N"),
+            Column::number("L10", "h"),
+        ],
+        rows: bearings.collect(),
+        note: note.into(),
+    })
 }
 
 /// What the numbers of the table mean, a sentence each.
@@ -174,39 +212,20 @@ pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
 
 /// For the report.
 pub(super) fn blocks(life: &Life) -> Vec<Block> {
-    let column = |(head, left): (&'static str, bool)| match (head, left) {
-        ("", _) => Column::text("Verdict"),
-        (head, true) => Column::text(crate::report::capitalised(head)),
-        (head, false) => Column::number(crate::report::capitalised(head), ""),
-    };
-    let limits = Table {
-        title: "Every limit and how long it is kept".to_owned(),
-        columns: columns(life).into_iter().map(column).collect(),
-        rows: life.verdict.limits.iter().map(|limit| row(limit, life)).collect(),
-        note: "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and \
-               duty, bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band \
-               contains nine of ten machines within `[unknowns]`, by first-order sensitivities. Further limits can be set in \
-               `[limits]`."
-            .to_owned(),
-    };
-    let bearings = life.bearings.bearings.iter().map(|b| {
-        vec![b.name.clone(), significant(b.equivalent, 4), significant(b.rating, 4), about(b.life_h)]
-    });
-    let bearings = Table {
-        title: "Rating life of the bearings".to_owned(),
-        columns: vec![
-            Column::text("Bearing"),
-            Column::number("Equivalent load", "N"),
-            Column::number("Load rating C", "N"),
-            Column::number("L10", "h"),
-        ],
-        rows: bearings.collect(),
-        note: "Loads of the new machine over a turn of the crankshafts, rows of the duty by their damage [ISO281]."
-            .to_owned(),
-    };
+    let limits = table(
+        &life.verdict,
+        life.with_elastic_bodies.judged(),
+        "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and duty, \
+         bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band contains nine of ten machines \
+         within `[unknowns]`, by first-order sensitivities. Further limits can be set in `[limits]`.",
+    );
+    let bearings = bearings_table(
+        &life.bearings,
+        "Loads of the new machine over a turn of the crankshafts, rows of the duty by their damage [ISO281].",
+    );
     let words = notes(life).into_iter().chain(places(life));
     let words: Vec<String> = words.map(|note| capitalised_sentence(&note)).collect();
-    vec![Block::Table(limits), Block::Text(words.join(" ")), Block::Table(bearings)]
+    vec![limits, Block::Text(words.join(" ")), bearings]
 }
 
 /// With a capital letter in front and a full stop behind.

@@ -5,10 +5,11 @@ mod ages;
 mod band;
 mod bearings;
 mod declared;
+mod demands;
 mod fatigue;
 mod figures;
 mod judgement;
-mod limits;
+pub(in crate::analyses) mod limits;
 mod page;
 mod record;
 #[cfg(test)]
@@ -19,11 +20,14 @@ mod verdict;
 pub use advice::Advice;
 pub use ages::Age;
 pub use band::Band;
-pub(in crate::analyses) use bearings::WEIBULL_SLOPE;
 pub use bearings::{AssumedFriction, BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
+pub(in crate::analyses) use bearings::{WEIBULL_SLOPE, system_life};
 pub(crate) use declared::limit_hours;
 pub use declared::{SUMMARY, tables};
+pub(in crate::analyses) use declared::{entries, tables_of};
+pub use demands::Demands;
 pub use judgement::{Judgement, WithElasticBodies};
+pub(in crate::analyses) use record::Record;
 pub use undecided::Undecided;
 pub(crate) use verdict::about;
 pub use verdict::{LifeVerdict, Limit, LimitKind};
@@ -32,13 +36,13 @@ use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::checks::{self, Finding};
 use crate::design::{Design, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions};
+use crate::geometry::Profile;
 use crate::life::{LifeOptions, LifePoint, Prediction, hardest, predict};
 use crate::load::{Cycle, ShareLoad};
 use crate::machine::Machine;
 use crate::report::Section;
 use band::Inputs;
 use judgement::{banded, judge_elastic, wants_both};
-use record::Record;
 
 pub const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
 pub const GUIDE: &str = "The main job: accuracy of the reducer over its running hours, the limit that ends its life, and the \
@@ -72,26 +76,37 @@ options! {
     }
 }
 
-/// The life of a machine.
+/// Accuracy over the hours of a drive of any family, and the verdict.
+#[derive(Debug, Clone)]
+pub struct DriveLife {
+    /// Turns of the input for one of the output.
+    pub ratio: f64,
+    /// The flank as cut.
+    pub profile: Profile,
+    pub demands: Demands,
+    pub prediction: Prediction,
+    pub bearings: BearingLives,
+    pub findings: Vec<Finding>,
+    pub verdict: LifeVerdict,
+    /// Wall seconds of the stages.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+/// The life of an RV reducer.
 #[derive(Debug, Clone)]
 pub struct Life {
     pub machine: Machine,
     pub fidelity: Fidelity,
-    pub prediction: Prediction,
+    pub drive: DriveLife,
     /// Multibody runs at some points of the prediction; empty if left out.
     pub ages: Vec<Age>,
     /// Load sharing over one pin pitch of crank angle at the points that the report shows, by their number.
     pitches: Vec<(usize, Cycle)>,
-    pub bearings: BearingLives,
     /// The same machine with elastic bodies, where no bodies were asked for.
     pub with_elastic_bodies: WithElasticBodies,
     /// Whether rigid bodies were asked for by name.
     bodies_are_chosen: bool,
-    pub findings: Vec<Finding>,
-    pub verdict: LifeVerdict,
     pub advice: Vec<Advice>,
-    /// Wall seconds of the stages.
-    pub stages: Vec<(&'static str, f64)>,
     /// The design as written.
     design_text: String,
     elastic: Option<Section>,
@@ -103,7 +118,7 @@ pub struct Life {
 /// [`AnalysisError`] where no load sharing or no wear coefficient is found, or the host stops it.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, AnalysisError> {
     let machine = design.machine();
-    let mut clock = Clock { host, since: host.seconds(), stages: Vec::new() };
+    let mut clock = Clock::new(host);
     let mut findings = checks::check_design(design);
     clock.stage("check");
     let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
@@ -136,7 +151,8 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     } else {
         None
     };
-    let record = Record::of(&machine, &prediction, &bearings, &findings, emergency);
+    let demands = Demands::of(&machine);
+    let record = Record::of(demands.clone(), &prediction, &bearings, &findings, emergency);
     let (limits, band) = banded(&record, inputs.as_ref());
     clock.stage("bands");
     let with_elastic_bodies = if wants_both(&options.fidelity, host) {
@@ -162,32 +178,43 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     };
     clock.stage("advice");
     let elastic = elastic_disc::section(&machine, &fidelity)?;
-    Ok(Life {
+    let drive = DriveLife {
+        ratio: machine.kinematics().ratio(),
+        profile: machine.profile(),
+        demands,
+        prediction,
+        bearings,
+        findings,
+        verdict,
         stages: clock.stages,
+    };
+    Ok(Life {
         design_text: design.text().to_owned(),
         machine,
         fidelity,
-        prediction,
+        drive,
         ages,
         pitches,
-        bearings,
         with_elastic_bodies,
         bodies_are_chosen: options.fidelity.bodies.is_written,
-        findings,
-        verdict,
         advice,
         elastic,
     })
 }
 
-struct Clock<'a> {
+/// Wall seconds of the stages.
+pub(in crate::analyses) struct Clock<'a> {
     host: &'a dyn Host,
     since: f64,
-    stages: Vec<(&'static str, f64)>,
+    pub stages: Vec<(&'static str, f64)>,
 }
 
-impl Clock<'_> {
-    fn stage(&mut self, name: &'static str) {
+impl<'a> Clock<'a> {
+    pub fn new(host: &'a dyn Host) -> Clock<'a> {
+        Clock { host, since: host.seconds(), stages: Vec::new() }
+    }
+
+    pub fn stage(&mut self, name: &'static str) {
         let now = self.host.seconds();
         self.stages.push((name, now - self.since));
         self.since = now;
@@ -203,7 +230,7 @@ fn pitches(
     let mut joints = fidelity.meshing(machine)?;
     let positions = LifeOptions::default().crank_positions;
     let of = |index: usize| {
-        prediction.points[index].state.put_on(machine, &mut joints);
+        prediction.points[index].state.put_on(&machine.designed_relief(), &mut joints);
         let cycle = joints.pitch_cycle(machine.rated.torque, positions).ok()?;
         Some((index, cycle))
     };
@@ -252,7 +279,7 @@ fn emergency_pressure(
     let mut largest = 0.0_f64;
     for point in prediction.points.first().into_iter().chain(prediction.points.last()) {
         let mut meshing = fidelity.meshing(machine)?;
-        point.state.put_on(machine, &mut meshing);
+        point.state.put_on(&machine.designed_relief(), &mut meshing);
         let found = hardest(&mut meshing, torque, LifeOptions::default().crank_positions)
             .map_err(AnalysisError::compute("share the load of an emergency stop"))?;
         largest = largest.max(found.pressed.pressure);
@@ -260,7 +287,15 @@ fn emergency_pressure(
     Ok(Some(largest))
 }
 
-impl Life {
+impl std::ops::Deref for Life {
+    type Target = DriveLife;
+
+    fn deref(&self) -> &DriveLife {
+        &self.drive
+    }
+}
+
+impl DriveLife {
     /// The new machine.
     pub fn first(&self) -> &LifePoint {
         &self.prediction.points[0]

@@ -28,19 +28,14 @@ const COLUMNS: &[&str] = &[
 
 pub(super) fn said(life: &Life) -> Vec<Said> {
     let verdict = &life.verdict;
-    let mark = match verdict.tone() {
-        Tone::Bad => "✕",
-        Tone::Caution => "▲",
-        _ => "✓",
-    };
     let mut said = vec![
         Said::line(format!("{}: {}", life.machine.name, life.fidelity.sentence())),
-        Said::line(format!("{mark} {}", verdict.headline())),
-        Said::Table(limits::text(life)),
+        Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
+        Said::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
     ];
     said.extend(limits::notes(life).into_iter().map(Said::line));
     said.push(Said::line(""));
-    let table = declared::life_table(life);
+    let table = declared::life_table(life, &life.ages);
     said.push(Said::columns(&table, &shown_columns(life), shown_rows(life)));
     said.extend(limits::places(life).map(Said::line));
     said.push(Said::line(""));
@@ -215,8 +210,9 @@ fn answers(life: &Life) -> Vec<(String, String)> {
 /// Which physics answered, and what the next finer one would change where that is known.
 fn physics(life: &Life) -> String {
     let mut text = format!("{}.", capitalised(&life.fidelity.sentence()));
-    if life.fidelity.joints == Joints::Ideal {
-        let contacts = significant(life.last().contact_lost_motion.arcmin(), 3);
+    if let Some(contacts) = life.last().contact_lost_motion.filter(|_| life.fidelity.joints == Joints::Ideal)
+    {
+        let contacts = significant(contacts.arcmin(), 3);
         text.push_str(&format!(
             " Load sharing and wear are computed with ideal joints, lost motion with the whole machine in its bearings \
              (contacts alone: {contacts} arcmin). With `joints = bearings` wear includes the bearings too."
@@ -248,7 +244,7 @@ fn summary(life: &Life, verdict: &Verdict) -> String {
 
 /// The rows that a reader wants, as a table of the report.
 pub(super) fn life_table(life: &Life) -> Table {
-    let table = declared::life_table(life);
+    let table = declared::life_table(life, &life.ages);
     let keys = shown_columns(life);
     let columns: Vec<_> = keys.iter().filter_map(|key| table.column(key)).collect();
     let head = |column: &&crate::results::TableColumn| {

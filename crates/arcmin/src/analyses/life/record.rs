@@ -1,21 +1,20 @@
 //! What a machine does over its hours, and the limits held against it.
 
 use super::bearings::{BearingLives, catalogue_life_at_duty};
+use super::demands::Demands;
 use super::fatigue::fatigue;
 use super::verdict::{Limit, LimitKind, STATIC_PRESSURE};
 use crate::checks::{CONTACT_PRESSURE, Finding, Severity};
 use crate::life::{LifePoint, Prediction, RunAway, crossing};
-use crate::machine::Machine;
 use crate::units::{ARCMIN, HOUR, MPA, RPM, UM};
-use crate::wear::depth_past_use;
 
 /// A value over hours.
 pub(super) type History = Vec<(f64, f64)>;
 
 /// Everything that limits are about. Histories hold (h, value in the unit of the limit).
 #[derive(Debug, Clone)]
-pub(super) struct Record<'a> {
-    machine: &'a Machine,
+pub(in crate::analyses) struct Record {
+    demands: Demands,
     /// Of the whole machine, beyond the service life as well.
     pub lost_motion: History,
     /// At the largest torque of rating and duty.
@@ -38,14 +37,14 @@ pub(super) struct Record<'a> {
     pub searched_h: f64,
 }
 
-impl<'a> Record<'a> {
+impl Record {
     pub fn of(
-        machine: &'a Machine,
+        demands: Demands,
         prediction: &Prediction,
         bearings: &BearingLives,
         findings: &[Finding],
         emergency_pressure: Option<f64>,
-    ) -> Record<'a> {
+    ) -> Record {
         let points = &prediction.points;
         let history = |value: &dyn Fn(&LifePoint) -> f64| -> History {
             points.iter().map(|point| (point.hours(), value(point))).collect()
@@ -55,7 +54,8 @@ impl<'a> Record<'a> {
             .filter_map(|point| Some((point.hours(), point.travel?.free_travel.arcmin())))
             .collect();
         Record {
-            machine,
+            service_h: demands.limits.service_life / HOUR,
+            demands,
             lost_motion: prediction.lost_motion.iter().map(|(h, lost)| (*h, lost / ARCMIN)).collect(),
             pressure: history(&|point| point.accuracy.max_pressure / MPA),
             pressure_scatter: points
@@ -74,13 +74,12 @@ impl<'a> Record<'a> {
                 .filter(|finding| finding.severity == Severity::Error && finding.code != CONTACT_PRESSURE)
                 .map(|finding| finding.code)
                 .collect(),
-            service_h: machine.limits.service_life / HOUR,
             searched_h: prediction.searched_hours,
         }
     }
 
     /// The same with all that happens in time faster by a factor.
-    pub fn faster(&self, factor: f64) -> Record<'a> {
+    pub fn faster(&self, factor: f64) -> Record {
         let sooner = |history: &History| history.iter().map(|(hours, x)| (hours / factor, *x)).collect();
         Record {
             lost_motion: sooner(&self.lost_motion),
@@ -93,7 +92,7 @@ impl<'a> Record<'a> {
     }
 
     /// The same with the lost motion continued at its last rate to some hours.
-    pub fn continued(mut self, hours: f64) -> Record<'a> {
+    pub fn continued(mut self, hours: f64) -> Record {
         if let [.., (h0, v0), (h1, v1)] = self.lost_motion[..]
             && hours > h1
             && h1 > h0
@@ -115,13 +114,13 @@ impl<'a> Record<'a> {
     }
 
     fn lost_motion(&self) -> Limit {
-        let allowed = self.machine.limits.lost_motion / ARCMIN;
+        let allowed = self.demands.limits.lost_motion / ARCMIN;
         let hours = crossing(&self.lost_motion, allowed);
         Limit::new(LimitKind::LostMotion, at(&self.lost_motion, self.service_h), allowed).lasting(hours)
     }
 
     fn contact_pressure(&self) -> Limit {
-        let limit = worn_in(&self.pressure, self.machine.limits.contact_pressure / MPA);
+        let limit = worn_in(&self.pressure, self.demands.limits.contact_pressure / MPA);
         Limit { scatter: Some(self.pressure_scatter), ..limit }
     }
 
@@ -133,7 +132,7 @@ impl<'a> Record<'a> {
 
     /// What a design may set beyond the limits that every design has.
     fn of_the_maker(&self) -> Vec<Limit> {
-        let limits = &self.machine.limits;
+        let limits = &self.demands.limits;
         let over_life = |kind: LimitKind, allowed: Option<f64>, history: &History| {
             let allowed = allowed?;
             let value = history.iter().map(|(_, value)| *value).fold(0.0, f64::max);
@@ -143,19 +142,17 @@ impl<'a> Record<'a> {
             let allowed = allowed?;
             Some(Limit::new(kind, value, allowed).lasting((value > allowed).then_some(0.0)))
         };
-        let kinematics = self.machine.kinematics();
-        let duty = &self.machine.duty;
+        let (demands, duty) = (&self.demands, &self.demands.duty);
         let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
-        let speed =
-            duty.iter().map(|row| (kinematics.speeds(row.input_speed).0 / RPM).abs()).fold(0.0, f64::max);
+        let speed = duty.iter().map(|row| demands.output_speed(row) / RPM).fold(0.0, f64::max);
         let fatigue = limits.contact_endurance.map(|endurance| {
             let history: History = self.pressure.iter().map(|(h, pressure)| (*h, pressure * MPA)).collect();
             let searched = self.searched_h.max(self.service_h);
-            let (value, hours) = fatigue(self.machine, &history, endurance, searched);
+            let (value, hours) = fatigue(demands, &history, endurance, searched);
             Limit::new(LimitKind::ContactFatigue, value, 1.0).lasting(hours)
         });
         let catalogue = limits.catalogue_life.and_then(|life| {
-            let hours = catalogue_life_at_duty(self.machine, life / HOUR)?;
+            let hours = catalogue_life_at_duty(demands, life / HOUR)?;
             Some(Limit::new(LimitKind::CatalogueLife, hours, self.service_h).lasting(Some(hours)))
         });
         [
@@ -180,7 +177,7 @@ impl<'a> Record<'a> {
     /// Wear that has left a machine past any use within the service life.
     fn runs_away(&self) -> Option<Limit> {
         let end = self.runs_away?;
-        let allowed = depth_past_use(self.machine) / UM;
+        let allowed = self.demands.past_use / UM;
         Some(Limit::new(LimitKind::Wear, end.depth / UM, allowed).lasting(Some(end.hours)))
     }
 

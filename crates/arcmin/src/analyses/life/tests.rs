@@ -81,7 +81,7 @@ fn limits_of_the_maker_enter_the_verdict() {
 fn ages_stand_in_the_table_and_figures_can_be_read() {
     let life = quick("joints = \"ideal\"");
     assert_eq!(life.ages.len(), 5);
-    let table = declared::life_table(&life);
+    let table = declared::life_table(&life, &life.ages);
     let ste = table.numbers("ste_max_arcmin").unwrap();
     assert!(ste.iter().all(|value| value.is_finite()));
     // Rattling cannot leave the play by more than what contacts give way.

@@ -268,6 +268,15 @@ impl LifeVerdict {
         }
     }
 
+    /// The verdict as a sign in front of its sentence.
+    pub fn mark(&self) -> &'static str {
+        match self.tone() {
+            Tone::Bad => "✕",
+            Tone::Caution => "▲",
+            _ => "✓",
+        }
+    }
+
     /// The verdict in a word.
     pub fn word(&self) -> &'static str {
         match (self.ok(), self.unkept().next()) {

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::{Rests, peak_to_peak};
+use super::{Rests, StageBodies, StageJoints, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
-use crate::design::{StageDesign, default, optional, options};
+use crate::design::{StageDesign, default, default_word, optional, options};
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
     DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
@@ -16,6 +16,12 @@ pub const ABOUT: &str = "Compute force and pressure of every pin over one turn o
 options! {
     /// Options of `contact` for a single stage.
     pub struct Options {
+        /// Joints.
+        joints: StageJoints => default_word("bearings"),
+        /// Bodies.
+        bodies: StageBodies => default_word("rigid"),
+        /// Hours of service after which the drive is asked, with its wear until then.
+        hours: f64 => default(0.0, 0.0, 1e7),
         /// Output torque; positive torque opposes positive output motion. Left out: the rated torque.
         torque_nm: Option<f64> => optional(-1e7, 1e7),
         /// Positions per turn of the input.
@@ -182,7 +188,7 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<C
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
     let stage = design.stage();
     let radius = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
-    let mut rests = Rests::new(design, host)?;
+    let mut rests = Rests::new(design, options.hours, host)?;
     let (mut ring, mut output, mut turn) = (Vec::new(), Vec::new(), Vec::new());
     for step in 0..options.positions {
         host.report("load sharing", step as f64 / options.positions as f64);
@@ -196,8 +202,8 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<C
             eccentric_force: 0.0,
         };
         for disc in 0..stage.phases.len() {
-            at.eccentric_force = at.eccentric_force.max(rests.joints.eccentric_force(disc, &place));
-            for c in rests.joints.pin_contacts(disc, &place).into_iter().filter(|c| c.force > 0.0) {
+            at.eccentric_force = at.eccentric_force.max(rests.joints().eccentric_force(disc, &place));
+            for c in rests.joints().pin_contacts(disc, &place).into_iter().filter(|c| c.force > 0.0) {
                 at.ring_force = at.ring_force.max(c.force);
                 ring.push(RingContact {
                     crank_angle,
@@ -209,7 +215,7 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<C
                     gap: c.gap,
                 });
             }
-            let loads = rests.joints.output_pin_loads(disc, &place);
+            let loads = rests.joints().output_pin_loads(disc, &place);
             for (pin, (force, _, gap)) in loads.into_iter().enumerate() {
                 at.output_force = at.output_force.max(force);
                 output.push(OutputContact {

@@ -2,17 +2,19 @@
 
 pub mod contact;
 mod findings;
-mod rests;
+pub mod life;
+mod meshing;
 pub mod rig;
 #[cfg(test)]
 mod tests;
+pub mod wear;
 
 pub use findings::findings;
-use rests::Rests;
+use meshing::Rests;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::checks::{Finding, check_design};
-use crate::design::{Design, DesignError, Family, StageDesign};
+use crate::design::{Choice, Design, DesignError, Family, StageDesign};
 use crate::machine::PlayChain;
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, Value, decimals, quantity};
@@ -133,7 +135,9 @@ stage_analyses! {
     "check": check, STAGE_SUMMARY, run_check;
     "profile": profile, SUMMARY, run_profile;
     "contact": contact, SUMMARY, contact::run;
+    "wear": wear, SUMMARY, wear::run;
     "rig": rig, SUMMARY, rig::run;
+    "life": life, SUMMARY, life::run;
 }
 
 fn run_check(
@@ -157,9 +161,33 @@ fn of(analysis: &Analysis) -> Result<&'static StageAnalysis, AnalysisError> {
     ALL.iter().find(|known| known.name == analysis.name).ok_or_else(|| {
         AnalysisError::usage(
             format!("`{}` computes RV reducers only, and the file describes a single stage", analysis.name),
-            "single stages are known to `check`, `profile`, `contact` and `rig`",
+            "single stages are known to the commands check, profile, contact, wear, rig and life",
         )
     })
+}
+
+/// Joints of a single stage: the words of RV reducers, as far as there are such models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StageJoints {
+    Bearings,
+}
+
+impl Choice for StageJoints {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("bearings", "all joints with their clearances and compliance; single stages have no other model")];
+    const VALUES: &'static [StageJoints] = &[StageJoints::Bearings];
+}
+
+/// Bodies of a single stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StageBodies {
+    Rigid,
+}
+
+impl Choice for StageBodies {
+    const WORDS: &'static [(&'static str, &'static str)] =
+        &[("rigid", "discs, shafts and ring are rigid; single stages have no other model")];
+    const VALUES: &'static [StageBodies] = &[StageBodies::Rigid];
 }
 
 /// Of values over a turn.

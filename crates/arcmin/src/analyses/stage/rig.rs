@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::{HasPlay, Rests, peak_to_peak, play_entries, play_sentence, play_table};
+use super::{
+    HasPlay, Rests, StageBodies, StageJoints, peak_to_peak, play_entries, play_sentence, play_table,
+};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
-use crate::design::{StageDesign, default, options};
+use crate::design::{StageDesign, default, default_word, options};
 use crate::dynamics::StageLosses;
 use crate::machine::PlayChain;
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
@@ -19,6 +21,12 @@ pub const ABOUT: &str = "Compute play, lost motion, stiffness and transmission e
 options! {
     /// Options of `rig` for a single stage.
     pub struct Options {
+        /// Joints.
+        joints: StageJoints => default_word("bearings"),
+        /// Bodies.
+        bodies: StageBodies => default_word("rigid"),
+        /// Hours of service after which the drive is asked, with its wear until then.
+        hours: f64 => default(0.0, 0.0, 1e7),
         /// Positions of the input at which the torque is cycled, evenly over a turn.
         positions: usize => default(5.0, 1.0, 360.0),
         /// Positions of the transmission error, evenly over a turn of the input.
@@ -125,7 +133,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 /// [`AnalysisError`] where a state of rest is not found.
 pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let rated = design.rated().torque.abs();
-    let mut rests = Rests::new(design, host)?;
+    let mut rests = Rests::new(design, options.hours, host)?;
     let mut points = Vec::new();
     let (mut play, mut all) = ([f64::INFINITY, 0.0_f64], Vec::new());
     for position in 0..options.positions {
@@ -155,7 +163,7 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<R
         let angle = TAU * step as f64 / options.te_positions as f64;
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
-        let here = rests.joints.losses(&place, angle, &friction);
+        let here = rests.joints().losses(&place, angle, &friction);
         let part = 1.0 / options.te_positions as f64;
         losses.ring += part * here.ring;
         losses.output += part * here.output;

@@ -1,7 +1,14 @@
+use std::f64::consts::TAU;
+
 use super::*;
 use crate::analyses::NoHost;
 use crate::checks::Severity;
+use crate::dynamics::StageMeshing;
+use crate::geometry::Relief;
+use crate::load::ShareLoad;
+use crate::machine::StageFriction;
 use crate::templates::{NEMA17_19, RV_40E};
+use crate::units::HOUR;
 
 fn design(changes: &[(&str, &str)]) -> StageDesign {
     let text = changes.iter().fold(NEMA17_19.text.to_owned(), |text, (from, to)| {
@@ -152,9 +159,103 @@ fn families_are_told_apart() {
     let named = format!("{}\n[drive]\nfamily = \"rv\"\n", RV_40E.text);
     let AnyDesign::Rv(rv) = AnyDesign::parse(&named, "a").unwrap() else { panic!() };
     assert_eq!(rv.hash(), Design::parse(RV_40E.text, "a").unwrap().hash());
-    let wear = super::super::by_name("wear").unwrap();
+    let simulate = super::super::by_name("simulate").unwrap();
     let design = AnyDesign::parse(NEMA17_19.text, "a").unwrap();
-    assert!(design.run(wear, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
+    assert!(design.run(simulate, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
+}
+
+fn worn(design: &StageDesign, options: &str) -> wear::StageWear {
+    wear::run(design, &wear::Options::parse(options, "test").unwrap(), &NoHost).unwrap()
+}
+
+/// Metal lost per time is k Σ F v of all contacts: forces from states of rest, sliding speeds from the motion of the
+/// mechanism.
+#[test]
+fn metal_lost_is_the_work_of_sliding() {
+    let design = design(&[]);
+    let hours = 0.01;
+    let wear = worn(&design, &format!("hours = {hours}\npoints = 1"));
+    let (profile, stage) = (&design.stage().profile, design.stage());
+    let flank = wear.last().state.surfaces.flank();
+    let step = TAU / flank.samples().len() as f64;
+    let section: f64 = Relief::grid(flank.samples().len())
+        .zip(flank.samples())
+        .map(|(phi, depth)| depth * profile.flank_length_per_meshing_angle(phi.cos()) * step)
+        .sum();
+    let lost = section * profile.lobe_count() as f64 * 5e-3 * stage.phases.len() as f64;
+    let mut rests = Rests::new(&design, 0.0, &NoHost).unwrap();
+    let unit = StageFriction { ring: 1.0, output: 0.0, pin_over_roller: 0.0, bearing: 0.0 };
+    let positions = 720;
+    let work: f64 = (0..positions)
+        .map(|index| {
+            let angle = TAU * index as f64 / positions as f64;
+            let place = rests.at(angle, design.rated().torque).unwrap();
+            rests.joints().losses(&place, angle, &unit).ring / positions as f64
+        })
+        .sum();
+    let expected = 1e-18 * work * design.rated().input_speed * hours * HOUR;
+    assert!((lost / expected - 1.0).abs() < 0.02, "{lost:e} {expected:e}");
+}
+
+/// A depth h off the whole flank opens the play by 2 h/(e z_c), and the contacts carry as before.
+#[test]
+fn an_even_depth_opens_the_play_by_its_closed_form() {
+    let design = design(&[
+        ("hole_clearance_um = 10 ", "hole_clearance_um = 0 "),
+        ("clearance_um = 6\n", "clearance_um = 0\n"),
+    ]);
+    let mut meshing = StageMeshing::new(design.stage(), 3.0, 1.0).unwrap();
+    let depth = 5e-6;
+    let mut free = |relief: f64| {
+        meshing.set_relief(design.stage().relief.plus(&Relief::uniform(relief)));
+        meshing.free_cycle(3.0, 36).unwrap().mean_free_travel().radians()
+    };
+    let grown = free(depth) - free(0.0);
+    let closed = 2.0 * depth / (0.5e-3 * 19.0);
+    assert!((grown / closed - 1.0).abs() < 0.05, "{grown} {closed}");
+}
+
+/// With the output at rest and 20/19 of torque and speed, pins and flanks meet the same forces and ways.
+#[test]
+fn a_driven_housing_wears_as_its_ring_sees_it() {
+    let at_rest = design(&[]);
+    let torque = format!("rated_torque_n_m = {}", 3.0 * 20.0 / 19.0);
+    let speed = format!("input_speed_rpm = {}", 600.0 * 20.0 / 19.0);
+    let driven = design(&[
+        ("fixed_member = \"ring\" ", "fixed_member = \"output\" "),
+        ("rated_torque_n_m = 3", torque.as_str()),
+        ("input_speed_rpm = 600", speed.as_str()),
+    ]);
+    let depth = |design: &StageDesign| worn(design, "hours = 200\npoints = 1").last().accuracy.max_depth;
+    let (one, other) = (depth(&at_rest), depth(&driven));
+    assert!(one > 0.1e-6 && (other / one - 1.0).abs() < 1e-6, "{one:e} {other:e}");
+}
+
+/// The new drive of the life is that of the bench; the bearing lasts longer than the closed form says, which takes all pins
+/// as equal springs.
+#[test]
+fn a_life_begins_as_the_bench_finds_it() {
+    let design = design(&[]);
+    let options = life::Options::parse("points = 4", "test").unwrap();
+    let life = life::run(&design, &options, &NoHost).unwrap();
+    let (new, bench) = (life.first().lost_motion.arcmin(), number(&bench(&design), "lost_motion_arcmin"));
+    assert!((new / bench - 1.0).abs() < 0.02, "{new} {bench}");
+    assert!(life.verdict.ok() && life.last().lost_motion > life.first().lost_motion);
+    let closed =
+        findings(&design).into_iter().find(|finding| finding.code == "eccentric-bearing-life").unwrap();
+    let found = life.bearings.worst().unwrap().life_h;
+    assert!(found > closed.value && found < 2.5 * closed.value, "{found} {}", closed.value);
+    // Twice the speed takes half the hours.
+    let faster = StageDesign::parse(&NEMA17_19.text.replace("rpm = 600", "rpm = 1200"), "test.toml").unwrap();
+    let faster = life::run(&faster, &options, &NoHost).unwrap();
+    assert!((found / faster.bearings.worst().unwrap().life_h / 2.0 - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_drive_without_a_wear_coefficient_says_so() {
+    let design = design(&[("[wear.coupled]\ncoefficient_per_pa = 1e-18 ", "# ")]);
+    let error = life::run(&design, &life::Options::parse("", "test").unwrap(), &NoHost).unwrap_err();
+    assert!(error.to_string().contains("no wear coefficient"), "{error}");
 }
 
 /// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.
@@ -203,6 +304,15 @@ fn random_stages_are_answered() {
         let total = design.play_chain().total();
         assert!(rig.play[0] > 0.98 * total, "{:?} {total}\n{text}", rig.play);
         assert!(rig.figures.stiffness > 0.0, "{text}");
+        if tried % 10 == 0 {
+            let options = life::Options::parse("points = 4", "test").unwrap();
+            let life =
+                life::run(&design, &options, &NoHost).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
+            assert!(
+                life.last().accuracy.max_depth >= 0.0 && life.summary().number("ratio").is_some(),
+                "{text}"
+            );
+        }
     }
 }
 

@@ -1,13 +1,16 @@
 //! Tables and figures of wear.
 
-use super::{Mode, Station, Wear};
+use std::ops::Deref;
+
+use super::{Mode, Station, Wear, WearOverHours};
 use crate::analyses::errors_table;
 use crate::fidelity::Fidelity;
-use crate::geometry::Relief;
+use crate::geometry::{Profile, Relief};
 use crate::life::{Accuracy, WornState};
 use crate::load::FlankForce;
-use crate::machine::Machine;
-use crate::results::{DeclaredTable, PLAIN, SummaryOf, Table, TableOf, decimals, quantities as q, quantity};
+use crate::results::{
+    Column, DeclaredTable, PLAIN, SummaryOf, Table, TableOf, decimals, quantities as q, quantity,
+};
 use crate::units::{DEG, UM};
 
 /// One place of a flank at one time.
@@ -60,13 +63,20 @@ pub fn tables() -> Vec<DeclaredTable> {
 }
 
 pub(super) fn fill(wear: &Wear) -> Vec<Table> {
+    let mut tables = tables_of(wear);
+    tables.extend(errors_table::table(&wear.fidelity));
+    tables
+}
+
+/// `wear.csv` and `wear_history.csv`.
+pub(in crate::analyses) fn tables_of(wear: &WearOverHours) -> Vec<Table> {
     let mut rows = Vec::new();
     for station in &wear.stations {
         let Some((solution, _)) = &station.handbook else {
-            rows.extend(places(&wear.machine, &station.state, &station.accuracy));
+            rows.extend(places(&wear.profile, &station.state, &station.accuracy));
             continue;
         };
-        let profile = wear.machine.profile();
+        let profile = &wear.profile;
         rows.extend(solution.pairs.iter().map(|pair| Place {
             hours: station.hours(),
             meshing_angle: pair.meshing_angle,
@@ -76,14 +86,11 @@ pub(super) fn fill(wear: &Wear) -> Vec<Table> {
             disc: None,
         }));
     }
-    let mut tables = vec![WEAR.fill(&rows), HISTORY.fill(&wear.stations)];
-    tables.extend(errors_table::table(&wear.fidelity));
-    tables
+    vec![WEAR.fill(&rows), HISTORY.fill(&wear.stations)]
 }
 
 /// The flanks of a machine at one time; of each disc where they differ.
-pub(crate) fn places(machine: &Machine, state: &WornState, accuracy: &Accuracy) -> Vec<Place> {
-    let profile = machine.profile();
+pub(crate) fn places(profile: &Profile, state: &WornState, accuracy: &Accuracy) -> Vec<Place> {
     let flanks = &state.surfaces.flanks;
     let mut places = Vec::new();
     for (disc, flank) in flanks.iter().enumerate() {
@@ -118,38 +125,43 @@ fn force_at(forces: &[FlankForce], phi: f64) -> f64 {
 
 pub const SUMMARY: SummaryOf<Wear> = SummaryOf {
     entries: || {
-        let mut entries = vec![
-            quantity("mode", PLAIN, "How wear and load are coupled: coupled or tao2024.").of(|o: &Wear| {
-                match o.mode {
-                    Mode::Coupled => "coupled".into(),
-                    Mode::Tao2024 => "tao2024".into(),
-                }
-            }),
-            q::HOURS.of(|o| o.last().hours().into()),
-            q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
-            q::MAX_DEPTH_AT.of(|o| (o.last().worst_angle() / DEG).into()),
-            q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
-            q::PLAY.of(|o| o.last().travel.play.arcmin().into()),
-            q::PRELOAD.of(|o| o.last().travel.preload.into()),
-            q::PRELOAD_FRICTION.of(|o| o.last().travel.preload_friction.into()),
-            q::MAX_FORCE.of(|o| o.last().max_force().into()),
-            q::LOADED_PAIRS.of(|o| o.last().loaded_pairs().into()),
-            q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
-            q::WEAR_COEFFICIENT.of(|o| o.exposure.coefficient.into()),
-            q::FLANK_UPDATES.of(|o| o.updates.into()),
-            quantity(
-                "runs_away_h",
-                decimals(3),
-                "Hours at which wear runs away: flank or pin have lost a quarter of the pin radius, or the \
-                 flanks alone open 20 times the limit of lost motion (of 1′ at least).",
-            )
-            .of(|o| o.runs_away.map(|end| end.hours).into()),
-            quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")
-                .of(|o| (o.increment / UM).into()),
-            quantity("hours_to_50_um", decimals(0), "Hours until 50 µm of uniform depth.")
-                .of(|o| o.hours_to_50_um.into()),
-        ];
+        let mut entries = entries();
         entries.extend(Fidelity::entries());
         entries
     },
 };
+
+/// Of an outcome of any family.
+pub(in crate::analyses) fn entries<O: Deref<Target = WearOverHours>>() -> Vec<Column<O>> {
+    vec![
+        quantity("mode", PLAIN, "How wear and load are coupled: coupled or tao2024.").of(|o: &O| {
+            match o.mode {
+                Mode::Coupled => "coupled".into(),
+                Mode::Tao2024 => "tao2024".into(),
+            }
+        }),
+        q::HOURS.of(|o| o.last().hours().into()),
+        q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
+        q::MAX_DEPTH_AT.of(|o| (o.last().worst_angle() / DEG).into()),
+        q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
+        q::PLAY.of(|o| o.last().travel.play.arcmin().into()),
+        q::PRELOAD.of(|o| o.last().travel.preload.into()),
+        q::PRELOAD_FRICTION.of(|o| o.last().travel.preload_friction.into()),
+        q::MAX_FORCE.of(|o| o.last().max_force().into()),
+        q::LOADED_PAIRS.of(|o| o.last().loaded_pairs().into()),
+        q::TE_LOADED.of(|o| o.last().accuracy.loaded_error.arcmin().into()),
+        q::WEAR_COEFFICIENT.of(|o| o.exposure.coefficient.into()),
+        q::FLANK_UPDATES.of(|o| o.updates.into()),
+        quantity(
+            "runs_away_h",
+            decimals(3),
+            "Hours at which wear runs away: flank or pin have lost a quarter of the pin radius, or the \
+                 flanks alone open 20 times the limit of lost motion (of 1′ at least).",
+        )
+        .of(|o| o.runs_away.map(|end| end.hours).into()),
+        quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")
+            .of(|o| (o.increment / UM).into()),
+        quantity("hours_to_50_um", decimals(0), "Hours until 50 µm of uniform depth.")
+            .of(|o| o.hours_to_50_um.into()),
+    ]
+}

@@ -5,7 +5,9 @@ mod page;
 
 pub use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
+pub(super) use declared::{entries, tables_of};
 pub(crate) use page::stations;
+pub(super) use page::{page_of, said_of};
 
 use rayon::prelude::*;
 
@@ -13,14 +15,18 @@ use super::contact::refuse_beyond_closed_form;
 use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
-use crate::geometry::Relief;
-use crate::life::{Accuracy, Course, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy, travel};
+use crate::geometry::{Profile, Relief};
+use crate::life::{
+    Accuracy, Course, MachineCourse, PartsBeside, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy,
+    travel,
+};
+use crate::load::ShareLoad;
 use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::Machine;
 use crate::progress::Counter;
 use crate::units::{HOUR, UM};
 use crate::wear::paper::PaperWear;
-use crate::wear::{CoupledOptions, Exposure, WearError};
+use crate::wear::{CoupledOptions, Exposure, WearCase, WearError};
 
 pub const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
 pub const GUIDE: &str = "Computes the wear of the flanks over the hours of service at the design's duty. Pins, bearings and \
@@ -66,11 +72,13 @@ impl Choice for Mode {
 /// Crank positions at which accuracy is evaluated.
 const POSITIONS: usize = 36;
 
-/// Wear over the hours.
+/// Wear over the hours, of a drive of any family.
 #[derive(Debug, Clone)]
-pub struct Wear {
-    pub machine: Machine,
-    pub fidelity: Fidelity,
+pub struct WearOverHours {
+    /// Of the design.
+    pub name: String,
+    /// The flank as cut.
+    pub profile: Profile,
     pub mode: Mode,
     /// From new to the end.
     pub stations: Vec<Station>,
@@ -84,7 +92,23 @@ pub struct Wear {
     pub runs_away: Option<RunAway>,
 }
 
-/// The machine at one time.
+/// Wear of an RV reducer.
+#[derive(Debug, Clone)]
+pub struct Wear {
+    pub hours: WearOverHours,
+    pub machine: Machine,
+    pub fidelity: Fidelity,
+}
+
+impl std::ops::Deref for Wear {
+    type Target = WearOverHours;
+
+    fn deref(&self) -> &WearOverHours {
+        &self.hours
+    }
+}
+
+/// The drive at one time.
 #[derive(Debug, Clone)]
 pub struct Station {
     pub state: WornState,
@@ -151,13 +175,29 @@ fn coupled(
     options: &Options,
     host: &dyn Host,
 ) -> Result<Wear, AnalysisError> {
-    let failed = || AnalysisError::wear("compute the wear");
     let increment = options.increment_um * UM;
     let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
-    let mut course = Course::new(&machine, &fidelity, settings)?;
-    let mut states = Vec::with_capacity(options.points + 1);
+    let course = MachineCourse::new(&machine, &fidelity, settings)?;
+    let profile = machine.profile();
+    let hours = over_hours(course, (machine.name.clone(), profile), (end, options.points), increment, host)?;
+    Ok(Wear { hours, machine, fidelity })
+}
+
+/// Follows the coupled wear of a drive of any family to its `end` (h), with as many stations after the new one.
+///
+/// # Errors
+/// [`AnalysisError`] where no load sharing is found, or the host stops it.
+pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
+    mut course: Course<S, P>,
+    (name, profile): (String, Profile),
+    (end, points): (f64, usize),
+    increment: f64,
+    host: &dyn Host,
+) -> Result<WearOverHours, AnalysisError> {
+    let failed = || AnalysisError::wear("compute the wear");
+    let mut states = Vec::with_capacity(points + 1);
     let mut runs_away = None;
-    for (hours, share) in times(end, options.points) {
+    for (hours, share) in times(end, points) {
         match course.advance_to(hours, host) {
             Err(WearError::RunsAwayAt { hours, depth_um }) => {
                 runs_away = Some(RunAway { hours, depth: depth_um * UM });
@@ -169,7 +209,7 @@ fn coupled(
         host.report("wear", share);
     }
     let (exposure, updates) = (*course.exposure(), course.updates());
-    let joints = course.meshing().clone();
+    let (joints, case) = (course.meshing().clone(), course.case().clone());
     let last = states.last().map_or(0.0, |state| state.hours);
     let lost: Vec<WornState> = match runs_away {
         Some(_) => course.on_the_way_after(last).cloned().collect(),
@@ -184,10 +224,10 @@ fn coupled(
             if host.is_cancelled() {
                 return Err(WearError::Stopped);
             }
-            state.put_on(&machine, &mut joints);
+            state.put_on(&case.designed, &mut joints);
             let flank = state.surfaces.flank();
-            let accuracy = accuracy(&machine, &mut joints, flank, state.hours, POSITIONS)?;
-            let travel = travel(&machine, &mut joints, POSITIONS)?;
+            let accuracy = accuracy(&case, &mut joints, flank, state.hours, POSITIONS)?;
+            let travel = travel(&case, &mut joints, POSITIONS)?;
             stations.push(Station { state: state.clone(), accuracy, travel, handbook: None });
             done.one_more();
         }
@@ -206,7 +246,17 @@ fn coupled(
         return Err(AnalysisError::Stopped);
     }
     let (mode, hours_to_50_um) = (Mode::Coupled, None);
-    Ok(Wear { machine, fidelity, mode, stations, exposure, updates, increment, hours_to_50_um, runs_away })
+    Ok(WearOverHours {
+        name,
+        profile,
+        mode,
+        stations,
+        exposure,
+        updates,
+        increment,
+        hours_to_50_um,
+        runs_away,
+    })
 }
 
 fn uniform(
@@ -217,6 +267,7 @@ fn uniform(
     host: &dyn Host,
 ) -> Result<Wear, AnalysisError> {
     let failed = || AnalysisError::wear("compute the wear in closed form");
+    let case = WearCase::from(&machine);
     let wear = PaperWear::deep_enough(&machine, end).map_err(failed())?;
     let runs_away = wear.runs_away.map(|(hours, depth)| RunAway { hours, depth });
     let ends = runs_away.map_or(f64::INFINITY, |end| end.hours);
@@ -228,8 +279,8 @@ fn uniform(
         let depth = wear.depth_at(hours).max(0.0);
         let flank = Relief::uniform(depth);
         let mut meshing = machine.meshing(&flank);
-        let accuracy = accuracy(&machine, &mut meshing, &flank, hours, POSITIONS).map_err(failed())?;
-        let travel = travel(&machine, &mut meshing, POSITIONS).map_err(failed())?;
+        let accuracy = accuracy(&case, &mut meshing, &flank, hours, POSITIONS).map_err(failed())?;
+        let travel = travel(&case, &mut meshing, POSITIONS).map_err(failed())?;
         let solution = closed_form::solve(&machine, machine.rated.torque.abs(), depth)
             .map_err(AnalysisError::compute("share the load in closed form"))?;
         let state = WornState { hours, ..WornState::uniform(depth) };
@@ -237,20 +288,21 @@ fn uniform(
         stations.push(Station { state, accuracy, travel, handbook });
         host.report("wear", share);
     }
-    Ok(Wear {
+    let hours = WearOverHours {
         hours_to_50_um: Some(wear.hours_at(50.0 * UM)),
         exposure: wear.exposure,
-        machine,
-        fidelity,
+        name: machine.name.clone(),
+        profile: case.profile,
         mode: Mode::Tao2024,
         stations,
         updates: 0,
         increment: options.increment_um * UM,
         runs_away,
-    })
+    };
+    Ok(Wear { hours, machine, fidelity })
 }
 
-impl Wear {
+impl WearOverHours {
     /// The machine at the end.
     pub fn last(&self) -> &Station {
         // A run has the new machine at least.

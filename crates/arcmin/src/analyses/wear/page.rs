@@ -1,7 +1,7 @@
 //! Terminal and report of wear.
 
-use super::{Mode, Wear};
-use crate::analyses::Outcome;
+use super::declared::tables_of;
+use super::{Mode, Wear, WearOverHours};
 use crate::analyses::Said;
 use crate::geometry::Relief;
 use crate::report::{
@@ -26,7 +26,7 @@ pub(crate) fn stations(count: usize, most: usize) -> impl Iterator<Item = usize>
     (0..=shown).map(move |index| last * index / shown).take(count)
 }
 
-fn headline(wear: &Wear) -> String {
+fn headline(wear: &WearOverHours) -> String {
     let last = wear.last();
     let depth = significant(last.accuracy.max_depth / UM, 3);
     let (angle, play) = (last.worst_angle() / DEG, last.travel.play.arcmin());
@@ -46,9 +46,14 @@ fn headline(wear: &Wear) -> String {
 }
 
 pub(super) fn said(wear: &Wear) -> Vec<Said> {
-    let tables = wear.tables();
+    said_of(wear, &wear.fidelity.sentence())
+}
+
+/// `physics` says in a sentence what the model contains.
+pub(in crate::analyses) fn said_of(wear: &WearOverHours, physics: &str) -> Vec<Said> {
+    let tables = tables_of(wear);
     let history = tables.iter().find(|table| table.name == "wear_history");
-    let mut said = vec![Said::line(format!("{}: {}", wear.machine.name, wear.fidelity.sentence()))];
+    let mut said = vec![Said::line(format!("{}: {physics}", wear.name))];
     said.extend(history.map(|table| Said::columns(table, COLUMNS, stations(table.rows(), 7))));
     let k = wear.exposure.coefficient;
     said.push(Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear), k * 1e6)));
@@ -56,6 +61,10 @@ pub(super) fn said(wear: &Wear) -> Vec<Said> {
 }
 
 pub(super) fn page(wear: &Wear) -> Page {
+    page_of(wear, &wear.fidelity.sentence())
+}
+
+pub(in crate::analyses) fn page_of(wear: &WearOverHours, physics: &str) -> Page {
     let last = wear.last();
     let tone = if wear.runs_away.is_some() { Tone::Bad } else { Tone::Neutral };
     let mut verdict = Verdict::new(tone, headline(wear));
@@ -67,7 +76,7 @@ pub(super) fn page(wear: &Wear) -> Page {
         figure("Play", last.travel.play.arcmin(), "arcmin", "one-sided, at the output, input locked"),
         figure("Largest force", last.max_force(), "N", "of one pin on one disc at rated torque"),
     ];
-    verdict.answers.push(("Which physics".to_owned(), wear.fidelity.sentence()));
+    verdict.answers.push(("Which physics".to_owned(), physics.to_owned()));
     let over = |title: &str, axis: Axis, value: &dyn Fn(&super::Station) -> f64, note: &str| {
         let points: Vec<(f64, f64)> = wear.stations.iter().map(|s| (s.hours(), value(s))).collect();
         let name = axis.label.to_lowercase();
@@ -113,7 +122,7 @@ pub(super) fn page(wear: &Wear) -> Page {
         )),
     ];
     Page {
-        title: wear.machine.name.clone(),
+        title: wear.name.clone(),
         subtitle: "Wear of the flanks".to_owned(),
         provenance: Provenance::default(),
         verdict,

@@ -10,7 +10,7 @@ use crate::dynamics::DynamicsError;
 use crate::dynamics::mechanism::Cause;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
-use crate::machine::{CrankAngle, Friction, Kinematics, Machine, OutputAngle, OutputForces, PartWear};
+use crate::machine::{CrankAngle, Friction, Machine, OutputAngle, OutputForces, PartWear};
 use crate::wear::parts;
 
 /// Discs and pins with the whole machine free in its bearings, input locked, friction aside.
@@ -268,8 +268,12 @@ impl BearingMeshing {
 impl ShareLoad for BearingMeshing {
     type Start = Vec<f64>;
 
-    fn kinematics(&self) -> &Kinematics {
-        self.model.kinematics()
+    fn pattern_period(&self) -> f64 {
+        self.model.kinematics().pattern_period()
+    }
+
+    fn disc_speed(&self, input_speed: f64) -> f64 {
+        self.model.kinematics().speeds(input_speed).0
     }
 
     fn contacts(&self) -> &PinContacts {
@@ -292,14 +296,7 @@ impl ShareLoad for BearingMeshing {
 
     fn set_surfaces(&mut self, flanks: Vec<Relief>, pins: Vec<Relief>) {
         self.state += 1;
-        for (disc, ring) in self.model.rings.iter_mut().enumerate() {
-            ring.contacts.set_relief(flanks[disc % flanks.len()].clone());
-            let count = ring.contacts.pins().len();
-            match pins.chunks_exact(count).nth(disc) {
-                Some(own) => ring.contacts.set_pin_reliefs(own.to_vec()),
-                None => ring.contacts.set_pin_relief(pins[0].clone()),
-            }
-        }
+        self.model.set_surfaces(&flanks, &pins);
     }
 
     fn set_part_wear(&mut self, wear: &PartWear) {
@@ -321,7 +318,14 @@ impl ShareLoad for BearingMeshing {
 
     fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
         let kinematics = self.model.kinematics();
-        let within = turn_position(kinematics, kinematics.lobe_count as usize, index, count, offset, shift);
+        let within = turn_position(
+            kinematics.pattern_period(),
+            kinematics.lobe_count as usize,
+            index,
+            count,
+            offset,
+            shift,
+        );
         // Which turn of the crankshafts: spread over all of them by a number that is far from any fraction
         // (R2 sequence), so that neither the places within a turn nor the updates of a wear computation
         // (whose offsets go by the golden section) keep meeting the same pins.

@@ -32,7 +32,7 @@ pub(in crate::dynamics) use roller::{AXIAL, ROW, SLOPE, Stand, VARIABLES};
 pub use roller::{BearingState, ElementLoad, RollingBearing};
 
 use super::{Drive, DynamicsError, ElasticCoordinates, OutputLoad};
-use crate::geometry::{Vec2, unit};
+use crate::geometry::{Relief, Vec2, unit};
 
 /// How the input moves.
 #[derive(Debug, Clone, PartialEq)]
@@ -282,6 +282,19 @@ impl Mechanism {
         }
         if let Some(housing) = self.rings.first().and_then(|ring| ring.housing.as_ref()) {
             housing.body.turn(&mut ways[housing.at.clone()], angle);
+        }
+    }
+
+    /// Replaces the metal removed from the flanks (designed relief included) and the pins, m: one relief for all, or one
+    /// per disc and, pin by pin, per disc.
+    pub(crate) fn set_surfaces(&mut self, flanks: &[Relief], pins: &[Relief]) {
+        for (disc, ring) in self.rings.iter_mut().enumerate() {
+            ring.contacts.set_relief(flanks[disc % flanks.len()].clone());
+            let count = ring.contacts.pins().len();
+            match pins.chunks_exact(count).nth(disc) {
+                Some(own) => ring.contacts.set_pin_reliefs(own.to_vec()),
+                None => ring.contacts.set_pin_relief(pins[0].clone()),
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! How fast flanks and pins lose depth: the removal of every contact, spread over what it passes.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -50,7 +50,7 @@ impl Rates {
     }
 }
 
-impl<S: ShareLoad> CoupledWear<'_, S> {
+impl<S: ShareLoad> CoupledWear<S> {
     /// Mean depth that the flanks lose per unit of exposure at these surfaces, in m per s/Pa.
     ///
     /// # Errors
@@ -65,13 +65,13 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
     /// the law's rate integrated over the contact (F |v_s|/B by Archard's law) and K spreads it over the Hertz
     /// half-width.
     pub(super) fn rates(&mut self, state: &WearSnapshot) -> Result<Rates, WearError> {
-        let machine = self.machine;
+        let case = Arc::clone(&self.case);
         let time = match &self.clock {
             Some(clock) if self.law.depends_on_time() => clock.time_at(state.exposure),
             None if self.law.depends_on_time() => return Err(WearError::NoClock),
             _ => 0.0,
         };
-        state.put_on(&self.designed, &mut self.meshing);
+        state.put_on(&self.case.designed, &mut self.meshing);
         let reaches: Vec<Vec<f64>> = state
             .pins
             .iter()
@@ -91,7 +91,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         let stride = if self.meshing.discs_alike() && count % 2 == 1 { 2 } else { 1 };
         let (sets, several) = (self.places % count, self.meshing.pitches() > 1);
         let place = |index: usize| if several { stride * (index + sets) % count } else { index };
-        let tasks: Vec<Task> = (machine.duty.iter().enumerate())
+        let tasks: Vec<Task> = (case.duty.iter().enumerate())
             .filter(|(_, duty)| duty.wears())
             .flat_map(|(row, duty)| (0..count).map(move |index| (row, duty, index)))
             .map(|(row, &DutyPoint { torque, forces, .. }, index)| {
@@ -101,27 +101,27 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
             })
             .collect();
         let mut found = self.pin_contacts(&tasks)?.into_iter();
-        for duty in machine.duty.iter().filter(|duty| duty.wears()) {
+        for duty in case.duty.iter().filter(|duty| duty.wears()) {
             let mut passes: Vec<Vec<Pass>> =
-                vec![Vec::with_capacity(count * machine.ring.pin_count); machine.disc_count];
+                vec![Vec::with_capacity(count * case.pin_count()); case.disc_count];
             for discs in found.by_ref().take(count) {
                 for (disc, (contacts, passes)) in discs.iter().zip(&mut passes).enumerate() {
                     let flank = &state.flanks[disc % state.flanks.len()];
                     passes.extend(contacts.iter().map(|contact| {
-                        let pin = state.pin_seen(disc, contact.pin, machine.ring.pin_count);
+                        let pin = state.pin_seen(disc, contact.pin, case.pin_count());
                         self.pass(contact, duty, flank, pin, time)
                     }));
                 }
             }
             // One flank for all discs takes the mean of them.
-            let weight = duty.share / (count * machine.disc_count / flanks.len()) as f64;
+            let weight = duty.share / (count * case.disc_count / flanks.len()) as f64;
             for (disc, passes) in passes.iter_mut().enumerate() {
                 // All pins at all positions in the order in which one tooth meets them.
                 passes.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
                 let flank = disc % flanks.len();
                 self.deposit_on_flank(passes, weight, &mut flanks[flank]);
-                if machine.wear.pin_ratio > 0.0 {
-                    let own = machine.ring.pin_count;
+                if case.wear.pin_ratio > 0.0 {
+                    let own = case.pin_count();
                     match pins.chunks_exact_mut(own).nth(disc) {
                         Some(pins) => {
                             let own = disc * own..(disc + 1) * own;
@@ -136,9 +136,9 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         for section in flanks.iter_mut().flat_map(|flank| flank.iter_mut().enumerate()) {
             *section.1 /= self.arc.cell_width(section.0);
         }
-        let pin_cell = std::f64::consts::TAU * machine.ring.pin_radius / self.options.pin_points as f64;
+        let pin_cell = std::f64::consts::TAU * case.pin_radius / self.options.pin_points as f64;
         for pin in &mut pins {
-            match machine.ring.mounting {
+            match case.pin_mounting {
                 PinMounting::Fixed => pin.iter_mut().for_each(|section| *section /= pin_cell),
                 PinMounting::Spinning => {
                     let mean = pin.iter().sum::<f64>() / (pin.len() as f64 * pin_cell);
@@ -152,7 +152,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
     /// The pins of every disc at all `tasks`, each started from the last solution at its place. Threads take them as
     /// they come, each with a meshing of its own; no result depends on which.
     fn pin_contacts(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PinContact>>>, WearError> {
-        let (starts, tilts) = (&self.starts, self.machine.duty_tilts());
+        let (starts, tilts) = (&self.starts, self.case.duty_tilts());
         let solve = |meshing: &mut S, task: &Task| {
             if tilts {
                 meshing.set_output_forces(task.forces);
@@ -189,20 +189,20 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
     /// What one contact removes per unit of time from a flank that has lost the depths `flank`, on a pin of
     /// which it sees `pin`. Pins wear in proportion to the flank that they meet.
     fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, pin: &Relief, time: f64) -> Pass {
-        let machine = self.machine;
+        let case = &self.case;
         let profile = self.meshing.contacts().profile();
         let contact = self.meshing.contacts().contact();
         let lobes = profile.lobe_count() as f64;
-        let (output_speed, _, _) = self.meshing.kinematics().speeds(duty.input_speed);
+        let disc_speed = self.meshing.disc_speed(duty.input_speed).abs();
         let cos = c.meshing_angle.cos();
         let rs = profile.pin_circle_radius * profile.speed_factor(cos);
-        let sliding = (rs - machine.ring.pin_radius).abs() * output_speed.abs();
+        let sliding = (rs - case.pin_radius).abs() * disc_speed;
         let radius = 1.0 / c.relative_curvature;
         let half_width = contact.half_width(c.force, radius);
         let removal = if c.force > 0.0 {
-            let line_load = c.force / machine.disc.width;
-            let film_ratio = machine.wear.lubrication.as_ref().map_or(0.0, |oil| {
-                let on_flank = profile.flank_length_per_meshing_angle(cos) * lobes * output_speed.abs();
+            let line_load = c.force / case.disc_width;
+            let film_ratio = case.wear.lubrication.as_ref().map_or(0.0, |oil| {
+                let on_flank = profile.flank_length_per_meshing_angle(cos) * lobes * disc_speed;
                 let entrainment = entrainment_speed(on_flank, sliding);
                 film_ratio(oil, contact.effective_modulus, radius, line_load, entrainment)
             });
@@ -223,7 +223,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
 
     /// Spreads the removal along the path of the contact over the flank, mean of the lobes.
     fn deposit_on_flank(&self, passes: &[Pass], weight: f64, flank: &mut [f64]) {
-        let lobes = self.machine.ring.pin_count as f64 - 1.0;
+        let lobes = self.case.profile.lobe_count() as f64;
         for (before, pass, after) in neighbours(passes) {
             let ends = (
                 halfway(before.meshing_angle, pass.meshing_angle),
@@ -235,12 +235,12 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
 
     /// The same over the pins, mean of them.
     fn deposit_on_pins(&self, passes: &[Pass], weight: f64, pin: &mut [f64], reach: &[f64]) {
-        let machine = self.machine;
-        let count = machine.ring.pin_count as f64;
+        let case = &self.case;
+        let count = case.pin_count() as f64;
         for (before, pass, after) in neighbours(passes) {
             let ends = (halfway(before.pin_angle, pass.pin_angle), halfway(after.pin_angle, pass.pin_angle));
-            let amount = machine.wear.pin_ratio * (weight * pass.removal) / count;
-            spread_on_pin(pin, reach, machine.ring.pin_radius, ends.0, ends.1, pass.half_width, amount);
+            let amount = case.wear.pin_ratio * (weight * pass.removal) / count;
+            spread_on_pin(pin, reach, case.pin_radius, ends.0, ends.1, pass.half_width, amount);
         }
     }
 
@@ -254,7 +254,7 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
         pins: &mut [Vec<f64>],
         seen: (&[Relief], &[Vec<f64>]),
     ) {
-        let machine = self.machine;
+        let case = &self.case;
         let profile = self.meshing.contacts().profile();
         let mut own: Vec<Vec<&Pass>> = vec![Vec::new(); pins.len()];
         passes.iter().for_each(|pass| own[pass.pin].push(pass));
@@ -276,10 +276,10 @@ impl<S: ShareLoad> CoupledWear<'_, S> {
                     // An unloaded contact has no width; that of its neighbour fades.
                     let half_width = blend(pass.half_width, next.half_width).max(1e-9);
                     let amount =
-                        machine.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
+                        case.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
                     let touching = |share| self.average.touching(seen, profile.pin_angle(at(share)));
                     let (from, to) = (touching(0.0), touching(1.0));
-                    spread_on_pin(pin, reach, machine.ring.pin_radius, from, to, half_width, amount);
+                    spread_on_pin(pin, reach, case.pin_radius, from, to, half_width, amount);
                 }
             }
         }

@@ -25,7 +25,7 @@ pub(super) struct Stiffness {
     left: usize,
 }
 
-impl<S: ShareLoad> CoupledWear<'_, S> {
+impl<S: ShareLoad> CoupledWear<S> {
     /// Set where contacts that lose their force within an update bind its length: `short` is the exposure of
     /// Heun's next step, `largest` the largest rate of its last.
     pub(super) fn look_for_stiffness(&mut self, depth: f64, short: f64, largest: f64) {

@@ -1,0 +1,105 @@
+//! The mechanism of a single stage as analyses ask it.
+
+use crate::analyses::AnalysisError;
+use crate::design::StageDesign;
+use crate::dynamics::{SingleStageJoints, StageMeshing};
+use crate::life::Course;
+use crate::progress::Progress;
+use crate::wear::calibrate::coupled_exposure;
+use crate::wear::{CoupledOptions, CoupledWear, WearCase};
+
+/// The new drive.
+///
+/// # Errors
+/// [`AnalysisError::Compute`] for values without meaning.
+pub(super) fn meshing(design: &StageDesign) -> Result<StageMeshing, AnalysisError> {
+    StageMeshing::new(design.stage(), design.rated().torque, design.seen_from_ring())
+        .map_err(AnalysisError::compute("build the drive from its design"))
+}
+
+/// What wears.
+///
+/// # Errors
+/// [`AnalysisError::Usage`] where the design gives no wear.
+fn wear_case(design: &StageDesign) -> Result<WearCase, AnalysisError> {
+    design.wear_case().ok_or_else(|| {
+        AnalysisError::usage(
+            "the design gives no wear coefficient, so its wear cannot be computed",
+            "add [wear.coupled] with coefficient_per_pa, or with after_h and depth_um of a drive that was measured",
+        )
+    })
+}
+
+/// The drive on its way through its hours.
+///
+/// # Errors
+/// As [`wear_case`]; where the calibration of the coefficient finds no answer.
+pub(super) fn course(
+    design: &StageDesign,
+    options: CoupledOptions,
+) -> Result<Course<StageMeshing, ()>, AnalysisError> {
+    let (case, meshing) = (wear_case(design)?, meshing(design)?);
+    let exposure = coupled_exposure(case.clone(), meshing.clone(), options)
+        .map_err(AnalysisError::wear("find the wear coefficient"))?;
+    let service_life = design.limits().service_life;
+    Ok(Course::of(CoupledWear::with(case, meshing, options), (), exposure, service_life))
+}
+
+/// The drive after some hours of its duty.
+///
+/// # Errors
+/// As [`course`]; [`AnalysisError::Stopped`] where the host says so.
+fn worn(design: &StageDesign, hours: f64, progress: &dyn Progress) -> Result<StageMeshing, AnalysisError> {
+    let mut meshing = meshing(design)?;
+    if hours > 0.0 {
+        let mut course = course(design, CoupledOptions::default())?;
+        course.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
+        course.state().put_on(&design.stage().relief, &mut meshing);
+    }
+    Ok(meshing)
+}
+
+/// States of rest, each from the one before.
+pub(super) struct Rests<'a> {
+    meshing: StageMeshing,
+    start: Option<Vec<f64>>,
+    progress: &'a dyn Progress,
+}
+
+impl<'a> Rests<'a> {
+    /// Of the drive after some hours of its duty.
+    ///
+    /// # Errors
+    /// As [`worn`].
+    pub fn new(
+        design: &StageDesign,
+        hours: f64,
+        progress: &'a dyn Progress,
+    ) -> Result<Rests<'a>, AnalysisError> {
+        Ok(Rests { meshing: worn(design, hours, progress)?, start: None, progress })
+    }
+
+    /// The state with the input held at an angle (rad) against the ring, under an output torque in N·m that opposes
+    /// positive motion.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where none is found, or the host stops it.
+    pub fn at(&mut self, angle: f64, torque: f64) -> Result<Vec<f64>, AnalysisError> {
+        if self.progress.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+        let found = self.meshing.rest(angle, torque, self.start.as_deref());
+        let (place, _) = found.map_err(AnalysisError::compute("find a state of rest"))?;
+        self.start = Some(self.meshing.deviation(angle, &place));
+        Ok(place)
+    }
+
+    pub fn joints(&self) -> &SingleStageJoints {
+        self.meshing.joints()
+    }
+
+    /// Angle in rad of the output against its nominal one, in the state found last.
+    pub fn output_error(&self, place: &[f64]) -> f64 {
+        self.meshing.output_error(place)
+    }
+}

@@ -1,0 +1,110 @@
+//! The whole drive in its bearings, in any state of wear.
+
+use super::{PartsPoint, WornState};
+use crate::dynamics::{BearingMeshing, StageMeshing};
+use crate::geometry::Relief;
+use crate::load::{ShareLoad, lost_motion};
+use crate::machine::{Machine, OutputAngle};
+use crate::wear::WearError;
+
+/// A drive of any family whose lost motion is read in states of wear, friction aside.
+pub trait WholeDrive: Clone + Send + Sync {
+    /// In rad.
+    ///
+    /// # Errors
+    /// [`WearError::Load`] where no balance is found.
+    fn lost_motion(&mut self, state: &WornState) -> Result<f64, WearError>;
+
+    /// By cause; `None` for a drive whose lost motion is not split.
+    ///
+    /// # Errors
+    /// As [`WholeDrive::lost_motion`].
+    fn causes(&mut self, state: &WornState) -> Result<Option<PartsPoint>, WearError>;
+
+    /// Lost motion of the tooth contacts alone, all other joints ideal; `None` for a drive without this model.
+    ///
+    /// # Errors
+    /// As [`WholeDrive::lost_motion`].
+    fn contact_lost_motion(&self, state: &WornState) -> Result<Option<OutputAngle>, WearError>;
+}
+
+/// Crank positions over a turn of the crankshafts for lost motion and for rates of wear.
+pub(super) const POSITIONS: usize = 12;
+
+/// Crank positions of the mean lost motion: more of them where it takes the whole ring to repeat (a test
+/// shows what is left).
+fn positions<S: ShareLoad>(meshing: &S) -> usize {
+    if meshing.discs_alike() { POSITIONS } else { 4 * POSITIONS }
+}
+
+/// An RV reducer in its bearings, which keep what they have found for the next state.
+#[derive(Debug, Clone)]
+pub struct MachineInBearings<'a> {
+    machine: &'a Machine,
+    designed: Relief,
+    meshing: BearingMeshing,
+}
+
+impl<'a> MachineInBearings<'a> {
+    pub fn new(machine: &'a Machine, meshing: BearingMeshing) -> MachineInBearings<'a> {
+        MachineInBearings { machine, designed: machine.designed_relief(), meshing }
+    }
+
+    /// Puts wear on, and says at how many positions lost motion is read.
+    fn put_on(&mut self, state: &WornState) -> usize {
+        state.surfaces.put_on(&self.designed, &mut self.meshing);
+        self.meshing.set_part_wear(&state.part_wear);
+        positions(&self.meshing)
+    }
+
+    /// Lost motion by cause.
+    ///
+    /// # Errors
+    /// [`WearError::Load`] where no balance is found.
+    pub fn split(&mut self, state: &WornState) -> Result<PartsPoint, WearError> {
+        let positions = self.put_on(state);
+        let lost_motion = self.meshing.lost_motion_causes(positions, &mut Vec::new())?;
+        Ok(PartsPoint { wear: state.part_wear, lost_motion })
+    }
+}
+
+impl WholeDrive for MachineInBearings<'_> {
+    fn lost_motion(&mut self, state: &WornState) -> Result<f64, WearError> {
+        let positions = self.put_on(state);
+        Ok(self.meshing.lost_motion(positions)?)
+    }
+
+    fn causes(&mut self, state: &WornState) -> Result<Option<PartsPoint>, WearError> {
+        self.split(state).map(Some)
+    }
+
+    fn contact_lost_motion(&self, state: &WornState) -> Result<Option<OutputAngle>, WearError> {
+        let mut meshing = state.surfaces.meshing(self.machine);
+        let positions = positions(&meshing);
+        Ok(Some(lost_motion(&mut meshing, self.machine.rated.torque, positions)?))
+    }
+}
+
+/// A single stage.
+#[derive(Debug, Clone)]
+pub struct WholeStage {
+    pub designed: Relief,
+    pub rated_torque: f64,
+    pub meshing: StageMeshing,
+}
+
+impl WholeDrive for WholeStage {
+    fn lost_motion(&mut self, state: &WornState) -> Result<f64, WearError> {
+        state.surfaces.put_on(&self.designed, &mut self.meshing);
+        let positions = positions(&self.meshing);
+        Ok(lost_motion(&mut self.meshing, self.rated_torque, positions)?.radians())
+    }
+
+    fn causes(&mut self, _: &WornState) -> Result<Option<PartsPoint>, WearError> {
+        Ok(None)
+    }
+
+    fn contact_lost_motion(&self, _: &WornState) -> Result<Option<OutputAngle>, WearError> {
+        Ok(None)
+    }
+}

@@ -1,0 +1,75 @@
+//! What wear and accuracy take from a drive.
+
+use crate::contact::LineContact;
+use crate::geometry::{Profile, Relief};
+use crate::load::closed_form::first_max_force;
+use crate::machine::{DutyPoint, Machine, PinMounting, Wear};
+
+/// Geometry, duty and laws under which flanks and pins of a drive of any family wear.
+#[derive(Debug, Clone)]
+pub struct WearCase {
+    /// The flank as cut.
+    pub profile: Profile,
+    /// Law of contact of a pin with a flank.
+    pub contact: LineContact,
+    /// What the design takes off the flank, m.
+    pub designed: Relief,
+    pub disc_count: usize,
+    /// m.
+    pub disc_width: f64,
+    /// Of the pins as installed, m.
+    pub pin_radius: f64,
+    pub pin_mounting: PinMounting,
+    pub wear: Wear,
+    /// N·m.
+    pub rated_torque: f64,
+    pub duty: Vec<DutyPoint>,
+    /// Largest force (N) of a pin at the largest torque of the duty, by the closed form with equal springs.
+    pub largest_force: f64,
+    /// Limit of the lost motion in rad.
+    pub lost_motion: f64,
+    /// Coulomb's coefficient between flank and pin.
+    pub flank_friction: f64,
+}
+
+impl WearCase {
+    pub fn pin_count(&self) -> usize {
+        self.profile.pin_count
+    }
+
+    /// Whether a row of the duty tilts or pulls the output.
+    pub fn duty_tilts(&self) -> bool {
+        self.duty.iter().any(|row| !row.forces.is_zero())
+    }
+
+    /// The largest torque of rating and duty in N·m, with its sign; that of the rating where several are as large.
+    pub fn hardest_torque(&self) -> f64 {
+        let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
+        self.duty.iter().map(|row| row.torque).fold(self.rated_torque, harder)
+    }
+}
+
+/// The largest size of a torque of the duty in N·m.
+pub(crate) fn largest_torque(duty: &[DutyPoint]) -> f64 {
+    duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max)
+}
+
+impl From<&Machine> for WearCase {
+    fn from(machine: &Machine) -> WearCase {
+        WearCase {
+            profile: machine.profile(),
+            contact: machine.line_contact(),
+            designed: machine.designed_relief(),
+            disc_count: machine.disc_count,
+            disc_width: machine.disc.width,
+            pin_radius: machine.ring.pin_radius,
+            pin_mounting: machine.ring.mounting,
+            wear: machine.wear.clone(),
+            rated_torque: machine.rated.torque,
+            duty: machine.duty.clone(),
+            largest_force: first_max_force(machine, largest_torque(&machine.duty)),
+            lost_motion: machine.limits.lost_motion,
+            flank_friction: machine.flank_friction(),
+        }
+    }
+}
