@@ -34,6 +34,14 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         say(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
         return Ok(ending_of(found_by_check(outcome.as_ref())));
     }
+    let wants_band = analysis.name == "life" && matches.get_flag("band");
+    if wants_band && !matches!(design, AnyDesign::Rv(_)) {
+        return Err(Failure::Usage {
+            message: "--band needs machines drawn from [unknowns], which single stages do not have"
+                .to_owned(),
+            help: "leave out --band".to_owned(),
+        });
+    }
     let quiet = matches.get_flag("quiet");
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
         Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join(analysis.name)
@@ -53,8 +61,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     host.clear();
     let found = if is_check { found_by_check(outcome.as_ref()) } else { errors.len() };
     let lives = if let AnyDesign::Rv(design) = &design
-        && analysis.name == "life"
-        && matches.get_flag("band")
+        && wants_band
     {
         let machines = matches.get_one::<u64>("band-machines").copied().unwrap_or(MACHINES);
         Some(Lives::compute(design, &options, machines, &host, &out, quiet)?)

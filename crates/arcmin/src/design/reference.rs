@@ -24,7 +24,7 @@ const SINGLE_STAGE: &str = "
 
 A file with `[drive] family = \"eccentric\"` describes a [single stage](single-stage.md): eccentrics in the middle of the input
 shaft, discs, a ring of pins, and output pins in holes of the discs. `[ring]`, `[disc]`, `[contact]`, `[load]` and `[limits]` are
-those above, of `[friction]` the first three coefficients; `[[duty]]`, `[wear]`, `[tolerances]` and `[unknowns]` are read, but not used yet. There is no
+those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins; `[tolerances]` and `[unknowns]` are read, but not used yet. There is no
 `[crankshafts]`, `[gear_stage]` or `[carrier]`. `fixed_member` is `ring` (the default: the output pins turn, ratio −z_c) or `output`
 (the ring turns with the load, ratio z_p). These sections are its own:
 ";

@@ -27,6 +27,7 @@ pub use declared::{SUMMARY, tables};
 pub(in crate::analyses) use declared::{entries, tables_of};
 pub use demands::Demands;
 pub use judgement::{Judgement, WithElasticBodies};
+pub(in crate::analyses) use page::findings_section;
 pub(in crate::analyses) use record::Record;
 pub use undecided::Undecided;
 pub(crate) use verdict::about;

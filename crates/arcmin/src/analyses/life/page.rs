@@ -6,7 +6,7 @@ use super::{Life, declared, figures, limits};
 use crate::analyses::Outcome;
 use crate::analyses::wear::stations;
 use crate::analyses::{Said, causes};
-use crate::checks::{Severity, worst};
+use crate::checks::{Finding, Severity, worst};
 use crate::fidelity::Joints;
 use crate::report::{
     Block, Column, KeyFigure, Page, Provenance, Section, Table, Tone, Verdict, capitalised, compact,
@@ -73,6 +73,14 @@ fn rattling(life: &Life) -> Option<String> {
     })
 }
 
+pub(in crate::analyses) fn findings_section(findings: &[Finding]) -> Section {
+    let block = match worst(findings) {
+        Severity::Info => Block::Text(format!("All {} checks of the design are passed.", findings.len())),
+        _ => findings_table(findings),
+    };
+    Section::new("findings", "Findings on the design", vec![block])
+}
+
 pub(super) fn page(life: &Life) -> Page {
     let machine = &life.machine;
     let mut sections = vec![
@@ -94,13 +102,7 @@ pub(super) fn page(life: &Life) -> Page {
     }
     sections.push(Section::new("mechanism", "Mechanism and contact forces", figures::mechanism(life)));
     sections.extend(life.elastic.clone());
-    let findings = match worst(&life.findings) {
-        Severity::Info => {
-            Block::Text(format!("All {} checks of the design are passed.", life.findings.len()))
-        }
-        _ => findings_table(&life.findings),
-    };
-    sections.push(Section::new("findings", "Findings on the design", vec![findings]));
+    sections.push(findings_section(&life.findings));
     let code = Block::Code { title: "Design".to_owned(), text: life.design_text.clone() };
     sections.push(Section::new("design", "Design as used", vec![code]));
     let cited = ["Archard1953", "Johnson1985", "Harris2006", "ISO281", "ISO76", "GBT40731"];

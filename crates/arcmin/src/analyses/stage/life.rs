@@ -13,9 +13,7 @@ use crate::analyses::wear::stations;
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{StageDesign, default, default_word, optional, options};
 use crate::life::{LifeOptions, LifePoint, WholeStage, predict_course};
-use crate::report::{
-    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Verdict, findings_table, significant,
-};
+use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Verdict, significant};
 use crate::results::{DeclaredTable, Summary, SummaryOf, Table};
 use crate::rig::dynamic_load_rating;
 use crate::units::{ARCMIN, HOUR, MPA, UM};
@@ -278,7 +276,7 @@ impl Outcome for StageLife {
             sections: vec![
                 Section::new("limits", "Limits", vec![limits_table, bearings]),
                 Section::new("accuracy", "Accuracy over life", accuracy),
-                Section::new("findings", "Findings on the design", vec![findings_table(&self.findings)]),
+                life::findings_section(&self.findings),
                 Section::new("design", "Design as used", vec![code]),
             ],
         }
