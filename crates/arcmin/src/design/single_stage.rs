@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::consistency::{self, Place, contradiction};
+use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field::{self, Choice};
 use super::resolve;
@@ -16,7 +17,7 @@ use super::service::{
 use super::solids::Section as Solid;
 use super::tree::Branch;
 use super::variation::Variations;
-use super::{DesignError, DriveSection, Section, TITLE, TolerancesSection};
+use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
 use crate::geometry::Profile;
 use crate::machine::{Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageFriction};
@@ -156,6 +157,36 @@ pub struct StageDesign {
     sections: StageSections,
     stage: SingleStage,
     unused: Vec<&'static str>,
+    pub(super) written: Written,
+}
+
+impl OfWritten for StageDesign {
+    fn of_written(written: Written) -> Result<StageDesign, (Box<DesignError>, Written)> {
+        let (source, tree) = (written.source(), written.tree());
+        let read = || {
+            if Family::of(tree) != Family::Eccentric {
+                let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
+                let message = "a single stage has the family \"eccentric\"".to_owned();
+                return Err(contradiction(
+                    &source,
+                    &place,
+                    message,
+                    "read RV reducers from files of their own",
+                ));
+            }
+            let sections: StageSections = field::read(tree, &source)?;
+            let stage = stage(&sections, &source).map_err(|error| field::with_path(error, tree))?;
+            Ok((sections, stage))
+        };
+        match read() {
+            Ok((sections, stage)) => {
+                let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
+                let unused = UNUSED.into_iter().filter(|path| is_given(path)).collect();
+                Ok(StageDesign { sections, stage, unused, written })
+            }
+            Err(error) => Err((error, written)),
+        }
+    }
 }
 
 impl std::ops::Deref for StageDesign {
@@ -172,13 +203,17 @@ impl StageDesign {
     /// # Errors
     /// The first thing that is wrong, as [`Design::parse`](super::Design::parse).
     pub fn parse(text: &str, file_name: &str) -> Result<StageDesign, Box<DesignError>> {
-        let source = Source { text, file_name, title: TITLE };
-        let tree = field::parse(&source)?;
-        let sections: StageSections = field::read(&tree, &source)?;
-        let stage = stage(&sections, &source).map_err(|error| field::with_path(error, &tree))?;
-        let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
-        let unused = UNUSED.into_iter().filter(|path| is_given(path)).collect();
-        Ok(StageDesign { sections, stage, unused })
+        StageDesign::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
+    }
+
+    /// As [`Design::text`](super::Design::text).
+    pub fn text(&self) -> &str {
+        self.written.text()
+    }
+
+    /// As [`Design::file_name`](super::Design::file_name).
+    pub fn file_name(&self) -> &str {
+        self.written.file_name()
     }
 
     /// The drive in SI units, its ring at rest.

@@ -27,8 +27,8 @@ result = "max_force_n"
 high = 2000
 "#;
 
-fn design() -> crate::design::Design {
-    crate::templates::design("rv-40e-81").unwrap()
+fn design() -> crate::analyses::stage::AnyDesign {
+    crate::templates::design("rv-40e-81").unwrap().into()
 }
 
 /// The study with one line changed or added.
