@@ -67,7 +67,11 @@ fn a_single_stage_is_studied() {
         let told = summary(d, analysis);
         assert_eq!(told["rows"], 6, "{told}");
         assert!(told["results"][result]["quantiles"].is_array(), "{told}");
-        assert!(read(d, &format!("{analysis}/samples.csv")).lines().all(|line| line.ends_with(',') || line.ends_with("failed")));
+        assert!(
+            read(d, &format!("{analysis}/samples.csv"))
+                .lines()
+                .all(|line| line.ends_with(',') || line.ends_with("failed"))
+        );
     }
     for (text, words) in [
         (study("contact", "max_force_n", "tolerances = true"), "[tolerances]"),

@@ -77,18 +77,31 @@ fn fit(demand: &Demand, host: &dyn Host) -> Result<Result<Fitted, Shortfall>, An
         Err(shortfall) => return Ok(Err(shortfall)),
     };
     let mut nearest: Option<Shortfall> = None;
-    for proposal in proposals.into_iter().take(TRIED) {
+    // Output pins that bend as much as those that failed fail alike.
+    let mut bending = f64::INFINITY;
+    let mut tried = 0;
+    for proposal in proposals {
+        if proposal.bending >= bending {
+            continue;
+        }
+        let even = proposal.bending;
         match widened(proposal, host)? {
             Ok(fitted) => return Ok(Ok(fitted)),
             Err(shortfall) => {
+                if shortfall.is_bending {
+                    bending = bending.min(even / shortfall.excess);
+                }
                 if nearest.as_ref().is_none_or(|held| shortfall.excess < held.excess) {
                     nearest = Some(shortfall);
                 }
             }
         }
+        tried += 1;
+        if tried == TRIED {
+            break;
+        }
     }
-    Ok(Err(nearest
-        .unwrap_or(Shortfall { message: "no combination was found".to_owned(), excess: f64::INFINITY })))
+    Ok(Err(nearest.unwrap_or_else(Shortfall::none)))
 }
 
 /// Widens the discs until flanks and holes bear the pressure of states of rest with all gaps, from the closed forms on.
@@ -107,6 +120,7 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
                      quarter of the outer diameter"
                 ),
                 excess: width_mm / widest,
+                is_bending: false,
             }));
         }
         let design = StageDesign::parse(&proposal.text(width_mm, &[]), "the proposed design")?;
@@ -126,12 +140,12 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
         if bending > BENDING {
             let message =
                 format!("bending of the output pins: {:.0} MPa of {:.0} MPa", bending / MPA, BENDING / MPA);
-            return Ok(Err(Shortfall { message, excess: bending / BENDING }));
+            return Ok(Err(Shortfall { message, excess: bending / BENDING, is_bending: true }));
         }
         let all = findings(&design);
         if let Some(wrong) = all.iter().find(|finding| finding.severity == Severity::Error) {
             let message = format!("{}: {}", wrong.code, wrong.message);
-            return Ok(Err(Shortfall { message, excess: wrong.value / wrong.limit }));
+            return Ok(Err(Shortfall { message, excess: wrong.value / wrong.limit, is_bending: false }));
         }
         let mpa = |what: &str, found: f64, limit: f64| Check {
             share: found / limit,
@@ -179,7 +193,7 @@ fn reach(demand: &Demand, host: &dyn Host) -> Result<String, AnalysisError> {
             Err(shortfall) => {
                 let (most, shortfall) = between(does, (2.0 * does, shortfall), with, host)?;
                 return Ok(format!(
-                    "In {} mm the rules reach about {:.3} N m; beyond fails {}.",
+                    "In {} mm the rules reach about {} N m; beyond that, {}.",
                     demand.outer_diameter_mm,
                     digits(most),
                     shortfall.message

@@ -6,8 +6,9 @@
 //! is left out whose flank comes near undercut, whose pins stand too near to each other, whose walls are too thin, whose
 //! eccentric leaves no shaft, or whose output pins bend too much. Two discs are as wide as the closed forms of the ring pins, 4T/(K1 z_c R),
 //! and of the output pins, 4T/(z_w R_w), ask for at the largest pressure. Those whose eccentric bearing lives the service
-//! life come first, then the narrowest, then those whose bearing lives longest.
+//! life come first, then the narrowest, then those with bushes, then those whose output pins bend least.
 
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use super::process::{BALL_BEARINGS_MM, DOWELS_MM, Making, NEEDLE_CAGES_MM, OUTPUT_PINS_MM, Process, STEEL};
@@ -38,6 +39,19 @@ pub struct Shortfall {
     pub message: String,
     /// Found over the limit, or what is needed over what is there.
     pub excess: f64,
+    /// Whether it is the bending of the output pins.
+    pub(super) is_bending: bool,
+}
+
+impl Shortfall {
+    fn new(message: String, excess: f64) -> Shortfall {
+        Shortfall { message, excess, is_bending: false }
+    }
+
+    /// Of a demand without any combination.
+    pub(super) fn none() -> Shortfall {
+        Shortfall::new("no combination of standard parts fits".to_owned(), f64::INFINITY)
+    }
 }
 
 /// Why a demand is none.
@@ -58,7 +72,7 @@ struct Bearing {
     kind: RollerKind,
     bore: f64,
     outer: f64,
-    /// Least width of the disc.
+    /// Least width of the disc: it is no narrower than its bearing.
     width: f64,
     rollers: usize,
     roller_diameter: f64,
@@ -81,6 +95,8 @@ pub struct Proposal {
     shaft_mm: f64,
     /// Width that the closed forms ask for, at least that of the bearing.
     pub width_mm: f64,
+    /// Bending stress of the output pins in Pa, with equal springs and this width.
+    pub(super) bending: f64,
     life_h: f64,
 }
 
@@ -148,16 +164,21 @@ impl Demand {
             }
         }
         if found.is_empty() {
-            return Err(short.0.map_or_else(
-                || Shortfall { message: "no combination was found".to_owned(), excess: f64::INFINITY },
-                |(_, shortfall)| shortfall,
-            ));
+            return Err(short.0.map_or_else(Shortfall::none, |(_, shortfall)| shortfall));
         }
-        let lives = |proposal: &Proposal| (proposal.life_h / making.service_life_h).min(1.0);
-        let key = |p: &Proposal| (-lives(p), half_mm(p.width_mm), -p.life_h);
+        let rank = |p: &Proposal| {
+            let [pin, bush] = p.output_mm;
+            [
+                -(p.life_h / making.service_life_h).min(1.0),
+                half_mm(p.width_mm),
+                if bush > pin { 0.0 } else { 1.0 },
+                p.bending,
+                -p.life_h,
+            ]
+        };
         found.sort_by(|a, b| {
-            let (a, b) = (key(a), key(b));
-            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2))
+            let pairs = rank(a).into_iter().zip(rank(b));
+            pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
         });
         Ok(found)
     }
@@ -213,9 +234,11 @@ impl Teeth {
                 2.0 * pin_radius_mm / PIN_TO_PITCH.1
             );
             let excess = if share > PIN_TO_PITCH.1 { share / PIN_TO_PITCH.1 } else { f64::INFINITY };
-            return Err((0, Shortfall { message, excess }));
+            return Err((0, Shortfall::new(message, excess)));
         }
-        let eccentricity_mm = (100.0 * k1 * circle_mm / pins).round() / 100.0;
+        let hundredths = 100.0 * k1 * circle_mm / pins;
+        // Towards the middle of the range, so that K1 stays in it.
+        let eccentricity_mm = if k1 > 0.65 { hundredths.floor() } else { hundredths.ceil() } / 100.0;
         if eccentricity_mm < making.eccentricity_mm {
             let message = format!(
                 "tooth height: {lobes} lobes on this circle have teeth of 2 e = {:.2} mm; {} needs {:.2} mm",
@@ -223,7 +246,7 @@ impl Teeth {
                 demand.process.word(),
                 2.0 * making.eccentricity_mm
             );
-            return Err((1, Shortfall { message, excess: making.eccentricity_mm / eccentricity_mm }));
+            return Err((1, Shortfall::new(message, making.eccentricity_mm / eccentricity_mm)));
         }
         let profile = Profile {
             pin_count: lobes + 1,
@@ -240,7 +263,7 @@ impl Teeth {
                 needed / MM,
                 sharpest / MM
             );
-            return Err((2, Shortfall { message, excess: needed / sharpest }));
+            return Err((2, Shortfall::new(message, needed / sharpest)));
         }
         let share = demand.torque / DISCS;
         let largest = share * 4.0 / (profile.eccentricity * (lobes * (lobes + 1)) as f64);
@@ -278,7 +301,7 @@ impl Teeth {
                          roots, which lie at {root:.2} mm ({} and output pins of {} mm)",
                         bearing.name, output_mm[0]
                     );
-                    short.note(3, Shortfall { message, excess: needed / root });
+                    short.note(3, Shortfall::new(message, needed / root));
                     continue;
                 }
                 let circle = (20.0 * (root - rim - hole)).floor() / 20.0;
@@ -293,7 +316,8 @@ impl Teeth {
                     let by_holes =
                         force * curvature * modulus(making) / (PI * (making.pressure_mpa * MPA).powi(2));
                     let width = self.width.max(by_holes).max(bearing.width * MM).max(making.width_mm * MM);
-                    let bending = pin_bending(FEWER_CARRY * force, width, 2.0 * pin);
+                    let even = pin_bending(force, width, 2.0 * pin);
+                    let bending = FEWER_CARRY * even;
                     if bending > BENDING {
                         let message = format!(
                             "bending of the output pins: {count} pins of {} mm bend with about {:.0} MPa; they bear {:.0} MPa",
@@ -301,13 +325,13 @@ impl Teeth {
                             bending / MPA,
                             BENDING / MPA
                         );
-                        short.note(4, Shortfall { message, excess: bending / BENDING });
+                        short.note(4, Shortfall::new(message, bending / BENDING));
                         continue;
                     }
                     let across = share / (self.profile.eccentricity * self.lobes as f64);
                     let along = 4.0 * share / (PI * circle * MM) - across * self.slant;
                     let turns = demand.speed_rpm / 60.0 * (1.0 + 1.0 / self.lobes as f64);
-                    let rolling = bearing.rolling(width / MM);
+                    let rolling = bearing.rolling();
                     let ratio = dynamic_load_rating(&rolling) / across.hypot(along);
                     let life_h = ratio.powf(rolling.kind.life_exponent()) * 1e6 / turns / HOUR;
                     found.push(Proposal {
@@ -322,6 +346,7 @@ impl Teeth {
                         output_mm,
                         shaft_mm,
                         width_mm: width / MM,
+                        bending: even,
                         life_h,
                     });
                 }
@@ -340,46 +365,39 @@ fn modulus(making: &Making) -> f64 {
 const BALL: (f64, f64) = (0.28, 0.55);
 /// A cage takes a third of the row.
 const NEEDLES: f64 = 0.65;
-/// Length of needles over the width of the disc.
+/// Length of needles over the width of their cage.
 const NEEDLE_LENGTH: f64 = 0.8;
 
-/// What the process takes in the disc, smallest first.
+/// What the process takes in the disc.
 fn bearings(making: &Making) -> Vec<Bearing> {
     let row = |pitch: f64, roller: f64, share: f64| (share * PI * pitch / roller).floor().max(5.0) as usize;
-    if making.is_hardened {
-        return NEEDLE_CAGES_MM
-            .iter()
-            .map(|[bore, outer]| {
-                let roller_diameter = 0.5 * (outer - bore);
-                Bearing {
-                    name: format!("needle cage K{bore}x{outer}, rollers in the bore of the disc"),
-                    kind: RollerKind::Cylindrical,
-                    bore: *bore,
-                    outer: *outer,
-                    width: 0.0,
-                    rollers: row(0.5 * (bore + outer), roller_diameter, NEEDLES),
-                    roller_diameter,
-                    clearance_um: 5.0,
-                }
-            })
-            .collect();
-    }
-    BALL_BEARINGS_MM
-        .iter()
-        .map(|(name, [bore, outer, width])| {
-            let roller_diameter = (100.0 * BALL.0 * (outer - bore)).round() / 100.0;
-            Bearing {
-                name: format!("ball bearing {name}, {bore} x {outer} x {width} mm"),
-                kind: RollerKind::Ball,
-                bore: *bore,
-                outer: *outer,
-                width: *width,
-                rollers: row(0.5 * (bore + outer), roller_diameter, BALL.1),
-                roller_diameter,
-                clearance_um: 10.0,
-            }
-        })
-        .collect()
+    let needles = NEEDLE_CAGES_MM.iter().filter(|_| making.is_hardened).map(|[bore, outer, width]| {
+        let roller_diameter = 0.5 * (outer - bore);
+        Bearing {
+            name: format!("needle cage K{bore}x{outer}x{width}, rollers in the bore of the disc"),
+            kind: RollerKind::Cylindrical,
+            bore: *bore,
+            outer: *outer,
+            width: *width,
+            rollers: row(0.5 * (bore + outer), roller_diameter, NEEDLES),
+            roller_diameter,
+            clearance_um: 5.0,
+        }
+    });
+    let balls = BALL_BEARINGS_MM.iter().map(|(name, [bore, outer, width])| {
+        let roller_diameter = (100.0 * BALL.0 * (outer - bore)).round() / 100.0;
+        Bearing {
+            name: format!("ball bearing {name}, {bore} x {outer} x {width} mm"),
+            kind: RollerKind::Ball,
+            bore: *bore,
+            outer: *outer,
+            width: *width,
+            rollers: row(0.5 * (bore + outer), roller_diameter, BALL.1),
+            roller_diameter,
+            clearance_um: 10.0,
+        }
+    });
+    balls.chain(needles).collect()
 }
 
 impl Bearing {
@@ -387,16 +405,16 @@ impl Bearing {
         0.5 * (self.bore + self.outer)
     }
 
-    fn length(&self, width_mm: f64) -> Option<f64> {
-        (self.kind != RollerKind::Ball).then(|| (100.0 * NEEDLE_LENGTH * width_mm).round() / 100.0)
+    fn length(&self) -> Option<f64> {
+        (self.kind != RollerKind::Ball).then_some(NEEDLE_LENGTH * self.width)
     }
 
-    fn rolling(&self, width_mm: f64) -> RollerBearing {
+    fn rolling(&self) -> RollerBearing {
         RollerBearing {
             kind: self.kind,
             roller_count: self.rollers,
             roller_diameter: self.roller_diameter * MM,
-            roller_length: self.length(width_mm).unwrap_or(0.0) * MM,
+            roller_length: self.length().unwrap_or(0.0) * MM,
             pitch_diameter: self.pitch() * MM,
             contact_angle: 0.0,
             clearance: self.clearance_um * UM,
@@ -443,7 +461,8 @@ impl Proposal {
             if why.is_empty() {
                 out.push_str(&format!("{text}\n"));
             } else {
-                out.push_str(&format!("{text:<44} # {why}\n"));
+                let before = text.len() - text.trim_start().len();
+                out.push_str(&format!("{}{:<44} # {why}\n", &text[..before], &text[before..]));
             }
         };
         let rule = |why: &str| format!("rule: {why}");
@@ -489,15 +508,15 @@ impl Proposal {
         line("\n[eccentric]", "");
         line(&format!("eccentricity_mm = {e}"), &rule(&format!("K1 = e z_p/R = {k1:.3}, of 0.55 to 0.75")));
         line("\n[output_pins]", "");
-        line(
-            &format!("count = {}", self.output_count),
-            &rule("of 4 to 12, as many as leave walls between the holes where that helps"),
-        );
+        line(&format!("count = {}", self.output_count), &rule("of 4 to 12, with walls between the holes"));
         line(
             &format!("circle_radius_mm = {}", self.output_circle_mm),
             &rule("as far outside as the rim under the roots allows"),
         );
-        line(&format!("pin_radius_mm = {}", 0.5 * pin), &rule("bends with less than 300 MPa"));
+        line(
+            &format!("pin_radius_mm = {}", 0.5 * pin),
+            &rule("bends with less than 300 MPa; of equal widths the least bending"),
+        );
         line(
             &format!("roller_radius_mm = {}", 0.5 * roller),
             &match roller > pin {
@@ -524,8 +543,8 @@ impl Proposal {
             "assumed from the size; take the maker's, and dynamic_load_rating_kn with it",
         );
         line(&format!("roller_diameter_mm = {}", bearing.roller_diameter), "likewise");
-        if let Some(length) = bearing.length(width_mm) {
-            line(&format!("roller_length_mm = {length}"), &rule("0.8 of the width of the disc"));
+        if let Some(length) = bearing.length() {
+            line(&format!("roller_length_mm = {length}"), &rule("0.8 of the width of the cage"));
         }
         line(
             &format!("pitch_diameter_mm = {}", bearing.pitch()),
@@ -534,7 +553,7 @@ impl Proposal {
         line(&format!("clearance_um = {}", bearing.clearance_um), "assumed: diametral");
         line("\n[load]", "");
         line(&format!("rated_torque_n_m = {}", demand.torque), "asked");
-        line(&format!("input_speed_rpm = {}", demand.speed_rpm), "asked, or 600 assumed");
+        line(&format!("input_speed_rpm = {}", demand.speed_rpm), "asked, or 600 by default");
         line("\n[limits]", "");
         line(&format!("lost_motion_arcmin = {}", making.lost_motion_arcmin), "assumed");
         line(&format!("contact_pressure_mpa = {}", making.pressure_mpa), making.pressure_source);
