@@ -64,7 +64,8 @@ pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisErro
     };
     let mut notes = Vec::new();
     if let Some(nearest) = fitted.checks.iter().max_by(|a, b| a.share.total_cmp(&b.share)) {
-        notes.push(format!("Nearest to its limit: {}.", nearest.words));
+        let how = if nearest.share > 1.0 { "Over its limit, a warning" } else { "Nearest to its limit" };
+        notes.push(format!("{how}: {}.", nearest.words));
     }
     notes.push(reach(&demand, host)?);
     Ok(Proposed { text: fitted.proposal.text(fitted.width_mm, &notes), notes })
@@ -109,19 +110,16 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
     let widest = proposal.widest_mm();
     let limit = proposal.pressure();
     let mut width_mm = half_mm(proposal.width_mm);
+    let mut cause = String::new();
     loop {
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
         if width_mm > widest {
-            return Ok(Err(Shortfall {
-                message: format!(
-                    "width: pressure of flanks or holes, or the eccentric bearing, asks for discs of {width_mm} mm; the widest are {widest} mm, a \
-                     quarter of the outer diameter"
-                ),
-                excess: width_mm / widest,
-                is_bending: false,
-            }));
+            let message = format!(
+                "{cause}; discs of {width_mm} mm would do, the widest are {widest} mm, a quarter of the outer diameter"
+            );
+            return Ok(Err(Shortfall { message, excess: width_mm / widest, is_bending: false }));
         }
         let design = StageDesign::parse(&proposal.text(width_mm, &[]), "the proposed design")?;
         let options = contact::Options { torque_nm: None, positions: POSITIONS };
@@ -131,6 +129,12 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
         let [flank, hole] = ["max_pressure_mpa", "max_output_pin_pressure_mpa"].map(|key| number(key) * MPA);
         let share = flank.max(hole) / limit;
         if share > 1.0 {
+            let what = if flank > hole { "ring pins on flanks" } else { "output pins in holes" };
+            cause = format!(
+                "contact-pressure: {what} press with {:.0} MPa of {:.0} MPa on discs of {width_mm} mm",
+                flank.max(hole) / MPA,
+                limit / MPA
+            );
             // p² goes with 1/B where the forces stay.
             width_mm = half_mm(width_mm * share * share).max(width_mm + 0.5);
             continue;

@@ -316,6 +316,18 @@ impl Teeth {
                     let by_holes =
                         force * curvature * modulus(making) / (PI * (making.pressure_mpa * MPA).powi(2));
                     let width = self.width.max(by_holes).max(bearing.width * MM).max(making.width_mm * MM);
+                    let widest = WIDEST * demand.outer_diameter_mm;
+                    if width / MM > widest {
+                        let message = format!(
+                            "contact-pressure: by the closed forms ring pins ask for discs of {:.1} mm, output pins for {:.1} mm, the \
+                             bearing for {} mm; the widest are {widest} mm, a quarter of the outer diameter",
+                            self.width / MM,
+                            by_holes / MM,
+                            bearing.width
+                        );
+                        short.note(4, Shortfall::new(message, width / MM / widest));
+                        continue;
+                    }
                     let even = pin_bending(force, width, 2.0 * pin);
                     let bending = FEWER_CARRY * even;
                     if bending > BENDING {
@@ -325,7 +337,7 @@ impl Teeth {
                             bending / MPA,
                             BENDING / MPA
                         );
-                        short.note(4, Shortfall::new(message, bending / BENDING));
+                        short.note(5, Shortfall::new(message, bending / BENDING));
                         continue;
                     }
                     let across = share / (self.profile.eccentricity * self.lobes as f64);
