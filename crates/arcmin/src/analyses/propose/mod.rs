@@ -110,7 +110,7 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
     let widest = proposal.widest_mm();
     let limit = proposal.pressure();
     let mut width_mm = half_mm(proposal.width_mm);
-    let mut cause = String::new();
+    let mut cause = "contact-pressure by the closed forms, or the eccentric bearing".to_owned();
     loop {
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
