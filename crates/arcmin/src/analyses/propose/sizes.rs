@@ -291,7 +291,15 @@ impl Teeth {
             (cube.cbrt() / MM).max(LEAST_SHAFT_MM)
         };
         let least_bore = shaft_mm + 2.0 * (e + ECCENTRIC_WALL_MM);
-        for bearing in bearings(making).into_iter().filter(|bearing| bearing.bore >= least_bore) {
+        let all = bearings(making);
+        let largest = all.iter().map(|bearing| bearing.bore).fold(0.0, f64::max);
+        if largest < least_bore {
+            let message = format!(
+                "shaft: {shaft_mm:.1} mm and the eccentric ask for a bearing with a bore of {least_bore:.1} mm; the largest has {largest} mm"
+            );
+            short.note(3, Shortfall::new(message, least_bore / largest));
+        }
+        for bearing in all.into_iter().filter(|bearing| bearing.bore >= least_bore) {
             for output_mm in OUTPUT_PINS_MM {
                 let hole = 0.5 * output_mm[1] + e + making.hole_um * UM / MM;
                 let needed = 0.5 * bearing.outer + making.wall_mm + 2.0 * hole + rim;
