@@ -2,7 +2,7 @@
 //!
 //! Rules. The number of lobes is the ratio. The pins stand as far out as the housing leaves room. All combinations are
 //! looked at of K1 from 0.55 to 0.75 in steps of 0.05, of standard dowel pins in the ring, of standard eccentric bearings,
-//! and of 4 to 12 output pins with standard bushes, as far outside as the rim under the roots allows. A combination
+//! and of 6 to 12 output pins with standard bushes, as far outside as the rim under the roots allows. A combination
 //! is left out whose flank comes near undercut, whose pins stand too near to each other, whose walls are too thin, whose
 //! eccentric leaves no shaft, or whose output pins bend too much. Two discs are as wide as the closed forms of the ring pins, 4T/(K1 z_c R),
 //! and of the output pins, 4T/(z_w R_w), ask for at the largest pressure. Those whose eccentric bearing lives the service
@@ -106,7 +106,7 @@ const K1: [f64; 5] = [0.55, 0.6, 0.65, 0.7, 0.75];
 const PIN_TO_PITCH: (f64, f64) = (0.3, 1.0 / 1.2);
 /// Sharpest convex radius of the flank over the radius of the pin, as checked.
 const SHARPEST_TO_PIN: f64 = 0.2;
-const OUTPUT_COUNTS: [usize; 5] = [4, 6, 8, 10, 12];
+const OUTPUT_COUNTS: [usize; 4] = [6, 8, 10, 12];
 /// Wall of the eccentric beside the shaft, mm, and the least shaft.
 const ECCENTRIC_WALL_MM: f64 = 0.75;
 const LEAST_SHAFT_MM: f64 = 3.0;
@@ -528,7 +528,7 @@ impl Proposal {
         line("\n[eccentric]", "");
         line(&format!("eccentricity_mm = {e}"), &rule(&format!("K1 = e z_p/R = {k1:.3}, of 0.55 to 0.75")));
         line("\n[output_pins]", "");
-        line(&format!("count = {}", self.output_count), &rule("of 4 to 12, with walls between the holes"));
+        line(&format!("count = {}", self.output_count), &rule("of 6 to 12, with walls between the holes"));
         line(
             &format!("circle_radius_mm = {}", self.output_circle_mm),
             &rule("as far outside as the rim under the roots allows"),
