@@ -147,3 +147,29 @@ def test_the_flank_is_that_of_profile(design: arcmin.Design) -> None:
         design.flank(wear_um=-1)
     with pytest.raises(ValueError):
         flank.points_mm([float("nan")])
+
+
+def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
+    stage = arcmin.Design.template("nema17-19")
+    assert "nema17-19" in arcmin.Design.templates()
+    assert stage["eccentric.eccentricity_mm"] == 0.5 and stage["drive.family"] == "eccentric"
+    stage["output_pins.hole_clearance_um"] = 20
+    path = tmp_path / "stage.toml"
+    path.write_text(stage.to_toml())
+    assert arcmin.Design.read(path) == stage == pickle.loads(pickle.dumps(stage))
+    with pytest.raises(arcmin.DesignError) as raised:
+        stage["eccentric.eccentricity_mm"] = 0.9
+    assert raised.value.key == "eccentric.eccentricity_mm"
+    assert stage["eccentric.eccentricity_mm"] == 0.5
+    assert stage.flank().lobe_count == 19
+    assert arcmin.check(stage).summary["play_chain"]["output_arcmin"] == pytest.approx(13.1, abs=0.05)
+    assert arcmin.profile(stage).summary["ratio"] == -19
+    contact = arcmin.contact(stage, positions=12)
+    assert contact.summary["max_output_pin_force_n"] > 0
+    assert len(contact.tables["output_pins"]["force_n"]) == 12 * 2 * 6
+    assert arcmin.rig(path, positions=2, te_positions=12).summary["lost_motion_arcmin"] > 16
+    for analysis in (arcmin.wear, arcmin.life, arcmin.simulate):
+        with pytest.raises(arcmin.OptionError, match="RV reducers only"):
+            analysis(stage)
+    with pytest.raises(arcmin.OptionError, match="RV reducers only"):
+        arcmin.Simulation(stage)

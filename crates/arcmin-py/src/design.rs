@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
 
-use arcmin::design::{Design as Read, KeyEntry, Kind, Value};
-use arcmin::templates::{self, TEMPLATES};
+use arcmin::analyses::stage::AnyDesign as Read;
+use arcmin::design::{KeyEntry, Kind, Value};
+use arcmin::templates::{self, NEMA17_19, TEMPLATES};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator, PyList, PyMapping};
@@ -84,6 +85,11 @@ impl Design {
         let now = self.now();
         py.detach(|| now.with_all(changes)).map_err(|error| errors::design(py, &error))
     }
+}
+
+/// Shipped designs of all families.
+fn shipped() -> impl Iterator<Item = templates::Template> {
+    TEMPLATES.into_iter().chain([NEMA17_19])
 }
 
 /// A mapping stands for the keys in it, a list of mappings for its rows.
@@ -180,8 +186,8 @@ impl Design {
     #[staticmethod]
     #[pyo3(signature = (name = "rv-40e"))]
     fn template(py: Python<'_>, name: &str) -> PyResult<Design> {
-        let Some(template) = templates::find(name) else {
-            let names = TEMPLATES.map(|template| template.name).join(", ");
+        let Some(template) = templates::find(name).or_else(|| templates::find_single_stage(name)) else {
+            let names = shipped().map(|template| template.name).collect::<Vec<_>>().join(", ");
             let message = format!("there is no template \"{name}\"; templates are {names}");
             return Err(errors::value(py, name, &message, false));
         };
@@ -192,7 +198,7 @@ impl Design {
     #[staticmethod]
     fn templates(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let all = PyDict::new(py);
-        for template in TEMPLATES {
+        for template in shipped() {
             all.set_item(template.name, template.summary)?;
         }
         Ok(all)
@@ -212,7 +218,7 @@ impl Design {
     /// Name of the design, for reports.
     #[getter]
     fn name(&self) -> String {
-        self.now().name.value.clone()
+        self.now().name().to_owned()
     }
 
     /// Name of the file it was read from.
@@ -378,7 +384,7 @@ impl Design {
 
     fn __repr__(&self) -> String {
         let now = self.now();
-        format!("<Design {:?} {}>", now.name.value, now.short_hash())
+        format!("<Design {:?} {}>", now.name(), now.short_hash())
     }
 }
 

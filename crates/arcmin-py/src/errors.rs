@@ -1,8 +1,9 @@
 //! Errors of the library as the exceptions of `arcmin._errors`.
 
 use arcmin::analyses::AnalysisError;
-use arcmin::checks::{Severity, check_design};
-use arcmin::design::{Design, DesignError, DesignErrorKind};
+use arcmin::analyses::stage::AnyDesign;
+use arcmin::checks::Severity;
+use arcmin::design::{DesignError, DesignErrorKind};
 use arcmin::dynamics::DynamicsError;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
@@ -57,7 +58,7 @@ fn option(py: Python<'_>, message: &str, key: Option<&str>, hint: Option<&str>) 
 }
 
 /// An error of an analysis of this design.
-pub fn analysis(py: Python<'_>, error: &AnalysisError, of: Option<&Design>) -> PyErr {
+pub fn analysis(py: Python<'_>, error: &AnalysisError, of: Option<&AnyDesign>) -> PyErr {
     match error {
         AnalysisError::Design(inner) => option(py, &inner.kind.to_string(), inner.key(), inner.hint()),
         AnalysisError::Usage { message, help } => option(py, message, None, Some(help)),
@@ -72,9 +73,9 @@ pub fn analysis(py: Python<'_>, error: &AnalysisError, of: Option<&Design>) -> P
 }
 
 /// A computation that found no answer; error findings of the design are the cause to look at first.
-pub fn compute(py: Python<'_>, message: &str, of: Option<&Design>) -> PyErr {
+pub fn compute(py: Python<'_>, message: &str, of: Option<&AnyDesign>) -> PyErr {
     let findings: Vec<String> = of
-        .map(check_design)
+        .map(AnyDesign::findings)
         .unwrap_or_default()
         .into_iter()
         .filter(|finding| finding.severity == Severity::Error)

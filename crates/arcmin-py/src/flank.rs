@@ -1,7 +1,7 @@
 //! Geometry of the flank at any place.
 
 use arcmin::analyses::profile::FlankPoint;
-use arcmin::design::Design as Read;
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::geometry::{Profile, Relief};
 use arcmin::units::{DEG, MM, UM};
 use numpy::ndarray::{Array2, ArrayView1};
@@ -23,14 +23,13 @@ pub struct Flank {
 type Places<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
 impl Flank {
-    pub fn of(py: Python<'_>, design: &Read, wear_um: f64) -> PyResult<Flank> {
+    pub fn of(py: Python<'_>, design: &AnyDesign, wear_um: f64) -> PyResult<Flank> {
         if !(0.0..=1000.0).contains(&wear_um) {
             let message = format!("`wear_um` is a depth from 0 to 1000 µm, not {wear_um}");
             return Err(crate::errors::value(py, "wear_um", &message, true));
         }
-        let machine = design.machine();
-        let worn = machine.designed_relief().plus(&Relief::uniform(wear_um * UM));
-        Ok(Flank { profile: machine.profile(), worn })
+        let (profile, relief) = design.flank();
+        Ok(Flank { profile, worn: relief.plus(&Relief::uniform(wear_um * UM)) })
     }
 
     fn points(&self, tau_deg: &Places<'_>) -> PyResult<Vec<FlankPoint>> {

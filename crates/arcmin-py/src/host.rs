@@ -6,14 +6,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use arcmin::analyses::{Analysis, AnalysisError, Host, Origin, identity};
-use arcmin::design::{Design, InputFile};
+use arcmin::analyses::stage::AnyDesign;
+use arcmin::analyses::{Analysis, AnalysisError, Host, Origin};
+use arcmin::design::InputFile;
 use arcmin::progress::Progress;
 
 /// What is asked: together with the files it is the identity of a run.
 pub struct Question {
     pub analysis: &'static Analysis,
-    pub design: Arc<Design>,
+    pub design: Arc<AnyDesign>,
     /// As TOML.
     pub options: String,
 }
@@ -66,7 +67,7 @@ impl PyHost {
         let Some(question) = &self.question else {
             return Err(AnalysisError::usage("there is no question", ""));
         };
-        identity(question.analysis, &question.design, &question.options, ORIGIN, self)
+        question.design.identity(question.analysis, &question.options, ORIGIN, self)
     }
 
     fn read_now(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use arcmin::analyses::{AnalysisError, Outcome as Answer, by_name};
-use arcmin::checks::{Severity, check_design};
+use arcmin::checks::Severity;
 use arcmin::report::{Block, Page, Provenance};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -44,12 +44,14 @@ pub fn run(
     let Some(analysis) = by_name(name) else {
         return Err(PyValueError::new_err(format!("there is no analysis \"{name}\"")));
     };
-    let options = inputs::options_text((analysis.options)(), options)?;
-    let question = Arc::new(Question { analysis, design: design.get().now(), options });
+    let now = design.get().now();
+    let schema = now.options(analysis).map_err(|error| errors::analysis(py, &error, None))?;
+    let options = inputs::options_text(schema, options)?;
+    let question = Arc::new(Question { analysis, design: now, options });
     let host = Arc::new(PyHost::new(design.get().directory(), files).about(question.clone()));
     let (asked, hears) = (question.clone(), host.clone());
     let answer = work::wait_for(py, &host, threads, progress, move || {
-        asked.analysis.run(&asked.design, &asked.options, ORIGIN, &*hears)
+        asked.design.run(asked.analysis, &asked.options, ORIGIN, &*hears)
     })?
     .map_err(|error| errors::analysis(py, &error, Some(&question.design)))?;
     Ok(Outcome { question, host, answer: answer.into(), tables: OnceLock::new() })
@@ -92,7 +94,7 @@ impl Outcome {
         let question = &self.question;
         let mut summary = self.ask(py, |answer| Ok(answer.summary().to_json()))?;
         let identity = self.host.identity().map_err(|error| errors::analysis(py, &error, None))?;
-        let findings = check_design(&question.design);
+        let findings = question.design.findings();
         let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
         let design = &question.design;
         summary.insert("arcmin_version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
@@ -100,7 +102,7 @@ impl Outcome {
         summary.insert("identity".to_owned(), json!(identity));
         summary.insert(
             "design".to_owned(),
-            json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),
+            json!({ "name": design.name(), "hash": design.hash(), "short_hash": design.short_hash() }),
         );
         summary.insert("error_findings".to_owned(), json!(errors));
         inputs::json_object(py, &Json::Object(summary))

@@ -270,8 +270,10 @@ impl Simulation {
             tolerance: tolerance_arcmin,
         };
         let (asked, hears) = (now.clone(), host.clone());
-        let inner = work::wait_for(py, &host, None, None, move || start(&asked, &options, with, &hears))?
-            .map_err(|error| errors::analysis(py, &error, Some(&now)))?;
+        let inner = work::wait_for(py, &host, None, None, move || {
+            start(asked.rv("Simulation")?, &options, with, &hears)
+        })?
+        .map_err(|error| errors::analysis(py, &error, Some(&now)))?;
         // A later change of the caller's design is none of this machine's.
         let design = Py::new(py, design.get().copied())?;
         Ok(Simulation { inner: Mutex::new(inner), design, arguments: arguments.unbind() })

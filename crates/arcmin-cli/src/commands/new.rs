@@ -1,18 +1,25 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use arcmin::analyses::AnalysisError;
 use arcmin::analyses::like::{Bodies, like};
+use arcmin::analyses::propose::{Demand, Process, propose};
+use arcmin::design::Choice;
 use arcmin::templates::{self, DataSheet, NEMA17_19, TEMPLATES, Template};
-use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
 use crate::run::{Cache, Terminal, say, write_file};
 
-/// Figures of a data sheet.
-const SHEET: [(&str, &str); 9] = [
-    ("ratio", "Data sheet: ratio"),
-    ("torque-nm", "Data sheet: rated torque in N·m"),
-    ("outer-diameter-mm", "Data sheet: outer diameter in mm"),
+/// Figures that a scaled and a proposed drive begin with.
+const SIZE: [(&str, &str); 3] = [
+    ("ratio", "Ratio, of the data sheet or as wanted"),
+    ("torque-nm", "Rated torque in N·m, likewise"),
+    ("outer-diameter-mm", "Outer diameter in mm, likewise"),
+];
+
+/// Further figures of a data sheet.
+const SHEET: [(&str, &str); 6] = [
     ("stiffness-nm-per-arcmin", "Data sheet: torsional stiffness in N·m/arcmin"),
     ("lost-motion-arcmin", "Data sheet: lost motion in arcmin"),
     ("crankshafts", "Data sheet: number of crankshafts [default: that of the template]"),
@@ -27,6 +34,8 @@ pub fn command() -> Command {
         .chain([&NEMA17_19])
         .map(|template| format!("\n  {:10} {}", template.name, template.summary))
         .collect();
+    let processes: String =
+        Process::WORDS.iter().map(|(word, meaning)| format!("\n  {word:12} {meaning}")).collect();
     Command::new("new")
         .about("Write a commented design file to start from")
         .long_about(format!(
@@ -46,12 +55,19 @@ pub fn command() -> Command {
              torsional stiffness of the carrier (--bodies rigid), lost motion by the clearance of the turning-arm bearings, starting \
              or back-driving torque by the seals, moment stiffness by the preload of the main bearings. The command \
              reports figures that it cannot match, with the reason. With elastic bodies this takes about a minute.\n\n\
-             Comments state the origin of every value; [unknowns] contains the values that are not known."
+             Comments state the origin of every value; [unknowns] contains the values that are not known.\n\n\
+             With --family eccentric the file is a single stage proposed from ratio, torque and outer diameter. Sizes are \
+             standard parts by the rules of the chapter on single stages; two discs are made as wide as the pressure of \
+             pins and holes asks for, by states of rest with all gaps. The command reports which check is nearest to its limit and \
+             how much torque the size reaches; where no drive of the rules does, what fails, by how much, and what would do.\n\n\
+             Processes of the discs:{processes}"
         ))
         .after_help(
             "Examples:\n  arcmin new my-reducer.toml\n  arcmin new rv-80e bigger.toml --force\n  arcmin new --list\n  \
              arcmin new --like rv-40e --ratio 105 --torque-nm 167 --outer-diameter-mm 145 \
-             --stiffness-nm-per-arcmin 49 --lost-motion-arcmin 0.8 rv-20e.toml",
+             --stiffness-nm-per-arcmin 49 --lost-motion-arcmin 0.8 rv-20e.toml\n  \
+             arcmin new --family eccentric --ratio 15 --torque-nm 8 --outer-diameter-mm 80 --process printed-fdm \
+             actuator.toml",
         )
         .arg(
             Arg::new("WHAT")
@@ -66,15 +82,25 @@ pub fn command() -> Command {
                 .value_name("TEMPLATE")
                 .help("Scale this template to the figures of a data sheet"),
         )
-        .args(SHEET.map(|(name, help)| {
-            Arg::new(name)
-                .long(name)
-                .value_name("X")
-                .allow_negative_numbers(true)
-                .value_parser(value_parser!(f64))
-                .requires("like")
-                .help(help)
-        }))
+        .arg(
+            Arg::new("family")
+                .long("family")
+                .value_name("FAMILY")
+                .value_parser(["eccentric"])
+                .help("Propose a drive of this family from ratio, torque and outer diameter"),
+        )
+        .group(ArgGroup::new("from").args(["like", "family"]))
+        .args(SIZE.map(|(name, help)| number(name, help, "from")))
+        .args(SHEET.map(|(name, help)| number(name, help, "like")))
+        .arg(
+            Arg::new("process")
+                .long("process")
+                .value_name("PROCESS")
+                .value_parser(Process::WORDS.iter().map(|(word, _)| *word).collect::<Vec<_>>())
+                .requires("family")
+                .help("How the discs are made [default: wire-edm]"),
+        )
+        .arg(number("speed-rpm", "Rated input speed in rpm [default: 600]", "family"))
         .arg(
             Arg::new("bodies")
                 .long("bodies")
@@ -93,6 +119,17 @@ pub fn command() -> Command {
         )
 }
 
+/// A number that goes with another argument.
+fn number(name: &'static str, help: &'static str, with: &'static str) -> Arg {
+    Arg::new(name)
+        .long(name)
+        .value_name("X")
+        .allow_negative_numbers(true)
+        .value_parser(value_parser!(f64))
+        .requires(with)
+        .help(help)
+}
+
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
         for template in TEMPLATES.iter().chain([&NEMA17_19]) {
@@ -102,6 +139,9 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     if let Some(name) = matches.get_one::<String>("like") {
         return run_like(name, matches);
+    }
+    if matches.contains_id("family") {
+        return run_family(matches);
     }
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
     let known = |name: &String| templates::find(name).or_else(|| templates::find_single_stage(name));
@@ -144,21 +184,13 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     let template: &Template =
         templates::find(name).ok_or_else(|| Failure::UnknownTemplate { name: name.to_owned() })?;
-    let usage =
-        |message: &str, help: &str| Failure::Usage { message: message.to_owned(), help: help.to_owned() };
-    let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
-    let [file] = words.as_slice() else {
-        return Err(usage(
-            "--like needs the name of one file to write",
-            "`arcmin new --like rv-40e … my-reducer.toml`",
-        ));
-    };
+    let path = one_file("--like", "`arcmin new --like rv-40e … my-reducer.toml`", matches)?;
     let of = |name: &str| matches.get_one::<f64>(name).copied();
     let (Some(ratio), Some(torque)) = (of("ratio"), of("torque-nm")) else {
-        return Err(usage(
-            "--like needs ratio and torque",
-            "add --ratio and --torque-nm from the data sheet",
-        ));
+        return Err(Failure::Usage {
+            message: "--like needs ratio and torque".to_owned(),
+            help: "add --ratio and --torque-nm from the data sheet".to_owned(),
+        });
     };
     let sheet = DataSheet {
         ratio,
@@ -175,19 +207,69 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
         Some("rigid") => Bodies::Rigid,
         _ => Bodies::Elastic,
     };
+    let found = in_terminal(&path, |host| like(*template, sheet, bodies, host))?;
+    write_file(&path, found.text.as_bytes())?;
+    let file = path.display();
+    say(&format!("{file}: scaled from {name}\n{}\nnext: arcmin check {file}", found.notes.join("\n")))?;
+    Ok(Ending::Fine)
+}
+
+fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let path = one_file("--family", "`arcmin new --family eccentric … my-drive.toml`", matches)?;
+    let of = |name: &str| matches.get_one::<f64>(name).copied();
+    let missing: Vec<String> =
+        SIZE.iter().filter(|(name, _)| of(name).is_none()).map(|(name, _)| format!("--{name}")).collect();
+    let (Some(ratio), Some(torque), Some(outer_diameter_mm)) =
+        (of("ratio"), of("torque-nm"), of("outer-diameter-mm"))
+    else {
+        return Err(Failure::Usage {
+            message: "--family needs ratio, torque and outer diameter".to_owned(),
+            help: format!("add {}", missing.join(", ")),
+        });
+    };
+    let word = matches.get_one::<String>("process").map_or(Process::WireEdm.word(), String::as_str);
+    let process = Process::VALUES.iter().copied().find(|process| process.word() == word);
+    let demand = Demand {
+        ratio,
+        torque,
+        outer_diameter_mm,
+        process: process.unwrap_or(Process::WireEdm),
+        speed_rpm: of("speed-rpm").unwrap_or(600.0),
+    };
+    let found = in_terminal(&path, |host| propose(demand, host))?;
+    write_file(&path, found.text.as_bytes())?;
+    let file = path.display();
+    say(&format!(
+        "{file}: single stage, discs {word}\n{}\nnext: arcmin check {file}",
+        found.notes.join("\n")
+    ))?;
+    Ok(Ending::Fine)
+}
+
+/// The one file that an option asks to write.
+fn one_file(option: &str, example: &str, matches: &ArgMatches) -> Result<PathBuf, Failure> {
+    let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
+    let [file] = words.as_slice() else {
+        return Err(Failure::Usage {
+            message: format!("{option} needs the name of one file to write"),
+            help: example.to_owned(),
+        });
+    };
     let path = PathBuf::from(file);
     if path.exists() && !matches.get_flag("force") {
         return Err(Failure::Exists { path });
     }
-    let here = std::path::Path::new(".");
-    let host = Terminal::new(&path, here, Cache::of_user(here), false);
-    let found = like(*template, sheet, bodies, &host).map_err(|error| Failure::Analysis {
-        error,
-        options: None,
-        finding: None,
-    })?;
+    Ok(path)
+}
+
+/// Runs what shows its progress in the terminal.
+fn in_terminal<T>(
+    path: &Path,
+    run: impl FnOnce(&Terminal) -> Result<T, AnalysisError>,
+) -> Result<T, Failure> {
+    let here = Path::new(".");
+    let host = Terminal::new(path, here, Cache::of_user(here), false);
+    let found = run(&host).map_err(|error| Failure::Analysis { error, options: None, finding: None })?;
     host.clear();
-    write_file(&path, found.text.as_bytes())?;
-    say(&format!("{file}: scaled from {name}\n{}\nnext: arcmin check {file}", found.notes.join("\n")))?;
-    Ok(Ending::Fine)
+    Ok(found)
 }

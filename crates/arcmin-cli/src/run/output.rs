@@ -6,7 +6,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
-use arcmin::design::Design;
 use serde_json::{Map, Value, json};
 use tempfile::NamedTempFile;
 
@@ -51,11 +50,7 @@ pub struct Results {
 impl Results {
     /// Makes the directory and tries to write there, so that an unusable one is noticed before the
     /// computation. Results of another design are not written over unless `force` says so.
-    pub fn prepare(out: &Path, design: &Design, force: bool) -> Result<Results, Failure> {
-        Results::prepare_for(out, &design.name, force)
-    }
-
-    /// [`Results::prepare`] of a design, or a robot, by its name.
+    /// `name` is that of the design or robot.
     pub fn prepare_for(out: &Path, name: &str, force: bool) -> Result<Results, Failure> {
         let try_it = || {
             std::fs::create_dir_all(out)?;

@@ -38,6 +38,53 @@ fn with_study() -> tempfile::TempDir {
     directory
 }
 
+/// A study of single stages keeps results of theirs; what a stage has not is refused at its place.
+#[test]
+fn a_single_stage_is_studied() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    good(d, &["new", "nema17-19", "d.toml"]);
+    let study = |analysis: &str, results: &str, more: &str| {
+        format!(
+            "design = \"d.toml\"\nanalysis = \"{analysis}\"\nresults = [\"{results}\"]\n{more}\n\
+             [options]\n{}\n[vary]\n\"output_pins.hole_clearance_um\" = {{ low = 0, high = 30 }}\n\
+             \"output_pins.count\" = [5, 6]\n\
+             [method]\nkind = \"latin-hypercube\"\nsamples = 6\n",
+            match analysis {
+                "contact" => "positions = 8",
+                "rig" => "positions = 2\nte_positions = 12",
+                _ => "",
+            }
+        )
+    };
+    for (analysis, result) in [
+        ("check", "play_chain.output_arcmin"),
+        ("contact", "max_output_pin_force_n"),
+        ("rig", "lost_motion_arcmin"),
+    ] {
+        write(d, "s.toml", &study(analysis, result, ""));
+        good(d, &["study", "s.toml", "--out", analysis]);
+        let told = summary(d, analysis);
+        assert_eq!(told["rows"], 6, "{told}");
+        assert!(told["results"][result]["quantiles"].is_array(), "{told}");
+        assert!(
+            read(d, &format!("{analysis}/samples.csv"))
+                .lines()
+                .all(|line| line.ends_with(',') || line.ends_with("failed"))
+        );
+    }
+    for (text, words) in [
+        (study("contact", "max_force_n", "tolerances = true"), "[tolerances]"),
+        (study("contact", "max_force_n", "unknowns = true"), "[unknowns]"),
+        (study("contact", "max_forces_n", ""), "max_force_n"),
+        (study("simulate", "max_force_n", ""), "RV reducers only"),
+    ] {
+        write(d, "s.toml", &text);
+        let said = refused(d, &["study", "s.toml", "--out", "x"]);
+        assert!(said.contains(words), "{said}");
+    }
+}
+
 #[test]
 fn a_study_leaves_table_summary_report_and_parts() {
     let directory = with_study();

@@ -112,6 +112,46 @@ fn single_stages_are_known_to_some_commands() {
     assert!(said.contains("is a single stage"), "{said}");
 }
 
+/// A single stage is proposed from what it must do and passes its checks, or is refused with what would do.
+#[test]
+fn single_stages_are_proposed() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    let propose =
+        |more: &[&str]| [&["new", "--family", "eccentric", "--outer-diameter-mm", "80"][..], more].concat();
+    let said = good(d, &propose(&["--ratio", "20", "--torque-nm", "20", "s.toml"]));
+    assert!(
+        said.contains("Nearest to its limit: ")
+            && said.contains("In 80 mm the rules reach")
+            && said.ends_with("next: arcmin check s.toml\n"),
+        "{said}"
+    );
+    assert!(read(d, "s.toml").contains("pin_count = 21 "));
+    assert!(good(d, &["check", "s.toml"]).contains(" 0 errors"));
+    good(d, &["rig", "s.toml", "--positions", "2", "--te-positions", "12"]);
+    let printed = propose(&["--ratio", "11", "--process", "printed-fdm", "--speed-rpm", "300", "p.toml"]);
+    let said = refused(d, &[&printed[..], &["--torque-nm", "2000"]].concat());
+    assert!(said.contains("carries 2000 N m") && said.contains("one of these does"), "{said}");
+    good(d, &[&printed[..], &["--torque-nm", "4"]].concat());
+    assert!(read(d, "p.toml").contains("PLA") && read(d, "p.toml").contains("input_speed_rpm = 300 "));
+    for (arguments, words) in [
+        (propose(&["--ratio", "20", "--torque-nm", "20"]), "one file"),
+        (propose(&["--ratio", "20", "x.toml"]), "add --torque-nm"),
+        (propose(&["--ratio", "20.5", "--torque-nm", "20", "x.toml"]), "20 or 21 does"),
+        (propose(&["--ratio", "500", "--torque-nm", "20", "x.toml"]), "a ratio of 500"),
+        (propose(&["--ratio", "20", "--torque-nm", "nan", "x.toml"]), "a torque"),
+        (propose(&["--ratio", "20", "--torque-nm", "20", "--process", "cast", "x.toml"]), "wire-edm"),
+        (propose(&["--ratio", "20", "--torque-nm", "20", "--lost-motion-arcmin", "1", "x.toml"]), "--like"),
+        (propose(&["--ratio", "20", "--torque-nm", "20", "s.toml"]), "exists already"),
+        (vec!["new", "--family", "excentric", "x.toml"], "eccentric"),
+        (vec!["new", "--process", "milled", "x.toml"], "--family"),
+    ] {
+        let said = refused(d, &arguments);
+        assert!(said.contains(words), "{arguments:?}: {said}");
+    }
+    assert_eq!(names(d).iter().filter(|name| name.ends_with(".toml")).count(), 2);
+}
+
 #[test]
 fn new_does_not_overwrite_unless_told_so() {
     let directory = with_design();

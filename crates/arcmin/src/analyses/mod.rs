@@ -30,6 +30,7 @@ pub mod life;
 pub mod like;
 mod outcome;
 pub mod profile;
+pub mod propose;
 pub mod rig;
 pub mod simulate;
 pub mod stage;

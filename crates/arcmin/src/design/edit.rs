@@ -1,6 +1,6 @@
 //! Designs by their keys: list, look up, derive.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::error::{DesignErrorKind, Source};
 use super::field::SectionValue;
@@ -8,7 +8,7 @@ use super::path::{self, Step};
 use super::schema::{Key, Kind, Presence, SectionSchema};
 use super::tree::{Branch, Entry, Item, Node};
 use super::value::{Value, material_branch};
-use super::{Design, DesignError, DesignSections};
+use super::{Design, DesignError, DesignSections, StageDesign, StageSections};
 use crate::materials::Material;
 
 /// A key of a design with what the declaration and the file say about it.
@@ -33,38 +33,153 @@ pub struct KeyEntry {
     pub written: bool,
 }
 
-impl Design {
-    /// Every key of the design, in the order of the reference: those of optional sections that the file does
-    /// not have, too (their value is [`Value::LeftOut`]); rows of lists as far as the file has them.
-    pub fn keys(&self) -> Vec<KeyEntry> {
+/// A design file of any family as it was read, and what has been changed in it since.
+#[derive(Debug, Clone)]
+pub(super) struct Written {
+    tree: Branch,
+    pub base: Arc<Base>,
+    /// What differs from the base.
+    pub changes: Vec<Change>,
+    /// The changed text, made when it is asked for.
+    text: OnceLock<String>,
+}
+
+/// What a design was read from.
+#[derive(Debug)]
+pub(super) struct Base {
+    pub text: String,
+    file_name: String,
+    tree: Branch,
+}
+
+/// A design of one family, read and judged from what is written.
+pub(super) trait OfWritten: Sized {
+    /// An error hands back what is written.
+    fn of_written(written: Written) -> Result<Self, (Box<DesignError>, Written)>;
+}
+
+impl Written {
+    /// # Errors
+    /// What is not TOML.
+    pub fn parse(text: &str, file_name: &str) -> Result<Written, Box<DesignError>> {
+        let tree = super::field::parse(&Source { text, file_name, title: super::TITLE })?;
+        let base = Base { text: text.to_owned(), file_name: file_name.to_owned(), tree: tree.clone() };
+        Ok(Written { tree, base: Arc::new(base), changes: Vec::new(), text: OnceLock::new() })
+    }
+
+    pub fn tree(&self) -> &Branch {
+        &self.tree
+    }
+
+    /// The tree that was read, if it has been changed since.
+    pub fn changed_from(&self) -> Option<&Branch> {
+        (!self.changes.is_empty()).then_some(&self.base.tree)
+    }
+
+    pub fn text(&self) -> &str {
+        if self.changes.is_empty() {
+            return &self.base.text;
+        }
+        self.text.get_or_init(|| super::text::edited(&self.base.text, &self.changes))
+    }
+
+    pub fn file_name(&self) -> &str {
+        &self.base.file_name
+    }
+
+    pub fn source(&self) -> Source<'_> {
+        Source { text: &self.base.text, file_name: &self.base.file_name, title: super::TITLE }
+    }
+
+    fn keys(&self, schema: &'static SectionSchema) -> Vec<KeyEntry> {
         let mut out = Vec::new();
-        list(&DesignSections::SCHEMA, Some(&self.tree), true, "", &mut out);
+        list(schema, Some(&self.tree), true, "", &mut out);
         out
     }
 
-    /// The value of a key in its unit, written or by default.
-    ///
-    /// ```
-    /// use arcmin::design::Value;
-    /// let design = arcmin::templates::design("rv-40e-81").unwrap();
-    /// assert_eq!(design.get("crankshafts.eccentricity_mm")?, Value::Number(1.3));
-    /// assert_eq!(design.get("duty[0].share")?, Value::Number(1.0));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// A path that leads to no value, with the nearest one as hint.
-    pub fn get(&self, path: &str) -> Result<Value, Box<DesignError>> {
+    fn get(&self, schema: &'static SectionSchema, path: &str) -> Result<Value, Box<DesignError>> {
         let source = self.source();
-        let target = path::find(path, "", DesignSections::schema(), &source)?;
+        let target = path::find(path, "", schema, &source)?;
         if !target.is_value() {
             let hint = format!("`{path}` is a section: ask for one of its keys");
             return Err(source.error_at_path(no_value(path), path, hint));
         }
-        look_up(&DesignSections::SCHEMA, Some(&self.tree), &target.steps, true)
-            .map_err(|rows| no_row(path, rows, &source))
+        look_up(schema, Some(&self.tree), &target.steps, true).map_err(|rows| no_row(path, rows, &source))
     }
 
+    fn with_all<D: OfWritten, P: AsRef<str>, V: Into<Value>>(
+        &self,
+        schema: &'static SectionSchema,
+        changes: impl IntoIterator<Item = (P, V)>,
+    ) -> Result<D, Box<DesignError>> {
+        let source = self.source();
+        let mut tree = self.tree.clone();
+        let mut all = self.changes.to_vec();
+        for (path, value) in changes {
+            let (path, value) = (path.as_ref(), value.into());
+            let written = value.to_string();
+            let target = path::find(path, &written, schema, &source)?;
+            let node = value.node();
+            if node.is_some() && (target.row || !target.is_value()) {
+                let hint = format!("`{path}` is a section: set its keys, or leave it out as a whole");
+                return Err(source.error_at_path(no_value(path), path, hint));
+            }
+            set(&mut tree, &target.steps, node.as_ref()).map_err(|rows| no_row(path, rows, &source))?;
+            all.push(Change {
+                steps: target.steps,
+                whole: matches!((target.key.kind)(), Kind::Count),
+                value,
+            });
+        }
+        let changed = Written { tree, base: self.base.clone(), changes: all, text: OnceLock::new() };
+        D::of_written(changed).map_err(|(error, changed)| {
+            // What is wrong is told as the file would: with its place in the changed text.
+            let again = Written::parse(changed.text(), changed.file_name()).map(D::of_written);
+            match again {
+                Err(error) | Ok(Err((error, _))) => error,
+                Ok(Ok(_)) => Box::new(DesignError { place: None, ..*error }),
+            }
+        })
+    }
+}
+
+/// Access by keys, alike for every family.
+macro_rules! by_keys {
+    ($Design:ident, $Sections:ident) => {
+        impl $Design {
+            /// Every key of the design, in the order of the reference: those of optional sections that the file does
+            /// not have, too (their value is [`Value::LeftOut`]); rows of lists as far as the file has them.
+            pub fn keys(&self) -> Vec<KeyEntry> {
+                self.written.keys($Sections::schema())
+            }
+
+            /// The value of a key in its unit, written or by default.
+            ///
+            /// # Errors
+            /// A path that leads to no value, with the nearest one as hint.
+            pub fn get(&self, path: &str) -> Result<Value, Box<DesignError>> {
+                self.written.get($Sections::schema(), path)
+            }
+
+            /// The design with several keys set at once, in this order: for keys that only go together, such as
+            /// `ring.pin_count` and `disc.lobe_count`. See [`Design::with`].
+            ///
+            /// # Errors
+            /// As [`Design::with`].
+            pub fn with_all<P: AsRef<str>, V: Into<Value>>(
+                &self,
+                changes: impl IntoIterator<Item = (P, V)>,
+            ) -> Result<$Design, Box<DesignError>> {
+                self.written.with_all($Sections::schema(), changes)
+            }
+        }
+    };
+}
+
+by_keys!(Design, DesignSections);
+by_keys!(StageDesign, StageSections);
+
+impl Design {
     /// The design with one key set: what every sweep, tolerance and optimisation is made of.
     ///
     /// It is read and judged exactly as if the file had the new value; masses and inertias that the file
@@ -72,7 +187,10 @@ impl Design {
     /// out. Comments and layout of the text are kept ([`Design::text`]).
     ///
     /// ```
+    /// use arcmin::design::Value;
     /// let design = arcmin::templates::design("rv-40e-81").unwrap();
+    /// assert_eq!(design.get("crankshafts.eccentricity_mm")?, Value::Number(1.3));
+    /// assert_eq!(design.get("duty[0].share")?, Value::Number(1.0));
     /// let wider = design.with("disc.width_mm", 9.5)?;
     /// assert_eq!(wider.get("disc.width_mm")?, 9.5.into());
     /// assert!(wider.text().contains("width_mm = 9.5 "));
@@ -86,51 +204,6 @@ impl Design {
     /// same message, place (in the changed text) and hint.
     pub fn with(&self, path: &str, value: impl Into<Value>) -> Result<Design, Box<DesignError>> {
         self.with_all([(path, value)])
-    }
-
-    /// The design with several keys set at once, in this order: for keys that only go together, such as
-    /// `ring.pin_count` and `disc.lobe_count`. See [`Design::with`].
-    ///
-    /// # Errors
-    /// As [`Design::with`].
-    pub fn with_all<P: AsRef<str>, V: Into<Value>>(
-        &self,
-        changes: impl IntoIterator<Item = (P, V)>,
-    ) -> Result<Design, Box<DesignError>> {
-        let source = self.source();
-        let mut tree = self.tree.clone();
-        let mut all = self.changes.to_vec();
-        for (path, value) in changes {
-            let (path, value) = (path.as_ref(), value.into());
-            let written = value.to_string();
-            let target = path::find(path, &written, DesignSections::schema(), &source)?;
-            let node = value.node();
-            if node.is_some() && (target.row || !target.is_value()) {
-                let hint = format!("`{path}` is a section: set its keys, or leave it out as a whole");
-                return Err(source.error_at_path(no_value(path), path, hint));
-            }
-            set(&mut tree, &target.steps, node.as_ref()).map_err(|rows| no_row(path, rows, &source))?;
-            all.push(Change {
-                steps: target.steps,
-                whole: matches!((target.key.kind)(), Kind::Count),
-                value,
-            });
-        }
-        match Design::from_tree(self.base.clone(), tree, all) {
-            Ok(design) => Ok(design),
-            Err((error, changes)) => {
-                // What is wrong is told as the file would: with its place in the changed text.
-                let text = super::text::edited(&self.base.text, &changes);
-                match Design::parse(&text, &self.base.file_name) {
-                    Err(error) => Err(error),
-                    Ok(_) => Err(Box::new(DesignError { place: None, ..*error })),
-                }
-            }
-        }
-    }
-
-    pub(super) fn source(&self) -> Source<'_> {
-        Source { text: &self.base.text, file_name: &self.base.file_name, title: super::TITLE }
     }
 }
 

@@ -438,7 +438,7 @@ fn cost_of_a_change() {
         let changed = base.with("crankshafts.eccentricity_mm", 1.2).unwrap();
         let start = std::time::Instant::now();
         for _ in 0..200 {
-            std::hint::black_box(super::text::edited(&changed.base.text, &changed.changes));
+            std::hint::black_box(super::text::edited(&changed.written.base.text, &changed.written.changes));
         }
         println!("{} text: {:.1} µs", template.name, start.elapsed().as_secs_f64() / 200.0 * 1e6);
         let start = std::time::Instant::now();

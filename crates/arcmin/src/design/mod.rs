@@ -65,11 +65,10 @@ pub use values::{Section, Stated};
 
 pub(crate) use error::Source;
 
-use edit::Change;
+use edit::{OfWritten, Written};
 use field::SectionValue;
 use schema::section;
 use sha2::{Digest, Sha256};
-use std::sync::{Arc, OnceLock};
 use tree::Branch;
 use variation::Variations;
 
@@ -170,21 +169,8 @@ pub struct Design {
     sections: DesignSections,
     machine: Machine,
     errors: Option<ManufacturingErrors>,
-    tree: Branch,
-    base: Arc<Base>,
-    /// What differs from the base.
-    changes: Vec<Change>,
+    written: Written,
     unknowns: Vec<Unknown>,
-    /// The changed text, made when it is asked for.
-    text: OnceLock<String>,
-}
-
-/// What a design was read from.
-#[derive(Debug)]
-struct Base {
-    text: String,
-    file_name: String,
-    tree: Branch,
 }
 
 /// Designs are equal whose files are.
@@ -209,47 +195,39 @@ impl Design {
     /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not
     /// finite or outside of what is believable, values that contradict each other.
     pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
-        let source = Source { text, file_name, title: TITLE };
-        let tree = field::parse(&source)?;
-        if Family::of(&tree) == Family::Eccentric {
-            return Err(single_stage::not_yet(&tree, &source));
-        }
-        let base = Base { text: text.to_owned(), file_name: file_name.to_owned(), tree: tree.clone() };
-        Design::from_tree(Arc::new(base), tree, Vec::new()).map_err(|(error, _)| error)
+        Design::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
     }
+}
 
-    /// Reads and judges a tree; an error hands the changes back.
-    fn from_tree(
-        base: Arc<Base>,
-        tree: Branch,
-        changes: Vec<Change>,
-    ) -> Result<Design, (Box<DesignError>, Vec<Change>)> {
-        let source = Source { text: &base.text, file_name: &base.file_name, title: TITLE };
+impl OfWritten for Design {
+    fn of_written(written: Written) -> Result<Design, (Box<DesignError>, Written)> {
+        let (source, tree) = (written.source(), written.tree());
         let read = || {
-            let sections: DesignSections = field::read(&tree, &source)?;
-            let located = |error| field::with_path(error, &tree);
+            if Family::of(tree) == Family::Eccentric {
+                return Err(single_stage::not_yet(tree, &source));
+            }
+            let sections: DesignSections = field::read(tree, &source)?;
+            let located = |error| field::with_path(error, tree);
             consistency::check(&sections, &source).map_err(located)?;
             let machine = resolve::machine(&sections, &source).map_err(located)?;
             let errors = deviations::errors(&sections, &source).map_err(located)?;
-            let unknowns = unknowns::unknowns(&sections, &tree, &source).map_err(located)?;
+            let unknowns = unknowns::unknowns(&sections, tree, &source).map_err(located)?;
             Ok((sections, machine, errors, unknowns))
         };
         match read() {
             Ok((sections, machine, errors, unknowns)) => {
-                let text = OnceLock::new();
-                Ok(Design { sections, machine, errors, tree, base, changes, unknowns, text })
+                Ok(Design { sections, machine, errors, written, unknowns })
             }
-            Err(error) => Err((error, changes)),
+            Err(error) => Err((error, written)),
         }
     }
+}
 
+impl Design {
     /// The text of the design file: the one it was read from, with every change since made in it; comments
     /// and layout stay.
     pub fn text(&self) -> &str {
-        if self.changes.is_empty() {
-            return &self.base.text;
-        }
-        self.text.get_or_init(|| text::edited(&self.base.text, &self.changes))
+        self.written.text()
     }
 
     /// [`Design::text`] to keep.
@@ -259,7 +237,7 @@ impl Design {
 
     /// Name of the file as given to [`Design::parse`].
     pub fn file_name(&self) -> &str {
-        &self.base.file_name
+        self.written.file_name()
     }
 
     /// The design in SI units.
@@ -293,10 +271,8 @@ impl Design {
     /// Masses and moments of inertia that the file gives and that no longer fit: the geometry they were given
     /// for has been changed since by [`Design::with`]. Those the file leaves out follow by themselves.
     pub fn stale_masses(&self) -> Vec<StaleMass> {
-        if self.changes.is_empty() {
-            return Vec::new();
-        }
-        let read = field::read::<DesignSections>(&self.base.tree, &self.source());
+        let Some(base) = self.written.changed_from() else { return Vec::new() };
+        let read = field::read::<DesignSections>(base, &self.written.source());
         read.map_or_else(|_| Vec::new(), |base| resolve::stale_masses(&base, &self.sections))
     }
 

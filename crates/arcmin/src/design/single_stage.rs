@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::consistency::{self, Place, contradiction};
+use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field::{self, Choice};
 use super::resolve;
@@ -16,7 +17,7 @@ use super::service::{
 use super::solids::Section as Solid;
 use super::tree::Branch;
 use super::variation::Variations;
-use super::{DesignError, DriveSection, Section, TITLE, TolerancesSection};
+use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
 use crate::geometry::Profile;
 use crate::machine::{
@@ -163,7 +164,40 @@ pub struct StageDesign {
     /// Of flanks and pins, where the file gives it.
     wear: Option<Wear>,
     unused: Vec<&'static str>,
-    text: String,
+    pub(super) written: Written,
+}
+
+impl OfWritten for StageDesign {
+    fn of_written(written: Written) -> Result<StageDesign, (Box<DesignError>, Written)> {
+        let (source, tree) = (written.source(), written.tree());
+        let read = || {
+            if Family::of(tree) != Family::Eccentric {
+                let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
+                let message = "a single stage has the family \"eccentric\"".to_owned();
+                return Err(contradiction(
+                    &source,
+                    &place,
+                    message,
+                    "read RV reducers from files of their own",
+                ));
+            }
+            let sections: StageSections = field::read(tree, &source)?;
+            let stage = stage(&sections, &source).map_err(|error| field::with_path(error, tree))?;
+            let wear = sections.wear.as_ref().map(|wear| resolve_laws::flank_wear(wear, &source)).transpose();
+            Ok((sections, stage, wear.map_err(|error| field::with_path(error, tree))?))
+        };
+        match read() {
+            Ok((sections, stage, wear)) => {
+                let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
+                let mut unused: Vec<&str> = UNUSED.into_iter().filter(|path| is_given(path)).collect();
+                if resolve::duty(&sections.load, &sections.duty).1.iter().any(|row| !row.forces.is_zero()) {
+                    unused.push(UNUSED_FORCES);
+                }
+                Ok(StageDesign { sections, stage, wear, unused, written })
+            }
+            Err(error) => Err((error, written)),
+        }
+    }
 }
 
 impl std::ops::Deref for StageDesign {
@@ -180,23 +214,17 @@ impl StageDesign {
     /// # Errors
     /// The first thing that is wrong, as [`Design::parse`](super::Design::parse).
     pub fn parse(text: &str, file_name: &str) -> Result<StageDesign, Box<DesignError>> {
-        let source = Source { text, file_name, title: TITLE };
-        let tree = field::parse(&source)?;
-        let sections: StageSections = field::read(&tree, &source)?;
-        let stage = stage(&sections, &source).map_err(|error| field::with_path(error, &tree))?;
-        let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
-        let mut unused: Vec<&str> = UNUSED.into_iter().filter(|path| is_given(path)).collect();
-        if resolve::duty(&sections.load, &sections.duty).1.iter().any(|row| !row.forces.is_zero()) {
-            unused.push(UNUSED_FORCES);
-        }
-        let wear = sections.wear.as_ref().map(|wear| resolve_laws::flank_wear(wear, &source)).transpose();
-        let wear = wear.map_err(|error| field::with_path(error, &tree))?;
-        Ok(StageDesign { sections, stage, wear, unused, text: text.to_owned() })
+        StageDesign::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
     }
 
-    /// The file as it was read.
+    /// As [`Design::text`](super::Design::text).
     pub fn text(&self) -> &str {
-        &self.text
+        self.written.text()
+    }
+
+    /// As [`Design::file_name`](super::Design::file_name).
+    pub fn file_name(&self) -> &str {
+        self.written.file_name()
     }
 
     /// What wears, and by which law; `None` where the file gives no wear.

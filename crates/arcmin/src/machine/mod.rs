@@ -25,6 +25,7 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
+pub(crate) use single_stage::ring_slant;
 pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};

@@ -166,16 +166,8 @@ impl SingleStage {
     /// e z_p from the centre of the ring.
     pub fn eccentric_force(&self, torque: f64) -> f64 {
         let share = torque.abs() / self.phases.len() as f64;
-        let pitch_point = Vec2::new(self.profile.eccentricity * self.profile.pin_count as f64, 0.0);
-        let (mut squares, mut along) = (0.0, 0.0);
-        for i in 0..STOPS {
-            let pin = self.ring_circle_radius * unit(0.5 * TAU * (i as f64 + 0.5) / STOPS as f64);
-            let normal = (pin - pitch_point).normalize();
-            squares += normal.y * normal.y;
-            along -= normal.y * normal.x;
-        }
         let across = share / self.lever();
-        let by_ring = across * along / squares;
+        let by_ring = across * ring_slant(&self.profile, self.ring_circle_radius);
         let by_pins = 2.0 * share / (0.25 * TAU * self.output_pins.circle_radius);
         across.hypot(by_pins - by_ring)
     }
@@ -184,4 +176,17 @@ impl SingleStage {
     pub(crate) fn mounting(&self, disc: usize) -> f64 {
         self.phases[disc] / self.ratio()
     }
+}
+
+/// Force of the ring along the eccentric over that across it, where all pins of one side carry as equal springs.
+pub(crate) fn ring_slant(profile: &Profile, ring_circle_radius: f64) -> f64 {
+    let pitch_point = Vec2::new(profile.eccentricity * profile.pin_count as f64, 0.0);
+    let (mut squares, mut along) = (0.0, 0.0);
+    for i in 0..STOPS {
+        let pin = ring_circle_radius * unit(0.5 * TAU * (i as f64 + 0.5) / STOPS as f64);
+        let normal = (pin - pitch_point).normalize();
+        squares += normal.y * normal.y;
+        along -= normal.y * normal.x;
+    }
+    along / squares
 }

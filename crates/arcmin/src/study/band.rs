@@ -62,7 +62,7 @@ pub fn study(
         Some(analysis) => identity(analysis, design, file.options(), "the options", host)?,
         None => String::new(),
     };
-    file.study(design, &identity)
+    file.study(&design.clone().into(), &identity)
 }
 
 /// What the lives say together.

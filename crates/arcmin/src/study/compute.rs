@@ -6,9 +6,10 @@ use super::list_place::ListPlace;
 use super::plan::{Kind, Row, Setting};
 use super::run::RowError;
 use super::stream::{Purpose, hash};
+use crate::analyses::stage::AnyDesign;
 use crate::analyses::{AnalysisError, Host, Wanting};
-use crate::checks::{Severity, check_design};
-use crate::design::{Design, DesignError, Value};
+use crate::checks::Severity;
+use crate::design::{DesignError, Value};
 use crate::progress::Progress;
 
 impl Study {
@@ -16,7 +17,7 @@ impl Study {
     ///
     /// # Errors
     /// Values that do not go together.
-    pub fn design_of(&self, row: &Row) -> Result<Design, Box<DesignError>> {
+    pub fn design_of(&self, row: &Row) -> Result<AnyDesign, Box<DesignError>> {
         self.design.with_all(self.changes_of(row)?)
     }
 
@@ -25,7 +26,7 @@ impl Study {
     ///
     /// # Errors
     /// Values that do not go together.
-    pub fn file_of(&self, row: &Row) -> Result<Design, Box<DesignError>> {
+    pub fn file_of(&self, row: &Row) -> Result<AnyDesign, Box<DesignError>> {
         self.written.with_all(self.changes_of(row)?).or_else(|_| self.design_of(row))
     }
 
@@ -85,13 +86,12 @@ impl Study {
         let results: Vec<&str> = self.plan.kept().iter().map(|kept| kept.key.as_str()).collect();
         let host = &Wanting { host, results: &results };
         let design = self.design_of(row).map_err(|error| RowError::Failed(why_refused(&error)))?;
-        let outcome =
-            self.analysis.run(&design, &self.options_of(row), self.origin(), host).map_err(|error| {
-                match error {
-                    AnalysisError::Stopped | AnalysisError::Interrupted { .. } => RowError::Cancelled,
-                    error => RowError::Failed(why_failed(&error, &design)),
-                }
-            })?;
+        let outcome = design.run(self.analysis, &self.options_of(row), self.origin(), host).map_err(
+            |error| match error {
+                AnalysisError::Stopped | AnalysisError::Interrupted { .. } => RowError::Cancelled,
+                error => RowError::Failed(why_failed(&error, &design)),
+            },
+        )?;
         if host.is_cancelled() {
             return Err(RowError::Cancelled);
         }
@@ -130,8 +130,8 @@ fn why_refused(error: &DesignError) -> String {
 
 /// Why a machine could not be computed: the finding of the checks that it has, with its remedy, since that is the
 /// cause to look at first; then what the computation says.
-fn why_failed(error: &AnalysisError, design: &Design) -> String {
-    let findings = check_design(design);
+fn why_failed(error: &AnalysisError, design: &AnyDesign) -> String {
+    let findings = design.findings();
     let finding = findings.iter().find(|finding| finding.severity == Severity::Error);
     let mut why = finding.map_or(String::new(), |finding| {
         format!("{}: {}; to change: {}. Then: ", finding.code, finding.message, finding.change)

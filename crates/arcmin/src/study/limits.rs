@@ -9,7 +9,9 @@ use super::statistics::{Batched, Limits, Yield, clopper_pearson};
 use super::{Factor, StudyError};
 use crate::analyses::Analysis;
 use crate::analyses::life::LimitKind;
-use crate::design::{Design, Value};
+use crate::analyses::stage::AnyDesign;
+use crate::design::Value;
+use crate::results::Declared;
 
 /// A limit, and the result that tells whether it is kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +89,7 @@ pub(super) fn judged_limits(summary: &mut Map<String, Json>) {
 }
 
 /// Results that a study of this analysis keeps besides, since they tell whether limits are kept and cost nothing.
-pub(super) fn kept_besides(analysis: &Analysis, design: &Design) -> Vec<Kept> {
+pub(super) fn kept_besides(analysis: &Analysis, design: &AnyDesign) -> Vec<Kept> {
     if analysis.name != "life" {
         return Vec::new();
     }
@@ -96,7 +98,7 @@ pub(super) fn kept_besides(analysis: &Analysis, design: &Design) -> Vec<Kept> {
     set.chain(WITHOUT_KEY).map(|kind| Kept { key: key(kind), kind: Kind::Number }).collect()
 }
 
-fn is_set(design: &Design, key: &str) -> bool {
+fn is_set(design: &AnyDesign, key: &str) -> bool {
     design.get(key).is_ok_and(|value| value != Value::LeftOut)
 }
 
@@ -106,7 +108,8 @@ impl StudyLimits {
     pub(super) fn of(
         own: &[(String, Limits)],
         analysis: &Analysis,
-        design: &Design,
+        declared: &Declared,
+        design: &AnyDesign,
         kept: &[Kept],
         factors: &[Factor],
     ) -> StudyLimits {
@@ -132,7 +135,6 @@ impl StudyLimits {
             }
             return all;
         }
-        let declared = (analysis.results)();
         for rule in RULES.iter().filter(|rule| is_set(design, rule.key)) {
             let name = rule.kind.name().to_owned();
             if factors.iter().any(|factor| factor.path == rule.key) {

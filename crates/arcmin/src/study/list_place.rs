@@ -1,4 +1,5 @@
-use crate::design::{Design, Value};
+use crate::analyses::stage::AnyDesign;
+use crate::design::Value;
 
 /// An entry of a list of numbers in a design, written `path[index]`; of pairs the second number (the depth at
 /// an angle).
@@ -13,7 +14,7 @@ pub(super) struct ListPlace {
 
 impl ListPlace {
     /// `None` where the path leads to no entry of a list of numbers.
-    pub fn find(design: &Design, path: &str) -> Option<ListPlace> {
+    pub fn find(design: &AnyDesign, path: &str) -> Option<ListPlace> {
         let (list, index) = path.strip_suffix(']')?.rsplit_once('[')?;
         let index: usize = index.parse().ok()?;
         let number = match design.get(list).ok()? {

@@ -65,7 +65,7 @@ mod tests {
     /// Each is a study that can be run; the first sample of the quick ones is.
     #[test]
     fn templates_are_studies() {
-        let design = crate::templates::design("rv-40e-81").unwrap();
+        let design = crate::templates::design("rv-40e-81").unwrap().into();
         for template in TEMPLATES {
             let file = StudyFile::parse(template.text, template.name)
                 .unwrap_or_else(|e| panic!("{e} {:?}", e.hint()));

@@ -10,8 +10,9 @@ pub use band::Lives;
 
 use std::path::{Path, PathBuf};
 
-use arcmin::analyses::{Quiet, by_name, identity};
-use arcmin::design::{Choice, Design};
+use arcmin::analyses::stage::AnyDesign;
+use arcmin::analyses::{Quiet, by_name};
+use arcmin::design::Choice;
 use arcmin::report::Page;
 use arcmin::study::{Done, Plan, Row, Rows, Shard, Study, StudyFile, Watch, collect, run as run_shard};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
@@ -20,7 +21,7 @@ use serde_json::{Map, Value, json};
 use super::Ending;
 use crate::failure::{Failure, Start};
 use crate::run::{
-    Cache, Parts, Results, SampleBar, Terminal, read_design, say, terminal_text, text_of, write_file,
+    Cache, Parts, Results, SampleBar, Terminal, read_any_design, say, terminal_text, text_of, write_file,
 };
 
 const GUIDE: &str = "\
@@ -185,7 +186,7 @@ impl Job {
 
     /// Everything here: compute what is missing, then report.
     fn whole(&self) -> Result<Ending, Failure> {
-        let results = Results::prepare(&self.out, &self.study.design, self.force)?;
+        let results = Results::prepare_for(&self.out, self.study.design.name(), self.force)?;
         let cancelled = match &self.study.search {
             Some(search) => self.search(search)?,
             None => self.compute(&self.study.plan, "samples", Shard::WHOLE)?,
@@ -224,7 +225,7 @@ impl Job {
     }
 
     fn collect(&self) -> Result<Ending, Failure> {
-        let results = Results::prepare(&self.out, &self.study.design, self.force)?;
+        let results = Results::prepare_for(&self.out, self.study.design.name(), self.force)?;
         self.report(results)?;
         Ok(Ending::Fine)
     }
@@ -345,7 +346,7 @@ impl Job {
         let design = &study.design;
         put(
             "design",
-            json!({ "name": *design.name, "hash": design.hash(), "short_hash": design.short_hash() }),
+            json!({ "name": design.name(), "hash": design.hash(), "short_hash": design.short_hash() }),
         );
         let names = results.publish(summary)?;
         if !self.quiet {
@@ -396,7 +397,7 @@ fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
     let file = StudyFile::parse(&text, &path.display().to_string())
         .map_err(|error| Failure::design(error, &text))?;
     let design_path = path.parent().unwrap_or(Path::new("")).join(&file.design.0);
-    let design = read_design(&design_path)?;
+    let design = read_any_design(&design_path)?;
     let host = Terminal::new(&design_path, out, Cache::of_user(out), true);
     // What an error of the study or the design marks is in the text it was read from.
     let told = |error: arcmin::analyses::AnalysisError| match error {
@@ -414,9 +415,9 @@ fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
 /// Empty for an analysis that there is none of, which the study says itself.
 fn identity_of(
     file: &StudyFile,
-    design: &Design,
+    design: &AnyDesign,
     host: &Terminal,
 ) -> Result<String, arcmin::analyses::AnalysisError> {
     let Some(analysis) = by_name(&file.analysis) else { return Ok(String::new()) };
-    identity(analysis, design, file.options(), file.file_name(), host)
+    design.identity(analysis, file.options(), file.file_name(), host)
 }

@@ -29,6 +29,14 @@ options! {
     }
 }
 
+impl Options {
+    /// The new drive at rated torque.
+    pub fn of_positions(positions: usize) -> Options {
+        let (joints, bodies) = (StageJoints::Bearings, StageBodies::Rigid);
+        Options { joints, bodies, hours: 0.0, torque_nm: None, positions }
+    }
+}
+
 /// One ring pin on one disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RingContact {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::contact;
-use crate::analyses::{AnalysisError, NoHost};
+use crate::analyses::NoHost;
 use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
 use crate::design::StageDesign;
 use crate::geometry::Relief;
@@ -60,11 +60,8 @@ const ROUNDING: f64 = 1e-9;
 /// Largest Hertz pressure of the ring pins at rated torque, by states of rest over a turn of the input.
 fn contact_pressure(design: &StageDesign) -> Finding {
     let limit = design.limits().contact_pressure / MPA;
-    let options = contact::Options::parse(&format!("positions = {PRESSURE_POSITIONS}"), "check");
-    let found = options
-        .map_err(AnalysisError::from)
-        .and_then(|options| contact::run(design, &options, &NoHost))
-        .map(|contact| {
+    let found =
+        contact::run(design, &contact::Options::of_positions(PRESSURE_POSITIONS), &NoHost).map(|contact| {
             let hardest = contact.ring.iter().max_by(|a, b| a.pressure.total_cmp(&b.pressure)).copied();
             hardest.map_or([0.0; 2], |pin| [pin.pressure / MPA, pin.force])
         });

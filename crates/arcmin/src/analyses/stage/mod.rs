@@ -1,5 +1,6 @@
 //! Analyses of single stages (family `eccentric`), by the names that they have for RV reducers.
 
+mod any;
 pub mod contact;
 mod findings;
 pub mod life;
@@ -14,7 +15,7 @@ use meshing::Rests;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::checks::{Finding, check_design};
-use crate::design::{Choice, Design, DesignError, Family, StageDesign};
+use crate::design::{Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign};
 use crate::machine::PlayChain;
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, Value, decimals, quantity};
@@ -107,6 +108,8 @@ pub struct StageAnalysis {
     pub name: &'static str,
     run: fn(&StageDesign, &str, &str, &dyn Host) -> Result<Box<dyn Outcome>, AnalysisError>,
     normal: fn(&str, &str) -> Result<NormalOptions, AnalysisError>,
+    /// Documentation of its options.
+    pub options: fn() -> &'static SectionSchema,
     /// Documentation of its results.
     pub results: fn() -> Declared,
 }
@@ -121,6 +124,7 @@ macro_rules! stage_analyses {
                 Ok(Box::new($run(design, &$module::Options::parse(options, origin)?, host)?))
             },
             normal: |options, origin| Ok(NormalOptions::of(&$module::Options::parse(options, origin)?)),
+            options: <$module::Options as OptionSet>::schema,
             results: || Declared {
                 analysis: concat!($name, " of a single stage"),
                 about: $module::ABOUT,
@@ -158,12 +162,14 @@ fn run_profile(
 }
 
 fn of(analysis: &Analysis) -> Result<&'static StageAnalysis, AnalysisError> {
-    ALL.iter().find(|known| known.name == analysis.name).ok_or_else(|| {
-        AnalysisError::usage(
-            format!("`{}` computes RV reducers only, and the file describes a single stage", analysis.name),
-            "single stages are known to the commands check, profile, contact, wear, rig and life",
-        )
-    })
+    ALL.iter().find(|known| known.name == analysis.name).ok_or_else(|| rv_only(analysis.name))
+}
+
+fn rv_only(what: &str) -> AnalysisError {
+    AnalysisError::usage(
+        format!("`{what}` computes RV reducers only, and the file describes a single stage"),
+        "single stages are known to the commands check, profile, contact, wear, rig and life",
+    )
 }
 
 /// Joints of a single stage: the words of RV reducers, as far as there are such models.

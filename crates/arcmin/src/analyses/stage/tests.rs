@@ -258,6 +258,29 @@ fn a_drive_without_a_wear_coefficient_says_so() {
     assert!(error.to_string().contains("no wear coefficient"), "{error}");
 }
 
+/// Keys of a single stage are read and set as those of an RV reducer; comments stay; another family is none of its values.
+#[test]
+fn a_stage_is_changed_by_its_keys() {
+    let any = AnyDesign::parse(NEMA17_19.text, "a.toml").unwrap();
+    assert_eq!(any.get("eccentric.eccentricity_mm").unwrap(), 0.5.into());
+    assert_eq!(any.text(), NEMA17_19.text);
+    let other = any.with("eccentric.eccentricity_mm", 0.55).unwrap();
+    assert!(other.text().contains("eccentricity_mm = 0.55") && other.text().contains("# dowel pins of 3 mm"));
+    assert!(other != any && other.hash() != any.hash());
+    assert_eq!(other.with("eccentric.eccentricity_mm", 0.5).unwrap().hash(), any.hash());
+    assert_eq!(AnyDesign::parse(other.text(), "b").unwrap().hash(), other.hash());
+    let error = any.with("eccentric.eccentricty_mm", 0.5).unwrap_err();
+    assert_eq!(error.hint(), Some("did you mean `eccentric.eccentricity_mm`?"));
+    let error = any.with("eccentric.eccentricity_mm", 0.9).unwrap_err();
+    assert_eq!((error.key(), error.file_name.as_str()), (Some("eccentric.eccentricity_mm"), "a.toml"));
+    assert!(error.line().is_some());
+    assert!(any.with("drive.family", "rv").unwrap_err().to_string().contains("eccentric"));
+    let rv = AnyDesign::parse(RV_40E.text, "b").unwrap();
+    assert!(rv.with("drive.family", "eccentric").unwrap_err().to_string().contains("single stage"));
+    assert!(any.keys().iter().any(|entry| entry.path == "output_pins.support"));
+    assert!(any.keys().iter().all(|entry| !entry.path.starts_with("crankshafts")));
+}
+
 /// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.
 #[test]
 fn random_stages_are_answered() {

@@ -1,12 +1,11 @@
 //! From the study file and its design to what is computed.
 
 use super::{MethodName, SEARCHED, StudyFile};
+use crate::analyses::stage::AnyDesign;
 use crate::analyses::{self, Analysis, AnalysisError};
 use crate::design::variation::{NORMAL_CUT, Variation, Varied};
-use crate::design::{
-    Design, DesignError, DesignErrorKind, KeyEntry, Kind as KeyKind, Unknown, Value as DesignValue,
-};
-use crate::results::Format;
+use crate::design::{DesignError, DesignErrorKind, KeyEntry, Kind as KeyKind, Unknown, Value as DesignValue};
+use crate::results::{Declared, Format};
 use crate::study::limits::{self, StudyLimits};
 use crate::study::list_place::ListPlace;
 use crate::study::plan::{Factor, Kept, Kind, Plan, Setting};
@@ -21,14 +20,24 @@ impl StudyFile {
     /// # Errors
     /// Paths that lead to no value, ranges that cannot be, unknown analyses, options and results; layouts
     /// that cannot hold what varies.
-    pub fn study(&self, design: &Design, identity: &str) -> Result<Study, AnalysisError> {
+    pub fn study(&self, design: &AnyDesign, identity: &str) -> Result<Study, AnalysisError> {
         let analysis = analyses::by_name(&self.analysis).ok_or_else(|| {
             let names = analyses::ALL.iter().map(|analysis| analysis.name).collect::<Vec<_>>().join(", ");
             let message = format!("no analysis is called \"{}\"", *self.analysis);
             self.wrong(message, self.analysis.span.clone(), &format!("there are {names}"))
         })?;
-        let normal = analysis.normal_options(&self.options, &self.file_name)?;
-        let schema = (analysis.options)();
+        let normal = design.normal_options(analysis, &self.options, &self.file_name)?;
+        let schema = design.options(analysis)?;
+        let declared = design.results(analysis)?;
+        if let AnyDesign::Eccentric(_) = design {
+            for (flag, key) in [(&self.tolerances, "tolerances"), (&self.unknowns, "unknowns")] {
+                if **flag {
+                    let message = format!("no analysis of a single stage uses the [{key}] of its design");
+                    let hint = format!("set `{key} = false`, and give the keys that vary in [vary]");
+                    return Err(self.wrong(message, flag.span.clone(), &hint).into());
+                }
+            }
+        }
         if *self.tolerances {
             if !["errors", "seed"].iter().all(|name| schema.keys.iter().any(|key| key.name == *name)) {
                 let message = format!("`{}` does not support drawn machines", analysis.name);
@@ -47,7 +56,7 @@ impl StudyFile {
                 return Err(self.wrong(message, self.tolerances.span.clone(), hint).into());
             }
         }
-        let kept = self.kept(analysis, design)?;
+        let kept = self.kept(analysis, &declared, design)?;
         let mut factors: Vec<Factor> =
             self.vary.0.iter().map(|varied| self.factor(varied, design)).collect::<Result<_, _>>()?;
         if *self.unknowns {
@@ -102,7 +111,7 @@ impl StudyFile {
             }
             MethodName::Optimise => Layout::Random,
         };
-        let limits = StudyLimits::of(&self.limits(), analysis, &design, &kept, &factors);
+        let limits = StudyLimits::of(&self.limits(), analysis, &declared, &design, &kept, &factors);
         let batches = self.batches.value.as_ref();
         let batches = batches.map(|b| Batches { machines: *b.machines as u64, share: *b.share });
         let plan = match &search {
@@ -138,7 +147,7 @@ impl StudyFile {
     /// Ranges and lists are searched; what has a deviation, is drawn or is unknown scatters.
     fn search(
         &self,
-        design: &Design,
+        design: &AnyDesign,
         identity: &str,
         factors: &[Factor],
         kept: &[Kept],
@@ -197,8 +206,12 @@ impl StudyFile {
         })
     }
 
-    fn kept(&self, analysis: &Analysis, design: &Design) -> Result<Vec<Kept>, Box<DesignError>> {
-        let declared = (analysis.results)();
+    fn kept(
+        &self,
+        analysis: &Analysis,
+        declared: &Declared,
+        design: &AnyDesign,
+    ) -> Result<Vec<Kept>, Box<DesignError>> {
         let curves: Vec<String> = declared
             .tables
             .iter()
@@ -254,7 +267,7 @@ impl StudyFile {
     }
 
     /// An unknown of the design: one of its values, or a number, whole where the design counts.
-    fn unknown(&self, unknown: Unknown, design: &Design) -> Result<Factor, Box<DesignError>> {
+    fn unknown(&self, unknown: Unknown, design: &AnyDesign) -> Result<Factor, Box<DesignError>> {
         if let Variation::OneOf(values) = &unknown.variation {
             return Ok(Factor::one_of(unknown.path, values.iter().filter_map(setting).collect()));
         }
@@ -265,7 +278,7 @@ impl StudyFile {
         Ok(Factor { whole, ..Factor::number(unknown.path, unknown.unit, distribution) })
     }
 
-    fn factor(&self, varied: &Varied, design: &Design) -> Result<Factor, Box<DesignError>> {
+    fn factor(&self, varied: &Varied, design: &AnyDesign) -> Result<Factor, Box<DesignError>> {
         let at = |why: String, hint: &str| self.wrong(why, Some(varied.span.clone()), hint);
         let path = &varied.path;
         let place = ListPlace::find(design, path);
@@ -325,7 +338,7 @@ impl StudyFile {
     }
 
     /// Each width of the design's tolerances, to be made less in its turn.
-    fn add_tolerances(&self, design: &Design, factors: &mut Vec<Factor>) {
+    fn add_tolerances(&self, design: &AnyDesign, factors: &mut Vec<Factor>) {
         for entry in design.keys() {
             if let Some(width) = entry.value.as_number()
                 && entry.path.starts_with("tolerances.")
@@ -339,7 +352,7 @@ impl StudyFile {
 }
 
 /// Where the design stands in what is searched; `None` outside.
-fn place_in(factor: &Factor, design: &Design) -> Option<f64> {
+fn place_in(factor: &Factor, design: &AnyDesign) -> Option<f64> {
     if factor.entries.is_empty() {
         return place_of(&factor.distribution, number_at(design, &factor.path)?);
     }
@@ -352,7 +365,7 @@ fn place_in(factor: &Factor, design: &Design) -> Option<f64> {
 }
 
 /// The number of a key or of an entry of a list.
-fn number_at(design: &Design, path: &str) -> Option<f64> {
+fn number_at(design: &AnyDesign, path: &str) -> Option<f64> {
     match ListPlace::find(design, path) {
         Some(place) => Some(place.number),
         None => design.get(path).ok()?.as_number(),
@@ -407,9 +420,9 @@ pub struct Study {
     pub search: Option<Search>,
     pub batches: Option<Batches>,
     /// The design as written.
-    pub(in crate::study) written: Design,
+    pub(in crate::study) written: AnyDesign,
     /// The design without its `[unknowns]`.
-    pub design: Design,
+    pub design: AnyDesign,
     pub analysis: &'static Analysis,
     /// What machines are held to.
     pub limits: StudyLimits,

@@ -27,8 +27,8 @@ result = "max_force_n"
 high = 2000
 "#;
 
-fn design() -> crate::design::Design {
-    crate::templates::design("rv-40e-81").unwrap()
+fn design() -> crate::analyses::stage::AnyDesign {
+    crate::templates::design("rv-40e-81").unwrap().into()
 }
 
 /// The study with one line changed or added.
@@ -150,7 +150,7 @@ fn a_study_runs_from_file_to_page() {
     let forces = rows.numbers(&study.plan, "max_force_n").unwrap();
     let row = study.plan.row(4);
     let alone = study.design_of(&row).unwrap();
-    let outcome = study.analysis.run(&alone, "joints = \"ideal\"", "test", &NoHost).unwrap();
+    let outcome = alone.run(study.analysis, "joints = \"ideal\"", "test", &NoHost).unwrap();
     assert_eq!(forces[4], outcome.summary().number("max_force_n"));
     let judged = judge::judge(&study.plan, &rows, &study.limits, 0.95, None).unwrap();
     assert_eq!(study.limits.each[0].limits, Limits { low: None, high: Some(2000.0) });

@@ -101,9 +101,9 @@ impl Study {
 
     /// The report of rows that were judged.
     pub fn report<'a>(&'a self, rows: &'a Rows, judged: &'a Judged) -> StudyReport<'a> {
-        let design = &self.design.name;
+        let design = self.design.name();
         StudyReport {
-            title: format!("{}: study of {}", **design, self.analysis.name),
+            title: format!("{}: study of {}", design, self.analysis.name),
             subtitle: format!("{} of {} rows, {}", rows.records.len(), rows.of, self.method.word()),
             plan: &self.plan,
             rows,

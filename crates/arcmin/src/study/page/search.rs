@@ -3,8 +3,9 @@
 use serde_json::{Map, Value as Json, json};
 
 use super::{StudyReport, axis, named, percent};
+use crate::analyses::stage::AnyDesign;
 use crate::analyses::{Said, TextTable};
-use crate::design::{Design, DesignError};
+use crate::design::DesignError;
 use crate::report::{
     Axis, Block, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Table, Tone, Verdict,
     significant,
@@ -96,7 +97,7 @@ impl SearchReport<'_> {
     ///
     /// # Errors
     /// Values that do not go together.
-    pub fn designs(&self) -> Result<Vec<(String, Design)>, Box<DesignError>> {
+    pub fn designs(&self) -> Result<Vec<(String, AnyDesign)>, Box<DesignError>> {
         let best = self.compared.iter().skip(1);
         best.map(|compared| {
             let name = compared.name.replace(' ', "-");
@@ -323,7 +324,7 @@ impl SearchReport<'_> {
         }
         sections.push(Section::new("samples", "Every sample", vec![Block::Samples(all.samples())]));
         Ok(Page {
-            title: format!("{}: search by {}", *study.design.name, study.analysis.name),
+            title: format!("{}: search by {}", study.design.name(), study.analysis.name),
             subtitle: format!("{} rows in {} generations", self.rows.records.len(), self.generations()),
             provenance: Provenance::default(),
             verdict,

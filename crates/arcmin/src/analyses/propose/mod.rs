@@ -1,0 +1,271 @@
+//! A single stage from ratio, torque and outer diameter: sizes by rules, widths by states of rest.
+
+mod process;
+mod sizes;
+
+pub use process::Process;
+pub use sizes::{Demand, DemandError, Proposal, Shortfall};
+
+use super::stage::{contact, findings};
+use super::{AnalysisError, Host, NoHost, Outcome};
+use crate::checks::Severity;
+use crate::design::{Choice, StageDesign};
+use crate::units::{MM, MPA};
+use sizes::{BENDING, half_mm, pin_bending};
+
+/// A proposed drive.
+#[derive(Debug, Clone)]
+pub struct Proposed {
+    pub text: String,
+    /// One sentence each, also in the head of the text: what is nearest to its limit, and how far the size reaches.
+    pub notes: Vec<String>,
+}
+
+/// Positions over a turn of the input, as `check` takes.
+const POSITIONS: usize = 24;
+/// Combinations whose states of rest are looked at.
+const TRIED: usize = 6;
+/// Rounds of a search for the torque or diameter at which the rules end, by halving their ratio.
+const HALVINGS: usize = 5;
+/// Most doublings of a torque, most steps of a quarter of a diameter.
+const DOUBLINGS: usize = 12;
+const LARGEST_DIAMETER_MM: f64 = 400.0;
+
+/// A proposal with the width of its discs, and what it is held against.
+struct Fitted {
+    proposal: Proposal,
+    width_mm: f64,
+    checks: Vec<Check>,
+}
+
+/// What is found over its limit, with both in words.
+struct Check {
+    share: f64,
+    words: String,
+}
+
+/// Proposes a single stage.
+///
+/// # Errors
+/// [`AnalysisError`]: a demand that is none, one that no drive of the rules meets (with what fails, by how much, and what
+/// would do), states of rest that are not found.
+pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisError> {
+    demand.check().map_err(|error| {
+        let ratio = demand.ratio.floor();
+        let help = match error {
+            DemandError::Fraction { .. } => format!("{ratio} or {} does", ratio + 1.0),
+            DemandError::Range { .. } => "correct the value; two stages give larger ratios".to_owned(),
+        };
+        AnalysisError::usage(error.to_string(), help)
+    })?;
+    let fitted = match fit(&demand, host)? {
+        Ok(fitted) => fitted,
+        Err(shortfall) => return Err(refused(&demand, &shortfall, host)?),
+    };
+    let mut notes = Vec::new();
+    if let Some(nearest) = fitted.checks.iter().max_by(|a, b| a.share.total_cmp(&b.share)) {
+        let how = if nearest.share > 1.0 { "Over its limit, a warning" } else { "Nearest to its limit" };
+        notes.push(format!("{how}: {}.", nearest.words));
+    }
+    notes.push(reach(&demand, host)?);
+    Ok(Proposed { text: fitted.proposal.text(fitted.width_mm, &notes), notes })
+}
+
+/// The first proposal whose states of rest keep all limits, or what the one that comes nearest lacks.
+fn fit(demand: &Demand, host: &dyn Host) -> Result<Result<Fitted, Shortfall>, AnalysisError> {
+    let proposals = match demand.proposals() {
+        Ok(proposals) => proposals,
+        Err(shortfall) => return Ok(Err(shortfall)),
+    };
+    let mut nearest: Option<Shortfall> = None;
+    // Output pins that bend as much as those that failed fail alike.
+    let mut bending = f64::INFINITY;
+    let mut tried = 0;
+    for proposal in proposals {
+        if proposal.bending >= bending {
+            continue;
+        }
+        let even = proposal.bending;
+        match widened(proposal, host)? {
+            Ok(fitted) => return Ok(Ok(fitted)),
+            Err(shortfall) => {
+                if shortfall.is_bending {
+                    bending = bending.min(even / shortfall.excess);
+                }
+                if nearest.as_ref().is_none_or(|held| shortfall.excess < held.excess) {
+                    nearest = Some(shortfall);
+                }
+            }
+        }
+        tried += 1;
+        if tried == TRIED {
+            break;
+        }
+    }
+    Ok(Err(nearest.unwrap_or_else(Shortfall::none)))
+}
+
+/// Widens the discs until flanks and holes bear the pressure of states of rest with all gaps, from the closed forms on.
+fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfall>, AnalysisError> {
+    let widest = proposal.widest_mm();
+    let limit = proposal.pressure();
+    let mut width_mm = half_mm(proposal.width_mm);
+    let mut cause = "contact-pressure by the closed forms, or the eccentric bearing".to_owned();
+    loop {
+        if host.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+        if width_mm > widest {
+            let message = format!(
+                "{cause}; discs of {width_mm} mm would do, the widest are {widest} mm, a quarter of the outer diameter"
+            );
+            return Ok(Err(Shortfall { message, excess: width_mm / widest, is_bending: false }));
+        }
+        let design = StageDesign::parse(&proposal.text(width_mm, &[]), "the proposed design")?;
+        let options = contact::Options::of_positions(POSITIONS);
+        let found = contact::run(&design, &options, &NoHost)?;
+        let summary = found.summary();
+        let number = |key: &str| summary.number(key).unwrap_or(f64::NAN);
+        let [flank, hole] = ["max_pressure_mpa", "max_output_pin_pressure_mpa"].map(|key| number(key) * MPA);
+        let share = flank.max(hole) / limit;
+        if share > 1.0 {
+            let what = if flank > hole { "ring pins on flanks" } else { "output pins in holes" };
+            cause = format!(
+                "contact-pressure: {what} press with {:.0} MPa of {:.0} MPa on discs of {width_mm} mm",
+                flank.max(hole) / MPA,
+                limit / MPA
+            );
+            // p² goes with 1/B where the forces stay.
+            width_mm = half_mm(width_mm * share * share).max(width_mm + 0.5);
+            continue;
+        }
+        let force = number("max_output_pin_force_n");
+        let bending = pin_bending(force, width_mm * MM, proposal.output_pin());
+        if bending > BENDING {
+            let message =
+                format!("bending of the output pins: {:.0} MPa of {:.0} MPa", bending / MPA, BENDING / MPA);
+            return Ok(Err(Shortfall { message, excess: bending / BENDING, is_bending: true }));
+        }
+        let all = findings(&design);
+        if let Some(wrong) = all.iter().find(|finding| finding.severity == Severity::Error) {
+            let message = format!("{}: {}", wrong.code, wrong.message);
+            return Ok(Err(Shortfall { message, excess: wrong.value / wrong.limit, is_bending: false }));
+        }
+        let mpa = |what: &str, found: f64, limit: f64| Check {
+            share: found / limit,
+            words: format!("{what} {:.0} MPa of {:.0} MPa", found / MPA, limit / MPA),
+        };
+        let mut checks = vec![
+            mpa(&format!("pressure of ring pins on discs of {width_mm} mm,"), flank, limit),
+            mpa(&format!("pressure of output pins in holes of discs of {width_mm} mm,"), hole, limit),
+            mpa("bending of the output pins,", bending, BENDING),
+        ];
+        checks.extend(all.iter().find(|finding| finding.code == "eccentric-bearing-life").map(|life| {
+            let words =
+                format!("life of the eccentric bearing, {:.0} h of {:.0} h planned", life.value, life.limit);
+            Check { share: life.limit / life.value, words }
+        }));
+        return Ok(Ok(Fitted { proposal, width_mm, checks }));
+    }
+}
+
+/// Two values between which the rules end, by halving: the last that does, and the first that does not with what it lacks.
+fn between(
+    mut does: f64,
+    mut fails: (f64, Shortfall),
+    of: impl Fn(f64) -> Demand,
+    host: &dyn Host,
+) -> Result<(f64, Shortfall), AnalysisError> {
+    for _ in 0..HALVINGS {
+        let middle = (does * fails.0).sqrt();
+        match fit(&of(middle), host)? {
+            Ok(_) => does = middle,
+            Err(shortfall) => fails = (middle, shortfall),
+        }
+    }
+    Ok((does, fails.1))
+}
+
+/// How much torque the rules reach at this size, and what fails beyond.
+fn reach(demand: &Demand, host: &dyn Host) -> Result<String, AnalysisError> {
+    let with = |torque: f64| Demand { torque, ..*demand };
+    let mut does = demand.torque;
+    for doubling in 0..DOUBLINGS {
+        host.report("torque that this size reaches", doubling as f64 / DOUBLINGS as f64);
+        match fit(&with(2.0 * does), host)? {
+            Ok(_) => does *= 2.0,
+            Err(shortfall) => {
+                let (most, shortfall) = between(does, (2.0 * does, shortfall), with, host)?;
+                return Ok(format!(
+                    "In {} mm the rules reach about {} N m; beyond that, {}.",
+                    demand.outer_diameter_mm,
+                    digits(most),
+                    shortfall.message
+                ));
+            }
+        }
+    }
+    Ok(format!("In {} mm the rules reach more than {} N m.", demand.outer_diameter_mm, digits(does)))
+}
+
+/// Two digits downward: what is said to do, does.
+fn digits(value: f64) -> f64 {
+    let unit = 10_f64.powi(value.log10().floor() as i32 - 1);
+    let floor = (value / unit * (1.0 + 1e-9)).floor() * unit;
+    format!("{floor:.3e}").parse().unwrap_or(floor)
+}
+
+/// What to say of a demand that no drive meets: what fails, and what would do.
+fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<AnalysisError, AnalysisError> {
+    let mut remedies = Vec::new();
+    let wider = |diameter: f64| Demand { outer_diameter_mm: diameter, ..*demand };
+    let mut diameter = demand.outer_diameter_mm;
+    while diameter < LARGEST_DIAMETER_MM {
+        let next = (1.25 * diameter).min(LARGEST_DIAMETER_MM);
+        if fit(&wider(next), host)?.is_ok() {
+            // From below: `between` goes from what does to what does not.
+            let fails = (diameter, shortfall.clone());
+            let mut least = between(next, fails, wider, host)?.0.ceil();
+            // Rounded up a diameter is as good, except where a standard size jumps.
+            while fit(&wider(least), host)?.is_err() && least < next {
+                least += 1.0;
+            }
+            remedies.push(format!("an outer diameter of {} mm", least.min(next)));
+            break;
+        }
+        diameter = next;
+    }
+    let lighter = |torque: f64| Demand { torque, ..*demand };
+    let mut torque = demand.torque;
+    for _ in 0..DOUBLINGS {
+        let next = 0.5 * torque;
+        if fit(&lighter(next), host)?.is_ok() {
+            let most = between(next, (torque, shortfall.clone()), lighter, host)?.0;
+            remedies.push(format!("{} N m", digits(most)));
+            break;
+        }
+        torque = next;
+    }
+    for process in Process::VALUES.iter().filter(|process| **process != demand.process) {
+        if fit(&Demand { process: *process, ..*demand }, host)?.is_ok() {
+            remedies.push(format!("--process {}", process.word()));
+        }
+    }
+    let help = match remedies.as_slice() {
+        [] => "neither a larger outer diameter, nor less torque, nor another process does alone".to_owned(),
+        [one] => format!("{one} does"),
+        all => format!("one of these does: {}", all.join(", ")),
+    };
+    let message = format!(
+        "no single stage of {} : 1 and {} mm, {}, carries {} N m: {}",
+        demand.ratio,
+        demand.outer_diameter_mm,
+        demand.process.word(),
+        demand.torque,
+        shortfall.message
+    );
+    Ok(AnalysisError::usage(message, help))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,587 @@
+//! A single stage proposed from what it must do.
+//!
+//! Rules. The number of lobes is the ratio. The pins stand as far out as the housing leaves room. All combinations are
+//! looked at of K1 from 0.55 to 0.75 in steps of 0.05, of standard dowel pins in the ring, of standard eccentric bearings,
+//! and of 6 to 12 output pins with standard bushes, as far outside as the rim under the roots allows. A combination
+//! is left out whose flank comes near undercut, whose pins stand too near to each other, whose walls are too thin, whose
+//! eccentric leaves no shaft, or whose output pins bend too much. Two discs are as wide as the closed forms of the ring pins, 4T/(K1 z_c R),
+//! and of the output pins, 4T/(z_w R_w), ask for at the largest pressure. Those whose eccentric bearing lives the service
+//! life come first, then the narrowest, then those with bushes, then those whose output pins bend least.
+
+use std::cmp::Ordering;
+use std::f64::consts::PI;
+
+use super::process::{BALL_BEARINGS_MM, DOWELS_MM, Making, NEEDLE_CAGES_MM, OUTPUT_PINS_MM, Process, STEEL};
+use crate::design::Choice;
+use crate::geometry::Profile;
+use crate::machine::{RollerBearing, RollerKind, ring_slant};
+use crate::materials::{Material, effective_modulus};
+use crate::rig::dynamic_load_rating;
+use crate::units::{HOUR, MM, MPA, UM};
+
+/// What a single stage must do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demand {
+    /// Turns of the input for one of the output.
+    pub ratio: f64,
+    /// Rated torque in N·m.
+    pub torque: f64,
+    pub outer_diameter_mm: f64,
+    pub process: Process,
+    /// Of the input.
+    pub speed_rpm: f64,
+}
+
+/// What no single stage of the rules does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shortfall {
+    /// What fails, in a sentence with numbers.
+    pub message: String,
+    /// Found over the limit, or what is needed over what is there.
+    pub excess: f64,
+    /// Whether it is the bending of the output pins.
+    pub(super) is_bending: bool,
+}
+
+impl Shortfall {
+    fn new(message: String, excess: f64) -> Shortfall {
+        Shortfall { message, excess, is_bending: false }
+    }
+
+    /// Of a demand without any combination.
+    pub(super) fn none() -> Shortfall {
+        Shortfall::new("no combination of standard parts fits".to_owned(), f64::INFINITY)
+    }
+}
+
+/// Why a demand is none.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DemandError {
+    #[error("{what} of {value} is outside of {low} to {high}")]
+    Range { what: &'static str, value: f64, low: f64, high: f64 },
+    #[error(
+        "a ratio of {ratio} is not whole: a single stage with its ring at rest has as many lobes as its ratio"
+    )]
+    Fraction { ratio: f64 },
+}
+
+/// An eccentric bearing, mm.
+#[derive(Debug, Clone, PartialEq)]
+struct Bearing {
+    name: String,
+    kind: RollerKind,
+    bore: f64,
+    outer: f64,
+    /// Least width of the disc: it is no narrower than its bearing.
+    width: f64,
+    rollers: usize,
+    roller_diameter: f64,
+    clearance_um: f64,
+}
+
+/// A single stage with everything but the width of its discs.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    demand: Demand,
+    lobes: usize,
+    circle_mm: f64,
+    pin_mm: f64,
+    eccentricity_mm: f64,
+    bearing: Bearing,
+    output_count: usize,
+    output_circle_mm: f64,
+    /// Diameters of pin and bush.
+    output_mm: [f64; 2],
+    shaft_mm: f64,
+    /// Width that the closed forms ask for, at least that of the bearing.
+    pub width_mm: f64,
+    /// Bending stress of the output pins in Pa, with equal springs and this width.
+    pub(super) bending: f64,
+    life_h: f64,
+}
+
+const K1: [f64; 5] = [0.55, 0.6, 0.65, 0.7, 0.75];
+/// Diameter of ring pins over the distance of their axes: the least that is looked at, and the largest that leaves a
+/// fifth of the diameter between them.
+const PIN_TO_PITCH: (f64, f64) = (0.3, 1.0 / 1.2);
+/// Sharpest convex radius of the flank over the radius of the pin, as checked.
+const SHARPEST_TO_PIN: f64 = 0.2;
+const OUTPUT_COUNTS: [usize; 4] = [6, 8, 10, 12];
+/// Wall of the eccentric beside the shaft, mm, and the least shaft.
+const ECCENTRIC_WALL_MM: f64 = 0.75;
+const LEAST_SHAFT_MM: f64 = 3.0;
+/// Torsion of the shaft, Pa.
+const SHAFT_STRESS: f64 = 30.0 * MPA;
+/// Alternating bending of hardened output pins, Pa.
+pub(super) const BENDING: f64 = 300.0 * MPA;
+/// Widest disc over the outer diameter.
+pub(super) const WIDEST: f64 = 0.25;
+/// With gaps fewer pins carry: largest force of an output pin over that of equal springs, at first guess.
+const FEWER_CARRY: f64 = 2.0;
+
+const DISCS: f64 = 2.0;
+
+/// Up to half a millimetre.
+pub(super) fn half_mm(width: f64) -> f64 {
+    (2.0 * width - 1e-9).ceil() / 2.0
+}
+
+/// Largest bending stress in Pa of an output pin of the diameter (m), clamped half a width beside two discs, under a force on one.
+pub(super) fn pin_bending(force: f64, width: f64, diameter: f64) -> f64 {
+    let [a, b, span] = [0.5 * width, 1.5 * width, 2.0 * width];
+    force * a * b * b / (span * span) * 32.0 / (PI * diameter.powi(3))
+}
+
+impl Demand {
+    /// # Errors
+    /// [`DemandError`] for values that are not believable.
+    pub fn check(&self) -> Result<(), DemandError> {
+        let within = |what, value: f64, low, high| {
+            let inside = (low..=high).contains(&value);
+            if inside { Ok(()) } else { Err(DemandError::Range { what, value, low, high }) }
+        };
+        within("a ratio", self.ratio, 5.0, 119.0)?;
+        within("a torque in N·m", self.torque, 1e-3, 1e5)?;
+        within("an outer diameter in mm", self.outer_diameter_mm, 20.0, 400.0)?;
+        within("an input speed in rpm", self.speed_rpm, 0.1, 30_000.0)?;
+        if self.ratio.fract() == 0.0 { Ok(()) } else { Err(DemandError::Fraction { ratio: self.ratio }) }
+    }
+
+    /// The combinations that the rules leave, the best first.
+    ///
+    /// # Errors
+    /// What is missing where there is none.
+    pub fn proposals(&self) -> Result<Vec<Proposal>, Shortfall> {
+        let making = self.process.making();
+        let mut short = Nearest::default();
+        let mut found = Vec::new();
+        for k1 in K1 {
+            for pin_mm in DOWELS_MM {
+                match Teeth::new(self, &making, k1, 0.5 * pin_mm) {
+                    Ok(teeth) => teeth.fill(self, &making, &mut found, &mut short),
+                    Err((stage, shortfall)) => short.note(stage, shortfall),
+                }
+            }
+        }
+        if found.is_empty() {
+            return Err(short.0.map_or_else(Shortfall::none, |(_, shortfall)| shortfall));
+        }
+        let rank = |p: &Proposal| {
+            let [pin, bush] = p.output_mm;
+            [
+                -(p.life_h / making.service_life_h).min(1.0),
+                half_mm(p.width_mm),
+                if bush > pin { 0.0 } else { 1.0 },
+                p.bending,
+                -p.life_h,
+            ]
+        };
+        found.sort_by(|a, b| {
+            let pairs = rank(a).into_iter().zip(rank(b));
+            pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+        });
+        Ok(found)
+    }
+}
+
+/// The shortfall of the combination that came farthest: by the stage it reached, then by how little it lacks.
+#[derive(Default)]
+struct Nearest(Option<(usize, Shortfall)>);
+
+impl Nearest {
+    fn note(&mut self, stage: usize, shortfall: Shortfall) {
+        let nearer = self.0.as_ref().is_none_or(|(reached, held)| {
+            stage > *reached || (stage == *reached && shortfall.excess < held.excess)
+        });
+        if nearer {
+            self.0 = Some((stage, shortfall));
+        }
+    }
+}
+
+/// Ring and flank of a combination.
+struct Teeth {
+    profile: Profile,
+    lobes: usize,
+    circle_mm: f64,
+    pin_mm: f64,
+    eccentricity_mm: f64,
+    /// Width in m that the pressure of the ring pins asks for.
+    width: f64,
+    slant: f64,
+}
+
+impl Teeth {
+    /// The error has the number of the rule that fails, later ones nearer to a drive.
+    fn new(
+        demand: &Demand,
+        making: &Making,
+        k1: f64,
+        pin_radius_mm: f64,
+    ) -> Result<Teeth, (usize, Shortfall)> {
+        let lobes = demand.ratio as usize;
+        let pins = lobes as f64 + 1.0;
+        let diameter = demand.outer_diameter_mm;
+        let housing = (making.housing * diameter).max(making.wall_mm);
+        let circle_mm = (10.0 * (0.5 * diameter - housing - pin_radius_mm)).floor() / 10.0;
+        let pitch = 2.0 * circle_mm * (PI / pins).sin();
+        let share = 2.0 * pin_radius_mm / pitch;
+        // Thin pins are left out; thick ones are missing only where the thinnest is too thick.
+        if !(PIN_TO_PITCH.0..=PIN_TO_PITCH.1).contains(&share) || circle_mm <= 0.0 {
+            let message = format!(
+                "pin-overlap: ring pins of {} mm stand {pitch:.2} mm apart; they need {:.2} mm",
+                2.0 * pin_radius_mm,
+                2.0 * pin_radius_mm / PIN_TO_PITCH.1
+            );
+            let excess = if share > PIN_TO_PITCH.1 { share / PIN_TO_PITCH.1 } else { f64::INFINITY };
+            return Err((0, Shortfall::new(message, excess)));
+        }
+        let hundredths = 100.0 * k1 * circle_mm / pins;
+        // Towards the middle of the range, so that K1 stays in it.
+        let eccentricity_mm = if k1 > 0.65 { hundredths.floor() } else { hundredths.ceil() } / 100.0;
+        if eccentricity_mm < making.eccentricity_mm {
+            let message = format!(
+                "tooth height: {lobes} lobes on this circle have teeth of 2 e = {:.2} mm; {} needs {:.2} mm",
+                2.0 * eccentricity_mm,
+                demand.process.word(),
+                2.0 * making.eccentricity_mm
+            );
+            return Err((1, Shortfall::new(message, making.eccentricity_mm / eccentricity_mm)));
+        }
+        let profile = Profile {
+            pin_count: lobes + 1,
+            pin_circle_radius: circle_mm * MM,
+            eccentricity: eccentricity_mm * MM,
+            pin_radius: pin_radius_mm * MM + making.profile_um * UM,
+        };
+        let sharpest = profile.sharpest_convex_trace().0;
+        let needed = profile.pin_radius + SHARPEST_TO_PIN * pin_radius_mm * MM;
+        if sharpest < needed || profile.short_width_coefficient() >= 1.0 {
+            let message = format!(
+                "undercut: ring pins of {} mm need a path with convex radii of {:.2} mm; it has {:.2} mm",
+                2.0 * pin_radius_mm,
+                needed / MM,
+                sharpest / MM
+            );
+            return Err((2, Shortfall::new(message, needed / sharpest)));
+        }
+        let share = demand.torque / DISCS;
+        let largest = share * 4.0 / (profile.eccentricity * (lobes * (lobes + 1)) as f64);
+        // p² = F E*/(π B R_eq): the width for the largest F/R_eq, each pin with the force of its lever.
+        let worst = (1..180)
+            .map(|degrees| {
+                let phi = f64::from(degrees) * crate::units::DEG;
+                let force = largest * profile.lever_arm(phi).abs() / profile.largest_lever_arm();
+                force * profile.relative_curvature(phi.cos(), pin_radius_mm * MM)
+            })
+            .fold(0.0, f64::max);
+        let width = worst * modulus(making) / (PI * (making.pressure_mpa * MPA).powi(2));
+        let slant = ring_slant(&profile, profile.pin_circle_radius);
+        Ok(Teeth { profile, lobes, circle_mm, pin_mm: pin_radius_mm, eccentricity_mm, width, slant })
+    }
+
+    /// All combinations of bearing and output pins in these teeth.
+    fn fill(&self, demand: &Demand, making: &Making, found: &mut Vec<Proposal>, short: &mut Nearest) {
+        let e = self.eccentricity_mm;
+        let root = self.profile.root_radius() / MM;
+        let rim = making.wall_mm.max(self.pin_mm);
+        let share = demand.torque / DISCS;
+        let shaft_mm = {
+            let cube = 16.0 * demand.torque / (demand.ratio * PI * SHAFT_STRESS);
+            (cube.cbrt() / MM).max(LEAST_SHAFT_MM)
+        };
+        let least_bore = shaft_mm + 2.0 * (e + ECCENTRIC_WALL_MM);
+        let all = bearings(making);
+        let largest = all.iter().map(|bearing| bearing.bore).fold(0.0, f64::max);
+        if largest < least_bore {
+            let message = format!(
+                "shaft: {shaft_mm:.1} mm and the eccentric ask for a bearing with a bore of {least_bore:.1} mm; the largest has {largest} mm"
+            );
+            short.note(3, Shortfall::new(message, least_bore / largest));
+        }
+        for bearing in all.into_iter().filter(|bearing| bearing.bore >= least_bore) {
+            for output_mm in OUTPUT_PINS_MM {
+                let hole = 0.5 * output_mm[1] + e + making.hole_um * UM / MM;
+                let needed = 0.5 * bearing.outer + making.wall_mm + 2.0 * hole + rim;
+                if needed > root {
+                    let message = format!(
+                        "room in the disc: shaft, eccentric bearing, holes of the output pins and walls need {needed:.2} mm up to the \
+                         roots, which lie at {root:.2} mm ({} and output pins of {} mm)",
+                        bearing.name, output_mm[0]
+                    );
+                    short.note(3, Shortfall::new(message, needed / root));
+                    continue;
+                }
+                let circle = (20.0 * (root - rim - hole)).floor() / 20.0;
+                for count in OUTPUT_COUNTS {
+                    let between = 2.0 * circle * (PI / count as f64).sin() - 2.0 * hole;
+                    if between < making.wall_mm.max(0.1 * hole) {
+                        continue;
+                    }
+                    let force = 4.0 * share / (count as f64 * circle * MM);
+                    let [pin, roller] = output_mm.map(|diameter| 0.5 * diameter * MM);
+                    let curvature = 1.0 / roller - 1.0 / (hole * MM);
+                    let by_holes =
+                        force * curvature * modulus(making) / (PI * (making.pressure_mpa * MPA).powi(2));
+                    let width = self.width.max(by_holes).max(bearing.width * MM).max(making.width_mm * MM);
+                    let widest = WIDEST * demand.outer_diameter_mm;
+                    if width / MM > widest {
+                        let message = format!(
+                            "contact-pressure: by the closed forms ring pins ask for discs of {:.1} mm, output pins for {:.1} mm, the \
+                             bearing for {} mm; the widest are {widest} mm, a quarter of the outer diameter",
+                            self.width / MM,
+                            by_holes / MM,
+                            bearing.width
+                        );
+                        short.note(4, Shortfall::new(message, width / MM / widest));
+                        continue;
+                    }
+                    let even = pin_bending(force, width, 2.0 * pin);
+                    let bending = FEWER_CARRY * even;
+                    if bending > BENDING {
+                        let message = format!(
+                            "bending of the output pins: {count} pins of {} mm bend with about {:.0} MPa; they bear {:.0} MPa",
+                            output_mm[0],
+                            bending / MPA,
+                            BENDING / MPA
+                        );
+                        short.note(5, Shortfall::new(message, bending / BENDING));
+                        continue;
+                    }
+                    let across = share / (self.profile.eccentricity * self.lobes as f64);
+                    let along = 4.0 * share / (PI * circle * MM) - across * self.slant;
+                    let turns = demand.speed_rpm / 60.0 * (1.0 + 1.0 / self.lobes as f64);
+                    let rolling = bearing.rolling();
+                    let ratio = dynamic_load_rating(&rolling) / across.hypot(along);
+                    let life_h = ratio.powf(rolling.kind.life_exponent()) * 1e6 / turns / HOUR;
+                    found.push(Proposal {
+                        demand: *demand,
+                        lobes: self.lobes,
+                        circle_mm: self.circle_mm,
+                        pin_mm: self.pin_mm,
+                        eccentricity_mm: e,
+                        bearing: bearing.clone(),
+                        output_count: count,
+                        output_circle_mm: circle,
+                        output_mm,
+                        shaft_mm,
+                        width_mm: width / MM,
+                        bending: even,
+                        life_h,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// E* in Pa of a disc on a pin of bearing steel.
+fn modulus(making: &Making) -> f64 {
+    let steel = Material::by_name(STEEL).unwrap_or_else(|| making.disc());
+    effective_modulus(&making.disc(), &steel)
+}
+
+/// Balls of 0.28 of what lies between bore and outside, 0.55 of a full row: a deep groove is filled through its side.
+const BALL: (f64, f64) = (0.28, 0.55);
+/// A cage takes a third of the row.
+const NEEDLES: f64 = 0.65;
+/// Length of needles over the width of their cage.
+const NEEDLE_LENGTH: f64 = 0.8;
+
+/// What the process takes in the disc.
+fn bearings(making: &Making) -> Vec<Bearing> {
+    let row = |pitch: f64, roller: f64, share: f64| (share * PI * pitch / roller).floor().max(5.0) as usize;
+    let needles = NEEDLE_CAGES_MM.iter().filter(|_| making.is_hardened).map(|[bore, outer, width]| {
+        let roller_diameter = 0.5 * (outer - bore);
+        Bearing {
+            name: format!("needle cage K{bore}x{outer}x{width}, rollers in the bore of the disc"),
+            kind: RollerKind::Cylindrical,
+            bore: *bore,
+            outer: *outer,
+            width: *width,
+            rollers: row(0.5 * (bore + outer), roller_diameter, NEEDLES),
+            roller_diameter,
+            clearance_um: 5.0,
+        }
+    });
+    let balls = BALL_BEARINGS_MM.iter().map(|(name, [bore, outer, width])| {
+        let roller_diameter = (100.0 * BALL.0 * (outer - bore)).round() / 100.0;
+        Bearing {
+            name: format!("ball bearing {name}, {bore} x {outer} x {width} mm"),
+            kind: RollerKind::Ball,
+            bore: *bore,
+            outer: *outer,
+            width: *width,
+            rollers: row(0.5 * (bore + outer), roller_diameter, BALL.1),
+            roller_diameter,
+            clearance_um: 10.0,
+        }
+    });
+    balls.chain(needles).collect()
+}
+
+impl Bearing {
+    fn pitch(&self) -> f64 {
+        0.5 * (self.bore + self.outer)
+    }
+
+    fn length(&self) -> Option<f64> {
+        (self.kind != RollerKind::Ball).then_some(NEEDLE_LENGTH * self.width)
+    }
+
+    fn rolling(&self) -> RollerBearing {
+        RollerBearing {
+            kind: self.kind,
+            roller_count: self.rollers,
+            roller_diameter: self.roller_diameter * MM,
+            roller_length: self.length().unwrap_or(0.0) * MM,
+            pitch_diameter: self.pitch() * MM,
+            contact_angle: 0.0,
+            clearance: self.clearance_um * UM,
+            dynamic_load_rating: None,
+        }
+    }
+}
+
+impl Proposal {
+    /// Largest pressure of flanks and holes in Pa.
+    pub(super) fn pressure(&self) -> f64 {
+        self.demand.process.making().pressure_mpa * MPA
+    }
+
+    /// Diameter of the output pins in m.
+    pub(super) fn output_pin(&self) -> f64 {
+        self.output_mm[0] * MM
+    }
+
+    /// Widest disc, mm.
+    pub(super) fn widest_mm(&self) -> f64 {
+        (2.0 * WIDEST * self.demand.outer_diameter_mm).floor() / 2.0
+    }
+
+    /// The design file with discs of this width; `notes` stand in its head.
+    pub fn text(&self, width_mm: f64, notes: &[String]) -> String {
+        let (demand, making) = (&self.demand, self.demand.process.making());
+        let (process, diameter) = (demand.process.word(), demand.outer_diameter_mm);
+        let (e, circle, pins) = (self.eccentricity_mm, self.circle_mm, self.lobes + 1);
+        let k1 = e * pins as f64 / circle;
+        let [pin, roller] = self.output_mm;
+        let bearing = &self.bearing;
+        let hole = 0.5 * roller + e + making.hole_um * 1e-3;
+        let mut out = format!(
+            "# A single-stage drive proposed from ratio {}, {} N m and an outer diameter of {diameter} mm, discs {process}.\n\
+             # \"asked\": given; \"rule\": by the rules of the chapter on single stages; \"assumed\": neither.\n\
+             # It is a first design: `arcmin check`, `contact` and `rig` say what it does.\n",
+            demand.ratio, demand.torque
+        );
+        for note in notes {
+            out.push_str(&format!("# {note}\n"));
+        }
+        let mut line = |text: &str, why: &str| {
+            if why.is_empty() {
+                out.push_str(&format!("{text}\n"));
+            } else {
+                let before = text.len() - text.trim_start().len();
+                out.push_str(&format!("{}{:<44} # {why}\n", &text[..before], &text[before..]));
+            }
+        };
+        let rule = |why: &str| format!("rule: {why}");
+        line("", "");
+        line(
+            &format!(
+                "name = \"Single stage {} : 1, {} N m, {diameter} mm, {process}\"",
+                demand.ratio, demand.torque
+            ),
+            "",
+        );
+        line("description = \"Proposed from ratio, torque and outer diameter\"", "");
+        line("fixed_member = \"ring\"", "assumed: the output pins turn, against the input");
+        line("\n[drive]\nfamily = \"eccentric\"", "");
+        line("\n[ring]", "");
+        line(&format!("pin_count = {pins}"), &rule("lobes = ratio, one pin more"));
+        line(
+            &format!("pin_circle_radius_mm = {circle}"),
+            &rule(&format!(
+                "half the outer diameter less pin radius and a housing of {} of the diameter",
+                making.housing
+            )),
+        );
+        line(
+            &format!("pin_radius_mm = {}", self.pin_mm),
+            &rule(&format!("dowel pin of {} mm (ISO 8734)", 2.0 * self.pin_mm)),
+        );
+        line(&format!("material = \"{STEEL}\""), "hardened dowel pins");
+        line("pin_mounting = \"fixed\"", "assumed: a fixed pin slides");
+        line("\n[disc]", "");
+        line("count = 2", &rule("two discs balance each other"));
+        line(
+            &format!("width_mm = {width_mm}"),
+            &rule("the least, in steps of 0.5 mm, that keeps the pressure of pins and holes below the limit"),
+        );
+        line(&format!("material = {}", making.disc_text()), making.material_source);
+        line(
+            &format!("crank_bore_diameter_mm = {}", bearing.outer),
+            &rule(&format!("seat of the {}", bearing.name)),
+        );
+        line("\n[disc.modification]", "");
+        line(&format!("equidistant_offset_um = {}", making.profile_um), making.clearance_source);
+        line("\n[eccentric]", "");
+        line(&format!("eccentricity_mm = {e}"), &rule(&format!("K1 = e z_p/R = {k1:.3}, of 0.55 to 0.75")));
+        line("\n[output_pins]", "");
+        line(&format!("count = {}", self.output_count), &rule("of 6 to 12, with walls between the holes"));
+        line(
+            &format!("circle_radius_mm = {}", self.output_circle_mm),
+            &rule("as far outside as the rim under the roots allows"),
+        );
+        line(
+            &format!("pin_radius_mm = {}", 0.5 * pin),
+            &rule("bends with less than 300 MPa; of equal widths the least bending"),
+        );
+        line(
+            &format!("roller_radius_mm = {}", 0.5 * roller),
+            &match roller > pin {
+                true => rule(&format!("bush {pin} x {roller} mm (ISO 3547)")),
+                false => rule("there is no bush for so thin a pin: it slides"),
+            },
+        );
+        line(
+            &format!("hole_clearance_um = {}", making.hole_um),
+            &format!("{}; holes of {:.3} mm diameter", making.clearance_source, 2.0 * hole),
+        );
+        line("support = \"both-ends\"", "assumed: plates on both sides");
+        line(&format!("material = \"{STEEL}\""), "hardened pins and bushes");
+        line("\n[bearings]", "");
+        line(
+            &format!("input_radial_stiffness_n_per_um = {}", making.supports[0]),
+            "assumed, with the seats in the housing",
+        );
+        line(&format!("output_radial_stiffness_n_per_um = {}", making.supports[1]), "likewise");
+        line("\n[bearings.eccentric]", &bearing.name);
+        line(&format!("kind = \"{}\"", bearing.kind.word()), "");
+        line(
+            &format!("roller_count = {}", bearing.rollers),
+            "assumed from the size; take the maker's, and dynamic_load_rating_kn with it",
+        );
+        line(&format!("roller_diameter_mm = {}", bearing.roller_diameter), "likewise");
+        if let Some(length) = bearing.length() {
+            line(&format!("roller_length_mm = {length}"), &rule("0.8 of the width of the cage"));
+        }
+        line(
+            &format!("pitch_diameter_mm = {}", bearing.pitch()),
+            &rule(&format!("bore {} mm leaves a shaft of {:.1} mm", bearing.bore, self.shaft_mm)),
+        );
+        line(&format!("clearance_um = {}", bearing.clearance_um), "assumed: diametral");
+        line("\n[load]", "");
+        line(&format!("rated_torque_n_m = {}", demand.torque), "asked");
+        line(&format!("input_speed_rpm = {}", demand.speed_rpm), "asked, or 600 by default");
+        line("\n[limits]", "");
+        line(&format!("lost_motion_arcmin = {}", making.lost_motion_arcmin), "assumed");
+        line(&format!("contact_pressure_mpa = {}", making.pressure_mpa), making.pressure_source);
+        line(&format!("service_life_h = {}", making.service_life_h), "assumed");
+        line("\n[tolerances]", making.tolerances_source);
+        for (key, value) in making.tolerances {
+            line(&format!("{key} = {value}"), "");
+        }
+        out
+    }
+}
