@@ -5,7 +5,7 @@ fn demand(ratio: f64, torque: f64, outer_diameter_mm: f64, process: Process) -> 
 }
 
 /// Over ratios, sizes, loads and processes: what is proposed passes its checks; with its gaps the ring pins carry no less
-/// than the closed form of equal springs, without gaps that force within 15 %. What is refused says by how much.
+/// than the closed form of equal springs, without gaps that force within 20 %. What is refused says by how much.
 #[test]
 fn a_grid_of_demands_is_met_or_refused() {
     let (mut met, mut refused) = (0, 0);
@@ -46,7 +46,7 @@ fn a_grid_of_demands_is_met_or_refused() {
                         "bearings.eccentric.clearance_um",
                     ];
                     let without = over_closed(&design.with_all(closed.map(|key| (key, 0.0))).unwrap());
-                    assert!(with_gaps > 0.9 && (without - 1.0).abs() < 0.15, "{with_gaps} {without}\n{text}");
+                    assert!(with_gaps > 0.9 && (without - 1.0).abs() < 0.2, "{with_gaps} {without}\n{text}");
                 }
             }
         }
