@@ -117,8 +117,9 @@ fn single_stages_are_known_to_some_commands() {
 fn single_stages_are_proposed() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
-    let propose =
-        |more: &[&str]| [&["new", "--family", "eccentric", "--outer-diameter-mm", "80"][..], more].concat();
+    let propose = |more: &[&'static str]| {
+        [&["new", "--family", "eccentric", "--outer-diameter-mm", "80"][..], more].concat()
+    };
     let said = good(d, &propose(&["--ratio", "20", "--torque-nm", "20", "s.toml"]));
     assert!(
         said.contains("Nearest to its limit: ")

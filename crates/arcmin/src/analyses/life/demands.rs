@@ -23,7 +23,7 @@ impl Demands {
     pub fn of(machine: &Machine) -> Demands {
         let (output, _, relative) = machine.kinematics().speeds(1.0);
         Demands {
-            limits: machine.limits.clone(),
+            limits: machine.limits,
             rated_torque: machine.rated.torque,
             duty: machine.duty.clone(),
             output_per_input: output,
