@@ -11,6 +11,8 @@ const NEWTON_STEPS: usize = 60;
 const EXACTNESS: f64 = 1e-3;
 /// A line search ends when the slope along the step has fallen to this share; between 0.01 and 0.9 it makes no difference.
 const SLOPE_LEFT: f64 = 0.5;
+/// How near to an end of its bracket, as a share of that, a line search goes at most.
+const NEAR_END: f64 = 0.1;
 /// The proximal term against the largest work of the forces along one unit of scale: it matters for bodies that hang
 /// loose alone, and lets these go a hundred thousand units of scale under the load.
 const PROXIMAL: f64 = 1e-5;
@@ -115,13 +117,14 @@ impl Model {
         }
     }
 
-    /// Fills `step`, over all coordinates, with the minimum of the model at a place that was looked at, within the reach.
-    /// `None` where no step goes along the forces.
+    /// Fills `step`, over all coordinates, with the minimum of the model at a place that was looked at, within the reach. A
+    /// search that goes beyond the sight, within which contacts are known, ends there. `None` where no step goes along the
+    /// forces.
     pub fn solve<S: System>(
         &mut self,
         system: &S,
         look: &Look,
-        reach: f64,
+        (reach, sight): (f64, f64),
         step: &mut [f64],
     ) -> Option<Solution> {
         self.take(system, look);
@@ -129,11 +132,11 @@ impl Model {
         let along = self.scale.iter().enumerate().map(|(i, s)| look.smooth.stiffness(i, i) * s * s);
         let least = PROXIMAL * unit_work + ROUNDING * along.fold(0.0, f64::max);
         let bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work / reach };
-        self.minimise(system, look, &bounds, unit_work)?;
+        self.minimise(system, look, &bounds, sight, unit_work)?;
         step.fill(0.0);
         look.columns.searched().iter().zip(&self.moved).for_each(|(i, d)| step[*i] = *d);
         self.compliance.spread(system, &look.contacts, step);
-        let is_inside = self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s);
+        let is_inside = self.is_within(reach.min(sight));
         let residual = self.bare.iter().fold(0.0, |most: f64, left| most.max(left.abs()));
         let gaps = self.contacts.iter().zip(&look.contacts.list);
         let closed = gaps.filter(|(gap, contact)| gap.now < 0.0 && contact.is_gap()).count();
@@ -246,11 +249,13 @@ impl Model {
         system: &S,
         look: &Look,
         bounds: &Bounds,
+        sight: f64,
         unit_work: f64,
     ) -> Option<()> {
         self.go_back(look);
         for _ in 0..NEWTON_STEPS {
-            if self.unbalanced_work() <= EXACTNESS * unit_work {
+            let is_beyond = sight < bounds.reach && !self.is_within(sight);
+            if is_beyond || self.unbalanced_work() <= EXACTNESS * unit_work {
                 break;
             }
             let slope = |model: &Model, share: f64| {
@@ -263,8 +268,8 @@ impl Model {
                 self.newton_step(system, look, bounds, added)?;
                 Some(slope(self, 0.0)).filter(|first| *first > 0.0)
             })?;
-            let (mut low, mut high, mut share) = (0.0, f64::INFINITY, 1.0_f64);
-            // Doubled or halved until rounding.
+            // Shares of the step with their slopes: doubled until the slope turns, then by the secant, away from both ends.
+            let (mut low, mut high, mut share) = ([0.0, first], None, 1.0_f64);
             for _ in 0..f64::MANTISSA_DIGITS {
                 let ways = self.moved.iter().zip(&self.newton);
                 self.trial.iter_mut().zip(ways).for_each(|(trial, (d, way))| *trial = d + share * way);
@@ -273,8 +278,15 @@ impl Model {
                 if along.abs() <= SLOPE_LEFT * first {
                     break;
                 }
-                *(if along > 0.0 { &mut low } else { &mut high }) = share;
-                share = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * share };
+                if along > 0.0 {
+                    low = [share, along];
+                } else {
+                    high = Some([share, along]);
+                }
+                share = high.map_or(2.0 * share, |[end, against]| {
+                    let part = low[1] / (low[1] - against);
+                    low[0] + part.max(NEAR_END).min(1.0 - NEAR_END) * (end - low[0])
+                });
             }
             self.moved.copy_from_slice(&self.trial);
             self.contacts.iter_mut().for_each(|gap| gap.now += share * gap.change);
@@ -284,6 +296,10 @@ impl Model {
             }
         }
         Some(())
+    }
+
+    fn is_within(&self, reach: f64) -> bool {
+        self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s)
     }
 
     /// Largest work of the forces left along one unit of scale, those between contacts and elastic bodies included.
