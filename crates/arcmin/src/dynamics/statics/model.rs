@@ -36,6 +36,8 @@ pub(super) struct Model {
     scale: Vec<f64>,
     force: Vec<f64>,
     matrix: DenseLinearisation,
+    /// What contacts that move the same columns add to it.
+    block: Vec<f64>,
     contacts: Vec<Gap>,
     stiffness: Vec<f64>,
     supports: Vec<[f64; 2]>,
@@ -213,8 +215,11 @@ impl Model {
 
     /// Matrix of a Newton step from `moved`, without what holds steps back, and in `newton` its right-hand side.
     fn assemble<S: System>(&mut self, system: &S, look: &Look) -> Option<()> {
-        let Model { matrix, contacts, stiffness, compliance, newton, moved, .. } = self;
+        let Model { matrix, contacts, stiffness, compliance, newton, moved, block, .. } = self;
         let all = &look.contacts;
+        // Contacts of one bearing or ring follow one another and move the same columns.
+        let mut alike: &[usize] = &[];
+        block.clear();
         matrix.copy_stiffness(&look.smooth);
         compliance.places.iter_mut().for_each(|place| place.stiffness = 0.0);
         stiffness.clear();
@@ -225,12 +230,23 @@ impl Model {
             }
             if let Some(place) = contact.place {
                 compliance.places[place].stiffness += gap.pressed.stiffness;
-            } else {
-                let range = contact.range.clone();
-                let (push, gradient) = (&all.push[range.clone()], &all.gradient[range.clone()]);
-                matrix.add_outer(&all.index[range], push, gradient, gap.pressed.stiffness);
+                continue;
+            }
+            let range = contact.range.clone();
+            let index = &all.index[range.clone()];
+            if index != alike {
+                matrix.add_block(alike, block);
+                alike = index;
+                block.clear();
+                block.resize(index.len() * index.len(), 0.0);
+            }
+            let gradient = &all.gradient[range.clone()];
+            for (line, push) in block.chunks_exact_mut(index.len().max(1)).zip(&all.push[range]) {
+                let force = gap.pressed.stiffness * push;
+                line.iter_mut().zip(gradient).for_each(|(entry, g)| *entry += force * g);
             }
         }
+        matrix.add_block(alike, block);
         for support in &all.supports {
             for (stiffness, way) in support.stiffness(shift(support, moved)) {
                 let along: Vec<f64> =
