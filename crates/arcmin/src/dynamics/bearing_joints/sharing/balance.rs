@@ -171,7 +171,7 @@ impl BearingMeshing {
     }
 
     /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
-    /// same torque, or from `start` where there is none.
+    /// same torque, or from `start` where there is none. What a forecast missed corrects the next one.
     pub(in super::super) fn balance_again(
         &mut self,
         crank: CrankAngle,
