@@ -301,7 +301,9 @@ impl Model {
                 }
                 share = high.map_or(2.0 * share, |[end, against]| {
                     let part = low[1] / (low[1] - against);
-                    low[0] + part.max(NEAR_END).min(1.0 - NEAR_END) * (end - low[0])
+                    // A slope that is not finite leaves the nearer end.
+                    let part = if part > NEAR_END { part.min(1.0 - NEAR_END) } else { NEAR_END };
+                    low[0] + part * (end - low[0])
                 });
             }
             self.moved.copy_from_slice(&self.trial);
