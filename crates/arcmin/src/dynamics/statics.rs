@@ -148,7 +148,7 @@ fn search<S: System>(
         if largest(&here.force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
         }
-        let Some(solution) = model.solve(system, here, reach.min(sight), &mut step) else { break };
+        let Some(solution) = model.solve(system, here, (reach, sight), &mut step) else { break };
         let length = length_of(&step);
         if !length.is_finite() {
             break;
@@ -171,7 +171,8 @@ fn search<S: System>(
         if solution.is_inside && is_small {
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
-        sight = if solution.is_inside { length.max(NEAR) } else { 2.0 * length };
+        // Inside the reach the next step is shorter than this one.
+        sight = if solution.is_inside { length } else { 2.0 * length };
         evaluate(&trial, sight, there);
         iterations += 1;
         // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
@@ -180,7 +181,8 @@ fn search<S: System>(
         if !(gain >= LEAST_GAIN) {
             // Contacts are led along curves: what the step went off them is made up for before it is judged.
             let mut correction = vec![0.0; n];
-            if model.solve(system, there, CORRECTION * length, &mut correction).is_some() {
+            let within = CORRECTION * length;
+            if model.solve(system, there, (within, within), &mut correction).is_some() {
                 step.iter_mut().zip(&correction).for_each(|(d, more)| *d += more);
                 trial.iter_mut().zip(&correction).for_each(|(t, more)| *t += more);
                 evaluate(&trial, sight, there);

@@ -34,6 +34,8 @@ pub struct BearingMeshing {
     tolerance: f64,
     /// Deviations of balances.
     known: Known<balance::Deviations>,
+    /// What was foretold of the last one, against what was found.
+    missed: Option<balance::Missed>,
     /// Number of the state of wear, by which what is known is told apart.
     state: usize,
     /// Reliefs that freed a preloaded machine.
@@ -107,6 +109,7 @@ impl BearingMeshing {
             running,
             tolerance: balance::TOLERANCE,
             known: Known::nothing(),
+            missed: None,
             state: 0,
             freed: Known::nothing(),
         })
@@ -382,6 +385,7 @@ impl ShareLoad for BearingMeshing {
             model: self.model.clone(),
             loose: [None, None],
             known: Known::nothing(),
+            missed: None,
             freed: Known::nothing(),
             ..*self
         }

@@ -11,6 +11,8 @@ const NEWTON_STEPS: usize = 60;
 const EXACTNESS: f64 = 1e-3;
 /// A line search ends when the slope along the step has fallen to this share; between 0.01 and 0.9 it makes no difference.
 const SLOPE_LEFT: f64 = 0.5;
+/// How near to an end of its bracket, as a share of that, a line search goes at most.
+const NEAR_END: f64 = 0.1;
 /// The proximal term against the largest work of the forces along one unit of scale: it matters for bodies that hang
 /// loose alone, and lets these go a hundred thousand units of scale under the load.
 const PROXIMAL: f64 = 1e-5;
@@ -34,6 +36,8 @@ pub(super) struct Model {
     scale: Vec<f64>,
     force: Vec<f64>,
     matrix: DenseLinearisation,
+    /// What contacts that move the same columns add to it.
+    block: Vec<f64>,
     contacts: Vec<Gap>,
     stiffness: Vec<f64>,
     supports: Vec<[f64; 2]>,
@@ -115,13 +119,14 @@ impl Model {
         }
     }
 
-    /// Fills `step`, over all coordinates, with the minimum of the model at a place that was looked at, within the reach.
-    /// `None` where no step goes along the forces.
+    /// Fills `step`, over all coordinates, with the minimum of the model at a place that was looked at, within the reach. A
+    /// search that goes beyond the sight, within which contacts are known, ends there. `None` where no step goes along the
+    /// forces.
     pub fn solve<S: System>(
         &mut self,
         system: &S,
         look: &Look,
-        reach: f64,
+        (reach, sight): (f64, f64),
         step: &mut [f64],
     ) -> Option<Solution> {
         self.take(system, look);
@@ -129,11 +134,11 @@ impl Model {
         let along = self.scale.iter().enumerate().map(|(i, s)| look.smooth.stiffness(i, i) * s * s);
         let least = PROXIMAL * unit_work + ROUNDING * along.fold(0.0, f64::max);
         let bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work / reach };
-        self.minimise(system, look, &bounds, unit_work)?;
+        self.minimise(system, look, &bounds, sight, unit_work)?;
         step.fill(0.0);
         look.columns.searched().iter().zip(&self.moved).for_each(|(i, d)| step[*i] = *d);
         self.compliance.spread(system, &look.contacts, step);
-        let is_inside = self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s);
+        let is_inside = self.is_within(reach.min(sight));
         let residual = self.bare.iter().fold(0.0, |most: f64, left| most.max(left.abs()));
         let gaps = self.contacts.iter().zip(&look.contacts.list);
         let closed = gaps.filter(|(gap, contact)| gap.now < 0.0 && contact.is_gap()).count();
@@ -210,8 +215,11 @@ impl Model {
 
     /// Matrix of a Newton step from `moved`, without what holds steps back, and in `newton` its right-hand side.
     fn assemble<S: System>(&mut self, system: &S, look: &Look) -> Option<()> {
-        let Model { matrix, contacts, stiffness, compliance, newton, moved, .. } = self;
+        let Model { matrix, contacts, stiffness, compliance, newton, moved, block, .. } = self;
         let all = &look.contacts;
+        // Contacts of one bearing or ring follow one another and move the same columns.
+        let mut alike: &[usize] = &[];
+        block.clear();
         matrix.copy_stiffness(&look.smooth);
         compliance.places.iter_mut().for_each(|place| place.stiffness = 0.0);
         stiffness.clear();
@@ -222,12 +230,23 @@ impl Model {
             }
             if let Some(place) = contact.place {
                 compliance.places[place].stiffness += gap.pressed.stiffness;
-            } else {
-                let range = contact.range.clone();
-                let (push, gradient) = (&all.push[range.clone()], &all.gradient[range.clone()]);
-                matrix.add_outer(&all.index[range], push, gradient, gap.pressed.stiffness);
+                continue;
+            }
+            let range = contact.range.clone();
+            let index = &all.index[range.clone()];
+            if index != alike {
+                matrix.add_block(alike, block);
+                alike = index;
+                block.clear();
+                block.resize(index.len() * index.len(), 0.0);
+            }
+            let gradient = &all.gradient[range.clone()];
+            for (line, push) in block.chunks_exact_mut(index.len().max(1)).zip(&all.push[range]) {
+                let force = gap.pressed.stiffness * push;
+                line.iter_mut().zip(gradient).for_each(|(entry, g)| *entry += force * g);
             }
         }
+        matrix.add_block(alike, block);
         for support in &all.supports {
             for (stiffness, way) in support.stiffness(shift(support, moved)) {
                 let along: Vec<f64> =
@@ -246,11 +265,13 @@ impl Model {
         system: &S,
         look: &Look,
         bounds: &Bounds,
+        sight: f64,
         unit_work: f64,
     ) -> Option<()> {
         self.go_back(look);
         for _ in 0..NEWTON_STEPS {
-            if self.unbalanced_work() <= EXACTNESS * unit_work {
+            let is_beyond = sight < bounds.reach && !self.is_within(sight);
+            if is_beyond || self.unbalanced_work() <= EXACTNESS * unit_work {
                 break;
             }
             let slope = |model: &Model, share: f64| {
@@ -263,8 +284,8 @@ impl Model {
                 self.newton_step(system, look, bounds, added)?;
                 Some(slope(self, 0.0)).filter(|first| *first > 0.0)
             })?;
-            let (mut low, mut high, mut share) = (0.0, f64::INFINITY, 1.0_f64);
-            // Doubled or halved until rounding.
+            // Shares of the step with their slopes: doubled until the slope turns, then by the secant, away from both ends.
+            let (mut low, mut high, mut share) = ([0.0, first], None, 1.0_f64);
             for _ in 0..f64::MANTISSA_DIGITS {
                 let ways = self.moved.iter().zip(&self.newton);
                 self.trial.iter_mut().zip(ways).for_each(|(trial, (d, way))| *trial = d + share * way);
@@ -273,8 +294,17 @@ impl Model {
                 if along.abs() <= SLOPE_LEFT * first {
                     break;
                 }
-                *(if along > 0.0 { &mut low } else { &mut high }) = share;
-                share = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * share };
+                if along > 0.0 {
+                    low = [share, along];
+                } else {
+                    high = Some([share, along]);
+                }
+                share = high.map_or(2.0 * share, |[end, against]| {
+                    let part = low[1] / (low[1] - against);
+                    // A slope that is not finite leaves the nearer end.
+                    let part = if part > NEAR_END { part.min(1.0 - NEAR_END) } else { NEAR_END };
+                    low[0] + part * (end - low[0])
+                });
             }
             self.moved.copy_from_slice(&self.trial);
             self.contacts.iter_mut().for_each(|gap| gap.now += share * gap.change);
@@ -284,6 +314,10 @@ impl Model {
             }
         }
         Some(())
+    }
+
+    fn is_within(&self, reach: f64) -> bool {
+        self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s)
     }
 
     /// Largest work of the forces left along one unit of scale, those between contacts and elastic bodies included.

@@ -111,6 +111,14 @@ impl DenseLinearisation {
         self.damping.fill(0.0);
     }
 
+    /// Adds a matrix over the coordinates listed, row by row, to the stiffness.
+    pub fn add_block(&mut self, index: &[usize], block: &[f64]) {
+        for (row, entries) in index.iter().zip(block.chunks_exact(index.len().max(1))) {
+            let line = self.stiffness_row(*row);
+            index.iter().zip(entries).for_each(|(column, entry)| line[*column] += entry);
+        }
+    }
+
     /// Adds k a bᵀ to the stiffness (k in N/m) for two vectors over the coordinates listed; coordinates from the size
     /// on do not move.
     pub fn add_outer(&mut self, index: &[usize], a: &[f64], b: &[f64], stiffness: f64) {

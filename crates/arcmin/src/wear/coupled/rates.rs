@@ -153,12 +153,18 @@ impl<S: ShareLoad> CoupledWear<S> {
     /// they come, each with a meshing of its own; no result depends on which.
     fn pin_contacts(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PinContact>>>, WearError> {
         let (starts, tilts) = (&self.starts, self.case.duty_tilts());
-        let solve = |meshing: &mut S, task: &Task| {
+        let solve_near = |meshing: &mut S, task: &Task, start: Option<&S::Start>| {
             if tilts {
                 meshing.set_output_forces(task.forces);
             }
-            meshing.pin_contacts(task.crank, task.torque, starts[task.slot].as_ref())
+            meshing.pin_contacts(task.crank, task.torque, starts[task.slot].as_ref().or(start))
         };
+        // Places that were not met before are sought from the first one.
+        let first = match tasks.first().filter(|task| starts[task.slot].is_none()) {
+            Some(task) => Some(solve_near(&mut self.meshing, task, None)?.1),
+            None => None,
+        };
+        let solve = |meshing: &mut S, task: &Task| solve_near(meshing, task, first.as_ref());
         // One thread needs no copy.
         let found: Vec<_> = if rayon::current_num_threads() == 1 {
             tasks.iter().map(|task| solve(&mut self.meshing, task)).collect()

@@ -55,6 +55,21 @@ impl Deviations {
     }
 }
 
+/// By how much the balance at one place was off what was foretold in a state of wear under a torque: elsewhere the wear
+/// turns the machine about as far.
+#[derive(Debug, Clone)]
+pub(in super::super) struct Missed {
+    state: usize,
+    torque: f64,
+    by: Vec<f64>,
+}
+
+impl Missed {
+    fn is_of(&self, state: usize, torque: f64) -> bool {
+        self.state == state && self.torque == torque
+    }
+}
+
 /// Crank angle and torque to the last bit: the same place asked for again.
 fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
     [crank.radians().to_bits(), torque.to_bits()]
@@ -155,30 +170,30 @@ impl BearingMeshing {
         Ok((position, residual))
     }
 
-    /// What is known of the balances at a place under a torque, and where the next may be.
-    fn foretell(&mut self, crank: CrankAngle, torque: f64) -> (Option<Deviations>, Option<Vec<f64>>) {
-        let known = self.known.take(crank, torque);
-        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
-        (known, foretold)
-    }
-
-    /// Keeps the balance found beside what was known before it.
-    fn keep_found(&mut self, crank: CrankAngle, torque: f64, known: Option<Deviations>, position: &[f64]) {
-        let now = self.deviation(crank, position);
-        self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
-    }
-
     /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
-    /// same torque, or from `start` where there is none.
+    /// same torque, or from `start` where there is none. What a forecast missed corrects the next one.
     pub(in super::super) fn balance_again(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
-        let (known, foretold) = self.foretell(crank, torque);
-        let found = self.balance_from_afar(crank, torque, foretold.as_deref().or(start))?;
-        self.keep_found(crank, torque, known, &found.0);
+        let known = self.known.take(crank, torque);
+        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
+        let is_worn_since = known.as_ref().is_some_and(|known| known.state != self.state) && torque != 0.0;
+        let missed = self.missed.take().filter(|missed| is_worn_since && missed.is_of(self.state, torque));
+        let corrected = foretold.as_ref().zip(missed.as_ref()).map(|(foretold, missed)| {
+            foretold.iter().zip(&missed.by).map(|(place, by)| place + by).collect::<Vec<f64>>()
+        });
+        let start = corrected.as_deref().or(foretold.as_deref()).or(start);
+        let found = self.balance_from_afar(crank, torque, start)?;
+        let now = self.deviation(crank, &found.0);
+        self.missed = foretold.filter(|_| is_worn_since).map(|foretold| Missed {
+            state: self.state,
+            torque,
+            by: now.iter().zip(&foretold).map(|(now, foretold)| now - foretold).collect(),
+        });
+        self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
         Ok(found)
     }
 
