@@ -36,7 +36,8 @@ pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
     const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
         style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'\">\n";
     let keys = arcmin::design::keys(&look.state.text, session.file_name()).unwrap_or_default();
-    let film = look.answers.get("film").map_or("null", |film| film);
+    let film =
+        look.answers.get("film").and_then(|film| serde_json::from_str(film).ok()).map_or(Json::Null, coarse);
     let data = format!(
         "{{\"state\":{},\"keys\":{},\"film\":{film},\"about\":{}}}",
         answers::state(session, look),
@@ -44,6 +45,21 @@ pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
         json!({ "version": env!("CARGO_PKG_VERSION"), "hash": look.state.design.hash(), "view": view }),
     );
     html(look.state.design.name(), "", POLICY, Some(&data))
+}
+
+/// The same with six digits, which no picture shows more of: a mail takes what has 3 MB.
+fn coarse(json: Json) -> Json {
+    match json {
+        Json::Array(all) => all.into_iter().map(coarse).collect(),
+        Json::Object(all) => {
+            all.into_iter().filter(|(key, _)| key != "gap_um").map(|(key, one)| (key, coarse(one))).collect()
+        }
+        Json::Number(number) if number.is_f64() => {
+            let short = number.as_f64().and_then(|number| format!("{number:.5e}").parse::<f64>().ok());
+            json!(short)
+        }
+        other => other,
+    }
 }
 
 fn html(title: &str, nonce: &str, head: &str, data: Option<&str>) -> String {

@@ -15,7 +15,7 @@ use super::{answers, page};
 use crate::run::write_file;
 
 /// A drag has its answer within this time, with what is known by then; the rest is streamed.
-const DRAG_PATIENCE: Duration = Duration::from_millis(35);
+const DRAG_PATIENCE: Duration = Duration::from_millis(30);
 /// Anybody else waits for the headline.
 const PATIENCE: Duration = Duration::from_secs(20);
 

@@ -141,6 +141,9 @@ impl Session {
             let (session, state, cancelled) =
                 (Arc::clone(self), Arc::clone(state), Arc::clone(&inner.cancelled));
             let run = move || {
+                if state.dragged.is_some() {
+                    std::thread::sleep(lane.patience());
+                }
                 let _alone = session.lanes[lane as usize].lock().unwrap_or_else(PoisonError::into_inner);
                 for name in lacking {
                     if cancelled.load(Ordering::SeqCst) {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use arcmin::analyses::life::Life;
 use arcmin::analyses::stage::{self, AnyDesign};
@@ -21,19 +22,29 @@ pub enum Lane {
     Sharing,
     Check,
     Life,
-    Bench,
 }
 
 impl Lane {
-    pub const ALL: [Lane; 4] = [Lane::Sharing, Lane::Check, Lane::Life, Lane::Bench];
+    pub const ALL: [Lane; 3] = [Lane::Sharing, Lane::Check, Lane::Life];
 
     /// Names of the answers, each of an analysis of this name but `film`, the turn of `contact`.
     pub fn answers(self) -> &'static [&'static str] {
         match self {
             Lane::Sharing => &["profile", "contact", "film"],
             Lane::Check => &["check"],
-            Lane::Life => &["life"],
-            Lane::Bench => &["rig"],
+            Lane::Life => &["life", "rig"],
+        }
+    }
+}
+
+impl Lane {
+    /// While a value is dragged, what takes longer begins only when it rests for a moment: it would take the processors
+    /// from what is shown at once.
+    pub fn patience(self) -> Duration {
+        match self {
+            Lane::Sharing => Duration::ZERO,
+            Lane::Check => Duration::from_millis(60),
+            Lane::Life => Duration::from_millis(120),
         }
     }
 }

@@ -169,7 +169,7 @@ function showResults() {
   }
   for (const [name, answer] of Object.entries(app.answers)) {
     if (answer.status !== 'done') {
-      body.append(element('tr', {}, element('th', { scope: 'row' }, name), element('td', { class: answer.status === 'failed' ? 'bad' : 'soft', style: 'white-space: normal', colspan: 3 }, [answer.error, answer.hint].filter(Boolean).join('; '))));
+      body.append(element('tr', {}, element('th', { scope: 'row' }, name), element('td', { class: answer.status === 'failed' ? 'words bad' : 'words soft', colspan: 3 }, [answer.error, answer.hint].filter(Boolean).join('; '))));
     }
   }
   const head = then ? [element('thead', {}, element('tr', {}, ...['figure', 'now', 'pinned', 'change'].map((text) => element('th', { scope: 'col' }, text))))] : [];
@@ -261,6 +261,13 @@ function showHours() {
   showFrame();
 }
 
+/// Largest force and pressure of a film, kept as long as the film is the same.
+const mosts = new WeakMap();
+function mostOf(film, frames) {
+  if (!mosts.has(film)) mosts.set(film, { force: largest(frames(film), 'force'), pressure: largest(frames(film), 'pressure') });
+  return mosts.get(film);
+}
+
 // The view.
 function showFrame() {
   const table = lifeTable();
@@ -268,21 +275,22 @@ function showFrame() {
   const worn = app.age > 0 ? forcesAt(hours) : null;
   const teeth = app.state.scene.teeth;
   let frame = null;
-  let most = { force: largest(app.frames, 'force'), pressure: largest(app.frames, 'pressure') };
-  if (worn) {
-    frame = pitchFrameAt(worn.positions, teeth.pin_count, app.crank);
-    const all = app.answers.life.ages.forces.flatMap((one) => one.positions.map((p) => pitchFrameAt([p], teeth.pin_count, 0)));
-    most = { force: largest(all, 'force'), pressure: largest(all, 'pressure') };
-  } else if (app.age === 0) frame = frameAt(app.frames, app.crank);
+  const most = worn ? mostOf(app.answers.life.ages, (ages) => ages.forces.flatMap((one) => one.positions.map((p) => pitchFrameAt([p], teeth.pin_count, 0))))
+    : mostOf(app.frames, (frames) => frames);
+  if (worn) frame = pitchFrameAt(worn.positions, teeth.pin_count, app.crank);
+  else if (app.age === 0) frame = frameAt(app.frames, app.crank);
   app.frame = frame;
   const wear = app.age > 0 ? depthsAt(app.age) : null;
   if (view) view.set({ crank: app.crank, frame, most, wear });
+  showCrank();
+  const words = [frame && most, worn, wear, $('wear-factor').value];
+  if (app.legend && app.legend.every((one, i) => one === words[i])) return;
+  app.legend = words;
   const legend = $('legend');
   legend.replaceChildren();
   if (frame) legend.append(`Arrows: forces of the pins on the discs, up to ${shown(most.force, 4)} N. Pins by pressure: 0 `, element('i'), ` ${shown(most.pressure, 4)} MPa. `);
   if (worn) legend.append(`Forces of the state at ${shown(worn.hours, 5)} h. `);
   if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear), 3)} µm, drawn ×${$('wear-factor').value}.`);
-  showCrank();
 }
 
 function showCrank() {

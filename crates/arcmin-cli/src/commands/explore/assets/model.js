@@ -89,9 +89,9 @@ function shown(value, digits = 4) {
   if (typeof value === 'boolean') return value ? 'yes' : 'no';
   if (typeof value !== 'number') return String(value);
   if (!Number.isFinite(value)) return '–';
-  if (Number.isInteger(value) && Math.abs(value) < 1e7) return String(value).replace('-', '−');
+  if (Number.isInteger(value) && Math.abs(value) <= 1e7) return String(value).replace('-', '−');
   const size = Math.abs(value);
-  const text = size >= 1e6 || size < 1e-4 ? value.toExponential(digits - 1) : Number(value.toPrecision(digits)).toString();
+  const text = size >= 1e6 || size < 1e-4 ? value.toExponential(digits - 1).replace(/\.?0+e/, 'e') : Number(value.toPrecision(digits)).toString();
   return text.replace(/-/g, '−');
 }
 
@@ -155,4 +155,18 @@ const FIRST = ['load.rated_torque_n_m', 'load.input_speed_rpm', 'ring.pin_count'
   'thermal.housing_temperature_c', 'wear.coefficient_per_pa', 'limits.lost_motion_arcmin', 'limits.service_life_h'];
 function isFirst(path) {
   return FIRST.includes(path);
+}
+
+/// Where a body goes along the axis when the drive is taken apart, in lengths of the drive.
+function apartOf(body, discs) {
+  const own = body.disc === null ? 0 : 0.8 * (body.disc - (discs - 1) / 2);
+  switch (body.kind) {
+    case 'gear': return -2.4;
+    case 'shaft': return -1.5;
+    case 'disc': return own + 0.2;
+    case 'rollers': return body.disc === null ? 1.6 : own - 0.25;
+    case 'carrier': return 2.4;
+    case 'output_pins': return 1.6;
+    default: return 0;
+  }
 }

@@ -33,7 +33,7 @@ function drawStrip(box, now, then, limits, service, hours) {
     const beyond = limit && value > limit;
     const figure = svg('svg', { viewBox: `0 0 ${WIDE} ${HIGH}`, role: 'img', 'aria-label': `${name} over the hours: ${shown(value)} at ${shown(hours)} h${limit ? `, limit ${shown(limit)}` : ''}` });
     figure.append(svg('rect', { class: 'frame', x: LEFT, y: TOP, width: WIDE - LEFT - 6, height: HIGH - BOTTOM - TOP }));
-    figure.append(svg('text', { x: LEFT, y: 12, style: beyond ? 'fill: var(--bad)' : '' }, `${name}${beyond ? ': limit exceeded' : ''}`));
+    figure.append(svg('text', { x: LEFT, y: 12, class: beyond ? 'beyond' : 'name' }, `${name}${beyond ? ': limit exceeded' : ''}`));
     figure.append(svg('text', { x: LEFT - 4, y: TOP + 9, 'text-anchor': 'end' }, shown(top, 3)), svg('text', { x: LEFT - 4, y: HIGH - BOTTOM, 'text-anchor': 'end' }, '0'));
     figure.append(svg('text', { x: LEFT, y: HIGH - 5 }, '0'), svg('text', { x: WIDE - 6, y: HIGH - 5, 'text-anchor': 'end' }, `${shown(end)} h`));
     const line = (table, style) => {

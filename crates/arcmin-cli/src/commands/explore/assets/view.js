@@ -41,10 +41,21 @@ function flankOf(shape, depths, factor) {
   return { points, angles };
 }
 
+/// Whether pictures are drawn by the processor.
+function isSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const about = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  return Boolean(about) && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL));
+}
+
 class View {
   constructor(canvas, onPick) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    // Without a graphics processor every sample counts.
+    const software = isSoftware();
+    this.finest = software ? 1 : Math.min(window.devicePixelRatio, 2);
+    this.ratio = this.finest;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, alpha: true, preserveDrawingBuffer: true });
     this.renderer.localClippingEnabled = true;
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(32, 1, 1, 5000);
@@ -77,7 +88,7 @@ class View {
   resize() {
     const box = this.canvas.parentElement.getBoundingClientRect();
     if (box.width < 2) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.ratio);
     this.renderer.setSize(box.width, box.height, false);
     this.camera.aspect = box.width / box.height;
     this.camera.updateProjectionMatrix();
@@ -91,13 +102,32 @@ class View {
       this.asked = false;
       this.renderer.render(this.scene, this.camera);
       this.frames += 1;
+      this.pace();
     });
+  }
+
+  /// Coarser pictures while a film or a hand moves faster than they can be drawn; the finest again at rest.
+  pace() {
+    const now = performance.now();
+    const took = now - (this.last || now);
+    this.last = now;
+    if (took > 0 && took < 400) this.mean = 0.7 * (this.mean || took) + 0.3 * took;
+    const wanted = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
+    clearTimeout(this.resting);
+    if (this.ratio < this.finest || wanted < this.ratio) {
+      this.resting = setTimeout(() => { this.mean = 0; this.last = 0; this.ratio = this.finest; this.resize(); }, 500);
+    }
+    if (wanted < this.ratio) {
+      this.ratio = wanted;
+      this.mean = 0;
+      this.resize();
+    }
   }
 
   home() {
     const { radius_mm: radius, length_mm: length } = this.drawn;
     this.controls.target.set(0, 0, 0);
-    const far = (1.25 * Math.hypot(radius, length / 2)) / Math.sin((this.camera.fov / 2) * TURN) / Math.min(1, this.camera.aspect);
+    const far = (1.04 * Math.hypot(radius, length / 2)) / Math.sin((this.camera.fov / 2) * TURN) / Math.min(1, this.camera.aspect);
     this.camera.position.set(0.3 * far, -0.52 * far, 0.8 * far);
     this.camera.near = far / 50;
     this.camera.far = far * 4;
@@ -130,7 +160,7 @@ class View {
   }
 
   material(colour, opacity) {
-    return new THREE.MeshStandardMaterial({ color: colour, metalness: 0.25, roughness: 0.55, side: THREE.DoubleSide, transparent: opacity < 1, opacity, depthWrite: opacity === 1, clippingPlanes: [this.plane] });
+    return new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide, transparent: opacity < 1, opacity, depthWrite: opacity === 1, clippingPlanes: [this.plane] });
   }
 
   free(group) {
@@ -145,7 +175,6 @@ class View {
     this.drawn = scene;
     this.shift = -scene.length_mm / 2;
     this.bodies = scene.bodies.map((body) => this.build(body));
-    this.middles = this.bodies.map((b) => b.middle);
     this.addArrows();
     this.ghostGroup = new THREE.Group();
     this.root.add(this.ghostGroup);
@@ -192,7 +221,6 @@ class View {
       built.meshes.push(mesh);
       group.add(mesh);
     }
-    built.middle = (built.low + built.high) / 2;
     this.root.add(group);
     return built;
   }
@@ -303,12 +331,11 @@ class View {
     const { crank, magnify, explode, frame, cut, cutAt } = this.state;
     const { drawn } = this;
     const extra = frame && magnify > 1 && typeof frame.te === 'number' ? (frame.te / 60) * TURN * (magnify - 1) : 0;
-    const middle = drawn.length_mm / 2;
     this.root.rotation.z = drawn.frame_rate * crank * TURN;
     for (const built of this.bodies) {
       const pose = poseAt(built.body.motion, crank);
       const lag = WITH_OUTPUT.includes(built.body.kind) ? extra : 0;
-      built.group.position.set(pose.x, pose.y, this.shift + (built.middle - middle) * (explode / 100) * 3.2);
+      built.group.position.set(pose.x, pose.y, this.shift + apartOf(built.body, drawn.teeth.phases_deg.length) * (explode / 100) * drawn.length_mm);
       built.group.rotation.z = pose.turn + lag;
       built.group.visible = !this.hidden.has(built.body.kind);
       const colour = built.body.id === this.selected ? SELECTED : built.instanced ? 0xffffff : built.colour;
@@ -320,7 +347,7 @@ class View {
       lines.rotation.z = pose.turn;
     }
     const reach = drawn.length_mm + 2 * drawn.radius_mm;
-    if (cut === 'across') this.plane.set(new THREE.Vector3(0, 0, -1), -drawn.length_mm * 0.5 * 1.1 + (cutAt / 100) * drawn.length_mm * 1.1 + (explode ? explode * drawn.length_mm * 0.02 : 0));
+    if (cut === 'across') this.plane.set(new THREE.Vector3(0, 0, -1), -drawn.length_mm * 0.5 * 1.1 + (cutAt / 100) * drawn.length_mm * 1.1 + explode * drawn.length_mm * 0.03);
     else if (cut === 'along') this.plane.set(new THREE.Vector3(0, 1, 0), drawn.radius_mm * (1 - cutAt / 50));
     else this.plane.set(new THREE.Vector3(0, 0, -1), 10 * reach);
     this.loads();
@@ -341,10 +368,10 @@ class View {
         pressed[pin] = Math.max(pressed[pin], pressure);
         const press = pressOf(teeth, disc, pin, crank);
         const length = 0.34 * radius * (force / (most.force || 1));
-        const width = 0.045 * radius;
+        const width = 0.07 * radius;
         const direction = new THREE.Vector3(press.dx, press.dy, 0);
         turn.setFromUnitVectors(up, direction);
-        const z = teeth.middles_mm[disc] + this.shift + (teeth.middles_mm[disc] - this.drawn.length_mm / 2) * (this.state.explode / 100) * 3.2;
+        const z = teeth.middles_mm[disc] + this.shift + apartOf({ kind: 'disc', disc }, teeth.phases_deg.length) * (this.state.explode / 100) * this.drawn.length_mm;
         matrix.compose(new THREE.Vector3(press.x, press.y, z), turn, new THREE.Vector3(width, length, width));
         this.arrows.forEach((mesh) => mesh.setMatrixAt(count, matrix));
         count += 1;
