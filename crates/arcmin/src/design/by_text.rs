@@ -32,7 +32,7 @@ pub fn keys(text: &str, file_name: &str) -> Result<Vec<KeyEntry>, Box<DesignErro
 /// ```
 /// let text = arcmin::templates::NEMA17_19.text;
 /// let wider = arcmin::design::with_key(text, "nema17-19.toml", "disc.width_mm", 6.0.into())?;
-/// assert!(wider.contains("width_mm = 6.0\n"));
+/// assert!(wider.contains("width_mm = 6\n"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

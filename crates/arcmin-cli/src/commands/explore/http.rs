@@ -127,12 +127,11 @@ impl Guard {
             None => 0,
             Some(digits) => {
                 let text = std::str::from_utf8(digits).unwrap_or_default();
-                let digits_only = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+                if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+                    return Err(refusal(400, "the length of the body is no number"));
+                }
                 match text.parse::<usize>() {
-                    Ok(length) if digits_only && length <= LARGEST_BODY => length,
-                    Err(_) if !digits_only => {
-                        return Err(refusal(400, "the length of the body is no number"));
-                    }
+                    Ok(length) if length <= LARGEST_BODY => length,
                     _ => return Err(refusal(413, "the body is too long")),
                 }
             }

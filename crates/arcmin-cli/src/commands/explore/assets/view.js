@@ -111,7 +111,7 @@ class View {
     const now = performance.now();
     const took = now - (this.last || now);
     this.last = now;
-    if (took > 0 && took < 400) this.mean = 0.7 * (this.mean || took) + 0.3 * took;
+    if (took > 0 && took < 1500) this.mean = 0.7 * (this.mean || took) + 0.3 * took;
     const wanted = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
     clearTimeout(this.resting);
     if (this.ratio < this.finest || wanted < this.ratio) {
@@ -196,8 +196,8 @@ class View {
       const material = this.material(colour, opacity);
       let mesh;
       if (shape.type === 'cylinders' || shape.type === 'balls') {
-        const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 14, 10)
-          : new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, shape.at.length > 12 ? 16 : 40).rotateX(Math.PI / 2);
+        const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 9, 6)
+          : new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, shape.at.length > 8 ? 12 : 36).rotateX(Math.PI / 2);
         mesh = new THREE.InstancedMesh(geometry, material, shape.at.length);
         const matrix = new THREE.Matrix4();
         shape.at.forEach(([x, y], i) => mesh.setMatrixAt(i, matrix.makeTranslation(x, y, (low + high) / 2)));
