@@ -95,13 +95,14 @@ pub fn state(session: &Session, look: &Look) -> String {
         .filter(|(name, _)| **name != "film")
         .filter_map(|(name, answer)| Some(((*name).to_owned(), serde_json::from_str(answer).ok()?)))
         .collect();
-    // The headline: figures of all that a change waits for, under the keys of their `summary.json`.
+    // The headline: figures of all that a change waits for, under the keys of their `summary.json`. `errors` are those
+    // of the machine that `contact` computes; how many findings are errors stands with `check`.
     let mut results = Map::new();
     for name in HEADLINE {
         if let Some(summary) = answers.get(name).and_then(|answer| answer["summary"].as_object()) {
-            results.extend(
-                summary.iter().filter(|(key, _)| *key != "findings").map(|(k, v)| (k.clone(), v.clone())),
-            );
+            for (key, value) in summary.iter().filter(|(key, _)| *key != "findings") {
+                results.entry(key.clone()).or_insert_with(|| value.clone());
+            }
         }
     }
     let findings = answers.get("check").map_or(Json::Null, |answer| answer["summary"]["findings"].clone());
