@@ -74,7 +74,7 @@ test('numbers and names as a reader wants them', () => {
   assert.equal(model.shown(-0.19699788), '−0.197');
   assert.equal(model.shown(null), '–');
   assert.equal(model.shown(1445.6657), '1446');
-  assert.equal(model.shown(1e-13), '1.000e−13');
+  assert.equal(model.shown(1e-13), '1e−13');
   assert.deepEqual({ ...model.labelOf('verdict.max_force_n') }, { words: 'Max force', unit: 'N' });
   assert.equal(model.labelOf('torsional_stiffness_n_m_per_arcmin').unit, 'N·m/arcmin');
 });
@@ -90,4 +90,15 @@ test('comparison of two designs', () => {
 test('the search looks into name, meaning and unit', () => {
   const key = { path: 'bearings.turning_arm.clearance_um', what: 'Diametral clearance.', unit: 'µm' };
   assert.ok(model.fits(key, 'arm CLEAR') && model.fits(key, 'diametral µm') && !model.fits(key, 'arm width'));
+});
+
+test('stretches without a design are told with their reason', () => {
+  const shades = model.shadesOf([{ refused: 'too small' }, { refused: 'too small' }, { errors: [] }, { errors: ['undercut'] }, { errors: [] }]);
+  assert.deepEqual(JSON.parse(JSON.stringify(shades)), [{ from: 0, to: 37.5, why: 'too small' }, { from: 62.5, to: 87.5, why: 'error findings: undercut' }]);
+});
+
+test('a drive is taken apart along its axis', () => {
+  const at = (kind, disc = null) => model.apartOf({ kind, disc }, 2);
+  assert.ok(at('gear') < at('shaft') && at('shaft') < at('disc', 0) && at('disc', 0) < at('disc', 1) && at('disc', 1) < at('carrier'));
+  assert.equal(at('housing'), 0);
 });

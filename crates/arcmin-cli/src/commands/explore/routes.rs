@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
 use super::http::{Reply, Request};
-use super::session::{Session, Told};
+use super::session::{Session, Told, Tryout};
 use super::work::HEADLINE;
 use super::{answers, page};
 use crate::run::write_file;
@@ -48,6 +48,16 @@ struct Save {
 struct GoTo {
     state: u64,
 }
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Try {
+    key: String,
+    values: Vec<f64>,
+}
+
+/// Values that are tried at once.
+const MOST_VALUES: usize = 32;
 
 /// Answers a request.
 pub fn answer(session: &Arc<Session>, request: Request, reply: Reply<'_>) {
@@ -108,6 +118,21 @@ pub fn answer(session: &Arc<Session>, request: Request, reply: Reply<'_>) {
             Ok(to) if session.go_to(to.state) => now(reply, PATIENCE),
             Ok(_) => reply.error(409, "there is no such design", None),
         },
+        ("POST", "/api/try") => match read::<Try>(&request) {
+            Err(message) => reply.error(400, &message, None),
+            Ok(tried) if tried.values.len() > MOST_VALUES => {
+                reply.error(422, &format!("no more than {MOST_VALUES} values are tried at once"), None);
+            }
+            Ok(tried) => {
+                let one = |tryout| match tryout {
+                    Tryout::Refused(message) => json!({ "refused": message }),
+                    Tryout::Errors(codes) => json!({ "errors": codes }),
+                };
+                let all: Vec<Json> =
+                    session.tried_with(&tried.key, &tried.values).into_iter().map(one).collect();
+                reply.json(200, &json!(all).to_string());
+            }
+        },
         ("POST", "/api/save") => match read::<Save>(&request) {
             Err(message) => reply.error(400, &message, None),
             Ok(save) => match saved(session, &save) {
@@ -160,7 +185,11 @@ fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> 
         Err(cause) if cause.kind() == std::io::ErrorKind::AlreadyExists => return Err(exists()),
         Err(cause) => return Err((500, format!("cannot write {}: {cause}", path.display()))),
     }
-    write_file(&path, &bytes).map_err(|failure| (500, failure.to_string()))?;
+    write_file(&path, &bytes).map_err(|failure| {
+        // Only the empty place is left, which nobody misses.
+        let _ = std::fs::remove_file(&path);
+        (500, failure.to_string())
+    })?;
     Ok(path)
 }
 

@@ -7,6 +7,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use arcmin::analyses::stage::AnyDesign;
+use arcmin::checks::Severity;
 use arcmin::design::{DesignError, Value, with_key};
 
 use super::work::{self, Lane};
@@ -51,6 +52,8 @@ pub struct Session {
     file: PathBuf,
     file_name: String,
     lanes: [Mutex<()>; Lane::ALL.len()],
+    /// Held while values of a key are tried.
+    trying: Mutex<()>,
     /// Names of the files that the design named when it was opened.
     pub named_files: Vec<String>,
     started: Instant,
@@ -63,6 +66,13 @@ pub struct Look {
     pub pending: Vec<&'static str>,
     pub can_undo: bool,
     pub can_redo: bool,
+}
+
+/// What becomes of a design with another value of a key.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Tryout {
+    Refused(String),
+    Errors(Vec<&'static str>),
 }
 
 /// One tried design in the list of all.
@@ -96,6 +106,7 @@ impl Session {
             file: file.to_owned(),
             file_name,
             lanes: Default::default(),
+            trying: Mutex::default(),
             named_files,
             started: Instant::now(),
         })
@@ -227,16 +238,45 @@ impl Session {
         }
         let dragged = drags.then(|| key.to_owned());
         let place = if goes_on { inner.present } else { inner.present + 1 };
+        // The end of a drag is the design of its last value: what is known of it stays.
+        let answers = if text == present.text {
+            inner.states[inner.present].1.answers.clone()
+        } else {
+            BTreeMap::new()
+        };
         let state = State { number: inner.next_number, text, design, change, dragged };
         inner.next_number += 1;
         inner.states.truncate(place);
-        inner.states.push((Arc::new(state), Known::default()));
+        inner.states.push((Arc::new(state), Known { answers, ..Known::default() }));
         if inner.states.len() > MOST_STATES {
             inner.states.remove(0);
         }
         inner.present = inner.states.len() - 1;
         self.compute(&mut inner);
         Ok(())
+    }
+
+    /// What the present design would be with each of these values of a key: refused, with error findings (their codes), or
+    /// without. Ends early when another design is looked at.
+    pub fn tried_with(&self, key: &str, values: &[f64]) -> Vec<Tryout> {
+        let _alone = self.trying.lock().unwrap_or_else(PoisonError::into_inner);
+        let (present, cancelled) = {
+            let inner = self.lock();
+            (Arc::clone(&inner.states[inner.present].0), Arc::clone(&inner.cancelled))
+        };
+        let one = |value: &f64| {
+            let design = with_key(&present.text, &self.file_name, key, Value::Number(*value))
+                .and_then(|text| AnyDesign::parse(&text, &self.file_name));
+            let design = match design {
+                Ok(design) => design,
+                Err(error) => return Tryout::Refused(error.kind.to_string()),
+            };
+            let found = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| design.findings()));
+            let errors =
+                found.unwrap_or_default().into_iter().filter(|found| found.severity == Severity::Error);
+            Tryout::Errors(errors.map(|found| found.code).collect())
+        };
+        values.iter().take_while(|_| !cancelled.load(Ordering::SeqCst)).map(one).collect()
     }
 
     /// Goes to another design that was tried; false where there is none.

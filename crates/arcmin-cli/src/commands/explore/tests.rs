@@ -5,7 +5,7 @@ use rand_like::Sequence;
 
 use super::http::Guard;
 use super::routes::plain_name;
-use super::session::Session;
+use super::session::{Session, Tryout};
 use super::work::HEADLINE;
 
 /// Numbers that look random and are the same in every run.
@@ -182,6 +182,21 @@ fn undo_gives_the_same_bytes() {
         let comments = |text: &str| text.matches('#').count();
         assert_eq!(comments(&first), comments(&third));
     }
+}
+
+/// Values that make no design are told apart from those with error findings and from sound ones.
+#[test]
+fn values_of_a_key_are_tried_without_changing_the_design() {
+    let session = session(&design_text("nema17-19"));
+    let before = session.look(&[], Duration::ZERO).state.text.clone();
+    let found = session.tried_with("eccentric.eccentricity_mm", &[-1.0, 0.5, 0.84]);
+    assert!(
+        matches!(&found[0], Tryout::Refused(message) if message.contains("eccentricity_mm")),
+        "{found:?}"
+    );
+    assert_eq!(found[1], Tryout::Errors(Vec::new()));
+    assert!(!matches!(&found[2], Tryout::Errors(codes) if codes.is_empty()), "{found:?}");
+    assert_eq!(session.look(&[], Duration::ZERO).state.text, before);
 }
 
 /// What was computed for a design is there again, byte by byte, after going away and back.

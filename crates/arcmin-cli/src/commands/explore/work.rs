@@ -43,8 +43,8 @@ impl Lane {
     pub fn patience(self) -> Duration {
         match self {
             Lane::Sharing => Duration::ZERO,
-            Lane::Check => Duration::from_millis(60),
-            Lane::Life => Duration::from_millis(120),
+            Lane::Check => Duration::from_millis(50),
+            Lane::Life => Duration::from_millis(80),
         }
     }
 }

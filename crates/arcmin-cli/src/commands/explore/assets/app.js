@@ -32,7 +32,7 @@ try {
   $('no-webgl').hidden = false;
 }
 
-const keys = new Keys($('key-list'), $('search'), $('found'), setKey);
+const keys = new Keys($('key-list'), $('search'), $('found'), setKey, async (key, values) => (await ask('/api/try', { key, values })).json);
 
 // Changes: while a value is dragged one request is on its way, and the latest value waits.
 let onItsWay = false;

@@ -11,8 +11,8 @@ function element(name, attributes = {}, ...inside) {
 
 class Keys {
   /// `set(path, value, drags)` answers with an error in words, or nothing.
-  constructor(box, search, found, set) {
-    Object.assign(this, { box, found, set, rows: [], values: {} });
+  constructor(box, search, found, set, tryAll) {
+    Object.assign(this, { box, found, set, tryAll, rows: [], values: {} });
     search.addEventListener('input', () => this.filter(search.value.trim()));
   }
 
@@ -48,6 +48,7 @@ class Keys {
     const about = { 'aria-describedby': `${id}-what ${id}-refused`, disabled: this.readOnly };
     const controls = element('div', { class: 'set' });
     let take;
+    let after = '';
     const send = async (value, drags) => {
       const error = await this.set(key.path, value, drags);
       refused.textContent = error ? [error.error, error.hint].filter(Boolean).join('; ') : '';
@@ -57,6 +58,26 @@ class Keys {
       const number = element('input', { type: 'number', id, step: 'any', ...about });
       const slider = element('input', { type: 'range', 'aria-label': `${key.path}, slider`, ...about });
       let ends = null;
+      const shade = element('div', { class: 'shade', 'aria-hidden': 'true' });
+      const said = element('span', { class: 'soft', role: 'status' });
+      let shaded = '';
+      // Where the design cannot be, looked for when somebody turns to the control.
+      const look = async () => {
+        if (!ends || this.readOnly) return;
+        const { min, max } = ends;
+        const asked = `${min} ${max} ${this.version}`;
+        if (asked === shaded) return;
+        shaded = asked;
+        const count = key.kind === 'count' ? Math.min(max - min, 16) : 14;
+        const at = (i) => (key.kind === 'count' ? Math.round(min + ((max - min) * i) / count) : min + ((max - min) * i) / count);
+        const tryouts = await this.tryAll(key.path, Array.from({ length: count + 1 }, (_, i) => at(i)));
+        if (asked !== shaded || !tryouts || tryouts.length !== count + 1) { shaded = ''; return; }
+        const shades = shadesOf(tryouts);
+        shade.style.background = shades.length === 0 ? 'none' : `linear-gradient(90deg, ${shades.map(({ from, to }) => `transparent ${from}%, var(--bad) ${from}%, var(--bad) ${to}%, transparent ${to}%`).join(', ')})`;
+        said.textContent = shades.map(({ from, to, why }) => `${shown(min + ((max - min) * from) / 100, 3)} to ${shown(min + ((max - min) * to) / 100, 3)}: ${why}`).join('. ');
+      };
+      slider.addEventListener('focus', look);
+      number.addEventListener('focus', look);
       const parsed = () => (number.value.trim() === '' ? null : Number(number.value));
       number.addEventListener('change', () => send(parsed(), false));
       slider.addEventListener('input', () => { number.value = slider.value; send(Number(slider.value), true); });
@@ -76,7 +97,8 @@ class Keys {
         if (document.activeElement !== slider) slider.value = value;
       };
       number.placeholder = key.default === null ? 'left out' : String(key.default);
-      controls.append(slider, element('span', { class: 'number' }, number, unit));
+      controls.append(element('div', { class: 'slide' }, slider, shade), element('span', { class: 'number' }, number, unit));
+      after = said;
     } else if (key.kind === 'flag') {
       const box = element('input', { type: 'checkbox', id, ...about });
       box.addEventListener('change', () => send(box.checked, false));
@@ -98,12 +120,13 @@ class Keys {
     }
     const range = key.range ? ` Range ${shown(key.range[0], 6)} to ${shown(key.range[1], 6)}${key.unit ? ` ${key.unit}` : ''}.` : '';
     const row = element('div', { class: 'key', 'data-key': key.path }, element('label', { for: id }, element('code', {}, key.path)), controls,
-      element('p', { class: 'what', id: `${id}-what` }, `${key.what.replace(/`/g, '')}${range}`), refused);
+      element('p', { class: 'what', id: `${id}-what` }, `${key.what.replace(/`/g, '')}${range}`), after, refused);
     return { key, element: row, take, refused };
   }
 
   take(values) {
     this.values = values;
+    this.version = (this.version || 0) + 1;
     for (const row of this.rows) {
       row.take(values[row.key.path] === undefined ? null : values[row.key.path]);
     }

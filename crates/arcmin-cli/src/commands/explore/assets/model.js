@@ -170,3 +170,18 @@ function apartOf(body, discs) {
     default: return 0;
   }
 }
+
+/// Stretches of a slider where the design cannot be or has error findings: from and to in percent, and why.
+function shadesOf(tryouts) {
+  const last = tryouts.length - 1;
+  const shades = [];
+  tryouts.forEach((tryout, i) => {
+    const why = tryout.refused || (tryout.errors.length > 0 ? `error findings: ${tryout.errors.join(', ')}` : null);
+    if (!why) return;
+    const [from, to] = [Math.max(0, (100 * (i - 0.5)) / last), Math.min(100, (100 * (i + 0.5)) / last)];
+    const before = shades[shades.length - 1];
+    if (before && before.to === from) before.to = to;
+    else shades.push({ from, to, why });
+  });
+  return shades;
+}
