@@ -6,7 +6,6 @@ use arcmin::analyses::{AnalysisError, Host};
 use arcmin::design::{KeyEntry, Kind, Value};
 use arcmin::life::WornState;
 use arcmin::load::ShareLoad;
-use arcmin::machine::Machine;
 use arcmin::results::{Cells, Table};
 use arcmin::scene::{self, Scene};
 use arcmin::units::{ARCMIN, DEG, MPA, UM};
@@ -74,7 +73,7 @@ pub fn scene_of(design: &AnyDesign) -> Scene {
 /// Limits of the strip over the hours, by column of `life.csv`.
 fn limits(design: &AnyDesign) -> Json {
     let limits = match design {
-        AnyDesign::Rv(design) => design.machine().limits().clone(),
+        AnyDesign::Rv(design) => *design.machine().limits(),
         AnyDesign::Eccentric(design) => design.limits(),
     };
     json!({
@@ -165,7 +164,7 @@ fn depths(state: &WornState) -> Vec<f64> {
 }
 
 /// A state of the life as soon as it is reached: what needs no further balance.
-pub fn reached(_machine: &Machine, state: &WornState) -> Json {
+pub fn reached(state: &WornState) -> Json {
     json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": depths(state) })
 }
 

@@ -188,8 +188,7 @@ impl Host for Explorer<'_> {
     }
 
     fn reached(&self, state: &WornState) {
-        let AnyDesign::Rv(design) = &self.state.design else { return };
-        let point = answers::reached(&design.machine(), state).to_string().into();
+        let point = answers::reached(state).to_string().into();
         self.session.know(self.state, |known| known.reached.push(point));
     }
 
