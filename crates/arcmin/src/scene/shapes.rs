@@ -30,8 +30,8 @@ pub enum Shape {
     Balls { at: Vec<[f64; 2]>, radius: f64, z: f64 },
 }
 
-/// Points per lobe: chords stay within 4 µm of the flank of the sizes in use.
-const LOBE_POINTS: usize = 44;
+/// Points per lobe: chords stay within 10 µm of the flank of the sizes in use.
+const LOBE_POINTS: usize = 30;
 const CIRCLE_POINTS: usize = 120;
 
 fn mm(point: Vec2) -> [f64; 2] {

@@ -196,7 +196,7 @@ class View {
       const material = this.material(colour, opacity);
       let mesh;
       if (shape.type === 'cylinders' || shape.type === 'balls') {
-        const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 9, 6)
+        const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 8, 5)
           : new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, shape.at.length > 8 ? 12 : 36).rotateX(Math.PI / 2);
         mesh = new THREE.InstancedMesh(geometry, material, shape.at.length);
         const matrix = new THREE.Matrix4();
@@ -335,7 +335,7 @@ class View {
     for (const built of this.bodies) {
       const pose = poseAt(built.body.motion, crank);
       const lag = WITH_OUTPUT.includes(built.body.kind) ? extra : 0;
-      built.group.position.set(pose.x, pose.y, this.shift + apartOf(built.body, drawn.teeth.phases_deg.length) * (explode / 100) * drawn.length_mm);
+      built.group.position.set(pose.x, pose.y, this.shift + apartOf(built.body, drawn.teeth.phases_deg.length) * (explode / 100) * 0.55 * drawn.length_mm);
       built.group.rotation.z = pose.turn + lag;
       built.group.visible = !this.hidden.has(built.body.kind);
       const colour = built.body.id === this.selected ? SELECTED : built.instanced ? 0xffffff : built.colour;
@@ -371,7 +371,7 @@ class View {
         const width = 0.07 * radius;
         const direction = new THREE.Vector3(press.dx, press.dy, 0);
         turn.setFromUnitVectors(up, direction);
-        const z = teeth.middles_mm[disc] + this.shift + apartOf({ kind: 'disc', disc }, teeth.phases_deg.length) * (this.state.explode / 100) * this.drawn.length_mm;
+        const z = teeth.middles_mm[disc] + this.shift + apartOf({ kind: 'disc', disc }, teeth.phases_deg.length) * (this.state.explode / 100) * 0.55 * this.drawn.length_mm;
         matrix.compose(new THREE.Vector3(press.x, press.y, z), turn, new THREE.Vector3(width, length, width));
         this.arrows.forEach((mesh) => mesh.setMatrixAt(count, matrix));
         count += 1;
