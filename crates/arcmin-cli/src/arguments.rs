@@ -36,6 +36,7 @@ pub fn command() -> Command {
         command = command.subcommand(of_analysis(analysis));
     }
     command
+        .subcommand(commands::explore::command())
         .subcommand(commands::study::command())
         .subcommand(commands::robot::command())
         .subcommand(commands::export::command())

@@ -28,6 +28,7 @@ pub mod report;
 pub mod results;
 pub mod rig;
 pub mod robot;
+pub mod scene;
 pub mod study;
 pub mod tables;
 pub mod templates;

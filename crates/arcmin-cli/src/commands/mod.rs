@@ -1,6 +1,7 @@
 //! What each command does: the analyses all alike, the others a file each.
 
 mod analysis;
+pub mod explore;
 pub mod export;
 mod fmu;
 pub mod import;
@@ -37,6 +38,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("new", matches)) => new::run(matches),
         Some(("keys", matches)) => keys::run(matches),
+        Some(("explore", matches)) => explore::run(matches),
         Some(("robot", matches)) => robot::run(matches),
         Some(("study", matches)) => study::run(matches),
         Some(("export", matches)) => export::run(matches),

@@ -56,7 +56,7 @@ pub fn read_any_design(path: &Path) -> Result<AnyDesign, Failure> {
 }
 
 /// Text of a design file, and how messages call it.
-fn design_text(path: &Path) -> Result<(String, String), Failure> {
+pub fn design_text(path: &Path) -> Result<(String, String), Failure> {
     let bytes = read_bounded(path, LARGEST_DESIGN).map_err(|cause| Failure::Read {
         path: path.to_owned(),
         cause,

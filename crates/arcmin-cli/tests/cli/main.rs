@@ -6,6 +6,7 @@ mod book;
 mod common;
 mod errors;
 mod exchange;
+mod explore;
 mod kills;
 mod logs;
 mod messages;

@@ -1,5 +1,6 @@
 use super::AnalysisError;
 use crate::design::InputFile;
+use crate::life::WornState;
 use crate::progress::{Progress, Silent};
 
 /// Where the name of a file was written, and so what it is relative to.
@@ -31,6 +32,9 @@ pub trait Host: Progress {
     fn wants(&self, _result: &str) -> bool {
         true
     }
+
+    /// Shows a state of a prediction as soon as it is reached, before the prediction is judged.
+    fn reached(&self, _state: &WornState) {}
 
     /// Seconds since some moment; 0 where there is no clock.
     fn seconds(&self) -> f64 {
@@ -93,6 +97,10 @@ impl Host for Wanting<'_> {
         let holds =
             |group: &str, key: &str| key.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
         self.results.iter().any(|known| *known == result || holds(known, result) || holds(result, known))
+    }
+
+    fn reached(&self, state: &WornState) {
+        self.host.reached(state);
     }
 
     fn seconds(&self) -> f64 {

@@ -6,6 +6,7 @@
 //! names line, text and remedy.
 
 mod bodies;
+mod by_text;
 mod consistency;
 mod deviations;
 mod edit;
@@ -36,6 +37,7 @@ mod value;
 mod values;
 pub mod variation;
 
+pub use by_text::{keys, with_key};
 pub use deviations::MeasuredFlank;
 pub use edit::KeyEntry;
 pub use error::{DesignError, DesignErrorKind, TextPlace};

@@ -247,13 +247,14 @@ fn predict_with_runs(
     host: &dyn Host,
 ) -> Result<(Prediction, Vec<Age>), AnalysisError> {
     if quasi_static {
-        return Ok((predict(machine, fidelity, settings, host, |_| ())?, Vec::new()));
+        return Ok((predict(machine, fidelity, settings, host, |state| host.reached(state))?, Vec::new()));
     }
     let wanted = ages::points(settings.intervals);
     let runs = ages::Runs::default();
     let prediction = rayon::scope(|scope| {
         let (mut reached, mut begun) = (0, 0);
         let prediction = predict(machine, fidelity, settings, host, |state| {
+            host.reached(state);
             if wanted.contains(&reached) {
                 for job in ages::jobs(reached, state) {
                     let runs = &runs;

@@ -1,0 +1,409 @@
+// The mechanism in three dimensions. Lengths in mm, z along the axis out of the output.
+const LOOKS = {
+  housing: [0x8794a1, 0.35], pins: [0xb9c2cb, 1], disc: [0x9fb4c8, 1], shaft: [0xc7b694, 1], rollers: [0xd9dde1, 1],
+  carrier: [0x7f9183, 1], gear: [0xc9a86a, 1], output_pins: [0x9aa58c, 1],
+};
+const DISCS = [0x8fb0cf, 0xb5c7a3, 0xcfb59a, 0xb8a8cc];
+const SELECTED = 0x2f86d6;
+/// Bodies that lag with the output under load.
+const WITH_OUTPUT = ['disc', 'carrier', 'output_pins'];
+
+function pathOf(points, Type) {
+  const path = new Type();
+  points.forEach(([x, y], i) => (i === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
+  return path;
+}
+
+function shapeOf(outline, holes, circles) {
+  const shape = pathOf(outline, THREE.Shape);
+  for (const hole of holes) shape.holes.push(pathOf(hole, THREE.Path));
+  for (const [x, y, radius] of circles) {
+    const path = new THREE.Path();
+    path.absarc(x, y, radius, 0, 2 * Math.PI, true);
+    shape.holes.push(path);
+  }
+  return shape;
+}
+
+/// All points of a disc's flank, worn by `depths` (µm over the meshing angle) times a factor.
+function flankOf(shape, depths, factor) {
+  const points = [];
+  const angles = [];
+  for (let k = 0; k < shape.count; k += 1) {
+    const [sin, cos] = [Math.sin((2 * Math.PI * k) / shape.count), Math.cos((2 * Math.PI * k) / shape.count)];
+    shape.lobe.forEach(([x, y], i) => {
+      const worn = (depths ? depthAt(depths, shape.meshing_angle_deg[i]) : 0) * 1e-3 * factor;
+      const [px, py] = [x - worn * shape.normals[i][0], y - worn * shape.normals[i][1]];
+      points.push([cos * px - sin * py, sin * px + cos * py]);
+      angles.push(shape.meshing_angle_deg[i]);
+    });
+  }
+  return { points, angles };
+}
+
+/// Whether pictures are drawn by the processor.
+function isSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const about = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  return Boolean(about) && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL));
+}
+
+class View {
+  constructor(canvas, onPick) {
+    this.canvas = canvas;
+    // Without a graphics processor every sample counts.
+    const software = isSoftware();
+    this.finest = software ? 1 : Math.min(window.devicePixelRatio, 2);
+    this.ratio = this.finest;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, alpha: true, preserveDrawingBuffer: true });
+    this.renderer.localClippingEnabled = true;
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(32, 1, 1, 5000);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.addEventListener('change', () => this.ask());
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x707880, 2.1));
+    const sun = new THREE.DirectionalLight(0xffffff, 1.7);
+    sun.position.set(0.6, -0.5, 1);
+    this.camera.add(sun);
+    this.scene.add(this.camera);
+    this.root = new THREE.Group();
+    this.scene.add(this.root);
+    this.plane = new THREE.Plane(new THREE.Vector3(0, 0, -1), 1e6);
+    this.bodies = [];
+    this.hidden = new Set();
+    this.state = { crank: 0, magnify: 1, explode: 0, wear: null, wearFactor: 30, frame: null, most: { force: 1, pressure: 1 }, arrows: true, colour: 'pressure', cut: 'across', cutAt: 62 };
+    this.frames = 0;
+    let down = null;
+    canvas.addEventListener('pointerdown', (event) => { down = [event.clientX, event.clientY]; });
+    canvas.addEventListener('pointerup', (event) => {
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) onPick(this.pick(event.clientX, event.clientY));
+      down = null;
+    });
+    canvas.addEventListener('keydown', (event) => this.key(event));
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.resize();
+  }
+
+  resize() {
+    const box = this.canvas.parentElement.getBoundingClientRect();
+    if (box.width < 2) return;
+    this.renderer.setPixelRatio(this.ratio);
+    this.renderer.setSize(box.width, box.height, false);
+    this.camera.aspect = box.width / box.height;
+    this.camera.updateProjectionMatrix();
+    this.ask();
+  }
+
+  ask() {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.renderer.render(this.scene, this.camera);
+      this.frames += 1;
+      this.pace();
+    });
+  }
+
+  /// Coarser pictures while a film or a hand moves faster than they can be drawn; the finest again at rest.
+  pace() {
+    const now = performance.now();
+    const took = now - (this.last || now);
+    this.last = now;
+    if (took > 0 && took < 1500) this.mean = 0.7 * (this.mean || took) + 0.3 * took;
+    const wanted = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
+    clearTimeout(this.resting);
+    if (this.ratio < this.finest || wanted < this.ratio) {
+      this.resting = setTimeout(() => { this.mean = 0; this.last = 0; this.ratio = this.finest; this.resize(); }, 500);
+    }
+    if (wanted < this.ratio) {
+      this.ratio = wanted;
+      this.mean = 0;
+      this.resize();
+    }
+  }
+
+  home() {
+    const { radius_mm: radius, length_mm: length } = this.drawn;
+    this.controls.target.set(0, 0, 0);
+    const far = (1.04 * Math.hypot(radius, length / 2)) / Math.sin((this.camera.fov / 2) * TURN) / Math.min(1, this.camera.aspect);
+    this.camera.position.set(0.3 * far, -0.52 * far, 0.8 * far);
+    this.camera.near = far / 50;
+    this.camera.far = far * 4;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.ask();
+  }
+
+  key(event) {
+    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    if (arrows && event.shiftKey) {
+      const step = offset.length() * 0.03;
+      const move = new THREE.Vector3(arrows[0] * step, arrows[1] * step, 0).applyQuaternion(this.camera.quaternion);
+      this.camera.position.add(move);
+      this.controls.target.add(move);
+    } else if (arrows) {
+      const flat = Math.hypot(offset.x, offset.y);
+      const around = Math.atan2(offset.y, offset.x) + 0.12 * arrows[0];
+      const up = Math.min(Math.max(Math.atan2(offset.z, flat) + 0.12 * arrows[1], -1.55), 1.55);
+      const length = offset.length();
+      this.camera.position.copy(this.controls.target).add(new THREE.Vector3(Math.cos(up) * Math.cos(around), Math.cos(up) * Math.sin(around), Math.sin(up)).multiplyScalar(length));
+    } else if (event.key === '+' || event.key === '=') this.camera.position.copy(this.controls.target).addScaledVector(offset, 0.9);
+    else if (event.key === '-') this.camera.position.copy(this.controls.target).addScaledVector(offset, 1.1);
+    else if (event.key === 'Home') this.home();
+    else return;
+    event.preventDefault();
+    this.controls.update();
+    this.ask();
+  }
+
+  material(colour, opacity) {
+    return new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide, transparent: opacity < 1, opacity, depthWrite: opacity === 1, clippingPlanes: [this.plane] });
+  }
+
+  free(group) {
+    group.traverse((part) => { if (part.geometry) part.geometry.dispose(); if (part.material) part.material.dispose(); });
+    group.clear();
+  }
+
+  /// Takes another drive; the camera stays unless it is the first.
+  show(scene) {
+    const first = !this.drawn;
+    this.free(this.root);
+    this.drawn = scene;
+    this.shift = -scene.length_mm / 2;
+    this.bodies = scene.bodies.map((body) => this.build(body));
+    this.addArrows();
+    this.ghostGroup = new THREE.Group();
+    this.root.add(this.ghostGroup);
+    if (this.ghostScene) this.ghost(this.ghostScene);
+    if (first) this.home();
+    this.flanks();
+    this.update();
+  }
+
+  build(body) {
+    const group = new THREE.Group();
+    const [plain, opacity] = LOOKS[body.kind];
+    const colour = body.kind === 'disc' ? DISCS[body.disc % DISCS.length] : plain;
+    const built = { body, group, colour, meshes: [], flank: null, low: Infinity, high: -Infinity };
+    for (const shape of body.shapes) {
+      const [low, high] = Array.isArray(shape.z) ? shape.z : [shape.z - shape.radius, shape.z + shape.radius];
+      built.low = Math.min(built.low, low);
+      built.high = Math.max(built.high, high);
+      const material = this.material(colour, opacity);
+      let mesh;
+      if (shape.type === 'cylinders' || shape.type === 'balls') {
+        const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 8, 5)
+          : new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, shape.at.length > 8 ? 12 : 36).rotateX(Math.PI / 2);
+        mesh = new THREE.InstancedMesh(geometry, material, shape.at.length);
+        const matrix = new THREE.Matrix4();
+        shape.at.forEach(([x, y], i) => mesh.setMatrixAt(i, matrix.makeTranslation(x, y, (low + high) / 2)));
+        if (body.kind === 'pins') {
+          material.color.set(0xffffff);
+          built.instanced = mesh;
+        }
+      } else if (shape.type === 'plate') {
+        const geometry = new THREE.ExtrudeGeometry(shapeOf(shape.outline, shape.holes, shape.circles), { depth: high - low, bevelEnabled: false, curveSegments: 24 });
+        mesh = new THREE.Mesh(geometry.translate(0, 0, low), material);
+      } else {
+        built.flank = shape;
+        mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
+        const side = this.material(0xffffff, 1);
+        side.vertexColors = true;
+        built.side = new THREE.Mesh(new THREE.BufferGeometry(), side);
+        built.side.userData.body = built;
+        group.add(built.side);
+      }
+      mesh.userData.body = built;
+      built.meshes.push(mesh);
+      group.add(mesh);
+    }
+    this.root.add(group);
+    return built;
+  }
+
+  /// Flanks as they are worn, drawn and coloured.
+  flanks() {
+    const { wear, wearFactor, colour } = this.state;
+    const deepest = wear ? Math.max(...wear, 1e-9) : 1;
+    for (const built of this.bodies.filter((b) => b.flank)) {
+      const { flank: shape } = built;
+      const { points, angles } = flankOf(shape, wear, wearFactor);
+      const [low, high] = shape.z;
+      const faces = new THREE.ExtrudeGeometry(shapeOf(points, shape.holes, shape.circles), { depth: high - low, bevelEnabled: false, curveSegments: 20 }).translate(0, 0, low);
+      built.meshes[0].geometry.dispose();
+      built.meshes[0].geometry = faces;
+      // The flank a hair outside of its solid, to carry its colours.
+      const place = [];
+      const colours = [];
+      const normals = [];
+      const index = [];
+      const base = new THREE.Color(built.colour);
+      points.forEach(([x, y], i) => {
+        const [before, after] = [points[(i + points.length - 1) % points.length], points[(i + 1) % points.length]];
+        const [tx, ty] = [after[0] - before[0], after[1] - before[1]];
+        const length = Math.hypot(tx, ty) || 1;
+        const [nx, ny] = [ty / length, -tx / length];
+        const share = wear && colour === 'pressure' ? depthAt(wear, angles[i]) / deepest : null;
+        const rgb = share === null ? [base.r, base.g, base.b] : ramp(share);
+        const tone = share === null ? base : new THREE.Color().setRGB(rgb[0], rgb[1], rgb[2], 'srgb');
+        for (const z of [low, high]) {
+          place.push(x + 0.01 * nx, y + 0.01 * ny, z);
+          normals.push(nx, ny, 0);
+          colours.push(tone.r, tone.g, tone.b);
+        }
+        const [a, b] = [2 * i, 2 * ((i + 1) % points.length)];
+        index.push(a, b, a + 1, b, b + 1, a + 1);
+      });
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(place), 3));
+      geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(normals), 3));
+      geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(colours), 3));
+      geometry.setIndex(index);
+      built.side.geometry.dispose();
+      built.side.geometry = geometry;
+    }
+    this.ask();
+  }
+
+  addArrows() {
+    const count = this.drawn.teeth.pin_count * this.drawn.teeth.phases_deg.length;
+    const material = new THREE.MeshBasicMaterial({ color: 0xd1495b, depthTest: false, transparent: true, opacity: 0.9 });
+    const shaft = new THREE.CylinderGeometry(0.09, 0.09, 0.75, 8).translate(0, 0.375, 0);
+    const head = new THREE.ConeGeometry(0.22, 0.25, 10).translate(0, 0.875, 0);
+    this.arrows = [shaft, head].map((geometry) => {
+      const mesh = new THREE.InstancedMesh(geometry, material.clone(), count);
+      mesh.renderOrder = 5;
+      mesh.frustumCulled = false;
+      this.root.add(mesh);
+      return mesh;
+    });
+    material.dispose();
+  }
+
+  /// The pinned drive as outlines of its discs.
+  ghost(scene) {
+    this.ghostScene = scene;
+    if (!this.ghostGroup) return;
+    this.free(this.ghostGroup);
+    if (scene) {
+      for (const body of scene.bodies.filter((b) => b.kind === 'disc')) {
+        const shape = body.shapes[0];
+        const { points } = flankOf(shape, null, 0);
+        const place = [];
+        points.forEach(([x, y], i) => {
+          const [x1, y1] = points[(i + 1) % points.length];
+          place.push(x, y, shape.z[1] + 0.05, x1, y1, shape.z[1] + 0.05);
+        });
+        const geometry = new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(place), 3));
+        const lines = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: 0xc2459a, depthTest: false }));
+        lines.renderOrder = 6;
+        lines.userData.motion = body.motion;
+        this.ghostGroup.add(lines);
+      }
+    }
+    this.update();
+  }
+
+  set(change) {
+    const redo = ['wear', 'wearFactor', 'colour'].some((name) => name in change && change[name] !== this.state[name]);
+    Object.assign(this.state, change);
+    if (!this.drawn) return;
+    if (redo) this.flanks();
+    this.update();
+  }
+
+  hide(kind, is) {
+    if (is) this.hidden.add(kind); else this.hidden.delete(kind);
+    if (this.drawn) this.update();
+  }
+
+  select(id) {
+    this.selected = id;
+    if (this.drawn) this.update();
+  }
+
+  /// Everything at its place for the present crank angle.
+  update() {
+    const { crank, magnify, explode, frame, cut, cutAt } = this.state;
+    const { drawn } = this;
+    const extra = frame && magnify > 1 && typeof frame.te === 'number' ? (frame.te / 60) * TURN * (magnify - 1) : 0;
+    this.root.rotation.z = drawn.frame_rate * crank * TURN;
+    for (const built of this.bodies) {
+      const pose = poseAt(built.body.motion, crank);
+      const lag = WITH_OUTPUT.includes(built.body.kind) ? extra : 0;
+      built.group.position.set(pose.x, pose.y, this.shift + apartOf(built.body, drawn.teeth.phases_deg.length) * (explode / 100) * 0.55 * drawn.length_mm);
+      built.group.rotation.z = pose.turn + lag;
+      built.group.visible = !this.hidden.has(built.body.kind);
+      const colour = built.body.id === this.selected ? SELECTED : built.instanced ? 0xffffff : built.colour;
+      for (const mesh of built.meshes) mesh.material.color.set(colour);
+    }
+    for (const lines of this.ghostGroup ? this.ghostGroup.children : []) {
+      const pose = poseAt(lines.userData.motion, crank);
+      lines.position.set(pose.x, pose.y, this.shift);
+      lines.rotation.z = pose.turn;
+    }
+    const reach = drawn.length_mm + 2 * drawn.radius_mm;
+    if (cut === 'across') this.plane.set(new THREE.Vector3(0, 0, -1), -drawn.length_mm * 0.5 * 1.1 + (cutAt / 100) * drawn.length_mm * 1.1 + explode * drawn.length_mm * 0.03);
+    else if (cut === 'along') this.plane.set(new THREE.Vector3(0, 1, 0), drawn.radius_mm * (1 - cutAt / 50));
+    else this.plane.set(new THREE.Vector3(0, 0, -1), 10 * reach);
+    this.loads();
+    this.ask();
+  }
+
+  loads() {
+    const { frame, most, arrows, colour, crank } = this.state;
+    const { teeth, radius_mm: radius } = this.drawn;
+    const pins = this.bodies.find((b) => b.instanced);
+    const pressed = new Array(teeth.pin_count).fill(0);
+    const matrix = new THREE.Matrix4();
+    const up = new THREE.Vector3(0, 1, 0);
+    const turn = new THREE.Quaternion();
+    let count = 0;
+    if (frame) {
+      for (const { disc, pin, force, pressure } of frame.contacts) {
+        pressed[pin] = Math.max(pressed[pin], pressure);
+        const press = pressOf(teeth, disc, pin, crank);
+        const length = 0.34 * radius * (force / (most.force || 1));
+        const width = 0.07 * radius;
+        const direction = new THREE.Vector3(press.dx, press.dy, 0);
+        turn.setFromUnitVectors(up, direction);
+        const z = teeth.middles_mm[disc] + this.shift + apartOf({ kind: 'disc', disc }, teeth.phases_deg.length) * (this.state.explode / 100) * 0.55 * this.drawn.length_mm;
+        matrix.compose(new THREE.Vector3(press.x, press.y, z), turn, new THREE.Vector3(width, length, width));
+        this.arrows.forEach((mesh) => mesh.setMatrixAt(count, matrix));
+        count += 1;
+      }
+    }
+    for (const mesh of this.arrows) {
+      mesh.count = count;
+      mesh.visible = arrows && count > 0;
+      mesh.instanceMatrix.needsUpdate = true;
+    }
+    if (pins) {
+      const plain = new THREE.Color(LOOKS.pins[0]);
+      const tone = new THREE.Color();
+      pressed.forEach((pressure, i) => {
+        if (colour === 'pressure' && pressure > 0) {
+          const [r, g, b] = ramp(pressure / (most.pressure || 1));
+          pins.instanced.setColorAt(i, tone.setRGB(r, g, b, 'srgb'));
+        } else pins.instanced.setColorAt(i, plain);
+      });
+      pins.instanced.instanceColor.needsUpdate = true;
+    }
+  }
+
+  /// The body under a place of the window, and which of its equal parts.
+  pick(clientX, clientY) {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const solid = this.bodies.filter((b) => b.group.visible).map((b) => b.group);
+    const hit = ray.intersectObjects(solid, true).find((one) => this.plane.distanceToPoint(one.point) >= 0
+      && one.object.userData.body.body.kind !== 'housing');
+    return hit ? { body: hit.object.userData.body.body, index: hit.instanceId } : null;
+  }
+}

@@ -1,0 +1,330 @@
+//! HTTP for one user on one machine: requests are read within limits of size and time, and strangers are refused before
+//! anything of theirs is looked at.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// Bytes of a request: its head, and what is sent with it.
+const LARGEST_HEAD: usize = 16 << 10;
+const LARGEST_BODY: usize = 64 << 10;
+const MOST_HEADERS: usize = 64;
+/// Connections at a time; a page needs three.
+const MOST_CONNECTIONS: usize = 48;
+/// A request that takes longer to arrive is dropped, and an answer that nobody takes.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A request that has passed the guard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Request {
+    pub method: String,
+    /// Without the query.
+    pub path: String,
+    pub body: Vec<u8>,
+}
+
+/// Why a request is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Refusal {
+    pub status: u16,
+    pub message: &'static str,
+}
+
+const fn refusal(status: u16, message: &'static str) -> Refusal {
+    Refusal { status, message }
+}
+
+/// Who may ask: whoever knows the token, from no other page, under no other name of this machine.
+pub struct Guard {
+    port: u16,
+    token: String,
+}
+
+impl Guard {
+    /// A guard with a new token of 128 bits.
+    ///
+    /// # Errors
+    /// A system without random numbers.
+    pub fn new(port: u16) -> Result<Guard, getrandom::Error> {
+        let mut bytes = [0_u8; 16];
+        getrandom::fill(&mut bytes)?;
+        Ok(Guard { port, token: bytes.iter().map(|byte| format!("{byte:02x}")).collect() })
+    }
+
+    pub fn address(&self) -> String {
+        format!("http://127.0.0.1:{}/?token={}", self.port, self.token)
+    }
+
+    #[cfg(test)]
+    pub fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// Whether these bytes are the token, in a time that does not depend on where they differ.
+    fn knows(&self, given: &[u8]) -> bool {
+        let own = self.token.as_bytes();
+        let differing = own.iter().zip(given).fold(0, |all, (a, b)| std::hint::black_box(all | (a ^ b)));
+        given.len() == own.len() && differing == 0
+    }
+
+    /// Names of this server in a Host header, and as an origin.
+    fn is_own_host(&self, host: &str) -> bool {
+        ["127.0.0.1", "localhost"].iter().any(|name| host == format!("{name}:{}", self.port))
+    }
+
+    /// The request of a head, without its body, and the length of the body.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub fn admit(&self, head: &[u8]) -> Result<(Request, usize), Refusal> {
+        let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
+        let mut parsed = httparse::Request::new(&mut headers);
+        match parsed.parse(head) {
+            Ok(httparse::Status::Complete(_)) => {}
+            _ => return Err(refusal(400, "this is no request")),
+        }
+        let (Some(method), Some(target)) = (parsed.method, parsed.path) else {
+            return Err(refusal(400, "this is no request"));
+        };
+        let mut all = parsed.headers.iter();
+        let of = |name: &str| {
+            let mut found = parsed.headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
+            match (found.next(), found.next()) {
+                (first, None) => Ok(first.map(|header| header.value)),
+                _ => Err(refusal(400, "a header stands twice")),
+            }
+        };
+        let host = of("host")?.and_then(|host| std::str::from_utf8(host).ok());
+        if !host.is_some_and(|host| self.is_own_host(host)) {
+            return Err(refusal(403, "the server answers to 127.0.0.1 and localhost only"));
+        }
+        if let Some(origin) = of("origin")? {
+            let origin = std::str::from_utf8(origin).ok().and_then(|origin| origin.strip_prefix("http://"));
+            if !origin.is_some_and(|host| self.is_own_host(host)) {
+                return Err(refusal(403, "requests of other pages are refused"));
+            }
+        }
+        // Browsers say which page asks; only the address bar and the page itself may.
+        if let Some(site) = of("sec-fetch-site")?
+            && !matches!(site, b"same-origin" | b"none")
+        {
+            return Err(refusal(403, "requests of other pages are refused"));
+        }
+        let (path, query) = target.split_once('?').unwrap_or((target, ""));
+        let token = query.split('&').find_map(|pair| pair.strip_prefix("token="));
+        if !token.is_some_and(|token| self.knows(token.as_bytes())) {
+            return Err(refusal(
+                403,
+                "the token is missing or wrong: open the address that `arcmin explore` printed",
+            ));
+        }
+        if all.any(|header| header.name.eq_ignore_ascii_case("transfer-encoding")) {
+            return Err(refusal(411, "the length of the body has to be said"));
+        }
+        let length = match of("content-length")? {
+            None => 0,
+            Some(digits) => {
+                let text = std::str::from_utf8(digits).unwrap_or_default();
+                if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+                    return Err(refusal(400, "the length of the body is no number"));
+                }
+                match text.parse::<usize>() {
+                    Ok(length) if length <= LARGEST_BODY => length,
+                    _ => return Err(refusal(413, "the body is too long")),
+                }
+            }
+        };
+        Ok((Request { method: method.to_owned(), path: path.to_owned(), body: Vec::new() }, length))
+    }
+
+    /// Reads a request.
+    ///
+    /// # Errors
+    /// `None` where nobody is left to be told.
+    fn read(&self, stream: &mut TcpStream) -> Result<Request, Option<Refusal>> {
+        let until = Instant::now() + PATIENCE;
+        let mut read = |buffer: &mut [u8]| -> Result<usize, Option<Refusal>> {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() || stream.set_read_timeout(Some(left)).is_err() {
+                return Err(Some(refusal(408, "the request took too long")));
+            }
+            match stream.read(buffer) {
+                Ok(0) => Err(None),
+                Ok(count) => Ok(count),
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+                    Err(Some(refusal(408, "the request took too long")))
+                }
+                Err(error) if error.kind() == ErrorKind::Interrupted => Ok(0),
+                Err(_) => Err(None),
+            }
+        };
+        let (mut bytes, mut buffer) = (Vec::new(), [0_u8; 4096]);
+        let end = loop {
+            let count = read(&mut buffer)?;
+            let from = bytes.len().saturating_sub(3);
+            bytes.extend_from_slice(&buffer[..count]);
+            if let Some(at) = bytes[from..].windows(4).position(|four| four == b"\r\n\r\n") {
+                break from + at + 4;
+            }
+            if bytes.len() > LARGEST_HEAD {
+                return Err(Some(refusal(431, "the head of the request is too long")));
+            }
+        };
+        let (mut request, length) = self.admit(&bytes[..end]).map_err(Some)?;
+        request.body = bytes.split_off(end);
+        while request.body.len() < length {
+            let count = read(&mut buffer)?;
+            request.body.extend_from_slice(&buffer[..count]);
+        }
+        request.body.truncate(length);
+        Ok(request)
+    }
+}
+
+/// Content policy of everything: scripts and styles carry the nonce of their page, connections lead here.
+fn policy(nonce: &str) -> String {
+    format!(
+        "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data: blob:; \
+         connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+}
+
+/// Where an answer goes.
+pub struct Reply<'a> {
+    stream: &'a mut TcpStream,
+}
+
+impl Reply<'_> {
+    fn head(&mut self, status: u16, kind: &str, nonce: &str, length: Option<usize>) -> std::io::Result<()> {
+        let length = length.map_or(String::new(), |length| format!("Content-Length: {length}\r\n"));
+        let head = format!(
+            "HTTP/1.1 {status} {}\r\nContent-Type: {kind}\r\n{length}Connection: close\r\nCache-Control: no-store\r\n\
+             Content-Security-Policy: {}\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
+             X-Frame-Options: DENY\r\nCross-Origin-Resource-Policy: same-origin\r\n\
+             Cross-Origin-Opener-Policy: same-origin\r\n\r\n",
+            reason(status),
+            policy(nonce),
+        );
+        self.stream.write_all(head.as_bytes())
+    }
+
+    fn whole(&mut self, status: u16, kind: &str, nonce: &str, bytes: &[u8]) {
+        // Nobody is left to be told if the other end is gone.
+        let _ = self.head(status, kind, nonce, Some(bytes.len())).and_then(|()| self.stream.write_all(bytes));
+    }
+
+    pub fn json(mut self, status: u16, json: &str) {
+        self.whole(status, "application/json", "", json.as_bytes());
+    }
+
+    /// An error in words, with the key that it is about and what to do.
+    pub fn error(self, status: u16, message: &str, hint: Option<&str>) {
+        let json = serde_json::json!({ "error": message, "hint": hint });
+        self.json(status, &json.to_string());
+    }
+
+    pub fn page(mut self, html: &str, nonce: &str) {
+        self.whole(200, "text/html; charset=utf-8", nonce, html.as_bytes());
+    }
+
+    /// Server-sent events, as long as the other end listens: `next` gives the next message, or nothing after some time.
+    pub fn events(mut self, mut next: impl FnMut() -> Vec<String>) {
+        if self.head(200, "text/event-stream", "", None).is_err() {
+            return;
+        }
+        loop {
+            let messages = next();
+            let mut text: String = messages.iter().map(|message| format!("data: {message}\n\n")).collect();
+            if text.is_empty() {
+                // A remark, which fails where nobody listens any more.
+                text.push_str(":\n\n");
+            }
+            if self.stream.write_all(text.as_bytes()).and_then(|()| self.stream.flush()).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+fn reason(status: u16) -> &'static str {
+    match status {
+        200 => "OK",
+        400 => "Bad Request",
+        403 => "Forbidden",
+        404 => "Not Found",
+        405 => "Method Not Allowed",
+        408 => "Request Timeout",
+        409 => "Conflict",
+        411 => "Length Required",
+        413 => "Content Too Large",
+        422 => "Unprocessable Content",
+        431 => "Request Header Fields Too Large",
+        503 => "Service Unavailable",
+        _ => "Internal Server Error",
+    }
+}
+
+/// Counts a connection as long as it lives.
+struct Counted(Arc<AtomicUsize>);
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// Answers requests until the process ends.
+pub fn serve(
+    listener: &TcpListener,
+    guard: Arc<Guard>,
+    answer: impl Fn(Request, Reply<'_>) + Send + Sync + 'static,
+) {
+    let (answer, count) = (Arc::new(answer), Arc::new(AtomicUsize::new(0)));
+    for stream in listener.incoming() {
+        let Ok(mut stream) = stream else {
+            // Out of files, say: others end in the meantime.
+            std::thread::sleep(Duration::from_millis(10));
+            continue;
+        };
+        let _ = (stream.set_write_timeout(Some(PATIENCE)), stream.set_nodelay(true));
+        let others = count.fetch_add(1, Ordering::SeqCst);
+        let counted = Counted(Arc::clone(&count));
+        if others >= MOST_CONNECTIONS {
+            let _ = stream.set_write_timeout(Some(Duration::from_millis(10)));
+            Reply { stream: &mut stream }.error(503, "too many connections", None);
+            continue;
+        }
+        let (guard, answer) = (Arc::clone(&guard), Arc::clone(&answer));
+        let serve_one = move || {
+            let _counted = counted;
+            match guard.read(&mut stream) {
+                Ok(request) => answer(request, Reply { stream: &mut stream }),
+                Err(Some(Refusal { status, message })) => {
+                    Reply { stream: &mut stream }.error(status, message, None)
+                }
+                Err(None) => {}
+            }
+            finish(stream);
+        };
+        // A system without threads to spare drops the connection.
+        let _ = std::thread::Builder::new().name("explore-request".to_owned()).spawn(serve_one);
+    }
+}
+
+/// Ends a connection so that the answer arrives: what the other end still sends would reset it.
+fn finish(mut stream: TcpStream) {
+    if stream.shutdown(std::net::Shutdown::Write).is_err() {
+        return;
+    }
+    let _ = stream.set_read_timeout(Some(Duration::from_millis(200)));
+    let mut buffer = [0_u8; 4096];
+    let mut left = 4 * LARGEST_BODY;
+    while let Ok(count) = stream.read(&mut buffer) {
+        if count == 0 || left < count {
+            return;
+        }
+        left -= count;
+    }
+}

@@ -1,0 +1,100 @@
+//! `arcmin explore`: a design in the browser, computed here.
+//!
+//! `http` reads requests and refuses those of strangers, `session` holds the designs that were tried, `work` computes
+//! what is shown, `answers` puts it into JSON, `page` makes the page, and the offline one. The server writes no file but
+//! those that the user saves, beside the design, and reads none but the design and what the design names.
+
+mod answers;
+mod http;
+mod page;
+mod routes;
+mod session;
+#[cfg(test)]
+mod tests;
+mod work;
+
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+
+use super::Ending;
+use crate::failure::Failure;
+use crate::run::{design_text, say};
+use http::Guard;
+use session::Session;
+
+pub fn command() -> Command {
+    Command::new("explore")
+        .about("Open a design in the browser: turn the mechanism, change keys, see what follows")
+        .long_about(
+            "Serves a page on this machine alone and opens it in the browser. The page shows the mechanism in three \
+             dimensions with its contact forces, every key of the design as a control, the findings and figures of \
+             `check`, `profile`, `contact` and `rig`, and the wear over the hours of `life`. Numbers are those of the \
+             commands for the same design.\n\nThe address has a random token; requests without it, and those of other \
+             pages, are refused. The server reads the design and the files that it names, and writes only what is saved \
+             on the page, beside the design. Ctrl-C ends it.",
+        )
+        .after_help("Examples:\n  arcmin explore my-reducer.toml\n  arcmin explore my-reducer.toml --port 8080 --no-browser")
+        .arg(
+            Arg::new("DESIGN")
+                .required(true)
+                .value_parser(value_parser!(PathBuf))
+                .help("Design file (TOML); `arcmin new` writes one"),
+        )
+        .arg(
+            Arg::new("port")
+                .long("port")
+                .value_name("N")
+                .value_parser(value_parser!(u16))
+                .default_value("0")
+                .hide_default_value(true)
+                .help("Port on this machine [default: a free one]"),
+        )
+        .arg(
+            Arg::new("no-browser")
+                .long("no-browser")
+                .action(ArgAction::SetTrue)
+                .help("Print the address and do not open a browser"),
+        )
+}
+
+pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
+    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
+    let port = matches.get_one::<u16>("port").copied().unwrap_or(0);
+    let (text, name) = design_text(path)?;
+    let session = Session::open(path, text.clone(), name).map_err(|error| Failure::design(error, &text))?;
+    let usage = |message: String, help: &str| Failure::Usage { message, help: help.to_owned() };
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|cause| {
+        usage(format!("cannot listen on port {port}: {cause}"), "choose another one with --port")
+    })?;
+    let address = listener
+        .local_addr()
+        .map_err(|cause| usage(format!("cannot listen: {cause}"), "choose a port with --port"))?;
+    let guard = Guard::new(address.port())
+        .map_err(|cause| usage(format!("the system gives no random numbers: {cause}"), "try again"))?;
+    let address = guard.address();
+    say(&address)?;
+    if !matches.get_flag("no-browser") {
+        open_in_browser(&address);
+    }
+    let session = Arc::new(session);
+    session.start();
+    http::serve(&listener, Arc::new(guard), move |request, stream| routes::answer(&session, request, stream));
+    Ok(Ending::Fine)
+}
+
+/// Opens the address as the desktop does; whoever has none opens it by hand.
+fn open_in_browser(address: &str) {
+    let (program, arguments): (&str, &[&str]) = if cfg!(windows) {
+        ("rundll32", &["url.dll,FileProtocolHandler"])
+    } else if cfg!(target_os = "macos") {
+        ("open", &[])
+    } else {
+        ("xdg-open", &[])
+    };
+    let mut command = std::process::Command::new(program);
+    let quiet = std::process::Stdio::null;
+    let _ = command.args(arguments).arg(address).stdin(quiet()).stdout(quiet()).stderr(quiet()).spawn();
+}

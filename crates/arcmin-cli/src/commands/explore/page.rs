@@ -1,0 +1,89 @@
+//! The page of the explorer: with the server behind it, and whole in one file.
+
+use std::fmt::Write;
+
+use serde_json::{Value as Json, json};
+
+use super::answers;
+use super::session::{Look, Session};
+
+const STYLE: &str = include_str!("assets/explore.css");
+/// In this order: later files use what earlier ones define.
+const SCRIPT: &[&str] = &[
+    include_str!("assets/model.js"),
+    include_str!("assets/view.js"),
+    include_str!("assets/strip.js"),
+    include_str!("assets/keys.js"),
+    include_str!("assets/app.js"),
+];
+const THREE: &str = include_str!("assets/three/three.min.js");
+const THREE_LICENCE: &str = include_str!("assets/three/LICENSE");
+const BODY: &str = include_str!("assets/body.html");
+
+/// The page that asks the server, and its nonce.
+///
+/// # Errors
+/// A system without random numbers.
+pub fn live() -> Result<(String, String), getrandom::Error> {
+    let mut bytes = [0_u8; 16];
+    getrandom::fill(&mut bytes)?;
+    let nonce: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok((html("arcmin explore", &format!(" nonce=\"{nonce}\""), "", None), nonce))
+}
+
+/// The page with all that is known of the present design, for a reader without the program.
+pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
+    const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
+        style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'\">\n";
+    let keys = arcmin::design::keys(&look.state.text, session.file_name()).unwrap_or_default();
+    let film =
+        look.answers.get("film").and_then(|film| serde_json::from_str(film).ok()).map_or(Json::Null, coarse);
+    let data = format!(
+        "{{\"state\":{},\"keys\":{},\"film\":{film},\"about\":{}}}",
+        answers::state(session, look),
+        answers::keys(&keys),
+        json!({ "version": env!("CARGO_PKG_VERSION"), "hash": look.state.design.hash(), "view": view }),
+    );
+    html(look.state.design.name(), "", POLICY, Some(&data))
+}
+
+/// The same with six digits, which no picture shows more of: a mail takes what has 3 MB.
+fn coarse(json: Json) -> Json {
+    match json {
+        Json::Array(all) => all.into_iter().map(coarse).collect(),
+        Json::Object(all) => {
+            all.into_iter().filter(|(key, _)| key != "gap_um").map(|(key, one)| (key, coarse(one))).collect()
+        }
+        Json::Number(number) if number.is_f64() => {
+            let short = number.as_f64().and_then(|number| format!("{number:.5e}").parse::<f64>().ok());
+            json!(short)
+        }
+        other => other,
+    }
+}
+
+fn html(title: &str, nonce: &str, head: &str, data: Option<&str>) -> String {
+    let mut out = String::with_capacity(1 << 20);
+    let title = title.replace('&', "&amp;").replace('<', "&lt;");
+    let _ = write!(
+        out,
+        "<!doctype html>\n<html lang=\"en\" data-theme=\"auto\">\n<head>\n<meta charset=\"utf-8\">\n{head}\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n\
+         <title>{title}</title>\n<style{nonce}>\n{STYLE}</style>\n</head>\n<body>\n{BODY}"
+    );
+    if let Some(data) = data {
+        // No text of a design ends the element.
+        let _ = writeln!(
+            out,
+            "<script type=\"application/json\" id=\"data\">{}</script>",
+            data.replace('<', "\\u003c")
+        );
+    }
+    let _ = writeln!(out, "<script{nonce}>\n/* three.js\n{THREE_LICENCE}*/\n{THREE}</script>");
+    let _ = writeln!(out, "<script{nonce}>\n(() => {{\n'use strict';");
+    for script in SCRIPT {
+        out.push_str(script);
+    }
+    out.push_str("})();\n</script>\n</body>\n</html>\n");
+    out
+}

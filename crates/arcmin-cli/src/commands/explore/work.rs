@@ -1,0 +1,198 @@
+//! What is computed for a design, by the functions that the commands call.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use arcmin::analyses::life::Life;
+use arcmin::analyses::stage::{self, AnyDesign};
+use arcmin::analyses::{Analysis, AnalysisError, Host, Origin, Wanting, by_name};
+use arcmin::design::InputFile;
+use arcmin::life::WornState;
+use arcmin::progress::Progress;
+use serde_json::{Value as Json, json};
+
+use super::answers;
+use super::session::{Session, State};
+use crate::run::{LARGEST_TABLE, read_bounded};
+
+/// What is computed one after the other; lanes run side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lane {
+    Sharing,
+    Check,
+    Life,
+}
+
+impl Lane {
+    pub const ALL: [Lane; 3] = [Lane::Sharing, Lane::Check, Lane::Life];
+
+    /// Names of the answers, each of an analysis of this name but `film`, the turn of `contact`.
+    pub fn answers(self) -> &'static [&'static str] {
+        match self {
+            Lane::Sharing => &["profile", "contact", "film"],
+            Lane::Check => &["check"],
+            Lane::Life => &["life", "rig"],
+        }
+    }
+}
+
+impl Lane {
+    /// While a value is dragged, what takes longer begins only when it rests for a moment: it would take the processors
+    /// from what is shown at once.
+    pub fn patience(self) -> Duration {
+        match self {
+            Lane::Sharing => Duration::ZERO,
+            Lane::Check => Duration::from_millis(50),
+            Lane::Life => Duration::from_millis(80),
+        }
+    }
+}
+
+/// Answers that a design has at once or soon after: what a change waits for.
+pub const HEADLINE: [&str; 3] = ["profile", "contact", "check"];
+
+/// Options of the analysis behind an answer that differ from its defaults.
+pub fn options(name: &str, design: &AnyDesign) -> &'static str {
+    match (name, design) {
+        ("life", AnyDesign::Rv(_)) => "quasi_static = true\nbodies = \"rigid\"\n",
+        _ => "",
+    }
+}
+
+/// The same as typed.
+pub fn command(name: &str, design: &AnyDesign) -> String {
+    let typed = options(name, design).lines().map(|line| match line.split_once(" = ") {
+        Some((key, "true")) => format!(" --{}", key.replace('_', "-")),
+        Some((key, value)) => format!(" --{} {}", key.replace('_', "-"), value.trim_matches('"')),
+        None => String::new(),
+    });
+    let name = if name == "film" { "contact" } else { name };
+    format!("arcmin {name} DESIGN{}", typed.collect::<String>())
+}
+
+/// Figures of `life` that take longer than the rest together and that the explorer leaves out.
+const LEFT_OUT_OF_LIFE: [&str; 4] = ["hours_band", "hangs_on", "advice", "verdict.undecided"];
+
+/// Results that an answer needs: every figure of the summary, and of the life its tables.
+fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign) -> Vec<&'static str> {
+    let declared = match design {
+        AnyDesign::Rv(_) => (analysis.results)(),
+        AnyDesign::Eccentric(_) => match stage::ALL.iter().find(|known| known.name == analysis.name) {
+            Some(known) => (known.results)(),
+            None => return Vec::new(),
+        },
+    };
+    let figures = declared.summary.iter().map(|quantity| quantity.key);
+    match name {
+        "film" => vec!["contact", "error"],
+        "life" => figures
+            .filter(|key| !LEFT_OUT_OF_LIFE.iter().any(|left| key.starts_with(left)))
+            .chain(["life"])
+            .collect(),
+        _ => figures.collect(),
+    }
+}
+
+/// Computes an answer: JSON. `None` where it was cancelled.
+pub fn answer(
+    name: &'static str,
+    session: &Arc<Session>,
+    state: &Arc<State>,
+    cancelled: &Arc<AtomicBool>,
+) -> Option<String> {
+    let Some(analysis) = by_name(if name == "film" { "contact" } else { name }) else {
+        unreachable!("answers are named after analyses");
+    };
+    let host = Explorer { session, state, cancelled, name };
+    let wanted = wanted(name, analysis, &state.design);
+    let started = session.seconds();
+    let run = || {
+        let host = Wanting { host: &host, results: &wanted };
+        let outcome = state.design.run(analysis, options(name, &state.design), "the options", &host)?;
+        let mut answer = json!({ "status": "done", "summary": outcome.summary().to_json() });
+        match name {
+            "film" => answer = json!({ "status": "done", "film": answers::film(&outcome.tables()) }),
+            "life" => {
+                answer["table"] = answers::table(outcome.tables().iter().find(|table| table.name == "life"));
+                if let Some(life) = outcome.as_any().downcast_ref::<Life>() {
+                    answer["ages"] = answers::ages(life, &host)?;
+                }
+            }
+            _ => {}
+        }
+        Ok(answer)
+    };
+    // A defect of one computation must not end the server.
+    let found = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+    if cancelled.load(Ordering::SeqCst) {
+        return None;
+    }
+    let mut answer: Json = match found {
+        Ok(Ok(answer)) => answer,
+        Ok(Err(AnalysisError::Stopped | AnalysisError::Interrupted { .. })) => return None,
+        Ok(Err(error)) => json!({
+            "status": if is_missing(analysis, &state.design) { "not_available" } else { "failed" },
+            "error": error.to_string(),
+            "hint": error.help(),
+        }),
+        Err(_) => {
+            json!({ "status": "failed", "error": "the computation broke off: a defect of the program" })
+        }
+    };
+    answer["command"] = json!(command(name, &state.design));
+    answer["seconds"] = json!(session.seconds() - started);
+    Some(answer.to_string())
+}
+
+/// Whether the family of this design does not have the analysis at all.
+fn is_missing(analysis: &Analysis, design: &AnyDesign) -> bool {
+    matches!(design, AnyDesign::Eccentric(_)) && !stage::ALL.iter().any(|known| known.name == analysis.name)
+}
+
+/// The host of one computation: ends it when another design is looked at.
+struct Explorer<'a> {
+    session: &'a Session,
+    state: &'a State,
+    cancelled: &'a AtomicBool,
+    name: &'static str,
+}
+
+impl Progress for Explorer<'_> {
+    fn report(&self, stage: &str, share: f64) {
+        // Nobody sees a thousandth; other threads wait for the lock.
+        let rounded = (share * 100.0).floor() / 100.0;
+        self.session.tell_progress(self.state, self.name, stage, rounded);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Host for Explorer<'_> {
+    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        let refused = |message: String| AnalysisError::Input {
+            file: file.0.clone(),
+            line: None,
+            message,
+            help: "close the explorer and open the design again".to_owned(),
+        };
+        if origin != Origin::Design || !self.session.named_files.contains(&file.0) {
+            return Err(refused(
+                "the explorer reads only files that the design named when it was opened".to_owned(),
+            ));
+        }
+        read_bounded(&self.session.beside().join(&file.0), LARGEST_TABLE)
+            .map_err(|cause| refused(format!("cannot be read: {cause}")))
+    }
+
+    fn reached(&self, state: &WornState) {
+        let point = answers::reached(state).to_string().into();
+        self.session.know(self.state, |known| known.reached.push(point));
+    }
+
+    fn seconds(&self) -> f64 {
+        self.session.seconds()
+    }
+}

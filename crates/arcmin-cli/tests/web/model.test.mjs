@@ -1,0 +1,104 @@
+// What the page of the explorer computes by itself: `node --test crates/arcmin-cli/tests/web/model.test.mjs`.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import vm from 'node:vm';
+
+const source = readFileSync(new URL('../../src/commands/explore/assets/model.js', import.meta.url), 'utf8');
+const names = [...source.matchAll(/^function (\w+)/gm)].map((found) => found[1]);
+const model = vm.runInThisContext(`(() => {'use strict';\n${source}\nreturn {${names.join()}};})()`);
+
+const near = (a, b, within = 1e-12) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
+
+test('a body moves by its arms and turns', () => {
+  const motion = { arms: [{ length_mm: 2, angle_deg: 90, rate: 1 }, { length_mm: 10, angle_deg: 0, rate: -0.1 }], turn_deg: 5, turn_rate: -0.1 };
+  const pose = model.poseAt(motion, 90);
+  near(pose.x, -2 + 10 * Math.cos((-9 * Math.PI) / 180));
+  near(pose.y, 10 * Math.sin((-9 * Math.PI) / 180));
+  near(pose.turn, (-4 * Math.PI) / 180);
+});
+
+test('depths are read between samples and around the whole angle', () => {
+  const samples = [0, 1, 2, 1, 0];
+  near(model.depthAt(samples, -180), 0);
+  near(model.depthAt(samples, 0), 2);
+  near(model.depthAt(samples, 45), 1.5);
+  near(model.depthAt(samples, 405), 1.5);
+  near(model.depthAt(samples, 180), 0);
+  near(model.depthAt(null, 10), 0);
+});
+
+test('rows of contact.csv become frames in the order of the turn', () => {
+  const film = { crank_angle_deg: [0, 120, 240], te_loaded_arcmin: [-1, -2, -3],
+    contacts: { crank_angle_deg: [0, 0, 240], disc: [0, 1, 0], pin: [3, 4, 5], force_n: [10, 20, 30], pressure_mpa: [100, 200, 300], gap_um: [0, 0, 0] } };
+  const frames = model.framesOf(film);
+  assert.deepEqual(frames.map((f) => f.contacts.length), [2, 0, 1]);
+  assert.equal(model.frameAt(frames, 479).crank, 120);
+  assert.equal(model.frameAt(frames, -1).crank, 0);
+  assert.equal(model.largest(frames, 'force'), 30);
+  assert.deepEqual(model.framesOf(null), []);
+});
+
+test('one pin pitch later the same forces act on the next pin', () => {
+  const positions = [{ te_arcmin: 0, contacts: [[0, 7, 1, 1]] }, { te_arcmin: 1, contacts: [[0, 7, 2, 2]] }];
+  assert.equal(model.pitchFrameAt(positions, 8, 0).contacts[0].pin, 7);
+  assert.equal(model.pitchFrameAt(positions, 8, 45).contacts[0].pin, 0);
+  assert.equal(model.pitchFrameAt(positions, 8, -45).contacts[0].pin, 6);
+  assert.equal(model.pitchFrameAt(positions, 8, 22.5).contacts[0].force, 2);
+  // The nearest position after the last is the first of the next pitch.
+  assert.deepEqual({ ...model.pitchFrameAt(positions, 8, 44).contacts[0] }, { disc: 0, pin: 0, force: 1, pressure: 1 });
+});
+
+test('lines of action meet in the pitch point', () => {
+  const teeth = { pin_count: 20, pin_circle_radius_mm: 17, eccentricity_mm: 0.5, phases_deg: [0, 180] };
+  const crank = 33;
+  const [a, b] = [model.pressOf(teeth, 1, 2, crank), model.pressOf(teeth, 1, 11, crank)];
+  const point = { x: 10 * Math.cos(((crank + 180) * Math.PI) / 180), y: 10 * Math.sin(((crank + 180) * Math.PI) / 180) };
+  for (const press of [a, b]) {
+    near((point.x - press.x) * press.dy - (point.y - press.y) * press.dx, 0, 1e-9);
+    near(Math.hypot(press.dx, press.dy), 1);
+  }
+});
+
+test('sliders stay within the schema and around their value', () => {
+  assert.deepEqual({ ...model.sliderOf({ kind: 'count', range: [3, 60] }, 6) }, { min: 3, max: 11, step: 1 });
+  const around = model.sliderOf({ kind: 'number', range: [0.1, 1000] }, 8.75);
+  assert.ok(around.min >= 0.1 && around.min <= 8.75 && around.max >= 8.75 && around.step > 0);
+  for (const [range, value] of [[[0, 2000], 0], [[-5, 5], 0], [[-1e7, 1e7], -412], [[0.05, 0.06], 0.05], [[1, 1], 1]]) {
+    const slider = model.sliderOf({ kind: 'number', range }, value);
+    assert.ok(slider.min >= range[0] && slider.max <= range[1] && slider.min <= value && slider.max >= value, JSON.stringify([range, value, slider]));
+  }
+});
+
+test('numbers and names as a reader wants them', () => {
+  assert.equal(model.shown(-0.19699788), '−0.197');
+  assert.equal(model.shown(null), '–');
+  assert.equal(model.shown(1445.6657), '1446');
+  assert.equal(model.shown(1e-13), '1e−13');
+  assert.deepEqual({ ...model.labelOf('verdict.max_force_n') }, { words: 'Max force', unit: 'N' });
+  assert.equal(model.labelOf('torsional_stiffness_n_m_per_arcmin').unit, 'N·m/arcmin');
+});
+
+test('comparison of two designs', () => {
+  const rows = model.differences({ a: 110, b: 1 }, { a: 100, c: 2 });
+  assert.equal(rows.length, 3);
+  near(rows[0].change, 10);
+  assert.equal(rows[1].change, null);
+  assert.deepEqual({ ...model.numbersOf({ a: 1, b: { c: 2, d: null }, e: [1] }) }, { a: 1, 'b.c': 2 });
+});
+
+test('the search looks into name, meaning and unit', () => {
+  const key = { path: 'bearings.turning_arm.clearance_um', what: 'Diametral clearance.', unit: 'µm' };
+  assert.ok(model.fits(key, 'arm CLEAR') && model.fits(key, 'diametral µm') && !model.fits(key, 'arm width'));
+});
+
+test('stretches without a design are told with their reason', () => {
+  const shades = model.shadesOf([{ refused: 'too small' }, { refused: 'too small' }, { errors: [] }, { errors: ['undercut'] }, { errors: [] }]);
+  assert.deepEqual(JSON.parse(JSON.stringify(shades)), [{ from: 0, to: 37.5, why: 'too small' }, { from: 62.5, to: 87.5, why: 'error findings: undercut' }]);
+});
+
+test('a drive is taken apart along its axis', () => {
+  const at = (kind, disc = null) => model.apartOf({ kind, disc }, 2);
+  assert.ok(at('gear') < at('shaft') && at('shaft') < at('disc', 0) && at('disc', 0) < at('disc', 1) && at('disc', 1) < at('carrier'));
+  assert.equal(at('housing'), 0);
+});
