@@ -216,11 +216,11 @@ pub(super) struct Change {
     pub value: Value,
 }
 
-pub(super) fn no_value(path: &str) -> DesignErrorKind {
+fn no_value(path: &str) -> DesignErrorKind {
     DesignErrorKind::Contradiction { message: format!("`{path}` is no single value") }
 }
 
-pub(super) fn no_row(path: &str, rows: usize, source: &Source<'_>) -> Box<DesignError> {
+fn no_row(path: &str, rows: usize, source: &Source<'_>) -> Box<DesignError> {
     let message = format!("`{path}` does not exist: the design has {rows} of these rows, counted from 0");
     let hint = format!(
         "write {0}, or [{rows}] with all its required keys to add one",
@@ -282,13 +282,7 @@ pub(super) fn look_up(
     }
 }
 
-pub(super) fn list(
-    schema: &SectionSchema,
-    branch: Option<&Branch>,
-    there: bool,
-    prefix: &str,
-    out: &mut Vec<KeyEntry>,
-) {
+fn list(schema: &SectionSchema, branch: Option<&Branch>, there: bool, prefix: &str, out: &mut Vec<KeyEntry>) {
     for key in schema.keys {
         let path = super::field::join(prefix, key.name);
         let node = branch.and_then(|branch| branch.get(key.name)).map(|item| &item.node);
@@ -329,7 +323,7 @@ pub(super) fn list(
 
 /// Sets or, with `None`, takes out what the steps lead to. The error is the number of rows of a list that has
 /// fewer than asked for.
-pub(super) fn set(branch: &mut Branch, steps: &[Step], node: Option<&Node>) -> Result<(), usize> {
+fn set(branch: &mut Branch, steps: &[Step], node: Option<&Node>) -> Result<(), usize> {
     let [Step::Key(name), rest @ ..] = steps else { return Ok(()) };
     let place = branch.entries.iter().position(|entry| &*entry.key == name.as_str());
     let index = match (place, node) {

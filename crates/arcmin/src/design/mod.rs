@@ -6,7 +6,6 @@
 //! names line, text and remedy.
 
 mod bodies;
-mod by_text;
 mod consistency;
 mod deviations;
 mod edit;
@@ -37,7 +36,6 @@ mod value;
 mod values;
 pub mod variation;
 
-pub use by_text::{keys, with_key};
 pub use deviations::MeasuredFlank;
 pub use edit::KeyEntry;
 pub use error::{DesignError, DesignErrorKind, TextPlace};

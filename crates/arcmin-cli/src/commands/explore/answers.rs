@@ -2,9 +2,13 @@
 
 use arcmin::analyses::life::Life;
 use arcmin::analyses::stage::AnyDesign;
-use arcmin::analyses::{AnalysisError, Host};
+use arcmin::analyses::stage::life::StageLife;
+use arcmin::analyses::{AnalysisError, Host, Outcome};
+use arcmin::contact::LineContact;
 use arcmin::design::{KeyEntry, Kind, Value};
-use arcmin::life::WornState;
+use arcmin::dynamics::StageMeshing;
+use arcmin::geometry::Relief;
+use arcmin::life::{LifePoint, WornState};
 use arcmin::load::ShareLoad;
 use arcmin::results::{Cells, Table};
 use arcmin::scene::{self, Scene};
@@ -86,7 +90,7 @@ fn limits(design: &AnyDesign) -> Json {
 /// The present design with all that is known of it.
 pub fn state(session: &Session, look: &Look) -> String {
     let design = &look.state.design;
-    let keys = arcmin::design::keys(&look.state.text, session.file_name()).unwrap_or_default();
+    let keys = look.state.design.keys();
     let values: Map<String, Json> = keys.iter().map(|key| (key.path.clone(), json_of(&key.value))).collect();
     let answers: Map<String, Json> = look
         .answers
@@ -112,7 +116,7 @@ pub fn state(session: &Session, look: &Look) -> String {
             "family": match design { AnyDesign::Rv(_) => "rv", AnyDesign::Eccentric(_) => "eccentric" },
             "file": session.file_name(),
             "hash": design.hash(),
-            "toml": look.state.text,
+            "toml": look.state.design.text(),
             "values": values,
             "limits": limits(design),
         },
@@ -173,14 +177,34 @@ const FORCE_AGES: usize = 5;
 /// Crank positions over one pin pitch.
 const FORCE_POSITIONS: usize = 12;
 
-/// The flank at every point of the life, and the forces over one pin pitch of crank angle at some.
+/// The flank at every point of a life, and the forces over one pin pitch of crank angle at some.
 ///
 /// # Errors
 /// [`AnalysisError`] where the joints cannot be modelled, or the host stops it.
-pub fn ages(life: &Life, host: &dyn Host) -> Result<Json, AnalysisError> {
-    let points = &life.prediction.points;
-    let mut joints = life.fidelity.meshing(&life.machine)?;
-    let law = life.machine.line_contact();
+pub fn ages(outcome: &dyn Outcome, design: &AnyDesign, host: &dyn Host) -> Result<Json, AnalysisError> {
+    if let (Some(life), AnyDesign::Rv(_)) = (outcome.as_any().downcast_ref::<Life>(), design) {
+        let (machine, points) = (&life.machine, &life.prediction.points);
+        let joints = life.fidelity.meshing(machine)?;
+        let law = machine.line_contact();
+        return ages_of(points, (&machine.designed_relief(), joints, law), machine.rated().torque, host);
+    }
+    if let (Some(life), AnyDesign::Eccentric(design)) = (outcome.as_any().downcast_ref::<StageLife>(), design)
+    {
+        let (stage, rated) = (design.stage(), design.rated().torque);
+        let joints = StageMeshing::new(stage, rated, design.seen_from_ring())
+            .map_err(AnalysisError::compute("build the drive from its design"))?;
+        return ages_of(&life.prediction.points, (&stage.relief, joints, stage.contact), rated, host);
+    }
+    Ok(Json::Null)
+}
+
+/// Of any joints, with what the design takes off the flank and the law of contact.
+fn ages_of<S: ShareLoad>(
+    points: &[LifePoint],
+    (designed, mut joints, law): (&Relief, S, LineContact),
+    torque: f64,
+    host: &dyn Host,
+) -> Result<Json, AnalysisError> {
     let last = points.len() - 1;
     let mut shown: Vec<usize> = (0..FORCE_AGES).map(|i| i * last / (FORCE_AGES - 1)).collect();
     shown.dedup();
@@ -189,9 +213,9 @@ pub fn ages(life: &Life, host: &dyn Host) -> Result<Json, AnalysisError> {
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
-        points[index].state.put_on(&life.machine, &mut joints);
+        points[index].state.put_on(designed, &mut joints);
         // A machine that wears away may not share its load any more at its last point.
-        let Ok(cycle) = joints.pitch_cycle(life.machine.rated().torque, FORCE_POSITIONS) else { continue };
+        let Ok(cycle) = joints.pitch_cycle(torque, FORCE_POSITIONS) else { continue };
         let positions: Vec<Json> = cycle
             .positions
             .iter()

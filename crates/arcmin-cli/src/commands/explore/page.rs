@@ -35,7 +35,7 @@ pub fn live() -> Result<(String, String), getrandom::Error> {
 pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
     const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
         style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'\">\n";
-    let keys = arcmin::design::keys(&look.state.text, session.file_name()).unwrap_or_default();
+    let keys = look.state.design.keys();
     let film =
         look.answers.get("film").and_then(|film| serde_json::from_str(film).ok()).map_or(Json::Null, coarse);
     let data = format!(

@@ -72,10 +72,7 @@ pub fn answer(session: &Arc<Session>, request: Request, reply: Reply<'_>) {
         ("GET", "/api/state") => now(reply, PATIENCE),
         ("GET", "/api/keys") => {
             let look = session.look(&[], Duration::ZERO);
-            match arcmin::design::keys(&look.state.text, session.file_name()) {
-                Ok(keys) => reply.json(200, &answers::keys(&keys).to_string()),
-                Err(error) => refuse(reply, &error),
-            }
+            reply.json(200, &answers::keys(&look.state.design.keys()).to_string());
         }
         ("GET", "/api/history") => {
             let one = |tried: super::session::Tried| {
@@ -169,7 +166,7 @@ fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> 
             super::work::Lane::ALL.iter().flat_map(|lane| lane.answers()).copied().collect();
         page::offline(session, &session.look(&all, Duration::ZERO), &save.view).into_bytes()
     } else {
-        session.look(&[], Duration::ZERO).state.text.clone().into_bytes()
+        session.look(&[], Duration::ZERO).state.design.text().to_owned().into_bytes()
     };
     let exists = || (409, format!("{} exists already", path.display()));
     if save.overwrite {

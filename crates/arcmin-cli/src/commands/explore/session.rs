@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use arcmin::analyses::stage::AnyDesign;
 use arcmin::checks::Severity;
-use arcmin::design::{DesignError, Value, with_key};
+use arcmin::design::{DesignError, Value};
 
 use super::work::{self, Lane};
 
@@ -19,7 +19,6 @@ const MOST_STATES: usize = 200;
 #[derive(Debug)]
 pub struct State {
     pub number: u64,
-    pub text: String,
     pub design: AnyDesign,
     /// What was changed: key and value; empty for the design as opened.
     pub change: String,
@@ -94,7 +93,7 @@ impl Session {
             AnyDesign::Rv(design) => design.measured_flanks().into_iter().map(|flank| flank.file).collect(),
             AnyDesign::Eccentric(_) => Vec::new(),
         };
-        let state = State { number: 0, text, design, change: String::new(), dragged: None };
+        let state = State { number: 0, design, change: String::new(), dragged: None };
         Ok(Session {
             inner: Mutex::new(Inner {
                 states: vec![(Arc::new(state), Known::default())],
@@ -230,21 +229,17 @@ impl Session {
         let mut inner = self.lock();
         let present = Arc::clone(&inner.states[inner.present].0);
         let change = format!("{key} = {value}");
-        let text = with_key(&present.text, &self.file_name, key, value)?;
-        let design = AnyDesign::parse(&text, &self.file_name)?;
+        let design = present.design.with(key, value)?;
+        let is_same = design == present.design;
         let goes_on = present.dragged.as_deref() == Some(key) && inner.present > 0;
-        if text == present.text && !goes_on {
+        if is_same && !goes_on {
             return Ok(());
         }
         let dragged = drags.then(|| key.to_owned());
         let place = if goes_on { inner.present } else { inner.present + 1 };
         // The end of a drag is the design of its last value: what is known of it stays.
-        let answers = if text == present.text {
-            inner.states[inner.present].1.answers.clone()
-        } else {
-            BTreeMap::new()
-        };
-        let state = State { number: inner.next_number, text, design, change, dragged };
+        let answers = if is_same { inner.states[inner.present].1.answers.clone() } else { BTreeMap::new() };
+        let state = State { number: inner.next_number, design, change, dragged };
         inner.next_number += 1;
         inner.states.truncate(place);
         inner.states.push((Arc::new(state), Known { answers, ..Known::default() }));
@@ -265,9 +260,7 @@ impl Session {
             (Arc::clone(&inner.states[inner.present].0), Arc::clone(&inner.cancelled))
         };
         let one = |value: &f64| {
-            let design = with_key(&present.text, &self.file_name, key, Value::Number(*value))
-                .and_then(|text| AnyDesign::parse(&text, &self.file_name));
-            let design = match design {
+            let design = match present.design.with(key, Value::Number(*value)) {
                 Ok(design) => design,
                 Err(error) => return Tryout::Refused(error.kind.to_string()),
             };

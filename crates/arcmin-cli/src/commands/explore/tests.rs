@@ -161,7 +161,7 @@ fn undo_gives_the_same_bytes() {
         ("tao2024", "load.rated_torque_n_m", [400.0, 401.0, 402.5]),
     ] {
         let session = session(&design_text(name));
-        let text = || session.look(&[], Duration::ZERO).state.text.clone();
+        let text = || session.look(&[], Duration::ZERO).state.design.text().to_owned();
         let first = text();
         session.set(key, Value::Number(values[0]), false).unwrap();
         let second = text();
@@ -188,7 +188,7 @@ fn undo_gives_the_same_bytes() {
 #[test]
 fn values_of_a_key_are_tried_without_changing_the_design() {
     let session = session(&design_text("nema17-19"));
-    let before = session.look(&[], Duration::ZERO).state.text.clone();
+    let before = session.look(&[], Duration::ZERO).state.design.text().to_owned();
     let found = session.tried_with("eccentric.eccentricity_mm", &[-1.0, 0.5, 0.84]);
     assert!(
         matches!(&found[0], Tryout::Refused(message) if message.contains("eccentricity_mm")),
@@ -196,7 +196,7 @@ fn values_of_a_key_are_tried_without_changing_the_design() {
     );
     assert_eq!(found[1], Tryout::Errors(Vec::new()));
     assert!(!matches!(&found[2], Tryout::Errors(codes) if codes.is_empty()), "{found:?}");
-    assert_eq!(session.look(&[], Duration::ZERO).state.text, before);
+    assert_eq!(session.look(&[], Duration::ZERO).state.design.text(), before);
 }
 
 /// What was computed for a design is there again, byte by byte, after going away and back.

@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use arcmin::analyses::life::Life;
 use arcmin::analyses::stage::{self, AnyDesign};
 use arcmin::analyses::{Analysis, AnalysisError, Host, Origin, Wanting, by_name};
 use arcmin::design::InputFile;
@@ -115,9 +114,7 @@ pub fn answer(
             "film" => answer = json!({ "status": "done", "film": answers::film(&outcome.tables()) }),
             "life" => {
                 answer["table"] = answers::table(outcome.tables().iter().find(|table| table.name == "life"));
-                if let Some(life) = outcome.as_any().downcast_ref::<Life>() {
-                    answer["ages"] = answers::ages(life, &host)?;
-                }
+                answer["ages"] = answers::ages(outcome.as_ref(), &state.design, &host)?;
             }
             _ => {}
         }

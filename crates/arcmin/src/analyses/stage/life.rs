@@ -76,7 +76,8 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<S
     };
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
     let service_life = demands.limits.service_life;
-    let prediction = predict_course(course, &whole, service_life, settings, host, |_| ())?;
+    let prediction =
+        predict_course(course, &whole, service_life, settings, host, |state| host.reached(state))?;
     clock.stage("prediction");
     let bearings = bearing_lives(design, &demands)?;
     clock.stage("bearings");
