@@ -157,10 +157,12 @@ try {
   await known(phone.page, 'life');
   await phone.page.waitForFunction(() => window.explorer.app.frames.length > 0);
   await phone.page.waitForSelector('[data-key="disc.width_mm"]');
-  await agrees(phone.page, [['contact'], ['check'], ['rig']]);
+  await known(phone.page, 'rig');
+  await agrees(phone.page, [['contact'], ['check'], ['rig'], ['life']]);
   assert.equal(await phone.page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true, 'nothing sticks out on a phone');
   assert.equal(await phone.page.locator('#run').textContent(), 'Step');
-  assert.match(await phone.page.locator('#life-status').textContent(), /RV reducers only/);
+  await phone.page.locator('#hours').fill('7');
+  await phone.page.waitForFunction(() => window.explorer.app.age === 7);
   await phone.page.screenshot({ path: join(pictures, 'phone-dark.png'), fullPage: true });
   const [view, keys] = await phone.page.evaluate(() => ['.view', '#keys'].map((one) => document.querySelector(one).getBoundingClientRect().top));
   assert.ok(keys > view, 'controls stand below the view');
