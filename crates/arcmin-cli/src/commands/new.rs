@@ -217,6 +217,15 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
 fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
     let path = one_file("--family", "`arcmin new --family eccentric … my-drive.toml`", matches)?;
     let of = |name: &str| matches.get_one::<f64>(name).copied();
+    // Clap asks for `--like` only where nothing excludes it.
+    if let Some((name, _)) = SHEET.iter().find(|(name, _)| of(name).is_some()) {
+        return Err(Failure::Usage {
+            message: format!(
+                "--{name} belongs to --like, and --family proposes a drive without a data sheet"
+            ),
+            help: format!("leave out --{name}"),
+        });
+    }
     let missing: Vec<String> =
         SIZE.iter().filter(|(name, _)| of(name).is_none()).map(|(name, _)| format!("--{name}")).collect();
     let (Some(ratio), Some(torque), Some(outer_diameter_mm)) =

@@ -104,7 +104,13 @@ fn single_stages_are_known_to_some_commands() {
     let sum = part("ring_arcmin") + part("eccentric_bearing_arcmin") + part("output_arcmin");
     assert!((part("total_arcmin") - sum).abs() < 1e-9 && summary["ratio"] == -19.0, "{summary}");
     good(d, &["export", "profile", "s.toml", "--format", "dxf", "--out", "e"]);
-    for arguments in [&["life", "s.toml"][..], &["wear", "s.toml"], &["export", "joint", "s.toml"]] {
+    good(d, &["life", "s.toml", "--points", "4", "--quasi-static", "--out", "l"]);
+    let life: serde_json::Value = serde_json::from_str(&read(d, "l/summary.json")).unwrap();
+    assert!(life["verdict"]["ok"] == true && life["hours_to_limit"].as_f64().unwrap() > 2000.0, "{life}");
+    assert_eq!(read(d, "l/life.csv").lines().count(), 6);
+    assert!(refused(d, &["life", "s.toml", "--bodies", "elastic"]).contains("\"rigid\""));
+    assert!(refused(d, &["life", "s.toml", "--band"]).contains("--band"));
+    for arguments in [&["simulate", "s.toml"][..], &["tao2024", "s.toml"], &["export", "joint", "s.toml"]] {
         let said = refused(d, arguments);
         assert!(said.contains("RV reducers only") && said.contains("single stages are known to"), "{said}");
     }

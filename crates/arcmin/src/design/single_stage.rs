@@ -20,12 +20,9 @@ use super::variation::Variations;
 use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
 use crate::geometry::Profile;
-use crate::machine::{
-    Bore, DutyPoint, Limits, OutputForces, OutputPins, PinMounting, SingleStage, StageFriction, Wear,
-};
+use crate::machine::{Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageFriction, Wear};
 use crate::materials::Material;
 use crate::units::{MM, UM};
-use crate::wear::{WearCase, largest_torque};
 
 section! {
     /// Eccentrics in the middle of the input shaft, one per disc, spread equally over one turn.
@@ -227,27 +224,9 @@ impl StageDesign {
         self.written.file_name()
     }
 
-    /// What wears, and by which law; `None` where the file gives no wear.
-    pub fn wear_case(&self) -> Option<WearCase> {
-        let (stage, rated, duty) = (&self.stage, self.rated(), self.duty_points());
-        // Forces on the output are not part of the model.
-        let duty: Vec<DutyPoint> =
-            duty.into_iter().map(|row| DutyPoint { forces: OutputForces::default(), ..row }).collect();
-        Some(WearCase {
-            profile: stage.profile.clone(),
-            contact: stage.contact,
-            designed: stage.relief.clone(),
-            disc_count: stage.phases.len(),
-            disc_width: *self.disc.width_mm * MM,
-            pin_radius: stage.ring_pin_radius,
-            pin_mounting: *self.ring.pin_mounting,
-            wear: self.wear.clone()?,
-            rated_torque: rated.torque,
-            largest_force: stage.ring_force(largest_torque(&duty) * self.seen_from_ring()),
-            duty,
-            lost_motion: self.limits().lost_motion,
-            flank_friction: self.friction().0.ring,
-        })
+    /// Wear of flanks and ring pins, where the file gives it.
+    pub fn wear(&self) -> Option<&Wear> {
+        self.wear.as_ref()
     }
 
     /// The drive in SI units, its ring at rest.

@@ -4,9 +4,11 @@ use crate::analyses::AnalysisError;
 use crate::design::StageDesign;
 use crate::dynamics::{SingleStageJoints, StageMeshing};
 use crate::life::Course;
+use crate::machine::{DutyPoint, OutputForces};
 use crate::progress::Progress;
+use crate::units::MM;
 use crate::wear::calibrate::coupled_exposure;
-use crate::wear::{CoupledOptions, CoupledWear, WearCase};
+use crate::wear::{CoupledOptions, CoupledWear, WearCase, largest_torque};
 
 /// The new drive.
 ///
@@ -22,11 +24,31 @@ pub(super) fn meshing(design: &StageDesign) -> Result<StageMeshing, AnalysisErro
 /// # Errors
 /// [`AnalysisError::Usage`] where the design gives no wear.
 fn wear_case(design: &StageDesign) -> Result<WearCase, AnalysisError> {
-    design.wear_case().ok_or_else(|| {
+    let wear = design.wear().ok_or_else(|| {
         AnalysisError::usage(
             "the design gives no wear coefficient, so its wear cannot be computed",
             "add [wear.coupled] with coefficient_per_pa, or with after_h and depth_um of a drive that was measured",
         )
+    })?;
+    let (stage, rated) = (design.stage(), design.rated());
+    // Forces on the output are not part of the model.
+    let duty =
+        design.duty_points().into_iter().map(|row| DutyPoint { forces: OutputForces::default(), ..row });
+    let duty: Vec<DutyPoint> = duty.collect();
+    Ok(WearCase {
+        profile: stage.profile.clone(),
+        contact: stage.contact,
+        designed: stage.relief.clone(),
+        disc_count: stage.phases.len(),
+        disc_width: *design.disc.width_mm * MM,
+        pin_radius: stage.ring_pin_radius,
+        pin_mounting: *design.ring.pin_mounting,
+        wear: wear.clone(),
+        rated_torque: rated.torque,
+        largest_force: stage.ring_force(largest_torque(&duty) * design.seen_from_ring()),
+        duty,
+        lost_motion: design.limits().lost_motion,
+        flank_friction: design.friction().0.ring,
     })
 }
 
