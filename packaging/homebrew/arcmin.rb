@@ -2,27 +2,27 @@
 class Arcmin < Formula
   desc "Accuracy, wear and dynamics of RV (cycloidal) reducers"
   homepage "https://repository.invalid/arcmin"
-  version "0.1.0"
+  version "0.2.0"
   license any_of: ["MIT", "Apache-2.0"]
 
   on_macos do
     on_arm do
-      url "https://repository.invalid/arcmin/releases/download/v0.1.0/arcmin-0.1.0-aarch64-apple-darwin.tar.gz"
+      url "https://repository.invalid/arcmin/releases/download/v0.2.0/arcmin-0.2.0-aarch64-apple-darwin.tar.gz"
       sha256 "0000000000000000000000000000000000000000000000000000000000000000"
     end
     on_intel do
-      url "https://repository.invalid/arcmin/releases/download/v0.1.0/arcmin-0.1.0-x86_64-apple-darwin.tar.gz"
+      url "https://repository.invalid/arcmin/releases/download/v0.2.0/arcmin-0.2.0-x86_64-apple-darwin.tar.gz"
       sha256 "0000000000000000000000000000000000000000000000000000000000000000"
     end
   end
 
   on_linux do
     on_arm do
-      url "https://repository.invalid/arcmin/releases/download/v0.1.0/arcmin-0.1.0-aarch64-unknown-linux-gnu.tar.gz"
+      url "https://repository.invalid/arcmin/releases/download/v0.2.0/arcmin-0.2.0-aarch64-unknown-linux-gnu.tar.gz"
       sha256 "0000000000000000000000000000000000000000000000000000000000000000"
     end
     on_intel do
-      url "https://repository.invalid/arcmin/releases/download/v0.1.0/arcmin-0.1.0-x86_64-unknown-linux-gnu.tar.gz"
+      url "https://repository.invalid/arcmin/releases/download/v0.2.0/arcmin-0.2.0-x86_64-unknown-linux-gnu.tar.gz"
       sha256 "0000000000000000000000000000000000000000000000000000000000000000"
     end
   end
