@@ -168,8 +168,10 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
     assert contact.summary["max_output_pin_force_n"] > 0
     assert len(contact.tables["output_pins"]["force_n"]) == 12 * 2 * 6
     assert arcmin.rig(path, positions=2, te_positions=12).summary["lost_motion_arcmin"] > 16
-    for analysis in (arcmin.wear, arcmin.life, arcmin.simulate):
-        with pytest.raises(arcmin.OptionError, match="RV reducers only"):
-            analysis(stage)
+    life = arcmin.life(stage, points=4)
+    assert life.verdict.ok and len(life.tables["life"]["hours"]) == 5
+    assert arcmin.wear(stage, hours=100, points=1).summary["max_depth_um"] > 0
+    with pytest.raises(arcmin.OptionError, match="RV reducers only"):
+        arcmin.simulate(stage)
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):
         arcmin.Simulation(stage)
