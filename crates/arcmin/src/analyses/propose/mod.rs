@@ -117,7 +117,8 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
         }
         if width_mm > widest {
             let message = format!(
-                "{cause}; discs of {width_mm} mm would do, the widest are {widest} mm, a quarter of the outer diameter"
+                "{cause}; discs of {width_mm} mm would do, the widest are {widest} mm, {} of the outer diameter",
+                proposal.demand.process.making().widest
             );
             return Ok(Err(Shortfall { message, excess: width_mm / widest, is_bending: false }));
         }
