@@ -76,7 +76,7 @@ const PRINTED: Making = Making {
     housing: 0.08,
     eccentricity_mm: 0.5,
     width_mm: 5.0,
-    widest: 0.4,
+    widest: 0.45,
     is_hardened: false,
     tolerances: &[
         ("pin_position_um", 100.0),

@@ -453,9 +453,14 @@ impl Proposal {
         self.output_mm[0] * MM
     }
 
+    /// Widest disc over the outer diameter.
+    pub(super) fn widest_share(&self) -> f64 {
+        self.demand.process.making().widest
+    }
+
     /// Widest disc, mm.
     pub(super) fn widest_mm(&self) -> f64 {
-        (2.0 * self.demand.process.making().widest * self.demand.outer_diameter_mm).floor() / 2.0
+        (2.0 * self.widest_share() * self.demand.outer_diameter_mm).floor() / 2.0
     }
 
     /// The design file with discs of this width; `notes` stand in its head.
