@@ -117,7 +117,8 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
         }
         if width_mm > widest {
             let message = format!(
-                "{cause}; discs of {width_mm} mm would do, the widest are {widest} mm, a quarter of the outer diameter"
+                "{cause}; discs of {width_mm} mm would do, the widest are {widest} mm, {} of the outer diameter",
+                proposal.widest_share()
             );
             return Ok(Err(Shortfall { message, excess: width_mm / widest, is_bending: false }));
         }
@@ -199,7 +200,7 @@ fn reach(demand: &Demand, host: &dyn Host) -> Result<String, AnalysisError> {
                 return Ok(format!(
                     "In {} mm the rules reach about {} N m; beyond that, {}.",
                     demand.outer_diameter_mm,
-                    digits(most),
+                    said_torque(demand, most, host)?,
                     shortfall.message
                 ));
             }
@@ -213,6 +214,19 @@ fn digits(value: f64) -> f64 {
     let unit = 10_f64.powi(value.log10().floor() as i32 - 1);
     let floor = (value / unit * (1.0 + 1e-9)).floor() * unit;
     format!("{floor:.3e}").parse().unwrap_or(floor)
+}
+
+/// A torque of two digits that the rules reach, from one that they reach: where standard sizes jump, a smaller torque may be
+/// out of reach while a larger one is not.
+fn said_torque(demand: &Demand, most: f64, host: &dyn Host) -> Result<f64, AnalysisError> {
+    let mut torque = digits(most);
+    for _ in 0..HALVINGS {
+        if fit(&Demand { torque, ..*demand }, host)?.is_ok() {
+            break;
+        }
+        torque = digits(0.97 * torque);
+    }
+    Ok(torque)
 }
 
 /// What to say of a demand that no drive meets: what fails, and what would do.
@@ -241,7 +255,7 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
         let next = 0.5 * torque;
         if fit(&lighter(next), host)?.is_ok() {
             let most = between(next, (torque, shortfall.clone()), lighter, host)?.0;
-            remedies.push(format!("{} N m", digits(most)));
+            remedies.push(format!("{} N m", said_torque(demand, most, host)?));
             break;
         }
         torque = next;

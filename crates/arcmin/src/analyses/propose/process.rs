@@ -45,6 +45,8 @@ pub(super) struct Making {
     pub eccentricity_mm: f64,
     /// Least width of a disc, mm.
     pub width_mm: f64,
+    /// Widest disc over the outer diameter, an assumption: wide discs cost little where they are printed.
+    pub widest: f64,
     /// Needles may run in the bore of the disc; else ball bearings alone are pressed into it.
     pub is_hardened: bool,
     /// Keys of `[tolerances]` with their values, and where they are from.
@@ -74,6 +76,7 @@ const PRINTED: Making = Making {
     housing: 0.08,
     eccentricity_mm: 0.5,
     width_mm: 5.0,
+    widest: 0.45,
     is_hardened: false,
     tolerances: &[
         ("pin_position_um", 100.0),
@@ -106,6 +109,7 @@ const CUT: Making = Making {
     housing: 0.06,
     eccentricity_mm: 0.1,
     width_mm: 3.0,
+    widest: 0.25,
     is_hardened: true,
     tolerances: &[
         ("pin_position_um", 4.0),

@@ -114,8 +114,6 @@ const LEAST_SHAFT_MM: f64 = 3.0;
 const SHAFT_STRESS: f64 = 30.0 * MPA;
 /// Alternating bending of hardened output pins, Pa.
 pub(super) const BENDING: f64 = 300.0 * MPA;
-/// Widest disc over the outer diameter.
-pub(super) const WIDEST: f64 = 0.25;
 /// With gaps fewer pins carry: largest force of an output pin over that of equal springs, at first guess.
 const FEWER_CARRY: f64 = 2.0;
 
@@ -324,14 +322,15 @@ impl Teeth {
                     let by_holes =
                         force * curvature * modulus(making) / (PI * (making.pressure_mpa * MPA).powi(2));
                     let width = self.width.max(by_holes).max(bearing.width * MM).max(making.width_mm * MM);
-                    let widest = WIDEST * demand.outer_diameter_mm;
+                    let widest = making.widest * demand.outer_diameter_mm;
                     if width / MM > widest {
                         let message = format!(
                             "contact-pressure: by the closed forms ring pins ask for discs of {:.1} mm, output pins for {:.1} mm, the \
-                             bearing for {} mm; the widest are {widest} mm, a quarter of the outer diameter",
+                             bearing for {} mm; the widest are {widest} mm, {} of the outer diameter",
                             self.width / MM,
                             by_holes / MM,
-                            bearing.width
+                            bearing.width,
+                            making.widest
                         );
                         short.note(4, Shortfall::new(message, width / MM / widest));
                         continue;
@@ -454,9 +453,14 @@ impl Proposal {
         self.output_mm[0] * MM
     }
 
+    /// Widest disc over the outer diameter.
+    pub(super) fn widest_share(&self) -> f64 {
+        self.demand.process.making().widest
+    }
+
     /// Widest disc, mm.
     pub(super) fn widest_mm(&self) -> f64 {
-        (2.0 * WIDEST * self.demand.outer_diameter_mm).floor() / 2.0
+        (2.0 * self.widest_share() * self.demand.outer_diameter_mm).floor() / 2.0
     }
 
     /// The design file with discs of this width; `notes` stand in its head.
