@@ -169,7 +169,9 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
     assert len(contact.tables["output_pins"]["force_n"]) == 12 * 2 * 6
     assert arcmin.rig(path, positions=2, te_positions=12).summary["lost_motion_arcmin"] > 16
     life = arcmin.life(stage, points=4)
-    assert life.verdict.ok and len(life.tables["life"]["hours"]) == 5
+    # The wider holes of above open more than the 20 arcmin that the design allows.
+    assert not life.verdict.ok and life.verdict.limited_by == "lost_motion"
+    assert len(life.tables["life"]["hours"]) == 5
     assert arcmin.wear(stage, hours=100, points=1).summary["max_depth_um"] > 0
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):
         arcmin.simulate(stage)
