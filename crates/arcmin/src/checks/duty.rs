@@ -1,12 +1,12 @@
 use super::{Finding, Severity, severity_if};
-use crate::machine::{Machine, WearCoefficient};
+use crate::machine::{DutyPoint, Machine, WearCoefficient};
 
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     vec![overload(machine), coefficient(machine)]
 }
 
 fn overload(machine: &Machine) -> Finding {
-    let largest = machine.duty.iter().map(|point| point.torque.abs()).fold(0.0, f64::max);
+    let largest = DutyPoint::largest_torque(&machine.duty);
     let limit = 2.5 * machine.rated.torque;
     Finding {
         code: "duty-torque",

@@ -285,6 +285,12 @@ impl StageDesign {
         if self.is_driven_housing() { profile.lobe_count() as f64 / profile.pin_count as f64 } else { 1.0 }
     }
 
+    /// Turns of the eccentrics against their discs for one of the input: 1 + 1/z_c, or 1 where the output is at rest and
+    /// the discs do not turn.
+    pub fn eccentric_turns(&self) -> f64 {
+        if self.is_driven_housing() { 1.0 } else { 1.0 + 1.0 / self.stage.profile.lobe_count() as f64 }
+    }
+
     /// As [`Design::canonical`](super::Design::canonical).
     pub fn canonical(&self) -> String {
         super::canonical(&self.sections)
@@ -312,7 +318,7 @@ impl StageDesign {
 pub(super) fn not_yet(tree: &Branch, source: &Source) -> Box<DesignError> {
     let message = "this command computes RV reducers only, and the file describes a single stage (family \"eccentric\")";
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
-    let hint = "single stages are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `life` and `export profile`";
+    let hint = "single stages are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `life`, `study`, `explore` and `export profile`";
     field::with_path(contradiction(source, &place, message.to_owned(), hint), tree)
 }
 

@@ -3,7 +3,7 @@
 use super::extremes::{Extremes, extremes};
 use crate::geometry::Relief;
 use crate::load::{FlankForce, LoadError, PinLoad, ShareLoad, Spot};
-use crate::machine::OutputAngle;
+use crate::machine::{DutyPoint, OutputAngle};
 use crate::wear::{WearCase, WearError};
 
 /// What a state of wear makes of errors under load, forces and pressures.
@@ -124,7 +124,7 @@ pub fn accuracy<S: ShareLoad>(
     let alike = meshing.discs_alike();
     let count = positions(meshing, crank_positions);
     let cycle = meshing.loaded_cycle(case.rated_torque, count)?;
-    let extremes = match case.hardest_torque() {
+    let extremes = match DutyPoint::hardest_torque(case.rated_torque, &case.duty) {
         torque if torque == case.rated_torque => extremes(meshing, torque, &cycle),
         torque => hardest(meshing, torque, crank_positions)?,
     };

@@ -112,7 +112,7 @@ pub struct Course<S: ShareLoad, P: PartsBeside> {
     exposure: Exposure,
     hours: f64,
     /// h; intervals are shares of it.
-    service_life: f64,
+    service_hours: f64,
     way: Way,
 }
 
@@ -195,7 +195,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
             parts,
             exposure,
             hours: 0.0,
-            service_life: service_life / HOUR,
+            service_hours: service_life / HOUR,
             way: Way::new(),
         }
     }
@@ -208,6 +208,11 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
     /// The wear coefficient over time.
     pub fn exposure(&self) -> &Exposure {
         &self.exposure
+    }
+
+    /// Planned service life in h.
+    pub fn service_hours(&self) -> f64 {
+        self.service_hours
     }
 
     pub fn hours(&self) -> f64 {
@@ -239,7 +244,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
     /// # Errors
     /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` where the machine is past use.
     pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
-        let interval = self.service_life / INTERVALS as f64;
+        let interval = self.service_hours / INTERVALS as f64;
         while self.hours < hours {
             let next = (((self.hours / interval) + 1e-9).floor() + 1.0) * interval;
             let next = next.min(hours);

@@ -11,7 +11,7 @@ use crate::fidelity::Fidelity;
 use crate::load::ShareLoad;
 use crate::machine::{Machine, OutputAngle};
 use crate::progress::{Counter, Progress};
-use crate::units::{HOUR, UM};
+use crate::units::UM;
 use crate::wear::{CoupledOptions, Exposure, WearCase, WearError};
 
 /// The machine at one time of its life.
@@ -107,10 +107,10 @@ pub fn predict(
 ) -> Result<Prediction, AnalysisError> {
     let course = MachineCourse::new(machine, fidelity, options.wear)?;
     let whole = MachineInBearings::new(machine, fidelity.in_bearings(machine)?);
-    predict_course(course, &whole, machine.limits.service_life, options, progress, seen)
+    predict_course(course, &whole, options, progress, seen)
 }
 
-/// Follows the coupled wear over the service life (s) and on until the limit of the lost motion is reached or
+/// Follows the coupled wear over the service life and on until the limit of the lost motion is reached or
 /// `search_factor` service lives are over. `seen` is shown every state as soon as it is reached: what is
 /// computed from it can begin before the prediction ends.
 ///
@@ -119,13 +119,12 @@ pub fn predict(
 pub fn predict_course<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
     mut course: Course<S, P>,
     whole: &W,
-    service_life: f64,
     options: LifeOptions,
     progress: &dyn Progress,
     mut seen: impl FnMut(&WornState),
 ) -> Result<Prediction, AnalysisError> {
     let failed = || AnalysisError::wear("predict the wear");
-    let service_hours = service_life / HOUR;
+    let service_hours = course.service_hours();
     let case = course.case().clone();
     let mut states = Vec::with_capacity(options.intervals + 1);
     let mut runs_away = None;
@@ -165,8 +164,7 @@ pub fn predict_course<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
     let mut lost_motion: Vec<(f64, f64)> =
         points.iter().map(|point| (point.hours(), point.lost_motion.radians())).collect();
     let (beyond, searched_hours) = match runs_away {
-        None => search_limit(&mut course, whole, service_hours, options, &mut lost_motion, progress)
-            .map_err(failed())?,
+        None => search_limit(&mut course, whole, options, &mut lost_motion, progress).map_err(failed())?,
         Some(RunAway { hours, .. }) => (None, hours),
     };
     let hours_to_limit = crossing(&lost_motion, case.lost_motion);
@@ -229,12 +227,11 @@ fn follow<S: ShareLoad + Clone, W: WholeDrive>(
 fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
     course: &mut Course<S, P>,
     whole: &W,
-    service_hours: f64,
     options: LifeOptions,
     history: &mut Vec<(f64, f64)>,
     progress: &dyn Progress,
 ) -> Result<(Option<WornState>, f64), WearError> {
-    let limit = course.case().lost_motion;
+    let (limit, service_hours) = (course.case().lost_motion, course.service_hours());
     let furthest = options.search_factor.max(1.0) * service_hours;
     let (mut beyond, mut searched_hours) = (None, service_hours);
     let mut whole = whole.clone();
@@ -277,6 +274,7 @@ mod tests {
     use super::*;
     use crate::machine::ManufacturingErrors;
     use crate::progress::Silent;
+    use crate::units::HOUR;
 
     #[test]
     fn life_starts_new_and_loses_accuracy_monotonically() {

@@ -100,18 +100,12 @@ pub struct Limits {
 impl Machine {
     /// Whether anything but the torque acts on the output in its duty.
     pub fn duty_tilts(&self) -> bool {
-        self.duty.iter().any(|row| !row.forces.is_zero())
+        DutyPoint::any_tilts(&self.duty)
     }
 
-    /// The largest torque of rating and duty in N·m, with its sign; that of the rating where several are as large.
+    /// As [`DutyPoint::hardest_torque`].
     pub fn hardest_torque(&self) -> f64 {
-        let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
-        self.duty.iter().map(|row| row.torque).fold(self.rated.torque, harder)
-    }
-
-    /// Share of the duty in which the input stands still.
-    pub fn rest_share(&self) -> f64 {
-        self.duty.iter().filter(|row| row.input_speed == 0.0).map(|row| row.share).sum()
+        DutyPoint::hardest_torque(self.rated.torque, &self.duty)
     }
 
     /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of

@@ -245,6 +245,22 @@ impl DutyPoint {
     pub fn wears(&self) -> bool {
         self.torque != 0.0 && self.input_speed != 0.0 && self.share > 0.0
     }
+
+    /// Whether a row of a duty tilts or pulls the output.
+    pub fn any_tilts(duty: &[DutyPoint]) -> bool {
+        duty.iter().any(|row| !row.forces.is_zero())
+    }
+
+    /// Largest size of a torque of a duty in N·m.
+    pub fn largest_torque(duty: &[DutyPoint]) -> f64 {
+        duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max)
+    }
+
+    /// The largest torque of rating and duty in N·m, with its sign; that of the rating where several are as large.
+    pub fn hardest_torque(rated: f64, duty: &[DutyPoint]) -> f64 {
+        let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
+        duty.iter().map(|row| row.torque).fold(rated, harder)
+    }
 }
 
 /// How flanks, pins and the parts behind them wear.

@@ -147,11 +147,16 @@ pub fn bearing_loads(
         let mean = carried[index].iter().map(|f| f.powf(power)).sum::<f64>() / positions.max(1) as f64;
         let equivalent = mean.powf(1.0 / power);
         let rating = dynamic_load_rating(bearing);
-        let life = 1e6 * (rating / equivalent).powf(power) / turns_per_second;
+        let life = rating_life(bearing, equivalent, turns_per_second);
         let (largest_element, axial) = (largest[index], axial[index]);
         BearingLoad { name, forces, largest_element, axial, equivalent, rating, life }
     };
     Ok(names.into_iter().zip(forces).enumerate().map(load).collect())
+}
+
+/// Basic rating life in s under an equivalent load (N), L10 = (C/P)^p 10⁶ turns [ISO 281].
+pub fn rating_life(bearing: &RollerBearing, equivalent: f64, turns_per_second: f64) -> f64 {
+    1e6 * (dynamic_load_rating(bearing) / equivalent).powf(bearing.kind.life_exponent()) / turns_per_second
 }
 
 impl BearingLoad {

@@ -25,7 +25,7 @@ mod tests;
 mod transmission;
 
 pub use crate::load::LOST_MOTION_SHARE;
-pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating};
+pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating, rating_life};
 pub use bodies::{BodyCompliance, body_compliance};
 pub use efficiency::{EfficiencyMap, LossLine, efficiency_map, loss_lines};
 pub use heat::{HeatBalance, Steady, heat_balance};

@@ -36,22 +36,6 @@ impl WearCase {
     pub fn pin_count(&self) -> usize {
         self.profile.pin_count
     }
-
-    /// Whether a row of the duty tilts or pulls the output.
-    pub fn duty_tilts(&self) -> bool {
-        self.duty.iter().any(|row| !row.forces.is_zero())
-    }
-
-    /// The largest torque of rating and duty in N·m, with its sign; that of the rating where several are as large.
-    pub fn hardest_torque(&self) -> f64 {
-        let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
-        self.duty.iter().map(|row| row.torque).fold(self.rated_torque, harder)
-    }
-}
-
-/// The largest size of a torque of the duty in N·m.
-pub(crate) fn largest_torque(duty: &[DutyPoint]) -> f64 {
-    duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max)
 }
 
 impl From<&Machine> for WearCase {
@@ -67,7 +51,7 @@ impl From<&Machine> for WearCase {
             wear: machine.wear.clone(),
             rated_torque: machine.rated.torque,
             duty: machine.duty.clone(),
-            largest_force: first_max_force(machine, largest_torque(&machine.duty)),
+            largest_force: first_max_force(machine, DutyPoint::largest_torque(&machine.duty)),
             lost_motion: machine.limits.lost_motion,
             flank_friction: machine.flank_friction(),
         }

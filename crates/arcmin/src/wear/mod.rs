@@ -18,7 +18,6 @@ mod readings;
 mod smoothing;
 
 pub use case::WearCase;
-pub(crate) use case::largest_torque;
 pub(crate) use coupled::depth_past_use;
 pub use coupled::{CoupledOptions, CoupledWear, WearSnapshot};
 pub use deposit::FlankArc;

@@ -83,17 +83,17 @@ impl Guard {
         let mut parsed = httparse::Request::new(&mut headers);
         match parsed.parse(head) {
             Ok(httparse::Status::Complete(_)) => {}
-            _ => return Err(refusal(400, "this is no request")),
+            _ => return Err(refusal(400, "the request is malformed")),
         }
         let (Some(method), Some(target)) = (parsed.method, parsed.path) else {
-            return Err(refusal(400, "this is no request"));
+            return Err(refusal(400, "the request is malformed"));
         };
         let mut all = parsed.headers.iter();
         let of = |name: &str| {
             let mut found = parsed.headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
             match (found.next(), found.next()) {
                 (first, None) => Ok(first.map(|header| header.value)),
-                _ => Err(refusal(400, "a header stands twice")),
+                _ => Err(refusal(400, "a header is given twice")),
             }
         };
         let host = of("host")?.and_then(|host| std::str::from_utf8(host).ok());
@@ -121,14 +121,14 @@ impl Guard {
             ));
         }
         if all.any(|header| header.name.eq_ignore_ascii_case("transfer-encoding")) {
-            return Err(refusal(411, "the length of the body has to be said"));
+            return Err(refusal(411, "Content-Length is missing"));
         }
         let length = match of("content-length")? {
             None => 0,
             Some(digits) => {
                 let text = std::str::from_utf8(digits).unwrap_or_default();
                 if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
-                    return Err(refusal(400, "the length of the body is no number"));
+                    return Err(refusal(400, "Content-Length is not a number"));
                 }
                 match text.parse::<usize>() {
                     Ok(length) if length <= LARGEST_BODY => length,
@@ -142,7 +142,7 @@ impl Guard {
     /// Reads a request.
     ///
     /// # Errors
-    /// `None` where nobody is left to be told.
+    /// `None` where the connection is closed.
     fn read(&self, stream: &mut TcpStream) -> Result<Request, Option<Refusal>> {
         let until = Instant::now() + PATIENCE;
         let mut read = |buffer: &mut [u8]| -> Result<usize, Option<Refusal>> {
@@ -238,7 +238,7 @@ impl Reply<'_> {
             let messages = next();
             let mut text: String = messages.iter().map(|message| format!("data: {message}\n\n")).collect();
             if text.is_empty() {
-                // A remark, which fails where nobody listens any more.
+                // A comment line: writing it fails once the client has gone.
                 text.push_str(":\n\n");
             }
             if self.stream.write_all(text.as_bytes()).and_then(|()| self.stream.flush()).is_err() {

@@ -176,14 +176,14 @@ fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> 
         write_file(&path, &bytes).map_err(|failure| (500, failure.to_string()))?;
         return Ok(path);
     }
-    // Taken first, so that nobody else's file of this name is lost.
+    // The name is reserved first: a file that another program creates meanwhile is not overwritten.
     match std::fs::OpenOptions::new().write(true).create_new(true).open(&path) {
         Ok(_) => {}
         Err(cause) if cause.kind() == std::io::ErrorKind::AlreadyExists => return Err(exists()),
         Err(cause) => return Err((500, format!("cannot write {}: {cause}", path.display()))),
     }
     write_file(&path, &bytes).map_err(|failure| {
-        // Only the empty place is left, which nobody misses.
+        // Removes the reserved, empty file.
         let _ = std::fs::remove_file(&path);
         (500, failure.to_string())
     })?;

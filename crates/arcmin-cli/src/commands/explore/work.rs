@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use arcmin::analyses::stage::{self, AnyDesign};
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::{Analysis, AnalysisError, Host, Origin, Wanting, by_name};
 use arcmin::design::InputFile;
 use arcmin::life::WornState;
@@ -75,13 +75,7 @@ const LEFT_OUT_OF_LIFE: [&str; 4] = ["hours_band", "hangs_on", "advice", "verdic
 
 /// Results that an answer needs: every figure of the summary, and of the life its tables.
 fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign) -> Vec<&'static str> {
-    let declared = match design {
-        AnyDesign::Rv(_) => (analysis.results)(),
-        AnyDesign::Eccentric(_) => match stage::ALL.iter().find(|known| known.name == analysis.name) {
-            Some(known) => (known.results)(),
-            None => return Vec::new(),
-        },
-    };
+    let Ok(declared) = design.results(analysis) else { return Vec::new() };
     let figures = declared.summary.iter().map(|quantity| quantity.key);
     match name {
         "film" => vec!["contact", "error"],
@@ -129,7 +123,7 @@ pub fn answer(
         Ok(Ok(answer)) => answer,
         Ok(Err(AnalysisError::Stopped | AnalysisError::Interrupted { .. })) => return None,
         Ok(Err(error)) => json!({
-            "status": if is_missing(analysis, &state.design) { "not_available" } else { "failed" },
+            "status": if state.design.results(analysis).is_err() { "not_available" } else { "failed" },
             "error": error.to_string(),
             "hint": error.help(),
         }),
@@ -140,11 +134,6 @@ pub fn answer(
     answer["command"] = json!(command(name, &state.design));
     answer["seconds"] = json!(session.seconds() - started);
     Some(answer.to_string())
-}
-
-/// Whether the family of this design does not have the analysis at all.
-fn is_missing(analysis: &Analysis, design: &AnyDesign) -> bool {
-    matches!(design, AnyDesign::Eccentric(_)) && !stage::ALL.iter().any(|known| known.name == analysis.name)
 }
 
 /// The host of one computation: ends it when another design is looked at.

@@ -141,7 +141,7 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
             about(assumed.without_h)
         ));
     }
-    let rest = life.machine.rest_share();
+    let rest = life.demands.rest_share();
     if rest > 0.0 {
         let hours = life.verdict.hours_to_limit().unwrap_or(service);
         notes.push(format!(

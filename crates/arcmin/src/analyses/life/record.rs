@@ -6,6 +6,7 @@ use super::fatigue::fatigue;
 use super::verdict::{Limit, LimitKind, STATIC_PRESSURE};
 use crate::checks::{CONTACT_PRESSURE, Finding, Severity};
 use crate::life::{LifePoint, Prediction, RunAway, crossing};
+use crate::machine::DutyPoint;
 use crate::units::{ARCMIN, HOUR, MPA, RPM, UM};
 
 /// A value over hours.
@@ -143,7 +144,7 @@ impl Record {
             Some(Limit::new(kind, value, allowed).lasting((value > allowed).then_some(0.0)))
         };
         let (demands, duty) = (&self.demands, &self.demands.duty);
-        let torque = duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max);
+        let torque = DutyPoint::largest_torque(duty);
         let speed = duty.iter().map(|row| demands.output_speed(row) / RPM).fold(0.0, f64::max);
         let fatigue = limits.contact_endurance.map(|endurance| {
             let history: History = self.pressure.iter().map(|(h, pressure)| (*h, pressure * MPA)).collect();

@@ -280,7 +280,7 @@ fn the_hardest_row_of_the_duty_is_judged() {
     let lag = |life: &Life| life.first().accuracy.loaded_error.arcmin();
     assert!((lag(&hard) / lag(&plain) - 1.0).abs() < 1e-6);
     let said = |life: &Life| format!("{:?}", life.said());
-    assert!((hard.machine.rest_share() - 0.2).abs() < 1e-12 && said(&hard).contains("h the machine moves"));
+    assert!((hard.demands.rest_share() - 0.2).abs() < 1e-12 && said(&hard).contains("h the machine moves"));
     assert!(said(&plain).contains("hours in motion, because the duty has no row with speed 0"));
 }
 

@@ -1,5 +1,6 @@
 //! A single stage from ratio, torque and outer diameter: sizes by rules, widths by states of rest.
 
+mod file;
 mod process;
 mod sizes;
 
@@ -31,14 +32,14 @@ const HALVINGS: usize = 5;
 const DOUBLINGS: usize = 12;
 const LARGEST_DIAMETER_MM: f64 = 400.0;
 
-/// A proposal with the width of its discs, and what it is held against.
+/// A proposal with the width of its discs and the checks that it passes.
 struct Fitted {
     proposal: Proposal,
     width_mm: f64,
     checks: Vec<Check>,
 }
 
-/// What is found over its limit, with both in words.
+/// A value over its limit, with both in words.
 struct Check {
     share: f64,
     words: String,
@@ -209,7 +210,7 @@ fn reach(demand: &Demand, host: &dyn Host) -> Result<String, AnalysisError> {
     Ok(format!("In {} mm the rules reach more than {} N m.", demand.outer_diameter_mm, digits(does)))
 }
 
-/// Two digits downward: what is said to do, does.
+/// Rounded down to two digits.
 fn digits(value: f64) -> f64 {
     let unit = 10_f64.powi(value.log10().floor() as i32 - 1);
     let floor = (value / unit * (1.0 + 1e-9)).floor() * unit;
@@ -229,7 +230,7 @@ fn said_torque(demand: &Demand, most: f64, host: &dyn Host) -> Result<f64, Analy
     Ok(torque)
 }
 
-/// What to say of a demand that no drive meets: what fails, and what would do.
+/// The error for a demand that no drive meets: the failing check, and changes that would help.
 fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<AnalysisError, AnalysisError> {
     let mut remedies = Vec::new();
     let wider = |diameter: f64| Demand { outer_diameter_mm: diameter, ..*demand };

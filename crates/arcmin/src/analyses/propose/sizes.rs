@@ -1,4 +1,4 @@
-//! A single stage proposed from what it must do.
+//! Sizes of a single stage from its requirements.
 //!
 //! Rules. The number of lobes is the ratio. The pins stand as far out as the housing leaves room. All combinations are
 //! looked at of K1 from 0.55 to 0.75 in steps of 0.05, of standard dowel pins in the ring, of standard eccentric bearings,
@@ -16,10 +16,10 @@ use crate::design::Choice;
 use crate::geometry::Profile;
 use crate::machine::{RollerBearing, RollerKind, ring_slant};
 use crate::materials::{Material, effective_modulus};
-use crate::rig::dynamic_load_rating;
+use crate::rig::rating_life;
 use crate::units::{HOUR, MM, MPA, UM};
 
-/// What a single stage must do.
+/// Requirements of a single stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Demand {
     /// Turns of the input for one of the output.
@@ -32,10 +32,10 @@ pub struct Demand {
     pub speed_rpm: f64,
 }
 
-/// What no single stage of the rules does.
+/// Why no single stage of the rules meets the requirements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shortfall {
-    /// What fails, in a sentence with numbers.
+    /// The failing check, in a sentence with numbers.
     pub message: String,
     /// Found over the limit, or what is needed over what is there.
     pub excess: f64,
@@ -54,7 +54,7 @@ impl Shortfall {
     }
 }
 
-/// Why a demand is none.
+/// A requirement that has no meaning or is out of range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DemandError {
     #[error("{what} of {value} is outside of {low} to {high}")]
@@ -67,32 +67,32 @@ pub enum DemandError {
 
 /// An eccentric bearing, mm.
 #[derive(Debug, Clone, PartialEq)]
-struct Bearing {
-    name: String,
-    kind: RollerKind,
-    bore: f64,
-    outer: f64,
+pub(super) struct Bearing {
+    pub(super) name: String,
+    pub(super) kind: RollerKind,
+    pub(super) bore: f64,
+    pub(super) outer: f64,
     /// Least width of the disc: it is no narrower than its bearing.
     width: f64,
-    rollers: usize,
-    roller_diameter: f64,
-    clearance_um: f64,
+    pub(super) rollers: usize,
+    pub(super) roller_diameter: f64,
+    pub(super) clearance_um: f64,
 }
 
 /// A single stage with everything but the width of its discs.
 #[derive(Debug, Clone)]
 pub struct Proposal {
-    demand: Demand,
-    lobes: usize,
-    circle_mm: f64,
-    pin_mm: f64,
-    eccentricity_mm: f64,
-    bearing: Bearing,
-    output_count: usize,
-    output_circle_mm: f64,
+    pub(super) demand: Demand,
+    pub(super) lobes: usize,
+    pub(super) circle_mm: f64,
+    pub(super) pin_mm: f64,
+    pub(super) eccentricity_mm: f64,
+    pub(super) bearing: Bearing,
+    pub(super) output_count: usize,
+    pub(super) output_circle_mm: f64,
     /// Diameters of pin and bush.
-    output_mm: [f64; 2],
-    shaft_mm: f64,
+    pub(super) output_mm: [f64; 2],
+    pub(super) shaft_mm: f64,
     /// Width that the closed forms ask for, at least that of the bearing.
     pub width_mm: f64,
     /// Bending stress of the output pins in Pa, with equal springs and this width.
@@ -132,7 +132,7 @@ pub(super) fn pin_bending(force: f64, width: f64, diameter: f64) -> f64 {
 
 impl Demand {
     /// # Errors
-    /// [`DemandError`] for values that are not believable.
+    /// [`DemandError`] for values out of range.
     pub fn check(&self) -> Result<(), DemandError> {
         let within = |what, value: f64, low, high| {
             let inside = (low..=high).contains(&value);
@@ -148,7 +148,7 @@ impl Demand {
     /// The combinations that the rules leave, the best first.
     ///
     /// # Errors
-    /// What is missing where there is none.
+    /// The check that fails, where no combination passes.
     pub fn proposals(&self) -> Result<Vec<Proposal>, Shortfall> {
         let making = self.process.making();
         let mut short = Nearest::default();
@@ -350,9 +350,7 @@ impl Teeth {
                     let across = share / (self.profile.eccentricity * self.lobes as f64);
                     let along = 4.0 * share / (PI * circle * MM) - across * self.slant;
                     let turns = demand.speed_rpm / 60.0 * (1.0 + 1.0 / self.lobes as f64);
-                    let rolling = bearing.rolling();
-                    let ratio = dynamic_load_rating(&rolling) / across.hypot(along);
-                    let life_h = ratio.powf(rolling.kind.life_exponent()) * 1e6 / turns / HOUR;
+                    let life_h = rating_life(&bearing.rolling(), across.hypot(along), turns) / HOUR;
                     found.push(Proposal {
                         demand: *demand,
                         lobes: self.lobes,
@@ -387,7 +385,7 @@ const NEEDLES: f64 = 0.65;
 /// Length of needles over the width of their cage.
 const NEEDLE_LENGTH: f64 = 0.8;
 
-/// What the process takes in the disc.
+/// Bearings that a disc of this process can hold.
 fn bearings(making: &Making) -> Vec<Bearing> {
     let row = |pitch: f64, roller: f64, share: f64| (share * PI * pitch / roller).floor().max(5.0) as usize;
     let needles = NEEDLE_CAGES_MM.iter().filter(|_| making.is_hardened).map(|[bore, outer, width]| {
@@ -420,11 +418,11 @@ fn bearings(making: &Making) -> Vec<Bearing> {
 }
 
 impl Bearing {
-    fn pitch(&self) -> f64 {
+    pub(super) fn pitch(&self) -> f64 {
         0.5 * (self.bore + self.outer)
     }
 
-    fn length(&self) -> Option<f64> {
+    pub(super) fn length(&self) -> Option<f64> {
         (self.kind != RollerKind::Ball).then_some(NEEDLE_LENGTH * self.width)
     }
 
@@ -461,131 +459,5 @@ impl Proposal {
     /// Widest disc, mm.
     pub(super) fn widest_mm(&self) -> f64 {
         (2.0 * self.widest_share() * self.demand.outer_diameter_mm).floor() / 2.0
-    }
-
-    /// The design file with discs of this width; `notes` stand in its head.
-    pub fn text(&self, width_mm: f64, notes: &[String]) -> String {
-        let (demand, making) = (&self.demand, self.demand.process.making());
-        let (process, diameter) = (demand.process.word(), demand.outer_diameter_mm);
-        let (e, circle, pins) = (self.eccentricity_mm, self.circle_mm, self.lobes + 1);
-        let k1 = e * pins as f64 / circle;
-        let [pin, roller] = self.output_mm;
-        let bearing = &self.bearing;
-        let hole = 0.5 * roller + e + making.hole_um * 1e-3;
-        let mut out = format!(
-            "# A single-stage drive proposed from ratio {}, {} N m and an outer diameter of {diameter} mm, discs {process}.\n\
-             # \"asked\": given; \"rule\": by the rules of the chapter on single stages; \"assumed\": neither.\n\
-             # It is a first design: `arcmin check`, `contact` and `rig` say what it does.\n",
-            demand.ratio, demand.torque
-        );
-        for note in notes {
-            out.push_str(&format!("# {note}\n"));
-        }
-        let mut line = |text: &str, why: &str| {
-            if why.is_empty() {
-                out.push_str(&format!("{text}\n"));
-            } else {
-                let before = text.len() - text.trim_start().len();
-                out.push_str(&format!("{}{:<44} # {why}\n", &text[..before], &text[before..]));
-            }
-        };
-        let rule = |why: &str| format!("rule: {why}");
-        line("", "");
-        line(
-            &format!(
-                "name = \"Single stage {} : 1, {} N m, {diameter} mm, {process}\"",
-                demand.ratio, demand.torque
-            ),
-            "",
-        );
-        line("description = \"Proposed from ratio, torque and outer diameter\"", "");
-        line("fixed_member = \"ring\"", "assumed: the output pins turn, against the input");
-        line("\n[drive]\nfamily = \"eccentric\"", "");
-        line("\n[ring]", "");
-        line(&format!("pin_count = {pins}"), &rule("lobes = ratio, one pin more"));
-        line(
-            &format!("pin_circle_radius_mm = {circle}"),
-            &rule(&format!(
-                "half the outer diameter less pin radius and a housing of {} of the diameter",
-                making.housing
-            )),
-        );
-        line(
-            &format!("pin_radius_mm = {}", self.pin_mm),
-            &rule(&format!("dowel pin of {} mm (ISO 8734)", 2.0 * self.pin_mm)),
-        );
-        line(&format!("material = \"{STEEL}\""), "hardened dowel pins");
-        line("pin_mounting = \"fixed\"", "assumed: a fixed pin slides");
-        line("\n[disc]", "");
-        line("count = 2", &rule("two discs balance each other"));
-        line(
-            &format!("width_mm = {width_mm}"),
-            &rule("the least, in steps of 0.5 mm, that keeps the pressure of pins and holes below the limit"),
-        );
-        line(&format!("material = {}", making.disc_text()), making.material_source);
-        line(
-            &format!("crank_bore_diameter_mm = {}", bearing.outer),
-            &rule(&format!("seat of the {}", bearing.name)),
-        );
-        line("\n[disc.modification]", "");
-        line(&format!("equidistant_offset_um = {}", making.profile_um), making.clearance_source);
-        line("\n[eccentric]", "");
-        line(&format!("eccentricity_mm = {e}"), &rule(&format!("K1 = e z_p/R = {k1:.3}, of 0.55 to 0.75")));
-        line("\n[output_pins]", "");
-        line(&format!("count = {}", self.output_count), &rule("of 6 to 12, with walls between the holes"));
-        line(
-            &format!("circle_radius_mm = {}", self.output_circle_mm),
-            &rule("as far outside as the rim under the roots allows"),
-        );
-        line(
-            &format!("pin_radius_mm = {}", 0.5 * pin),
-            &rule("bends with less than 300 MPa; of equal widths the least bending"),
-        );
-        line(
-            &format!("roller_radius_mm = {}", 0.5 * roller),
-            &match roller > pin {
-                true => rule(&format!("bush {pin} x {roller} mm (ISO 3547)")),
-                false => rule("there is no bush for so thin a pin: it slides"),
-            },
-        );
-        line(
-            &format!("hole_clearance_um = {}", making.hole_um),
-            &format!("{}; holes of {:.3} mm diameter", making.clearance_source, 2.0 * hole),
-        );
-        line("support = \"both-ends\"", "assumed: plates on both sides");
-        line(&format!("material = \"{STEEL}\""), "hardened pins and bushes");
-        line("\n[bearings]", "");
-        line(
-            &format!("input_radial_stiffness_n_per_um = {}", making.supports[0]),
-            "assumed, with the seats in the housing",
-        );
-        line(&format!("output_radial_stiffness_n_per_um = {}", making.supports[1]), "likewise");
-        line("\n[bearings.eccentric]", &bearing.name);
-        line(&format!("kind = \"{}\"", bearing.kind.word()), "");
-        line(
-            &format!("roller_count = {}", bearing.rollers),
-            "assumed from the size; take the maker's, and dynamic_load_rating_kn with it",
-        );
-        line(&format!("roller_diameter_mm = {}", bearing.roller_diameter), "likewise");
-        if let Some(length) = bearing.length() {
-            line(&format!("roller_length_mm = {length}"), &rule("0.8 of the width of the cage"));
-        }
-        line(
-            &format!("pitch_diameter_mm = {}", bearing.pitch()),
-            &rule(&format!("bore {} mm leaves a shaft of {:.1} mm", bearing.bore, self.shaft_mm)),
-        );
-        line(&format!("clearance_um = {}", bearing.clearance_um), "assumed: diametral");
-        line("\n[load]", "");
-        line(&format!("rated_torque_n_m = {}", demand.torque), "asked");
-        line(&format!("input_speed_rpm = {}", demand.speed_rpm), "asked, or 600 by default");
-        line("\n[limits]", "");
-        line(&format!("lost_motion_arcmin = {}", making.lost_motion_arcmin), "assumed");
-        line(&format!("contact_pressure_mpa = {}", making.pressure_mpa), making.pressure_source);
-        line(&format!("service_life_h = {}", making.service_life_h), "assumed");
-        line("\n[tolerances]", making.tolerances_source);
-        for (key, value) in making.tolerances {
-            line(&format!("{key} = {value}"), "");
-        }
-        out
     }
 }

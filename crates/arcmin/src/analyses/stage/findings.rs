@@ -7,7 +7,7 @@ use crate::analyses::NoHost;
 use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
 use crate::design::StageDesign;
 use crate::geometry::Relief;
-use crate::rig::dynamic_load_rating;
+use crate::rig::rating_life;
 use crate::units::{HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
@@ -97,12 +97,8 @@ const PRESSURE_POSITIONS: usize = 24;
 fn eccentric_life(design: &StageDesign) -> Finding {
     let stage = design.stage();
     let force = stage.eccentric_force(design.rated().torque * design.seen_from_ring());
-    let bearing = &stage.eccentric;
-    // The disc turns against the input by 1 + 1/z_c turns a turn; where the output is at rest it does not turn itself.
-    let slower = if design.is_driven_housing() { 0.0 } else { 1.0 / stage.profile.lobe_count() as f64 };
-    let relative = design.rated().input_speed.abs() / TAU * (1.0 + slower);
-    let hours =
-        (dynamic_load_rating(bearing) / force).powf(bearing.kind.life_exponent()) * 1e6 / relative / HOUR;
+    let turns_per_second = design.rated().input_speed.abs() / TAU * design.eccentric_turns();
+    let hours = rating_life(&stage.eccentric, force, turns_per_second) / HOUR;
     let limit = design.limits().service_life / HOUR;
     Finding {
         code: "eccentric-bearing-life",

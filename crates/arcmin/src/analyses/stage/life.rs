@@ -75,16 +75,14 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<S
         meshing: meshing(design)?,
     };
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
-    let service_life = demands.limits.service_life;
-    let prediction =
-        predict_course(course, &whole, service_life, settings, host, |state| host.reached(state))?;
+    let prediction = predict_course(course, &whole, settings, host, |state| host.reached(state))?;
     clock.stage("prediction");
     let bearings = bearing_lives(design, &demands)?;
     clock.stage("bearings");
     let record = Record::of(demands.clone(), &prediction, &bearings, &findings, None);
     let verdict = LifeVerdict {
         limits: record.limits(),
-        service_h: service_life / HOUR,
+        service_h: demands.limits.service_life / HOUR,
         searched_h: prediction.searched_hours,
         band: None,
         undecided: Vec::new(),
@@ -103,16 +101,12 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<S
 }
 
 fn demands(design: &StageDesign, past_use: f64) -> Demands {
-    let profile = &design.stage().profile;
-    let (lobes, pins) = (profile.lobe_count() as f64, profile.pin_count as f64);
-    // Seen from the ring the input turns z_c/z_p times as fast where the output is at rest; the disc turns against the
-    // eccentric by 1 + 1/z_c of that.
     Demands {
         limits: design.limits(),
         rated_torque: design.rated().torque,
         duty: design.duty_points(),
         output_per_input: 1.0 / design.ratio(),
-        passes_per_turn: design.seen_from_ring() * pins / lobes,
+        passes_per_turn: design.eccentric_turns(),
         past_use,
     }
 }

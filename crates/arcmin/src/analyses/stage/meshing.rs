@@ -8,7 +8,7 @@ use crate::machine::{DutyPoint, OutputForces};
 use crate::progress::Progress;
 use crate::units::MM;
 use crate::wear::calibrate::coupled_exposure;
-use crate::wear::{CoupledOptions, CoupledWear, WearCase, largest_torque};
+use crate::wear::{CoupledOptions, CoupledWear, WearCase};
 
 /// The new drive.
 ///
@@ -45,7 +45,7 @@ fn wear_case(design: &StageDesign) -> Result<WearCase, AnalysisError> {
         pin_mounting: *design.ring.pin_mounting,
         wear: wear.clone(),
         rated_torque: rated.torque,
-        largest_force: stage.ring_force(largest_torque(&duty) * design.seen_from_ring()),
+        largest_force: stage.ring_force(DutyPoint::largest_torque(&duty) * design.seen_from_ring()),
         duty,
         lost_motion: design.limits().lost_motion,
         flank_friction: design.friction().0.ring,

@@ -168,7 +168,10 @@ fn of(analysis: &Analysis) -> Result<&'static StageAnalysis, AnalysisError> {
 fn rv_only(what: &str) -> AnalysisError {
     AnalysisError::usage(
         format!("`{what}` computes RV reducers only, and the file describes a single stage"),
-        "single stages are known to the commands check, profile, contact, wear, rig and life",
+        format!(
+            "single stages are known to the commands {}, study, explore and export profile",
+            ALL.iter().map(|known| known.name).collect::<Vec<_>>().join(", ")
+        ),
     )
 }
 

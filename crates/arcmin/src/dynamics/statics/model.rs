@@ -11,7 +11,7 @@ const NEWTON_STEPS: usize = 60;
 const EXACTNESS: f64 = 1e-3;
 /// A line search ends when the slope along the step has fallen to this share; between 0.01 and 0.9 it makes no difference.
 const SLOPE_LEFT: f64 = 0.5;
-/// How near to an end of its bracket, as a share of that, a line search goes at most.
+/// Least distance of a trial from either end of the bracket of a line search, as a share of the bracket.
 const NEAR_END: f64 = 0.1;
 /// The proximal term against the largest work of the forces along one unit of scale: it matters for bodies that hang
 /// loose alone, and lets these go a hundred thousand units of scale under the load.
@@ -119,8 +119,8 @@ impl Model {
         }
     }
 
-    /// Fills `step`, over all coordinates, with the minimum of the model at a place that was looked at, within the reach. A
-    /// search that goes beyond the sight, within which contacts are known, ends there. `None` where no step goes along the
+    /// Fills `step`, over all coordinates, with the minimum of the model at an evaluated place, within the reach. Contacts
+    /// are known within the sight only, so a search that leaves it ends there. `None` where no step goes along the
     /// forces.
     pub fn solve<S: System>(
         &mut self,
@@ -284,7 +284,7 @@ impl Model {
                 self.newton_step(system, look, bounds, added)?;
                 Some(slope(self, 0.0)).filter(|first| *first > 0.0)
             })?;
-            // Shares of the step with their slopes: doubled until the slope turns, then by the secant, away from both ends.
+            // Line search on the slope: the share is doubled until the slope changes sign, then found by the secant.
             let (mut low, mut high, mut share) = ([0.0, first], None, 1.0_f64);
             for _ in 0..f64::MANTISSA_DIGITS {
                 let ways = self.moved.iter().zip(&self.newton);
@@ -301,7 +301,7 @@ impl Model {
                 }
                 share = high.map_or(2.0 * share, |[end, against]| {
                     let part = low[1] / (low[1] - against);
-                    // A slope that is not finite leaves the nearer end.
+                    // A slope that is not finite gives no secant: the trial nearest to the lower end is taken.
                     let part = if part > NEAR_END { part.min(1.0 - NEAR_END) } else { NEAR_END };
                     low[0] + part * (end - low[0])
                 });

@@ -152,7 +152,7 @@ impl<S: ShareLoad> CoupledWear<S> {
     /// The pins of every disc at all `tasks`, each started from the last solution at its place. Threads take them as
     /// they come, each with a meshing of its own; no result depends on which.
     fn pin_contacts(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PinContact>>>, WearError> {
-        let (starts, tilts) = (&self.starts, self.case.duty_tilts());
+        let (starts, tilts) = (&self.starts, DutyPoint::any_tilts(&self.case.duty));
         let solve_near = |meshing: &mut S, task: &Task, start: Option<&S::Start>| {
             if tilts {
                 meshing.set_output_forces(task.forces);

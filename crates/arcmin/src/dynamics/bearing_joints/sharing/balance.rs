@@ -55,8 +55,8 @@ impl Deviations {
     }
 }
 
-/// By how much the balance at one place was off what was foretold in a state of wear under a torque: elsewhere the wear
-/// turns the machine about as far.
+/// Error of the forecast at the place asked for last, in one state of wear under one torque. Wear displaces the machine by
+/// about as much at other places, so this error corrects their forecasts.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Missed {
     state: usize,
