@@ -138,7 +138,7 @@ fn single_stages_are_proposed() {
     good(d, &["rig", "s.toml", "--positions", "2", "--te-positions", "12"]);
     let printed = propose(&["--ratio", "11", "--process", "printed-fdm", "--speed-rpm", "300", "p.toml"]);
     let said = refused(d, &[&printed[..], &["--torque-nm", "60"]].concat());
-    assert!(said.contains("carries 60 N m") && said.contains("one of these does"), "{said}");
+    assert!(said.contains("carries 60 N·m") && said.contains("one of these does"), "{said}");
     good(d, &[&printed[..], &["--torque-nm", "4"]].concat());
     assert!(read(d, "p.toml").contains("PLA") && read(d, "p.toml").contains("input_speed_rpm = 300 "));
     for (arguments, words) in [

@@ -15,7 +15,7 @@ impl Proposal {
         let bearing = &self.bearing;
         let hole = 0.5 * roller + e + making.hole_um * 1e-3;
         let mut out = format!(
-            "# A single-stage drive proposed from ratio {}, {} N m and an outer diameter of {diameter} mm, discs {process}.\n\
+            "# A single-stage drive proposed from ratio {}, {} N·m and an outer diameter of {diameter} mm, discs {process}.\n\
              # \"asked\": given; \"rule\": by the rules of the chapter on single stages; \"assumed\": neither.\n\
              # It is a first design: `arcmin check`, `contact` and `rig` say what it does.\n",
             demand.ratio, demand.torque
@@ -35,7 +35,7 @@ impl Proposal {
         line("", "");
         line(
             &format!(
-                "name = \"Single stage {} : 1, {} N m, {diameter} mm, {process}\"",
+                "name = \"Single stage {} : 1, {} N·m, {diameter} mm, {process}\"",
                 demand.ratio, demand.torque
             ),
             "",

@@ -199,7 +199,7 @@ fn reach(demand: &Demand, host: &dyn Host) -> Result<String, AnalysisError> {
             Err(shortfall) => {
                 let (most, shortfall) = between(does, (2.0 * does, shortfall), with, host)?;
                 return Ok(format!(
-                    "In {} mm the rules reach about {} N m; beyond that, {}.",
+                    "In {} mm the rules reach about {} N·m; beyond that, {}.",
                     demand.outer_diameter_mm,
                     said_torque(demand, most, host)?,
                     shortfall.message
@@ -207,7 +207,7 @@ fn reach(demand: &Demand, host: &dyn Host) -> Result<String, AnalysisError> {
             }
         }
     }
-    Ok(format!("In {} mm the rules reach more than {} N m.", demand.outer_diameter_mm, digits(does)))
+    Ok(format!("In {} mm the rules reach more than {} N·m.", demand.outer_diameter_mm, digits(does)))
 }
 
 /// Rounded down to two digits.
@@ -256,7 +256,7 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
         let next = 0.5 * torque;
         if fit(&lighter(next), host)?.is_ok() {
             let most = between(next, (torque, shortfall.clone()), lighter, host)?.0;
-            remedies.push(format!("{} N m", said_torque(demand, most, host)?));
+            remedies.push(format!("{} N·m", said_torque(demand, most, host)?));
             break;
         }
         torque = next;
@@ -272,7 +272,7 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
         all => format!("one of these does: {}", all.join(", ")),
     };
     let message = format!(
-        "no single stage of {} : 1 and {} mm, {}, carries {} N m: {}",
+        "no single stage of {} : 1 and {} mm, {}, carries {} N·m: {}",
         demand.ratio,
         demand.outer_diameter_mm,
         demand.process.word(),

@@ -76,7 +76,7 @@ fn what_is_said_to_do_does() {
     };
     let diameter = number("an outer diameter of ", " mm");
     assert!(fit(&Demand { outer_diameter_mm: diameter, ..asked }, &host).unwrap().is_ok(), "{help}");
-    let torque = number("mm, ", " N m");
+    let torque = number("mm, ", " N·m");
     assert!(fit(&Demand { torque, ..asked }, &host).unwrap().is_ok(), "{help}");
     assert!(help.contains("--process wire-edm"), "{help}");
     for (wrong, words) in [
