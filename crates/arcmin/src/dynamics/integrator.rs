@@ -70,6 +70,9 @@ pub struct Integrator<S: System> {
 /// Newton's iterations end when the last correction is below this part of the tolerance.
 const NEWTON_SHARE: f64 = 1e-3;
 const LARGEST_NEWTON_COUNT: usize = 12;
+/// Corrections that shrink by less than this factor ask for the matrix of the present iterate: one such matrix costs as
+/// much as several evaluations of the forces.
+const SLOW: f64 = 0.1;
 
 enum Attempt {
     /// Converged, with the error over the tolerance.
@@ -317,7 +320,8 @@ impl<S: System> Integrator<S> {
             stiffness: 1.0,
         };
         self.trial.time = end;
-        let mut last_length = f64::INFINITY;
+        // The matrix of the first iterate serves the others as long as corrections shrink fast by it.
+        let (mut last_length, mut wants_tangent) = (None, true);
         for _ in 0..LARGEST_NEWTON_COUNT {
             for i in 0..n {
                 let (v, a) = (old.velocity[i], self.scaled_auxiliary[i]);
@@ -329,18 +333,22 @@ impl<S: System> Integrator<S> {
                     - alpha_f * old.acceleration[i])
                     / (1.0 - alpha_f);
             }
-            self.trial.balance = self.system.evaluate(
-                end,
-                &self.trial.position,
-                &self.trial.velocity,
-                &mut self.force,
-                &mut self.lin,
-            );
+            let Node { position, velocity, .. } = &self.trial;
+            self.trial.balance = if wants_tangent {
+                self.system.evaluate(end, position, velocity, &mut self.force, &mut self.lin)
+            } else {
+                self.system.evaluate_forces(end, position, velocity, &mut self.force)
+            };
             self.state.counts.evaluations += 1;
             for i in 0..n {
                 self.correction[i] = self.force[i] - mass[i] * self.trial.acceleration[i];
             }
-            if self.lin.solve(mass, weights, &mut self.correction).is_err() {
+            let solved = if wants_tangent {
+                self.lin.solve(mass, weights, &mut self.correction)
+            } else {
+                self.lin.solve_again(&mut self.correction)
+            };
+            if solved.is_err() {
                 break;
             }
             let mut length: f64 = 0.0;
@@ -352,13 +360,18 @@ impl<S: System> Integrator<S> {
                 self.trial.velocity[i] += weights.damping * x;
                 self.trial.acceleration[i] += weights.mass * x;
             }
-            if length <= NEWTON_SHARE * self.control.tolerance {
+            // Each correction is at most twice the share of the one before it that this one is of the last: the chord
+            // method gains e₀ L/2 in its first step and e₀ L in the others.
+            let rate = last_length.map_or(1.0, |last: f64| length / last);
+            let left = if rate < SLOW { 2.0 * rate * length } else { length };
+            if left <= NEWTON_SHARE * self.control.tolerance {
                 return Attempt::Converged(self.error(h));
             }
-            if !(length < 4.0 * last_length) {
+            if !(rate < 4.0) {
                 break;
             }
-            last_length = length;
+            wants_tangent = last_length.is_some() && rate > SLOW;
+            last_length = Some(length);
         }
         let residual = (0..n)
             .map(|i| (self.force[i] - mass[i] * self.trial.acceleration[i]).abs())

@@ -242,12 +242,21 @@ impl Journal {
         let known = bent + modes.iter().take_while(|mode| sink.searches(mode.at)).count();
         let mut matrix: Square = smallvec![0.0; if sink.takes_stiffness() { known * known } else { 0 }];
         if !matrix.is_empty() {
-            let mut rows: Square = smallvec![0.0; N * known];
-            rows.chunks_exact_mut(known).zip(&without_gaps).for_each(|(row, by)| spread(by, row));
-            for (i, line) in matrix.chunks_exact_mut(known).enumerate() {
-                let mut column = [0.0; N];
-                (0..N).for_each(|a| column[a] = rows[a * known + i]);
-                spread(&column, line);
+            // Jᵀ H J, row by row of the Jacobian J: what is the same for all columns stays out of the inner loop.
+            let mut rows: Square = smallvec![0.0; 2 * N * known];
+            let (motions, forces) = rows.split_at_mut(N * known);
+            for (a, row) in motions.chunks_exact_mut(known).enumerate() {
+                let mut unit = [0.0; N];
+                unit[a] = 1.0;
+                spread(&unit, row);
+            }
+            for (line, by) in forces.chunks_exact_mut(known).zip(&without_gaps) {
+                spread(by, line);
+            }
+            for (row, line) in motions.chunks_exact(known).zip(forces.chunks_exact(known)) {
+                for (into, factor) in matrix.chunks_exact_mut(known).zip(row).filter(|(_, factor)| **factor != 0.0) {
+                    into.iter_mut().zip(line).for_each(|(entry, by)| *entry += factor * by);
+                }
             }
             let force = Vec2::new(gradient[0], gradient[1]);
             matrix[2 * known + 2] -= force.dot(&arms.inner);
