@@ -254,7 +254,9 @@ impl Journal {
                 spread(by, line);
             }
             for (row, line) in motions.chunks_exact(known).zip(forces.chunks_exact(known)) {
-                for (into, factor) in matrix.chunks_exact_mut(known).zip(row).filter(|(_, factor)| **factor != 0.0) {
+                for (into, factor) in
+                    matrix.chunks_exact_mut(known).zip(row).filter(|(_, factor)| **factor != 0.0)
+                {
                     into.iter_mut().zip(line).for_each(|(entry, by)| *entry += factor * by);
                 }
             }
